@@ -1,0 +1,41 @@
+# How every target of tetloom is built: one place for the language level, the warnings, the sanitizers and the
+# include root.
+find_package(Threads REQUIRED)
+find_program(TETLOOM_CCACHE ccache)
+if(TETLOOM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${TETLOOM_CCACHE})
+endif()
+
+function(tetloom_configure target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  # -ffp-contract=off: a mesh must not depend on whether the compiler fuses a multiplication and an addition.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                                           -Werror=return-type -ffp-contract=off)
+  if(TETLOOM_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${TETLOOM_SANITIZE} -fno-omit-frame-pointer
+                                            -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${TETLOOM_SANITIZE})
+  endif()
+endfunction()
+
+# A library of the project, installed as tetloom::<name> and usable under that name inside the build as well.
+function(tetloom_library name)
+  add_library(tetloom_${name} STATIC ${ARGN})
+  add_library(tetloom::${name} ALIAS tetloom_${name})
+  set_target_properties(tetloom_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(tetloom_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/tetloom>)
+  tetloom_configure(tetloom_${name})
+  set_property(GLOBAL APPEND PROPERTY TETLOOM_LIBRARIES tetloom_${name})
+endfunction()
+
+# A Catch2 test executable, registered with CTest under its own name.
+function(tetloom_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;LIBRARIES;LABELS")
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} tetloom_test_main)
+  tetloom_configure(${name})
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
+endfunction()

@@ -1,0 +1,19 @@
+#include "core/base/progress.hpp"
+
+namespace tetloom {
+
+std::string_view to_string(Stage stage) {
+  switch (stage) {
+    case Stage::Read: return "read";
+    case Stage::SizeField: return "size field";
+    case Stage::Edges: return "edges";
+    case Stage::Faces: return "faces";
+    case Stage::Intersections: return "intersections";
+    case Stage::Volume: return "volume";
+    case Stage::Check: return "check";
+    case Stage::Write: return "write";
+  }
+  return "";
+}
+
+}  // namespace tetloom

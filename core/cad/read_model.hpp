@@ -1,0 +1,39 @@
+#pragma once
+// Reading a geometric model from a file: STEP, IGES and BREP through OpenCASCADE, STL and OBJ as discrete models.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/geometry/model.hpp"
+
+namespace tetloom {
+
+struct ReadOptions {
+  bool heal = true;      ///< repair what OpenCASCADE can repair (wires, small edges, tolerances, orientation)
+  bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
+  double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
+};
+
+/// One thing that was repaired, with how often.
+struct HealingStep {
+  std::string what;
+  std::size_t count = 0;
+};
+
+struct ModelDocument {
+  std::unique_ptr<GeometricModel> model;
+  std::vector<HealingStep> healing;
+  std::vector<Diagnostic> warnings;  ///< invalid shapes that remain, open shells, entities left out …
+  std::string format;                ///< "STEP", "IGES", "BREP", "STL" or "OBJ"
+};
+
+/// Reads the model in `path`; the format follows from the file's extension (.step .stp .iges .igs .brep .stl .obj,
+/// any case) and must agree with its content.
+/// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape),
+/// Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside.
+ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options = {},
+                         const CancelToken* cancel = nullptr);
+
+}  // namespace tetloom

@@ -1,0 +1,184 @@
+#pragma once
+// The functional interface to a geometric model (Beall, Walsh & Shephard 2004): topology as plain tables, shape through
+// small objects that answer geometric questions. OpenCASCADE and discrete (facet) models implement it; no algorithm
+// knows which one it has.
+//
+// Units: model length for points and distances, radians for angles; (u,v) and t are in the units of the
+// parametrisation. Frame: the model's own, right-handed.
+//
+// Thread safety: a GeometricModel is immutable and may be shared by any number of threads. EdgeGeometry and
+// FaceGeometry objects hold evaluation caches: each task makes its own and shares it with nobody.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/ids.hpp"
+#include "core/base/vec.hpp"
+
+namespace tetloom {
+
+struct Color {
+  float red = 0, green = 0, blue = 0;  ///< linear, 0 … 1
+  friend constexpr bool operator==(const Color&, const Color&) = default;
+};
+
+/// What a CAD file says of an entity beside its shape.
+struct EntityAttributes {
+  std::string name;
+  std::optional<Color> color;
+  std::string layer;
+  double tolerance = 0;  ///< how far neighbouring geometry may lie from this entity's own (model length)
+};
+
+/// One appearance of an edge in a loop of a face. A seam appears twice in the same face, once on each side of the
+/// parameter domain.
+struct EdgeUse {
+  ModelEdgeId edge;
+  bool forward = true;  ///< the loop runs along the edge's own direction
+  bool second_side = false;  ///< of a seam's two parameter curves, the second one
+};
+
+/// A closed chain of edge uses with the face on its left, seen from the tip of the face's normal.
+using ModelLoop = std::vector<EdgeUse>;
+
+/// The regions on the two sides of a face; an invalid id stands for the outside.
+struct FaceSides {
+  ModelRegionId front;  ///< the region into which the face's normal points
+  ModelRegionId back;   ///< the region out of which it points
+};
+
+struct ModelEdgeTopology {
+  std::array<ModelVertexId, 2> vertices;  ///< at the start and the end of the edge's range; equal when closed
+  bool degenerate = false;                ///< a point in space, such as the pole of a sphere
+};
+
+/// Who bounds whom, indexed by the ids of the entities.
+struct ModelTopology {
+  std::size_t vertex_count = 0;
+  std::vector<ModelEdgeTopology> edges;
+  std::vector<std::vector<ModelLoop>> face_to_loops;
+  std::vector<FaceSides> face_to_sides;
+  std::vector<std::vector<ModelFaceId>> region_to_faces;  ///< each face once, ascending
+  std::size_t face_count() const { return face_to_loops.size(); }
+  std::size_t edge_count() const { return edges.size(); }
+  std::size_t region_count() const { return region_to_faces.size(); }
+  std::size_t count(int dim) const;
+};
+
+/// A closed interval of a curve parameter.
+struct ParameterRange {
+  double lo = 0, hi = 0;
+};
+
+struct CurvePoint {
+  double t = 0;
+  Vec3 point;
+  double distance = 0;  ///< from the point asked for
+};
+
+/// Questions about one edge. Not for degenerate edges.
+class EdgeGeometry {
+ public:
+  virtual ~EdgeGeometry() = default;
+  virtual ParameterRange range() = 0;
+  /// The period of t, or 0.
+  virtual double period() = 0;
+  virtual Vec3 evaluate(double t) = 0;
+  /// dX/dt.
+  virtual Vec3 derivative(double t) = 0;
+  /// 1 / radius of the osculating circle; 0 where straight or undefined.
+  virtual double curvature(double t) = 0;
+  virtual CurvePoint closest_point(const Vec3& x) = 0;
+};
+
+/// How the (u,v) of a face behave.
+enum class Parametrization {
+  Smooth,    ///< continuous, with derivatives; loops have parameter curves
+  Piecewise  ///< per facet (u = facet index + barycentric, v = barycentric): evaluate and closest_point are inverse to
+             ///< each other, but nearby points may have unrelated (u,v)
+};
+
+struct ParameterBox {
+  Vec2 lo, hi;
+};
+
+struct SurfaceDerivatives {
+  Vec3 point, du, dv;
+};
+
+struct PrincipalCurvatures {
+  double largest = 0, smallest = 0;  ///< by absolute value; signs relative to the normal
+};
+
+struct SurfacePoint {
+  Vec2 uv;
+  Vec3 point;
+  double distance = 0;  ///< from the point asked for
+};
+
+/// A facetted face. Points on the boundary know which model edge or vertex they lie on.
+struct Tessellation {
+  std::vector<Vec3> points;
+  std::vector<Vec2> uv;                                  ///< one per point
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< counter-clockwise seen from the tip of the normal
+  std::vector<ModelEntity> classification;               ///< one per point: vertex, edge or this face
+  std::vector<double> edge_parameter;                    ///< one per point: t, for points classified on an edge
+};
+
+/// Questions about one face.
+class FaceGeometry {
+ public:
+  virtual ~FaceGeometry() = default;
+  virtual Parametrization parametrization() = 0;
+  /// Contains all loops of the face.
+  virtual ParameterBox parameter_box() = 0;
+  /// The periods of u and v, 0 where not periodic.
+  virtual Vec2 period() = 0;
+  virtual Vec3 evaluate(const Vec2& uv) = 0;
+  virtual SurfaceDerivatives derivatives(const Vec2& uv) = 0;
+  /// Unit normal, du × dv where that is defined, else its limit; zero where there is none.
+  virtual Vec3 normal(const Vec2& uv) = 0;
+  virtual PrincipalCurvatures curvature(const Vec2& uv) = 0;
+  /// The point of the face's surface nearest to `x`; `guess` speeds the search up and picks the branch.
+  virtual SurfacePoint closest_point(const Vec3& x, const std::optional<Vec2>& guess) = 0;
+  /// (u,v) of the point `t` of an edge in this face's boundary. Not for Piecewise faces.
+  /// For a degenerate edge, t runs over the `edge_range`.
+  virtual Vec2 edge_parameters(const EdgeUse& use, double t) = 0;
+  /// The range of t for `edge_parameters`; it also serves degenerate edges.
+  virtual ParameterRange edge_range(const EdgeUse& use) = 0;
+  /// Facets that deviate from the face by at most `chord` (model length) and turn by at most `angle` (radians).
+  virtual Tessellation tessellate(double chord, double angle) = 0;
+};
+
+/// A geometric model. Entities are numbered from 0 in each dimension; the numbering depends on the file alone.
+class GeometricModel {
+ public:
+  virtual ~GeometricModel() = default;
+
+  const ModelTopology& topology() const { return topology_; }
+  const EntityAttributes& attributes(ModelEntity entity) const;
+  NamedEntity named(ModelEntity entity) const;
+  /// Contains the model, not much larger than needed.
+  const Box3& bounding_box() const { return bounding_box_; }
+  /// Metres per model length unit; 0 where the file does not say.
+  double metres_per_unit() const { return metres_per_unit_; }
+
+  virtual Vec3 vertex_point(ModelVertexId id) const = 0;
+  virtual std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const = 0;
+  virtual std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const = 0;
+  virtual double area(ModelFaceId id) const = 0;
+  /// Signed as the region's boundary is oriented; positive for a proper solid.
+  virtual double volume(ModelRegionId id) const = 0;
+
+ protected:
+  ModelTopology topology_;
+  std::array<std::vector<EntityAttributes>, 4> attributes_;
+  Box3 bounding_box_;
+  double metres_per_unit_ = 0;
+};
+
+}  // namespace tetloom

@@ -1,0 +1,85 @@
+#pragma once
+// From a geometric model to a mesh: the one header that a host includes.
+//
+// Contract: the library prints nothing, never ends the process and installs no signal handler. Progress and
+// cancellation go through Host. The mesh depends on the model, the options and the number of parts, and on nothing
+// else: not on the number of threads.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/geometry/model.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/sizing/size_field.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// The size asked of one model entity and everything on its closure.
+struct EntitySize {
+  ModelEntity entity;
+  double size = 0;  ///< model length, > 0
+};
+
+/// A point in space with its own size; the gradation spreads it.
+struct PointSize {
+  Vec3 point;
+  double size = 0;  ///< model length, > 0
+};
+
+/// The sizes asked for. All lengths are in model units; the smallest of all that applies at a point wins.
+struct SizeOptions {
+  double size = 0;            ///< absolute target edge length; 0: use relative_size
+  double relative_size = 0;   ///< share of the bounding box's diagonal; 0 with size 0: 1/40
+  double min_size = 0;        ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
+  double curvature = 0;       ///< at least this many edges per full turn; 0: off
+  double proximity = 0;       ///< at least this many edges across a gap or wall; 0: off
+  double gradation = 0.3;     ///< largest growth of the size per unit of distance, > 0
+  std::vector<EntitySize> entity_sizes;
+  std::vector<PointSize> point_sizes;
+  std::function<double(const Vec3&)> callback;  ///< size wanted at a point, or a value <= 0 for no wish; called from
+                                                ///< any thread at once
+};
+
+struct MeshOptions {
+  SizeOptions sizes;
+  bool surface_only = false;
+  int threads = 0;                  ///< 0: all cores that the process may use
+  int parts = 0;                    ///< 0: from the estimated number of elements
+  std::uint64_t max_memory = 0;     ///< bytes; refuse what is estimated to need more; 0: what the machine has free
+  std::string volume_worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
+};
+
+enum class MeshStatus { Ok, Failed, Cancelled };
+
+struct StageSeconds {
+  double size_field = 0, surface = 0, volume = 0;
+};
+
+/// What became of a run. When `status` is not Ok, `mesh` holds what was finished: the surface mesh when the volume
+/// failed or was cancelled, nothing when the surface did.
+struct MeshResult {
+  MeshStatus status = MeshStatus::Failed;
+  Mesh mesh;
+  SizeField sizes = SizeField::uniform(1);
+  std::vector<Diagnostic> errors;
+  std::vector<Diagnostic> warnings;
+  StageSeconds seconds;
+  double model_volume = 0;  ///< sum over the regions; model length³
+};
+
+/// How much a mesh will hold and need, from the size field alone.
+struct MeshEstimate {
+  double triangles = 0, tets = 0, bytes = 0;
+};
+
+/// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.
+/// Errors: throws Error(InvalidArgument) for options out of range. Everything that happens later is in the result.
+/// Thread safety: may be called from any thread, several calls at once.
+MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host = {});
+
+}  // namespace tetloom

@@ -1,0 +1,48 @@
+#pragma once
+// The interface behind which a volume is filled: a closed triangulated surface with regions on its sides goes in,
+// tetrahedra come out. It needs no CAD, only the surface.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/vec.hpp"
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// A surface that bounds regions. Triangles are counter-clockwise seen from the tip of their normal.
+struct VolumeInput {
+  std::span<const Vec3> points;
+  std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
+  std::span<const FaceSides> tri_to_sides;       ///< one per triangle; invalid id: outside of every region
+  std::span<const std::uint32_t> tri_to_face;    ///< model face index, for error messages
+  const GeometricModel* model = nullptr;         ///< for names in error messages; may be null
+  const SizeField* sizes = nullptr;              ///< never null
+};
+
+/// New points follow the given ones: vertex ids below `input.points.size()` are the given points, the others index
+/// `new_points` after subtracting that.
+struct VolumeMesh {
+  std::vector<Vec3> new_points;
+  std::vector<std::array<std::uint32_t, 4>> tet_to_vert;  ///< positive volume
+  std::vector<std::uint32_t> tet_to_region;
+  std::vector<Diagnostic> errors;  ///< regions that could not be filled, with faces and a point; others are filled
+};
+
+struct VolumeOptions {
+  std::string worker;  ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
+};
+
+/// Fills every region of `input`, keeping the given surface exactly: each triangle is a face of the result. Regions
+/// that share no triangle are filled independently and in parallel, and the result does not depend on how many
+/// threads do it.
+/// Errors: Cancelled, OutOfMemory are thrown; a region that cannot be filled is a Diagnostic in the result.
+VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
+
+}  // namespace tetloom

@@ -1,0 +1,108 @@
+#include "threading/task_runner.hpp"
+
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <numeric>
+#include <vector>
+
+namespace tetloom {
+
+namespace tbb = oneapi::tbb;
+
+struct TaskRunner::State {
+  State(int threads, Host given) : arena(threads), host(std::move(given)) {}
+
+  tbb::task_arena arena;
+  Host host;
+  // Raised by report() when the callback refuses to go on, read by cancelled() in all workers; carries no data.
+  std::atomic<bool> refused{false};
+  // Taken for the host's callback only, never around mesh data.
+  std::mutex mutex;
+  ProgressEvent event;
+  std::chrono::steady_clock::time_point last_report;
+
+  // Pre: mutex held.
+  void report() {
+    last_report = std::chrono::steady_clock::now();
+    if (host.progress && !host.progress(event)) refused.store(true, std::memory_order_relaxed);
+  }
+};
+
+TaskRunner::TaskRunner(int threads, Host host) {
+  if (threads < 0) throw Error(ErrorCode::InvalidArgument, "the number of threads must not be negative");
+  const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+  state_ = std::make_unique<State>(count, std::move(host));
+}
+
+TaskRunner::~TaskRunner() = default;
+
+int TaskRunner::threads() const { return state_->arena.max_concurrency(); }
+
+void TaskRunner::for_each(std::size_t count, const std::function<void(std::size_t)>& body) const {
+  for_blocks(count, 1, [&](std::size_t begin, std::size_t) { body(begin); });
+}
+
+void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
+                            const std::function<void(std::size_t, std::size_t)>& body) const {
+  if (count == 0) return;
+  check_cancelled();
+  const std::size_t blocks = (count + grain - 1) / grain;
+  // Blocks are handed out in order, one at a time: the sequence of estimated work that callers set up is kept.
+  std::atomic<std::size_t> next{0};  // counts blocks taken by the lanes below; each block goes to the one that took it
+  const auto lanes = std::min<std::size_t>(blocks, static_cast<std::size_t>(threads()));
+  state_->arena.execute([&] {
+    tbb::parallel_for(
+        std::size_t{0}, lanes,
+        [&](std::size_t) {
+          for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < blocks;) {
+            if (cancelled()) return;
+            try {
+              body(block * grain, std::min(count, (block + 1) * grain));
+            } catch (...) {
+              next.store(blocks, std::memory_order_relaxed);
+              throw;
+            }
+          }
+        },
+        tbb::simple_partitioner{});
+  });
+  check_cancelled();
+}
+
+void TaskRunner::for_each_largest_first(std::span<const double> work,
+                                        const std::function<void(std::size_t)>& body) const {
+  std::vector<std::size_t> order(work.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return work[a] > work[b]; });
+  for_each(order.size(), [&](std::size_t i) { body(order[i]); });
+}
+
+void TaskRunner::begin_stage(Stage stage, std::uint64_t total) const {
+  const std::lock_guard lock(state_->mutex);
+  state_->event = {stage, {}, 0, total};
+  state_->report();
+}
+
+void TaskRunner::advance(std::uint64_t amount, ModelEntity entity) const {
+  const std::lock_guard lock(state_->mutex);
+  state_->event.done += amount;
+  state_->event.entity = entity;
+  const auto since = std::chrono::steady_clock::now() - state_->last_report;
+  if (since >= std::chrono::milliseconds(20) || state_->event.done == state_->event.total) state_->report();
+}
+
+bool TaskRunner::cancelled() const {
+  return state_->refused.load(std::memory_order_relaxed) || (state_->host.cancel && state_->host.cancel->cancelled());
+}
+
+void TaskRunner::check_cancelled() const {
+  if (cancelled()) throw Error(ErrorCode::Cancelled, "cancelled by the host");
+}
+
+}  // namespace tetloom

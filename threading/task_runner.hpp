@@ -1,0 +1,53 @@
+#pragma once
+// Parallel loops, progress and cancellation of one run. oneTBB stays behind this header.
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "core/base/progress.hpp"
+
+namespace tetloom {
+
+/// What a host hands to a long-running call.
+struct Host {
+  ProgressCallback progress;            ///< may be empty
+  const CancelToken* cancel = nullptr;  ///< may be null
+};
+
+/// Runs the parallel loops of one call on a fixed number of threads, tells the host of progress and stops when it asks.
+/// All members may be called from inside loop bodies, including the loops themselves (nested loops share the threads).
+/// The order in which bodies run is not defined: results must not depend on it.
+class TaskRunner {
+ public:
+  /// Pre: threads >= 1, or 0 for all cores that the process may use.
+  explicit TaskRunner(int threads, Host host = {});
+  ~TaskRunner();
+  TaskRunner(const TaskRunner&) = delete;
+  TaskRunner& operator=(const TaskRunner&) = delete;
+
+  int threads() const;
+
+  /// Calls body(i) for 0 <= i < count, one item per task. An exception of a body ends the loop and reaches the
+  /// caller; bodies already running are finished first. Throws Error(Cancelled) once the run is cancelled.
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& body) const;
+  /// The same in blocks [begin, end) of at most `grain` items, cut at multiples of `grain` whatever the threads.
+  void for_blocks(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) const;
+  /// The same for items of known estimated work, largest first, so that no big one is left to the end.
+  void for_each_largest_first(std::span<const double> work, const std::function<void(std::size_t)>& body) const;
+
+  /// Starts a stage of `total` units (0: unknown) and reports it.
+  void begin_stage(Stage stage, std::uint64_t total) const;
+  /// Adds to what is done of the current stage; the host hears of it at most every few milliseconds.
+  void advance(std::uint64_t amount = 1, ModelEntity entity = {}) const;
+  bool cancelled() const;
+  /// Throws Error(Cancelled) when cancelled. Bodies longer than a few milliseconds call it now and then.
+  void check_cancelled() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tetloom
