@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""Checks that imports point downwards and that every library of others stays inside its one adapter.
+
+usage: scripts/check_imports.py [--headers [--build DIR]]
+  --headers    also compiles every header alone, with the flags of DIR/compile_commands.json (default: build/release)
+
+Each edge that breaks a rule is named as "file:line: ...". Exit status 1 if there is any.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+# What each room may include. A room may always include itself.
+MAY_INCLUDE = {
+    "core": set(),
+    "threading": {"core"},
+    "mesher": {"core", "threading"},
+    "adapt": {"core", "threading"},
+    "apps": {"core", "threading", "mesher", "adapt"},
+    "python": {"core", "threading", "mesher", "adapt"},
+    "bench": {"core", "threading", "mesher", "adapt"},
+    "examples": {"core", "threading", "mesher", "adapt"},
+    "tests": {"core", "threading", "mesher", "adapt", "apps", "examples"},
+}
+
+# (what, headers that belong to it, files that may include them)
+ADAPTERS = [
+    ("oneTBB", re.compile(r"^(tbb|oneapi)/"), re.compile(r"^threading/")),
+    ("OpenCASCADE", re.compile(r"\.hxx$"),
+     re.compile(r"^core/cad/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^examples/make_demo_model/|^tests/(cad|support)/")),
+    ("OpenMesh", re.compile(r"^OpenMesh/"),
+     re.compile(r"^core/discrete/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^mesher/surface/facet_patch\.cpp$")),
+    ("TetGen", re.compile(r"^tetgen\.h$"), re.compile(r"^apps/tetgen_worker/")),
+    ("CLI11", re.compile(r"^CLI/"), re.compile(r"^(apps|examples|bench)/")),
+    ("nlohmann-json", re.compile(r"^nlohmann/"), re.compile(r"^(apps|bench|tests)/|\.cpp$")),
+    ("Catch2", re.compile(r"^catch2/"), re.compile(r"^tests/")),
+    ("Google Benchmark", re.compile(r"^benchmark/"), re.compile(r"^bench/")),
+]
+
+# Headers that only their own folder (and the tests) may include; those of an adapter may name the wrapped library.
+PRIVATE_HEADER = re.compile(r"_detail\.hpp$|/detail/")
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def source_files(root):
+    listing = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", "*.cpp", "*.hpp", "*.h"],
+        cwd=root, check=True, capture_output=True, text=True).stdout.split()
+    return sorted(set(name for name in listing if (root / name).exists()))
+
+
+def private_violation(name, header):
+    folder = os.path.dirname(header).removesuffix("/detail")
+    if name.startswith("tests/"):
+        return None
+    if not name.startswith(folder + "/"):
+        return f"{header} is private to {folder}"
+    if name.endswith(".hpp") and not PRIVATE_HEADER.search(name):
+        return f"a public header may not include the private {header}"
+    return None
+
+
+def edge_violation(name, header):
+    """Why `name` may not include `header`; None where it may."""
+    room, target = name.split("/")[0], header.split("/")[0]
+    if target in MAY_INCLUDE and "/" in header:
+        if room in MAY_INCLUDE and target != room and target not in MAY_INCLUDE[room]:
+            return f"{room} may not include {target} ({header}): imports point downwards"
+        return private_violation(name, header) if PRIVATE_HEADER.search(header) else None
+    for what, headers, allowed in ADAPTERS:
+        if headers.search(header) and not allowed.search(name):
+            return f"{what} ({header}) may not be included here, only in {allowed.pattern}"
+    return None
+
+
+def check_edges(root, names):
+    problems = []
+    for name in names:
+        for number, line in enumerate((root / name).read_text(encoding="utf-8").splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            reason = edge_violation(name, match.group(2))
+            if reason is None and match.group(1) == '"' and not (root / match.group(2)).exists():
+                reason = f'"{match.group(2)}" is not a path from the root of the checkout'
+            if reason:
+                problems.append(f"{name}:{number}: {reason}")
+    return problems
+
+
+def flags_by_folder(build):
+    """The compiler flags of one source of each folder, from compile_commands.json."""
+    flags = {}
+    for command in json.loads((build / "compile_commands.json").read_text()):
+        words = shlex.split(command["command"])
+        keep = [word for word in words if word.startswith(("-I", "-D", "-std", "-f"))]
+        keep += [part for i, word in enumerate(words) if word == "-isystem" for part in words[i:i + 2]]
+        flags.setdefault(os.path.dirname(command["file"]), keep)
+    return flags
+
+
+def check_header_alone(root, name, flags):
+    folder = str((root / name).parent)
+    while folder not in flags and len(folder) > len(str(root)):
+        folder = os.path.dirname(folder)
+    command = ["g++", "-std=c++20", *flags.get(folder, []), "-I", str(root), "-fsyntax-only", "-x", "c++",
+               "-include", str(root / name), "/dev/null"]
+    result = subprocess.run(command, capture_output=True, text=True)
+    return None if result.returncode == 0 else f"{name}: does not compile alone:\n{result.stderr[:2000]}"
+
+
+def check_headers(root, names, build):
+    flags = flags_by_folder(build)
+    headers = [name for name in names if name.endswith(".hpp")]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = pool.map(lambda name: check_header_alone(root, name, flags), headers)
+    return [problem for problem in results if problem]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--headers", action="store_true", help="also compile every header alone")
+    parser.add_argument("--build", default="build/release", help="build folder with compile_commands.json")
+    arguments = parser.parse_args()
+    root = Path(__file__).resolve().parent.parent
+    names = source_files(root)
+    problems = check_edges(root, names)
+    if arguments.headers:
+        problems += check_headers(root, names, root / arguments.build)
+    for problem in problems:
+        print(problem)
+    if problems:
+        sys.exit(1)
+    print(f"{len(names)} files: imports point downwards" + (" and every header compiles alone." if arguments.headers
+                                                            else "."))
+
+
+if __name__ == "__main__":
+    main()
