@@ -12,9 +12,18 @@ struct Vec3 {
 
   constexpr double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
   constexpr double& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  constexpr Vec3& operator+=(const Vec3& b) { x += b.x, y += b.y, z += b.z; return *this; }
-  constexpr Vec3& operator-=(const Vec3& b) { x -= b.x, y -= b.y, z -= b.z; return *this; }
-  constexpr Vec3& operator*=(double s) { x *= s, y *= s, z *= s; return *this; }
+  constexpr Vec3& operator+=(const Vec3& b) {
+    x += b.x, y += b.y, z += b.z;
+    return *this;
+  }
+  constexpr Vec3& operator-=(const Vec3& b) {
+    x -= b.x, y -= b.y, z -= b.z;
+    return *this;
+  }
+  constexpr Vec3& operator*=(double s) {
+    x *= s, y *= s, z *= s;
+    return *this;
+  }
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
@@ -42,8 +51,14 @@ inline Vec3 normalized(const Vec3& a) {
 struct Vec2 {
   double u = 0, v = 0;
 
-  constexpr Vec2& operator+=(const Vec2& b) { u += b.u, v += b.v; return *this; }
-  constexpr Vec2& operator-=(const Vec2& b) { u -= b.u, v -= b.v; return *this; }
+  constexpr Vec2& operator+=(const Vec2& b) {
+    u += b.u, v += b.v;
+    return *this;
+  }
+  constexpr Vec2& operator-=(const Vec2& b) {
+    u -= b.u, v -= b.v;
+    return *this;
+  }
   friend constexpr bool operator==(const Vec2&, const Vec2&) = default;
 };
 

@@ -38,7 +38,7 @@ struct EntityAttributes {
 /// parameter domain.
 struct EdgeUse {
   ModelEdgeId edge;
-  bool forward = true;  ///< the loop runs along the edge's own direction
+  bool forward = true;       ///< the loop runs along the edge's own direction
   bool second_side = false;  ///< of a seam's two parameter curves, the second one
 };
 
@@ -123,10 +123,10 @@ struct SurfacePoint {
 /// A facetted face. Points on the boundary know which model edge or vertex they lie on.
 struct Tessellation {
   std::vector<Vec3> points;
-  std::vector<Vec2> uv;                                  ///< one per point
+  std::vector<Vec2> uv;                                   ///< one per point
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< counter-clockwise seen from the tip of the normal
-  std::vector<ModelEntity> classification;               ///< one per point: vertex, edge or this face
-  std::vector<double> edge_parameter;                    ///< one per point: t, for points classified on an edge
+  std::vector<ModelEntity> classification;                ///< one per point: vertex, edge or this face
+  std::vector<double> edge_parameter;                     ///< one per point: t, for points classified on an edge
 };
 
 /// Questions about one face.

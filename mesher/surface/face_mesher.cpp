@@ -1,0 +1,179 @@
+#include "mesher/surface/face_mesher.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "mesher/surface/constrained_delaunay.hpp"
+#include "mesher/surface/face_rim.hpp"
+#include "mesher/surface/frontal_delaunay.hpp"
+#include "mesher/surface/patch_optimizer.hpp"
+
+namespace tetloom {
+
+RimNodes::RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edges)
+    : topology_(model.topology()), edges_(edges) {
+  for (std::uint32_t v = 0; v < topology_.vertex_count; ++v) {
+    points_.push_back(model.vertex_point(ModelVertexId(v)));
+    classification_.push_back(ModelVertexId(v));
+  }
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    edge_first_.push_back(count());
+    points_.insert(points_.end(), edges[e].points.begin() + 1, edges[e].points.end() - 1);
+    classification_.resize(points_.size(), ModelEdgeId(e));
+  }
+}
+
+std::uint32_t RimNodes::node(ModelEdgeId edge, std::size_t i) const {
+  if (i == 0) return topology_.edges[edge.value].vertices[0].value;
+  if (i + 1 == edges_[edge.value].points.size()) return topology_.edges[edge.value].vertices[1].value;
+  return edge_first_[edge.value] + static_cast<std::uint32_t>(i - 1);
+}
+
+std::vector<std::uint32_t> RimNodes::renumbered(const RimNodes& other) const {
+  std::vector<std::uint32_t> numbers(count(), Triangulation::kNone);
+  for (std::uint32_t v = 0; v < topology_.vertex_count; ++v) numbers[v] = v;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const std::size_t pieces = edges_[e].points.size();
+    if (pieces != other.edges_[e].points.size()) continue;
+    for (std::size_t i = 0; i + 2 < pieces; ++i)
+      numbers[edge_first_[e] + i] = other.edge_first_[e] + static_cast<std::uint32_t>(i);
+  }
+  return numbers;
+}
+
+namespace {
+
+class FaceMesher {
+ public:
+  FaceMesher(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+             const std::function<bool()>& keep_going)
+      : model_(model),
+        face_(face),
+        rim_(rim),
+        sizes_(sizes),
+        keep_going_(keep_going),
+        geometry_(model.face_geometry(face)) {}
+
+  FaceMesh run() {
+    mesh_in_plane();
+    return std::move(result_);
+  }
+
+ private:
+  void mesh_in_plane() {
+    const FaceRim rim = trace_rim(model_.topology(), face_, *geometry_, rim_);
+    const PatchSurface surface(*geometry_, sizes_, plane_scale(rim));
+    Patch patch;
+    std::vector<Vec2> plane;
+    for (const FaceRim::Vertex& vertex : rim.vertices) {
+      patch.vertices.push_back(rim_vertex(surface, vertex, plane_scale_));
+      plane.push_back(patch.vertices.back().place.plane);
+    }
+    PolygonTriangulation polygon = triangulate_polygon(plane, rim.segments);
+    if (polygon.verdict != PolygonVerdict::Ok) return explain(polygon, rim, patch);
+    patch.topology = std::move(polygon.triangulation);
+    patch.has_poles = rim.repeats_nodes;
+    refine_frontal(patch, surface, keep_going_);
+    optimize_patch(patch, surface, {}, keep_going_);
+    extract(patch);
+  }
+
+  // Root mean square of |dX/du| and |dX/dv| along the rim.
+  Vec2 plane_scale(const FaceRim& rim) {
+    double uu = 0, vv = 0;
+    for (const FaceRim::Vertex& vertex : rim.vertices) {
+      const SurfaceDerivatives d = geometry_->derivatives(vertex.uv);
+      uu += norm2(d.du);
+      vv += norm2(d.dv);
+    }
+    const double n = std::max<double>(1, static_cast<double>(rim.vertices.size()));
+    plane_scale_ = {uu > 0 ? std::sqrt(uu / n) : 1, vv > 0 ? std::sqrt(vv / n) : 1};
+    return plane_scale_;
+  }
+
+  // Rim vertices lie where their node lies, which the surface meets within the model's tolerance.
+  PatchVertex rim_vertex(const PatchSurface& surface, const FaceRim::Vertex& vertex, Vec2 scale) const {
+    PatchVertex result;
+    result.place = surface.at_plane({vertex.uv.u * scale.u, vertex.uv.v * scale.v});
+    result.place.point = rim_.point(vertex.node);
+    result.size = surface.size_at(result.place.point);
+    result.node = vertex.node;
+    return result;
+  }
+
+  void explain(const PolygonTriangulation& polygon, const FaceRim& rim, const Patch& patch) {
+    const auto segment_point = [&](std::uint32_t s) { return patch.vertices[rim.segments[s][0]].place.point; };
+    result_.verdict = FaceVerdict::RimCrosses;
+    switch (polygon.verdict) {
+      case PolygonVerdict::SegmentsCross:
+        result_.crossing_edges = {rim.segment_to_edge[polygon.first], rim.segment_to_edge[polygon.second]};
+        result_.point = segment_point(polygon.first);
+        break;
+      case PolygonVerdict::PointOnSegment:
+        result_.crossing_edges = {rim.segment_to_edge[polygon.first]};
+        add_edges_at(polygon.second, rim);
+        result_.point = patch.vertices[polygon.second].place.point;
+        break;
+      case PolygonVerdict::DuplicatePoint:
+        add_edges_at(polygon.first, rim);
+        add_edges_at(polygon.second, rim);
+        result_.point = patch.vertices[polygon.second].place.point;
+        break;
+      case PolygonVerdict::NotClosed:
+      case PolygonVerdict::Ok:
+        result_.verdict = FaceVerdict::RimNotClosed;
+        if (!patch.vertices.empty()) result_.point = patch.vertices.front().place.point;
+        break;
+    }
+  }
+
+  void add_edges_at(std::uint32_t vertex, const FaceRim& rim) {
+    for (std::size_t s = 0; s < rim.segments.size(); ++s)
+      if (rim.segments[s][0] == vertex || rim.segments[s][1] == vertex)
+        result_.crossing_edges.push_back(rim.segment_to_edge[s]);
+  }
+
+  void extract(const Patch& patch) {
+    const Triangulation& topology = patch.topology;
+    std::vector<std::uint32_t> ids(patch.vertices.size(), Triangulation::kNone);
+    const auto id_of = [&](std::uint32_t v) {
+      const PatchVertex& vertex = patch.vertices[v];
+      if (vertex.node != Triangulation::kNone) return vertex.node;
+      if (ids[v] == Triangulation::kNone) {
+        ids[v] = FaceMesh::kInner | static_cast<std::uint32_t>(result_.points.size());
+        result_.points.push_back(vertex.place.point);
+      }
+      return ids[v];
+    };
+    for (std::uint32_t tri = 0; tri < topology.slots(); ++tri) {
+      if (!topology.alive(tri)) continue;
+      const auto [a, b, c] = topology.triangle(tri);
+      const std::array nodes{id_of(a), id_of(b), id_of(c)};
+      if (nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[2] == nodes[0]) continue;
+      result_.tri_to_vert.push_back(nodes);
+      if (signed_quality(patch.vertices[a].place, patch.vertices[b].place, patch.vertices[c].place) <= 0) {
+        ++result_.inverted;
+        result_.point = patch.vertices[a].place.point;
+      }
+    }
+    if (result_.tri_to_vert.empty()) result_.verdict = FaceVerdict::RimNotClosed;
+  }
+
+  const GeometricModel& model_;
+  ModelFaceId face_;
+  const RimNodes& rim_;
+  const SizeField& sizes_;
+  const std::function<bool()>& keep_going_;
+  std::unique_ptr<FaceGeometry> geometry_;
+  Vec2 plane_scale_{1, 1};
+  FaceMesh result_;
+};
+
+}  // namespace
+
+FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+                   const std::function<bool()>& keep_going) {
+  return FaceMesher(model, face, rim, sizes, keep_going).run();
+}
+
+}  // namespace tetloom

@@ -1,0 +1,62 @@
+#pragma once
+// One model face, from its discretised edges to triangles.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "mesher/surface/edge_mesher.hpp"
+
+namespace tetloom {
+
+/// The meshed edges of a model with their nodes numbered: model vertices first, then the inner nodes edge by edge.
+class RimNodes {
+ public:
+  RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edges);
+  /// The number of nodes on vertices and edges.
+  std::uint32_t count() const { return static_cast<std::uint32_t>(points_.size()); }
+  const Vec3& point(std::uint32_t node) const { return points_[node]; }
+  const std::vector<Vec3>& points() const { return points_; }
+  /// The model vertex or edge that a node lies on.
+  ModelEntity classification(std::uint32_t node) const { return classification_[node]; }
+  /// The node at position `i` of the edge's mesh.
+  std::uint32_t node(ModelEdgeId edge, std::size_t i) const;
+  /// For every node, its number in `other`, a numbering of the same model; none on edges meshed differently there.
+  std::vector<std::uint32_t> renumbered(const RimNodes& other) const;
+  const EdgeMesh& mesh(ModelEdgeId edge) const { return edges_[edge.value]; }
+
+ private:
+  const ModelTopology& topology_;
+  const std::vector<EdgeMesh>& edges_;
+  std::vector<std::uint32_t> edge_first_;  // first inner node of each edge
+  std::vector<Vec3> points_;
+  std::vector<ModelEntity> classification_;
+};
+
+enum class FaceVerdict {
+  Ok,
+  RimCrosses,      ///< pieces of edges cross in the face's parameter plane: the edges are too coarse
+  RimNotClosed,    ///< the loops do not bound an area
+  NotTriangulated  ///< neither the parameter plane nor the facets gave a valid triangulation
+};
+
+struct FaceMesh {
+  /// Marks vertices of `tri_to_vert` that are nodes inside the face: the other bits index `points`.
+  static constexpr std::uint32_t kInner = 0x80000000u;
+
+  FaceVerdict verdict = FaceVerdict::Ok;
+  std::string message;                                    ///< more about a failure, where there is more
+  std::vector<Vec3> points;                               ///< nodes inside the face
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< rim nodes, or kInner | index into `points`
+  std::vector<ModelEdgeId> crossing_edges;                ///< with RimCrosses
+  Vec3 point;                                             ///< where it failed
+  std::size_t inverted = 0;                               ///< triangles that face away from the surface
+};
+
+/// Meshes one face. Serial; different faces may be meshed at once. Deterministic.
+/// `keep_going` is asked now and then; when it returns false the result is unusable and the caller must be cancelling.
+FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+                   const std::function<bool()>& keep_going);
+
+}  // namespace tetloom

@@ -1,0 +1,100 @@
+#include "mesher/surface/face_rim.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace tetloom {
+namespace {
+
+struct TracedPoint {
+  std::uint32_t node;
+  Vec2 uv;
+  ModelEdgeId edge;  // of the segment that starts here
+};
+
+std::vector<TracedPoint> trace_use(const ModelTopology& topology, const EdgeUse& use, FaceGeometry& geometry,
+                                   const RimNodes& rim) {
+  const EdgeMesh& mesh = rim.mesh(use.edge);
+  const bool degenerate = topology.edges[use.edge.value].degenerate;
+  const ParameterRange range = degenerate ? geometry.edge_range(use) : ParameterRange{};
+  std::vector<TracedPoint> points;
+  for (std::size_t i = 0; i < mesh.t.size(); ++i) {
+    const std::size_t k = use.forward ? i : mesh.t.size() - 1 - i;
+    const double t = !degenerate ? mesh.t[k] : k == 0 ? range.lo : range.hi;
+    points.push_back({rim.node(use.edge, k), geometry.edge_parameters(use, t), use.edge});
+  }
+  return points;
+}
+
+class RimTracer {
+ public:
+  RimTracer(const ModelTopology& topology, FaceGeometry& geometry, const RimNodes& rim)
+      : topology_(topology), geometry_(geometry), rim_(rim) {}
+
+  FaceRim run(ModelFaceId face) {
+    const ParameterBox box = geometry_.parameter_box();
+    tolerance_ = {1e-9 * (box.hi.u - box.lo.u), 1e-9 * (box.hi.v - box.lo.v)};
+    for (const ModelLoop& loop : topology_.face_to_loops[face.value]) trace_loop(loop);
+    return std::move(result_);
+  }
+
+ private:
+  void trace_loop(const ModelLoop& loop) {
+    std::vector<TracedPoint> chain;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      std::vector<TracedPoint> use = trace_use(topology_, loop[k], geometry_, rim_);
+      if (!chain.empty()) join(chain, use.front());
+      chain.insert(chain.end(), use.begin(), use.end());
+    }
+    if (chain.size() < 2) return;
+    join(chain, chain.front());
+    std::vector<std::uint32_t> ids;
+    for (const TracedPoint& point : chain) ids.push_back(vertex(point));
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const std::uint32_t next = ids[(i + 1) % ids.size()];
+      if (ids[i] == next) continue;
+      result_.segments.push_back({ids[i], next});
+      result_.segment_to_edge.push_back(chain[i].edge);
+    }
+  }
+
+  // The chain ends where the next use starts. Where the two parameter curves meet, one point serves both; where they
+  // do not (an apex without a degenerate edge), both stay, as two places of one node.
+  void join(std::vector<TracedPoint>& chain, const TracedPoint& start) {
+    const TracedPoint& end = chain.back();
+    if (end.node != start.node) return;
+    const Vec2 gap = start.uv - end.uv;
+    const ParameterBox box = geometry_.parameter_box();
+    constexpr double kJump = 0.05;
+    const bool jumps =
+        std::abs(gap.u) > kJump * (box.hi.u - box.lo.u) || std::abs(gap.v) > kJump * (box.hi.v - box.lo.v);
+    if (!jumps) chain.pop_back();
+  }
+
+  std::uint32_t vertex(const TracedPoint& point) {
+    auto& places = by_node_[point.node];
+    for (const std::uint32_t v : places) {
+      const Vec2 gap = result_.vertices[v].uv - point.uv;
+      if (std::abs(gap.u) <= tolerance_.u && std::abs(gap.v) <= tolerance_.v) return v;
+    }
+    if (!places.empty()) result_.repeats_nodes = true;
+    places.push_back(static_cast<std::uint32_t>(result_.vertices.size()));
+    result_.vertices.push_back({point.node, point.uv});
+    return places.back();
+  }
+
+  const ModelTopology& topology_;
+  FaceGeometry& geometry_;
+  const RimNodes& rim_;
+  Vec2 tolerance_;
+  FaceRim result_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> by_node_;  // looked up only
+};
+
+}  // namespace
+
+FaceRim trace_rim(const ModelTopology& topology, ModelFaceId face, FaceGeometry& geometry, const RimNodes& rim) {
+  return RimTracer(topology, geometry, rim).run(face);
+}
+
+}  // namespace tetloom

@@ -1,0 +1,72 @@
+#pragma once
+// The mesh of one model face while it is being made: topology, and for every vertex where it lies on the surface.
+//
+// A patch lives in one of two worlds. With a *smooth* parametrisation, vertices have coordinates in the face's plane,
+// which is (u,v) scaled per axis to model length on average; triangles are valid when they are counter-clockwise
+// there, and a vertex moves by moving in the plane. Without one, vertices move in their tangent plane and are
+// projected back; triangles are valid when their normals agree with the surface's. Lengths, angles and qualities are
+// measured in space in both.
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "mesher/surface/triangulation.hpp"
+
+namespace tetloom {
+
+/// Where a vertex lies: plane coordinates (smooth) or (u,v) of the face (facets), the point in space, the derivatives
+/// along the two plane axes (for facets: two orthonormal tangents) and the unit normal (zero where undefined).
+struct PatchPlace {
+  Vec2 plane;
+  Vec3 point, du, dv, normal;
+};
+
+struct PatchVertex {
+  PatchPlace place;
+  double size = 0;                            ///< target edge length here
+  std::uint32_t node = Triangulation::kNone;  ///< the mesh node of a rim vertex; none inside
+};
+
+struct Patch {
+  Triangulation topology;
+  std::vector<PatchVertex> vertices;  ///< indexed as in `topology`
+  bool has_poles = false;             ///< several vertices share a node and a point
+};
+
+/// Evaluates places on one face for one task.
+class PatchSurface {
+ public:
+  /// `scale` maps (u,v) to plane coordinates, axis by axis; ignored for facets.
+  PatchSurface(FaceGeometry& face, const SizeField& sizes, Vec2 scale);
+
+  bool smooth() const { return smooth_; }
+  PatchPlace at_plane(const Vec2& plane) const;
+  PatchPlace nearest(const Vec3& x, const Vec2& guess) const;
+  /// The place reached from `from` by the step (a, b) along its du and dv.
+  PatchPlace displaced(const PatchPlace& from, const Vec2& step) const;
+  PatchPlace midpoint(const PatchPlace& a, const PatchPlace& b) const;
+  /// Whether the triangle is valid (see the top of this file).
+  bool oriented(const PatchPlace& a, const PatchPlace& b, const PatchPlace& c) const;
+  double size_at(const Vec3& x) const { return sizes_.size_at(x); }
+
+ private:
+  FaceGeometry& face_;
+  const SizeField& sizes_;
+  Vec2 scale_;
+  bool smooth_;
+};
+
+/// Triangle quality 4√3·A/Σl² in space: 1 when equilateral, 0 when flat, negative when it faces away from the surface.
+inline double signed_quality(const PatchPlace& a, const PatchPlace& b, const PatchPlace& c) {
+  const Vec3 ab = b.point - a.point, ac = c.point - a.point, bc = c.point - b.point;
+  const Vec3 n = cross(ab, ac);
+  const double squares = norm2(ab) + norm2(ac) + norm2(bc);
+  if (!(squares > 0)) return 0;
+  const double quality = 3.4641016151377544 * norm(n) / squares;
+  return dot(n, a.normal + b.normal + c.normal) >= 0 ? quality : -quality;
+}
+
+}  // namespace tetloom

@@ -1,0 +1,170 @@
+#include "mesher/surface/surface_mesher.hpp"
+
+#include <algorithm>
+
+#include "mesher/surface/edge_mesher.hpp"
+#include "mesher/surface/face_mesher.hpp"
+
+namespace tetloom {
+namespace {
+
+class SurfaceMesher {
+ public:
+  SurfaceMesher(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner)
+      : model_(model), topology_(model.topology()), sizes_(sizes), runner_(runner) {}
+
+  SurfaceMeshResult run() {
+    faces_.resize(topology_.face_count());
+    std::vector<std::size_t> pending(topology_.face_count());
+    for (std::size_t f = 0; f < pending.size(); ++f) pending[f] = f;
+    options_.finer.assign(topology_.edge_count(), 1);
+    constexpr int kMostRounds = 7;
+    for (int round = 0; round < kMostRounds && !pending.empty(); ++round) {
+      remesh_edges();
+      mesh_faces(pending);
+      pending = refine_crossing_edges();
+    }
+    assemble();
+    return std::move(result_);
+  }
+
+ private:
+  // Faces that are not meshed again keep their triangles, under the new numbers of their rim nodes.
+  void remesh_edges() {
+    const std::vector<EdgeMesh> old_edges = std::move(edges_);
+    edges_ = mesh_edges(model_, sizes_, options_, runner_);
+    if (old_edges.empty()) return;
+    const std::vector<std::uint32_t> numbers = RimNodes(model_, old_edges).renumbered(RimNodes(model_, edges_));
+    for (FaceMesh& face : faces_)
+      for (auto& tri : face.tri_to_vert)
+        for (std::uint32_t& v : tri)
+          if (!(v & FaceMesh::kInner)) v = numbers[v];
+  }
+
+  void mesh_faces(const std::vector<std::size_t>& pending) {
+    const RimNodes rim(model_, edges_);
+    std::vector<double> work;
+    for (const std::size_t f : pending) work.push_back(estimate_work(f));
+    const std::function<bool()> keep_going = [this] { return !runner_.cancelled(); };
+    runner_.begin_stage(Stage::Faces, pending.size());
+    runner_.for_each_largest_first(work, [&](std::size_t i) {
+      const ModelFaceId face(pending[i]);
+      faces_[face.value] = mesh_guarded(face, rim, keep_going);
+      runner_.check_cancelled();
+      runner_.advance(1, face);
+    });
+  }
+
+  // A face that throws is a face that fails; the others go on.
+  FaceMesh mesh_guarded(ModelFaceId face, const RimNodes& rim, const std::function<bool()>& keep_going) {
+    try {
+      return mesh_face(model_, face, rim, sizes_, keep_going);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+      FaceMesh failed;
+      failed.verdict = FaceVerdict::NotTriangulated;
+      failed.message = error.what();
+      if (error.diagnostic().point) failed.point = *error.diagnostic().point;
+      return failed;
+    }
+  }
+
+  // The area grows with the square of the rim.
+  double estimate_work(std::size_t face) const {
+    double pieces = 0;
+    for (const ModelLoop& loop : topology_.face_to_loops[face])
+      for (const EdgeUse& use : loop) pieces += static_cast<double>(edges_[use.edge.value].t.size());
+    return pieces * pieces;
+  }
+
+  // Doubles the pieces of the edges that cross; returns the faces to mesh again.
+  std::vector<std::size_t> refine_crossing_edges() {
+    std::vector<bool> refined(topology_.edge_count(), false);
+    for (const FaceMesh& face : faces_)
+      for (const ModelEdgeId edge : face.crossing_edges)
+        if (!topology_.edges[edge.value].degenerate) refined[edge.value] = true;
+    std::vector<std::size_t> pending;
+    for (std::size_t f = 0; f < topology_.face_count(); ++f) {
+      bool touched = false;
+      for (const ModelLoop& loop : topology_.face_to_loops[f])
+        for (const EdgeUse& use : loop) touched = touched || refined[use.edge.value];
+      if (touched) pending.push_back(f);
+    }
+    for (std::size_t e = 0; e < refined.size(); ++e)
+      if (refined[e]) options_.finer[e] *= 2;
+    return pending;
+  }
+
+  void assemble() {
+    const RimNodes rim(model_, edges_);
+    Mesh& mesh = result_.mesh;
+    mesh.points = rim.points();
+    for (std::uint32_t node = 0; node < rim.count(); ++node) mesh.point_to_entity.push_back(rim.classification(node));
+    add_edges(rim);
+    for (std::size_t f = 0; f < faces_.size(); ++f) add_face(f);
+    mesh.face_to_sides = topology_.face_to_sides;
+    for (int dim = 0; dim < 4; ++dim)
+      for (std::size_t i = 0; i < topology_.count(dim); ++i)
+        mesh.entities[static_cast<std::size_t>(dim)].push_back(model_.attributes({dim, static_cast<std::uint32_t>(i)}));
+  }
+
+  void add_edges(const RimNodes& rim) {
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      if (topology_.edges[e].degenerate) continue;
+      for (std::size_t i = 0; i + 1 < edges_[e].t.size(); ++i) {
+        result_.mesh.edge_to_vert.push_back({rim.node(ModelEdgeId(e), i), rim.node(ModelEdgeId(e), i + 1)});
+        result_.mesh.edge_to_entity.push_back(static_cast<std::uint32_t>(e));
+      }
+    }
+  }
+
+  void add_face(std::size_t f) {
+    const FaceMesh& face = faces_[f];
+    if (face.verdict != FaceVerdict::Ok) return report(f);
+    Mesh& mesh = result_.mesh;
+    const auto first = static_cast<std::uint32_t>(mesh.points.size());
+    mesh.points.insert(mesh.points.end(), face.points.begin(), face.points.end());
+    mesh.point_to_entity.resize(mesh.points.size(), ModelFaceId(f));
+    for (std::array<std::uint32_t, 3> tri : face.tri_to_vert) {
+      for (std::uint32_t& v : tri)
+        if (v & FaceMesh::kInner) v = first + (v & ~FaceMesh::kInner);
+      mesh.tri_to_vert.push_back(tri);
+      mesh.tri_to_entity.push_back(static_cast<std::uint32_t>(f));
+    }
+    if (face.inverted > 0) {
+      result_.warnings.push_back({ErrorCode::FaceFailed,
+                                  std::to_string(face.inverted) + " triangles face away from the surface",
+                                  {model_.named(ModelFaceId(f))},
+                                  face.point,
+                                  {}});
+    }
+  }
+
+  void report(std::size_t f) {
+    const FaceMesh& face = faces_[f];
+    std::string message = "the face could not be triangulated";
+    if (face.verdict == FaceVerdict::RimCrosses) message = "pieces of the face's edges cross each other";
+    if (face.verdict == FaceVerdict::RimNotClosed) message = "the face's edges do not bound an area";
+    if (!face.message.empty()) message += ": " + face.message;
+    std::vector<NamedEntity> entities{model_.named(ModelFaceId(f))};
+    for (const ModelEdgeId edge : face.crossing_edges) entities.push_back(model_.named(edge));
+    result_.errors.push_back({ErrorCode::FaceFailed, message, std::move(entities), face.point, {}});
+  }
+
+  const GeometricModel& model_;
+  const ModelTopology& topology_;
+  const SizeField& sizes_;
+  const TaskRunner& runner_;
+  EdgeMeshOptions options_;
+  std::vector<EdgeMesh> edges_;
+  std::vector<FaceMesh> faces_;
+  SurfaceMeshResult result_;
+};
+
+}  // namespace
+
+SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner) {
+  return SurfaceMesher(model, sizes, runner).run();
+}
+
+}  // namespace tetloom

@@ -1,0 +1,23 @@
+#pragma once
+// The surface mesh of a model: edges once each, then faces in parallel, then one conforming mesh of all.
+#include <vector>
+
+#include "core/geometry/model.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/sizing/size_field.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+struct SurfaceMeshResult {
+  Mesh mesh;                       ///< points, edges and triangles with their classification; no tets
+  std::vector<Diagnostic> errors;  ///< faces that could not be meshed; their triangles are missing
+  std::vector<Diagnostic> warnings;
+};
+
+/// Meshes all edges and faces. Where pieces of edges cross because they are too coarse for a face, these edges are
+/// made finer and the faces at them meshed again. The result does not depend on the number of threads.
+/// Errors: Cancelled, OutOfMemory and EdgeFailed are thrown; faces that fail are in the result.
+SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner);
+
+}  // namespace tetloom

@@ -1,0 +1,260 @@
+#include "mesher/surface/triangulation.hpp"
+
+#include "core/base/assert.hpp"
+
+namespace tetloom {
+
+void Triangulation::fix(std::uint32_t h, std::uint8_t count) {
+  fixed_[h] = count;
+  if (twin_[h] != kNone) fixed_[twin_[h]] = count;
+}
+
+std::uint32_t Triangulation::add_vertex() {
+  vert_to_half_edge_.push_back(kNone);
+  return vertex_count() - 1;
+}
+
+std::uint32_t Triangulation::take_slot() {
+  if (!free_.empty()) {
+    const std::uint32_t tri = free_.back();
+    free_.pop_back();
+    return tri;
+  }
+  const std::uint32_t tri = slots();
+  vert_.resize(vert_.size() + 3, kNone);
+  twin_.resize(vert_.size(), kNone);
+  fixed_.resize(vert_.size(), 0);
+  return tri;
+}
+
+std::uint32_t Triangulation::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const std::uint32_t tri = take_slot();
+  const std::array corner{a, b, c};
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    vert_[3 * tri + i] = corner[i];
+    twin_[3 * tri + i] = kNone;
+    fixed_[3 * tri + i] = 0;
+    vert_to_half_edge_[corner[i]] = 3 * tri + i;
+  }
+  return tri;
+}
+
+void Triangulation::remove_triangle(std::uint32_t tri) {
+  for (std::uint32_t h = 3 * tri; h < 3 * tri + 3; ++h) {
+    const std::uint32_t vertex = vert_[h];
+    if (vert_to_half_edge_[vertex] == h) {
+      const std::uint32_t ccw = twin_[prev(h)];
+      vert_to_half_edge_[vertex] = ccw != kNone ? ccw : twin_[h] != kNone ? next(twin_[h]) : kNone;
+    }
+  }
+  for (std::uint32_t h = 3 * tri; h < 3 * tri + 3; ++h) {
+    if (twin_[h] != kNone) twin_[twin_[h]] = kNone;
+    twin_[h] = vert_[h] = kNone;
+    fixed_[h] = 0;
+  }
+  free_.push_back(tri);
+}
+
+void Triangulation::link(std::uint32_t h, std::uint32_t g) {
+  if (h != kNone) twin_[h] = g;
+  if (g != kNone) twin_[g] = h;
+}
+
+std::uint32_t Triangulation::first_outgoing(std::uint32_t vertex) const {
+  const std::uint32_t start = vert_to_half_edge_[vertex];
+  if (start == kNone) return kNone;
+  for (std::uint32_t h = start;;) {
+    if (twin_[h] == kNone) return h;
+    h = next(twin_[h]);
+    if (h == start) return h;
+  }
+}
+
+std::uint32_t Triangulation::find_half_edge(std::uint32_t a, std::uint32_t b) const {
+  std::uint32_t found = kNone;
+  for_each_outgoing(a, [&](std::uint32_t h) {
+    if (target(h) == b) found = h;
+    return found == kNone;
+  });
+  return found;
+}
+
+void Triangulation::flip(std::uint32_t h) {
+  const std::uint32_t g = twin_[h];
+  const std::uint32_t t = h - h % 3, s = g - g % 3;
+  const std::uint32_t a = vert_[h], b = vert_[g], c = apex(h), d = apex(g);
+  const std::array outer{twin_[next(g)], twin_[prev(h)], twin_[next(h)], twin_[prev(g)]};
+  const std::array marks{fixed_[next(g)], fixed_[prev(h)], fixed_[next(h)], fixed_[prev(g)]};
+  // t = (a, d, c), s = (b, c, d)
+  const std::array<std::uint32_t, 3> t_verts{a, d, c}, s_verts{b, c, d};
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    vert_[t + i] = t_verts[i];
+    vert_[s + i] = s_verts[i];
+    vert_to_half_edge_[t_verts[i]] = t + i;
+  }
+  vert_to_half_edge_[b] = s;
+  const std::array<std::uint32_t, 4> rim{t, t + 2, s, s + 2};
+  for (std::size_t i = 0; i < 4; ++i) {
+    link(rim[i], outer[i]);
+    fixed_[rim[i]] = marks[i];
+  }
+  link(t + 1, s + 1);
+  fixed_[t + 1] = fixed_[s + 1] = 0;
+}
+
+void Triangulation::fill_cavity(std::uint32_t vertex, std::span<const std::uint32_t> cavity,
+                                std::vector<std::uint32_t>& created) {
+  struct RimEdge {
+    std::uint32_t a, b, outer;
+    std::uint8_t fixed;
+  };
+  thread_local std::vector<RimEdge> rim;
+  rim.clear();
+  for (const std::uint32_t tri : cavity) fixed_[3 * tri] = static_cast<std::uint8_t>(fixed_[3 * tri] | 0x80u);
+  for (const std::uint32_t tri : cavity) {
+    for (std::uint32_t h = 3 * tri; h < 3 * tri + 3; ++h) {
+      const std::uint32_t outer = twin_[h];
+      if (outer != kNone && (fixed_[outer - outer % 3] & 0x80u)) continue;
+      rim.push_back({vert_[h], target(h), outer, static_cast<std::uint8_t>(fixed_[h] & 0x7fu)});
+    }
+  }
+  fan_at_.resize(vert_to_half_edge_.size(), kNone);
+  created.clear();
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const std::uint32_t tri = i < cavity.size() ? cavity[i] : take_slot();
+    created.push_back(tri);
+    const std::array corner{rim[i].a, rim[i].b, vertex};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      vert_[3 * tri + k] = corner[k];
+      fixed_[3 * tri + k] = 0;
+    }
+    link(3 * tri, rim[i].outer);
+    fixed_[3 * tri] = rim[i].fixed;
+    vert_to_half_edge_[rim[i].a] = 3 * tri;
+    fan_at_[rim[i].a] = 3 * tri;
+  }
+  for (const std::uint32_t tri : created) link(3 * tri + 1, Triangulation::prev(fan_at_[vert_[3 * tri + 1]]));
+  vert_to_half_edge_[vertex] = 3 * created.front() + 2;
+}
+
+void Triangulation::split_edge(std::uint32_t h, std::uint32_t vertex) {
+  const std::uint32_t g = twin_[h];
+  const std::uint8_t mark = fixed_[h];
+  const auto split_side = [&](std::uint32_t side) {
+    // (a, b, c) with the edge ab becomes (a, v, c); the new triangle is (v, b, c).
+    const std::uint32_t b = target(side), c = apex(side);
+    const std::uint32_t outer = twin_[next(side)];
+    const std::uint8_t outer_mark = fixed_[next(side)];
+    const std::uint32_t tri = add_triangle(vertex, b, c);
+    vert_[next(side)] = vertex;
+    link(3 * tri + 1, outer);
+    fixed_[3 * tri + 1] = outer_mark;
+    link(next(side), 3 * tri + 2);
+    fixed_[next(side)] = 0;
+    fixed_[3 * tri] = mark;
+    vert_to_half_edge_[c] = prev(side);
+    return 3 * tri;
+  };
+  const std::uint32_t h2 = split_side(h);
+  twin_[h] = twin_[h2] = kNone;
+  if (g != kNone) {
+    const std::uint32_t g2 = split_side(g);
+    link(h, g2);
+    link(h2, g);
+  }
+  vert_to_half_edge_[vertex] = h2;
+}
+
+bool Triangulation::collapse_keeps_topology(std::uint32_t h) const {
+  const std::uint32_t from = origin(h), to = target(h);
+  const std::uint32_t g = twin_[h];
+  if (g == kNone) return false;
+  bool allowed = true;
+  std::uint32_t shared = 0;
+  for_each_outgoing(from, [&](std::uint32_t spoke) {
+    if (fixed_[spoke] || twin_[spoke] == kNone || fixed_[prev(spoke)] || twin_[prev(spoke)] == kNone) {
+      allowed = false;
+      return false;
+    }
+    if (target(spoke) != to && find_half_edge(target(spoke), to) != kNone)
+      ++shared;
+    else if (target(spoke) != to && find_half_edge(to, target(spoke)) != kNone)
+      ++shared;
+    return true;
+  });
+  return allowed && shared == 2;
+}
+
+void Triangulation::collapse(std::uint32_t h) {
+  const std::uint32_t from = origin(h), to = target(h);
+  const std::uint32_t g = twin_[h];
+  thread_local std::vector<std::uint32_t> spokes;
+  spokes.clear();
+  for_each_outgoing(from, [&](std::uint32_t spoke) { return spokes.push_back(spoke), true; });
+  const auto close = [&](std::uint32_t side) {
+    const std::uint32_t left = twin_[next(side)], right = twin_[prev(side)];
+    const auto mark = static_cast<std::uint8_t>(fixed_[next(side)] | fixed_[prev(side)]);
+    const std::uint32_t c = apex(side);
+    link(left, right);
+    if (left != kNone) fixed_[left] = mark;
+    if (right != kNone) fixed_[right] = mark;
+    // left: c → head, right: tail → c, seen from outside the removed triangle
+    vert_to_half_edge_[c] = left != kNone ? left : next(right);
+    const std::uint32_t tri = side / 3;
+    for (std::uint32_t k = 3 * tri; k < 3 * tri + 3; ++k) {
+      twin_[k] = vert_[k] = kNone;
+      fixed_[k] = 0;
+    }
+    free_.push_back(tri);
+    return left != kNone ? next(left) : kNone;
+  };
+  for (const std::uint32_t spoke : spokes) vert_[spoke] = to;
+  close(h);
+  close(g);
+  vert_to_half_edge_[from] = kNone;
+  for (const std::uint32_t spoke : spokes)
+    if (vert_[spoke] == to) {
+      vert_to_half_edge_[to] = spoke;
+      break;
+    }
+}
+
+void Triangulation::compact() {
+  std::vector<std::uint32_t> moved(slots(), kNone);
+  std::uint32_t count = 0;
+  for (std::uint32_t tri = 0; tri < slots(); ++tri)
+    if (alive(tri)) moved[tri] = count++;
+  for (std::uint32_t tri = 0; tri < slots(); ++tri) {
+    if (moved[tri] == kNone) continue;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = 3 * tri + i, to = 3 * moved[tri] + i;
+      vert_[to] = vert_[from];
+      twin_[to] = twin_[from] == kNone ? kNone : 3 * moved[twin_[from] / 3] + twin_[from] % 3;
+      fixed_[to] = fixed_[from];
+      vert_to_half_edge_[vert_[to]] = to;
+    }
+  }
+  vert_.resize(3 * std::size_t{count});
+  twin_.resize(vert_.size());
+  fixed_.resize(vert_.size());
+  free_.clear();
+}
+
+bool Triangulation::validate() const {
+  for (std::uint32_t h = 0; h < half_edges(); ++h) {
+    if (!alive(h / 3)) continue;
+    if (vert_[h] >= vertex_count()) return false;
+    const std::uint32_t g = twin_[h];
+    if (g == kNone) continue;
+    if (g >= half_edges() || !alive(g / 3) || twin_[g] != h || vert_[g] != target(h) || target(g) != vert_[h] ||
+        fixed_[g] != fixed_[h])
+      return false;
+  }
+  for (std::uint32_t v = 0; v < vertex_count(); ++v) {
+    const std::uint32_t h = vert_to_half_edge_[v];
+    if (h != kNone && (h >= half_edges() || vert_[h] != v)) return false;
+  }
+  return true;
+}
+
+}  // namespace tetloom
