@@ -1,24 +1,72 @@
 #pragma once
 // The target edge length at every point of space.
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "core/base/vec.hpp"
+#include "core/sizing/size_octree.hpp"
 
 namespace tetloom {
 
-// (octree representation: to be written in this folder)
+/// A leaf of the octree, or of its part inside a box.
+struct SizeLeaf {
+  Box3 box;
+  double size = 0;  ///< at the centre of the whole leaf
+};
+
+/// A size field: either one size everywhere or an immutable octree with sizes at the corners of its leaves, between
+/// which it is trilinear. Where no smaller size applies it answers the global size exactly, bit for bit.
+///
+/// The field is continuous inside leaves and across leaves of one level; between leaves of different levels it may
+/// jump by the error of the interpolation, which the builder keeps within a few percent.
+///
+/// Thread safety: immutable; copies share the arrays. Any number of threads may read one field or copies of it.
 class SizeField {
  public:
-  /// The same size everywhere. Pre: size > 0.
+  /// The same size everywhere. Pre: size > 0 and finite; otherwise throws Error(InvalidArgument).
   static SizeField uniform(double size);
 
-  /// Target edge length at `x` (model length), > 0; defined in the whole space. Wait-free, allocates nothing, may be
-  /// called by any number of threads.
+  /// Takes over a tree. Throws Error(InvalidArgument) when it breaks an invariant of SizeOctree.
+  static SizeField from_octree(SizeOctree tree);
+
+  /// Target edge length at `x` (model length), > 0; defined in the whole space: outside the tree's domain it grows
+  /// from the nearest point of the domain by the gradation, up to the global size. Wait-free, allocates nothing, may be
+  /// called by any number of threads. Complexity: the depth of the tree less 5.
   double size_at(const Vec3& x) const;
+
   /// The smallest and largest size that the field holds.
   double smallest() const { return smallest_; }
   double largest() const { return largest_; }
 
+  bool is_uniform() const { return tree_ == nullptr; }
+  std::size_t leaf_count() const;
+  /// Bytes that the field holds, whatever the number of its copies.
+  std::size_t memory() const;
+
+  /// Calls `visit` for every leaf that meets `box`, in Morton order, clipped to the box. A uniform field has one leaf,
+  /// the box itself. Leaves outside the domain carry the global size.
+  void for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const;
+
+  /// The integral of tets_per_cube / size³ over `box`: how many tetrahedra it would take to fill it.
+  double estimate_tets(const Box3& box) const;
+
+  /// A flat copy for another process on the same machine.
+  std::vector<std::byte> serialize() const;
+  /// The inverse. Throws Error(InputUnreadable) for bytes that are not a complete, valid field.
+  static SizeField deserialize(std::span<const std::byte> bytes);
+
  private:
+  class Tree;
   double smallest_ = 0, largest_ = 0;
+  std::shared_ptr<const Tree> tree_;
 };
+
+/// Tetrahedra per size³ in a good mesh whose mean edge is the size (a body-centred lattice with that mean edge).
+inline constexpr double kTetsPerCube = 9.3;
+/// Equilateral triangles per size².
+inline constexpr double kTrianglesPerSquare = 2.3094010767585034;
 
 }  // namespace tetloom

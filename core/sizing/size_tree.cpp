@@ -1,0 +1,114 @@
+#include "core/sizing/size_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tetloom {
+namespace {
+
+/// NaN goes to lo.
+double clamp_into(double x, double lo, double hi) { return x > lo ? (x < hi ? x : hi) : lo; }
+
+double mix(double a, double b, double t) { return a + t * (b - a); }
+
+/// 2^-(kMaxDepth - depth): one over the width of a cell in finest cells.
+constexpr std::array<double, SizeOctree::kMaxDepth + 1> kInverseWidth = [] {
+  std::array<double, SizeOctree::kMaxDepth + 1> inverse{};
+  double value = 1;
+  for (int depth = SizeOctree::kMaxDepth; depth >= 0; --depth, value /= 2)
+    inverse[static_cast<std::size_t>(depth)] = value;
+  return inverse;
+}();
+
+}  // namespace
+
+SizeField::Tree::Tree(SizeOctree octree) : octree_(std::move(octree)), scale_(kCells / octree_.width) {
+  top_.resize(std::size_t{1} << (3 * kTopDepth));
+  fill_top(0, 1, {0, 0, 0});
+}
+
+/// `corner`: of the parent of the block's cells, in cells of kTopDepth.
+void SizeField::Tree::fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner) {
+  const std::uint32_t width = 1u << (kTopDepth - depth);
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    const std::uint32_t code = octree_.cells[8 * std::size_t{block} + octant];
+    const std::array<std::uint32_t, 3> lo{corner[0] + (octant & 1) * width, corner[1] + (octant >> 1 & 1) * width,
+                                          corner[2] + (octant >> 2) * width};
+    if (code < SizeOctree::kLeafBit && depth < kTopDepth) {
+      fill_top(code, depth + 1, lo);
+      continue;
+    }
+    for (std::uint32_t z = lo[2]; z < lo[2] + width; ++z)
+      for (std::uint32_t y = lo[1]; y < lo[1] + width; ++y)
+        for (std::uint32_t x = lo[0]; x < lo[0] + width; ++x)
+          top_[(z << kTopDepth | y) << kTopDepth | x] = {code, depth};
+  }
+}
+
+double SizeField::Tree::interpolate(std::uint32_t leaf, double x, double y, double z) const {
+  const std::array<float, 8>& r = octree_.corner_ratios[leaf];
+  const double lower = mix(mix(r[0], r[1], x), mix(r[2], r[3], x), y);
+  const double upper = mix(mix(r[4], r[5], x), mix(r[6], r[7], x), y);
+  return octree_.size * mix(lower, upper, z);
+}
+
+double SizeField::Tree::size_at(const Vec3& x) const {
+  const Box3& domain = octree_.domain;
+  const Vec3 inside{clamp_into(x.x, domain.lo.x, domain.hi.x), clamp_into(x.y, domain.lo.y, domain.hi.y),
+                    clamp_into(x.z, domain.lo.z, domain.hi.z)};
+  const Vec3 local = (inside - octree_.origin) * scale_;
+  std::array<std::uint32_t, 3> cell;
+  for (int axis = 0; axis < 3; ++axis)
+    cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(clamp_into(local[axis], 0, kCells - 1));
+  constexpr int kTopShift = kMaxDepth - kTopDepth;
+  auto [code, depth] =
+      top_[((cell[2] >> kTopShift) << kTopDepth | cell[1] >> kTopShift) << kTopDepth | cell[0] >> kTopShift];
+  while (code < SizeOctree::kLeafBit) {
+    const std::uint32_t shift = kMaxDepth - ++depth;
+    const std::uint32_t octant = (cell[0] >> shift & 1) | (cell[1] >> shift & 1) << 1 | (cell[2] >> shift & 1) << 2;
+    code = octree_.cells[8 * std::size_t{code} + octant];
+  }
+  if (code == SizeOctree::kGlobalLeaf) return octree_.size;
+  const std::uint32_t mask = ~((1u << (kMaxDepth - depth)) - 1);
+  const double to_unit = kInverseWidth[depth];
+  const double size = interpolate(code - SizeOctree::kLeafBit, (local.x - (cell[0] & mask)) * to_unit,
+                                  (local.y - (cell[1] & mask)) * to_unit, (local.z - (cell[2] & mask)) * to_unit);
+  if (inside == x) return size;
+  const double beyond = distance(x, inside);
+  return beyond >= 0 ? std::min(octree_.size, size + octree_.gradation * beyond) : size;
+}
+
+void SizeField::Tree::for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const {
+  const auto walk = [&](const auto& self, std::uint32_t block, const Vec3& origin, double width) -> void {
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const Vec3 lo = origin + width * Vec3{double(octant & 1), double(octant >> 1 & 1), double(octant >> 2)};
+      const Box3 cell{lo, lo + Vec3{width, width, width}};
+      if (!cell.overlaps(box)) continue;
+      const std::uint32_t code = octree_.cells[8 * std::size_t{block} + octant];
+      if (code < SizeOctree::kLeafBit) {
+        self(self, code, lo, width / 2);
+        continue;
+      }
+      SizeLeaf leaf{cell, code == SizeOctree::kGlobalLeaf ? octree_.size
+                                                          : interpolate(code - SizeOctree::kLeafBit, 0.5, 0.5, 0.5)};
+      for (int axis = 0; axis < 3; ++axis) {
+        leaf.box.lo[axis] = std::max(cell.lo[axis], box.lo[axis]);
+        leaf.box.hi[axis] = std::min(cell.hi[axis], box.hi[axis]);
+      }
+      visit(leaf);
+    }
+  };
+  walk(walk, 0, octree_.origin, octree_.width / 2);
+}
+
+std::size_t SizeField::Tree::leaf_count() const {
+  return octree_.cells.size() - (octree_.cells.size() / 8 - 1);  // every block but the first hangs on one cell
+}
+
+std::size_t SizeField::Tree::memory() const {
+  return sizeof(Tree) + octree_.cells.size() * sizeof(octree_.cells[0]) +
+         octree_.corner_ratios.size() * sizeof(octree_.corner_ratios[0]) + top_.size() * sizeof(TopCell);
+}
+
+}  // namespace tetloom

@@ -1,0 +1,43 @@
+#pragma once
+// The read side of a size field's octree. Private to core/sizing.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/sizing/size_field.hpp"
+
+namespace tetloom {
+
+/// A valid SizeOctree with a table that skips the first levels of every descent.
+class SizeField::Tree {
+ public:
+  /// Pre: validate_octree(octree) finds nothing.
+  explicit Tree(SizeOctree octree);
+
+  double size_at(const Vec3& x) const;
+  void for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const;
+  std::size_t leaf_count() const;
+  std::size_t memory() const;
+  const SizeOctree& octree() const { return octree_; }
+
+ private:
+  static constexpr int kTopDepth = 5;
+  static constexpr int kMaxDepth = SizeOctree::kMaxDepth;
+  static constexpr std::uint32_t kCells = 1u << kMaxDepth;  ///< finest cells along an axis
+
+  /// Where a descent starts: a node at kTopDepth, or a leaf above it.
+  struct TopCell {
+    std::uint32_t code = 0;
+    std::uint32_t depth = 0;
+  };
+
+  void fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner);
+  double interpolate(std::uint32_t leaf, double x, double y, double z) const;
+
+  SizeOctree octree_;
+  double scale_ = 0;  ///< finest cells per unit of length
+  std::vector<TopCell> top_;
+};
+
+}  // namespace tetloom
