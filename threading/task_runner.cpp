@@ -1,5 +1,6 @@
 #include "threading/task_runner.hpp"
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 namespace tetloom {
@@ -16,8 +18,13 @@ namespace tetloom {
 namespace tbb = oneapi::tbb;
 
 struct TaskRunner::State {
-  State(int threads, Host given) : arena(threads), host(std::move(given)) {}
+  State(int threads, Host given) : arena(threads), host(std::move(given)) {
+    // oneTBB prints a warning to stderr when it is asked for more threads than cores without being told first.
+    if (threads > tbb::info::default_concurrency())
+      more_threads_than_cores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  }
 
+  std::optional<tbb::global_control> more_threads_than_cores;
   tbb::task_arena arena;
   Host host;
   // Raised by report() when the callback refuses to go on, read by cancelled() in all workers; carries no data.

@@ -1,0 +1,94 @@
+#include "threading/task_runner.hpp"
+
+#include <catch2/catch.hpp>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+using namespace tetloom;
+
+TEST_CASE("every item is visited once, on any number of threads") {
+  for (const int threads : {1, 2, 5}) {
+    const TaskRunner runner(threads);
+    CHECK(runner.threads() == threads);
+    std::vector<int> visits(1000, 0);
+    runner.for_each(visits.size(), [&](std::size_t i) { ++visits[i]; });
+    runner.for_blocks(visits.size(), 7, [&](std::size_t begin, std::size_t end) {
+      CHECK(begin % 7 == 0);
+      for (std::size_t i = begin; i < end; ++i) ++visits[i];
+    });
+    CHECK(visits == std::vector<int>(1000, 2));
+  }
+}
+
+TEST_CASE("the largest item starts first") {
+  const TaskRunner runner(1);
+  std::vector<std::size_t> order;
+  runner.for_each_largest_first(std::vector<double>{1, 5, 3, 5}, [&](std::size_t i) { order.push_back(i); });
+  CHECK(order == std::vector<std::size_t>{1, 3, 2, 0});
+}
+
+TEST_CASE("loops can be nested") {
+  const TaskRunner runner(3);
+  std::vector<std::size_t> sums(20, 0);
+  runner.for_each(sums.size(), [&](std::size_t i) {
+    std::vector<std::size_t> parts(10, 0);
+    runner.for_each(parts.size(), [&](std::size_t j) { parts[j] = i; });
+    sums[i] = std::accumulate(parts.begin(), parts.end(), std::size_t{0});
+  });
+  for (std::size_t i = 0; i < sums.size(); ++i) CHECK(sums[i] == 10 * i);
+}
+
+TEST_CASE("an exception of a body reaches the caller and ends the loop") {
+  const TaskRunner runner(2);
+  const auto loop = [&] {
+    runner.for_each(100, [](std::size_t i) {
+      if (i == 13) throw Error(ErrorCode::FaceFailed, "thirteen");
+    });
+  };
+  CHECK_THROWS_WITH(loop(), "thirteen");
+  int visits = 0;
+  TaskRunner(1).for_each(3, [&](std::size_t) { ++visits; });
+  CHECK(visits == 3);
+}
+
+TEST_CASE("a raised token cancels loops that are running and loops that start later") {
+  CancelToken token;
+  const TaskRunner runner(2, {{}, &token});
+  const auto code_of = [&](const auto& call) {
+    try {
+      call();
+    } catch (const Error& error) { return error.code(); }
+    return ErrorCode::Internal;
+  };
+  std::atomic<int> visits{0};
+  CHECK(code_of([&] {
+          runner.for_each(100000, [&](std::size_t i) {
+            ++visits;
+            if (i == 10) token.cancel();
+          });
+        }) == ErrorCode::Cancelled);
+  CHECK(visits < 100000);
+  CHECK(code_of([&] { runner.for_each(1, [](std::size_t) {}); }) == ErrorCode::Cancelled);
+}
+
+TEST_CASE("the host hears of the start and the end of a stage and can refuse to go on") {
+  std::vector<ProgressEvent> events;
+  Host host;
+  host.progress = [&](const ProgressEvent& event) {
+    events.push_back(event);
+    return event.stage != Stage::Volume;
+  };
+  const TaskRunner runner(2, host);
+  runner.begin_stage(Stage::Faces, 5);
+  for (int i = 0; i < 5; ++i) runner.advance();
+  REQUIRE(events.size() >= 2);
+  CHECK(events.front().done == 0);
+  CHECK(events.back().done == 5);
+  CHECK(events.back().total == 5);
+  CHECK_FALSE(runner.cancelled());
+  runner.begin_stage(Stage::Volume, 1);
+  CHECK(runner.cancelled());
+}
+
+TEST_CASE("a negative number of threads is refused") { CHECK_THROWS_AS(TaskRunner(-1), Error); }
