@@ -1,0 +1,35 @@
+#pragma once
+// One edge of an OpenCASCADE shape as an EdgeGeometry. Private to core/cad.
+#include <GeomAdaptor_Curve.hxx>
+#include <TopoDS_Edge.hxx>
+#include <vector>
+
+#include "core/geometry/model.hpp"
+
+namespace tetloom::cad {
+
+class CadEdge final : public EdgeGeometry {
+ public:
+  /// `edge` runs forward, is not degenerate and has a 3D curve. Errors: EdgeFailed.
+  CadEdge(const TopoDS_Edge& edge, NamedEntity who);
+
+  ParameterRange range() override { return range_; }
+  double period() override { return period_; }
+  Vec3 evaluate(double t) override;
+  Vec3 derivative(double t) override;
+  double curvature(double t) override;
+  CurvePoint closest_point(const Vec3& x) override;
+
+ private:
+  CurvePoint refine(const Vec3& x, double lo, double t, double hi);
+  void make_samples();
+
+  NamedEntity who_;
+  GeomAdaptor_Curve curve_;  ///< with a span cache of its own
+  ParameterRange range_;
+  double period_ = 0;
+  std::vector<double> sample_t_;  ///< empty until the first closest_point
+  std::vector<Vec3> samples_;
+};
+
+}  // namespace tetloom::cad

@@ -1,0 +1,69 @@
+#pragma once
+// One face of an OpenCASCADE shape as a FaceGeometry. Private to core/cad.
+#include <Geom2dAdaptor_Curve.hxx>
+#include <memory>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <vector>
+
+#include "core/cad/detail/surface_evaluator.hpp"
+#include "core/cad/detail/topology.hpp"
+#include "core/geometry/model.hpp"
+
+namespace tetloom::cad {
+
+class CadFace final : public FaceGeometry {
+ public:
+  /// `shapes` and `topology` belong to the model and outlive this. Errors: FaceFailed.
+  CadFace(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, NamedEntity who);
+
+  Parametrization parametrization() override { return Parametrization::Smooth; }
+  ParameterBox parameter_box() override { return box_; }
+  Vec2 period() override { return period_; }
+  Vec3 evaluate(const Vec2& uv) override;
+  SurfaceDerivatives derivatives(const Vec2& uv) override;
+  Vec3 normal(const Vec2& uv) override;
+  PrincipalCurvatures curvature(const Vec2& uv) override;
+  SurfacePoint closest_point(const Vec3& x, const std::optional<Vec2>& guess) override;
+  Vec2 edge_parameters(const EdgeUse& use, double t) override;
+  ParameterRange edge_range(const EdgeUse& use) override;
+  Tessellation tessellate(double chord, double angle) override;
+
+ private:
+  /// The parameter curve of one side of an edge, with the affine map from the edge's t to the curve's.
+  struct ParameterCurve {
+    EdgeUse use;
+    Geom2dAdaptor_Curve curve;
+    ParameterRange range;  ///< of the edge's t
+    double scale = 1, shift = 0;
+  };
+  struct Descent {
+    SurfacePoint found;
+    bool converged = false;
+  };
+
+  ParameterCurve& parameter_curve(const EdgeUse& use);
+  ParameterCurve make_parameter_curve(const EdgeUse& use) const;
+  void find_box();
+  Vec2 pull_inside(const Vec2& uv, double share) const;
+  Vec3 limit_normal(const Vec2& uv);
+  Vec2 into_box(Vec2 uv) const;
+  Descent descend(const Vec3& x, Vec2 start);
+  SurfacePoint search(const Vec3& x);
+  void make_samples();
+
+  const ShapeTables& shapes_;
+  const ModelTopology& topology_;
+  ModelFaceId id_;
+  NamedEntity who_;
+  TopoDS_Face face_;
+  std::unique_ptr<SurfaceEvaluator> surface_;
+  ParameterBox box_, search_box_;
+  Vec2 period_;
+  double length_scale_ = 1;  ///< about the face's size, for tolerances
+  std::vector<ParameterCurve> curves_;
+  std::vector<Vec2> sample_uv_;  ///< a grid over the box; empty until the first search
+  std::vector<Vec3> samples_;
+};
+
+}  // namespace tetloom::cad

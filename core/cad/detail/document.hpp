@@ -1,0 +1,22 @@
+#pragma once
+// What a STEP, IGES or BREP file holds, before anything is repaired or numbered. Private to core/cad.
+#include <filesystem>
+#include <TopoDS_Compound.hxx>
+
+#include "core/base/progress.hpp"
+#include "core/cad/detail/shape_attributes.hpp"
+
+namespace tetloom::cad {
+
+struct Document {
+  TopoDS_Compound root;  ///< the parts, each in its place
+  AttributeMap attributes;
+  double metres_per_unit = 0;
+};
+
+enum class CadFormat { Step, Iges, Brep };
+
+/// Reads a file that a ReadingSession guards. Errors: InputUnreadable, InputUnsuitable, Cancelled.
+Document read_document(const std::filesystem::path& path, CadFormat format, const CancelToken* cancel);
+
+}  // namespace tetloom::cad

@@ -1,0 +1,87 @@
+#include "core/cad/detail/tessellate.hpp"
+
+#include <BRep_Tool.hxx>
+#include <BRepBuilderAPI_Copy.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS.hxx>
+
+#include "core/cad/detail/conversions.hpp"
+
+namespace tetloom::cad {
+namespace {
+
+/// Nodes on edges get the edge and its parameter, nodes at the ends of edges the vertex.
+class BoundaryMarker {
+ public:
+  BoundaryMarker(const ModelTopology& topology, const Handle(Poly_Triangulation) & facets, const TopLoc_Location& place,
+                 Tessellation& out)
+      : topology_(topology), facets_(facets), place_(place), out_(out) {}
+
+  void mark(const EdgeUse& use, const TopoDS_Edge& oriented) {
+    const Handle(Poly_PolygonOnTriangulation) polygon = BRep_Tool::PolygonOnTriangulation(oriented, facets_, place_);
+    if (polygon.IsNull()) return;
+    const ModelEdgeTopology& edge = topology_.edges[use.edge.value];
+    const int count = polygon->NbNodes();
+    for (int i = 1; i <= count; ++i) {
+      const std::size_t node = static_cast<std::size_t>(polygon->Node(i)) - 1;
+      if (i == 1 || i == count || edge.degenerate) {
+        out_.classification[node] = edge.vertices[i == count ? 1 : 0];
+      } else if (out_.classification[node].dim != 0) {
+        out_.classification[node] = use.edge;
+        out_.edge_parameter[node] = polygon->Parameter(i);
+      }
+    }
+  }
+
+ private:
+  const ModelTopology& topology_;
+  const Handle(Poly_Triangulation) & facets_;
+  const TopLoc_Location& place_;
+  Tessellation& out_;
+};
+
+void copy_facets(const Handle(Poly_Triangulation) & facets, const TopLoc_Location& place, ModelFaceId id,
+                 Tessellation& out) {
+  const gp_Trsf transform = place.Transformation();
+  for (int i = 1; i <= facets->NbNodes(); ++i) {
+    out.points.push_back(to_vec3(facets->Node(i).Transformed(transform)));
+    out.uv.push_back(to_vec2(facets->UVNode(i)));
+  }
+  out.classification.assign(out.points.size(), id);
+  out.edge_parameter.assign(out.points.size(), 0.0);
+  for (int i = 1; i <= facets->NbTriangles(); ++i) {
+    int a, b, c;
+    facets->Triangle(i).Get(a, b, c);
+    out.tri_to_vert.push_back(
+        {static_cast<std::uint32_t>(a - 1), static_cast<std::uint32_t>(b - 1), static_cast<std::uint32_t>(c - 1)});
+  }
+}
+
+}  // namespace
+
+Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
+                             double angle) {
+  if (!(chord > 0) || !(angle > 0)) throw Error(ErrorCode::InvalidArgument, "chord and angle must be positive");
+  BRepBuilderAPI_Copy copy(shapes.face(id), true, false);
+  const TopoDS_Face face = TopoDS::Face(copy.Shape().Oriented(TopAbs_FORWARD));
+  BRepMesh_IncrementalMesh(face, chord, false, angle, false);
+  TopLoc_Location place;
+  const Handle(Poly_Triangulation) facets = BRep_Tool::Triangulation(face, place);
+  if (facets.IsNull() || facets->NbTriangles() == 0 || !facets->HasUVNodes())
+    throw Error(ErrorCode::FaceFailed, "OpenCASCADE could not tessellate the face");
+  Tessellation out;
+  copy_facets(facets, place, id, out);
+  BoundaryMarker marker(topology, facets, place, out);
+  for (const ModelLoop& loop : topology.face_to_loops[id.value]) {
+    for (const EdgeUse& use : loop) {
+      const TopoDS_Shape edge = copy.ModifiedShape(shapes.edge(use.edge));
+      marker.mark(use, TopoDS::Edge(edge.Oriented(use.second_side ? TopAbs_REVERSED : TopAbs_FORWARD)));
+    }
+  }
+  return out;
+}
+
+}  // namespace tetloom::cad

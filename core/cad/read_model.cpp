@@ -1,0 +1,75 @@
+#include "core/cad/read_model.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <numbers>
+
+#include "core/cad/detail/cad_model.hpp"
+#include "core/cad/detail/document.hpp"
+#include "core/cad/detail/occt_guard.hpp"
+
+namespace tetloom {
+namespace {
+
+enum class Format { Step, Iges, Brep, Stl, Obj };
+
+struct Extension {
+  const char* text;
+  Format format;
+  const char* name;
+};
+
+constexpr Extension kExtensions[] = {
+    {".step", Format::Step, "STEP"}, {".stp", Format::Step, "STEP"},  {".iges", Format::Iges, "IGES"},
+    {".igs", Format::Iges, "IGES"},  {".brep", Format::Brep, "BREP"}, {".stl", Format::Stl, "STL"},
+    {".obj", Format::Obj, "OBJ"},
+};
+
+const Extension& find_extension(const std::filesystem::path& path) {
+  std::string text = path.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const Extension& extension : kExtensions)
+    if (text == extension.text) return extension;
+  throw Error(ErrorCode::InvalidArgument, "'" + path.string() + "' has the unknown extension '" + text +
+                                              "'; known are .step .stp .iges .igs .brep .stl .obj");
+}
+
+void check_options(const ReadOptions& options) {
+  if (!(options.feature_angle > 0 && options.feature_angle <= std::numbers::pi))
+    throw Error(ErrorCode::InvalidArgument, "the feature angle must lie between 0 and pi");
+}
+
+ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format, const CancelToken* cancel) {
+  const cad::ReadingSession session;
+  const cad::Document document = cad::read_document(path, format, cancel);
+  return cad::translate_failures({}, ErrorCode::InputUnsuitable, "taking the model apart", [&] {
+    ModelDocument result;
+    cad::ShapeTopology parts = cad::make_topology(document.root);
+    if (parts.topology.face_count() == 0)
+      throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
+    result.warnings = std::move(parts.warnings);
+    result.model =
+        std::make_unique<cad::CadModel>(std::move(parts), document.root, document.attributes, document.metres_per_unit);
+    return result;
+  });
+}
+
+}  // namespace
+
+ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options, const CancelToken* cancel) {
+  check_options(options);
+  const Extension& extension = find_extension(path);
+  if (cancel) cancel->check();
+  ModelDocument document;
+  switch (extension.format) {
+    case Format::Step: document = read_cad(path, cad::CadFormat::Step, cancel); break;
+    case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, cancel); break;
+    case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, cancel); break;
+    case Format::Stl:
+    case Format::Obj: throw Error(ErrorCode::InputUnsuitable, "facetted models are not part of this build");
+  }
+  document.format = extension.name;
+  return document;
+}
+
+}  // namespace tetloom
