@@ -1,0 +1,154 @@
+#include "mesher/intersection/self_intersection.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "mesher/intersection/triangle_pair.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+
+namespace tetloom {
+
+namespace {
+
+constexpr std::size_t kLeavesPerBlock = 256;
+constexpr std::size_t kElementsToldAtMost = 100;
+
+bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) {
+  return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+}
+
+class Searcher {
+ public:
+  Searcher(const IntersectionSearch& search, const TaskRunner& runner)
+      : search_(search), tree_(search.points, search.tri_to_vert, runner), degenerate_(search.tri_to_vert.size()) {
+    runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto& [a, b, c] = search_.tri_to_vert[i];
+        degenerate_[i] = is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
+      }
+    });
+  }
+
+  std::size_t leaf_count() const { return tree_.leaf_count(); }
+
+  // Intersections between the triangles of the leaves [begin, end) and those of all later leaves.
+  std::vector<TriangleIntersection> search_leaves(std::size_t begin, std::size_t end) const {
+    std::vector<TriangleIntersection> found;
+    for (std::size_t leaf = begin; leaf < end && found.size() < search_.most; ++leaf) {
+      for (const std::uint32_t triangle : tree_.leaf_triangles(leaf)) {
+        if (degenerate_[triangle]) found.push_back(degenerate_at(triangle));
+      }
+      tree_.for_each_leaf_in(tree_.leaf_box(leaf), leaf,
+                             [&](std::size_t other) { compare_leaves(leaf, other, found); });
+    }
+    return found;
+  }
+
+ private:
+  void compare_leaves(std::size_t leaf, std::size_t other, std::vector<TriangleIntersection>& found) const {
+    const auto ours = tree_.leaf_triangles(leaf), theirs = tree_.leaf_triangles(other);
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+      const Box3 box = tree_.box_of(ours[i]);
+      if (!box.overlaps(tree_.leaf_box(other))) continue;
+      for (std::size_t j = leaf == other ? i + 1 : 0; j < theirs.size(); ++j) {
+        if (box.overlaps(tree_.box_of(theirs[j]))) compare(ours[i], theirs[j], found);
+      }
+    }
+  }
+
+  void compare(std::uint32_t one, std::uint32_t other, std::vector<TriangleIntersection>& found) const {
+    const auto [first, second] = std::minmax(one, other);
+    if (degenerate_[first] || degenerate_[second] || found.size() >= search_.most) return;
+    if (!search_.tri_to_group.empty() && search_.tri_to_group[first] != search_.tri_to_group[second]) return;
+    const auto verdict = check_pair(search_.points, search_.tri_to_vert[first], search_.tri_to_vert[second]);
+    if (verdict) found.push_back({first, second, verdict->kind, verdict->point});
+  }
+
+  TriangleIntersection degenerate_at(std::uint32_t triangle) const {
+    return {triangle, triangle, IntersectionKind::Degenerate, search_.points[search_.tri_to_vert[triangle][0]]};
+  }
+
+  const IntersectionSearch& search_;
+  TriangleTree tree_;
+  std::vector<char> degenerate_;
+};
+
+std::string count_of(std::size_t count, const char* singular, const char* plural) {
+  return std::to_string(count) + " " + (count == 1 ? singular : plural);
+}
+
+NamedEntity named_face(std::uint32_t face, const TriangleOrigin& origin) {
+  const ModelEntity entity{2, face};
+  if (origin.model && face < origin.model->topology().face_count()) return origin.model->named(entity);
+  return {entity, {}};
+}
+
+// What the intersections of one pair of faces, or of one face with itself, have to say.
+Diagnostic describe_group(std::span<const TriangleIntersection* const> group, const TriangleOrigin& origin) {
+  const std::uint32_t one = origin.tri_to_face[group[0]->first], other = origin.tri_to_face[group[0]->second];
+  Diagnostic diagnostic;
+  diagnostic.code = ErrorCode::SelfIntersection;
+  diagnostic.entities.push_back(named_face(std::min(one, other), origin));
+  if (one != other) diagnostic.entities.push_back(named_face(std::max(one, other), origin));
+  const auto& names = diagnostic.entities;
+  const auto is_degenerate_triangle = [](const TriangleIntersection* x) {
+    return x->kind == IntersectionKind::Degenerate;
+  };
+  if (std::all_of(group.begin(), group.end(), is_degenerate_triangle)) {
+    diagnostic.message = "the surface mesh of " + describe(names[0]) + " has " +
+                         count_of(group.size(), "triangle", "triangles") + " without area";
+  } else if (one == other) {
+    diagnostic.message = "the surface mesh of " + describe(names[0]) + " crosses or touches itself in " +
+                         count_of(group.size(), "pair", "pairs") + " of triangles";
+  } else {
+    diagnostic.message = "the surface meshes of " + describe(names[0]) + " and " + describe(names[1]) +
+                         " cross or touch in " + count_of(group.size(), "pair", "pairs") + " of triangles";
+  }
+  diagnostic.point = group[0]->point;
+  for (const TriangleIntersection* item : group) {
+    diagnostic.elements.push_back(item->first);
+    if (item->second != item->first) diagnostic.elements.push_back(item->second);
+  }
+  std::sort(diagnostic.elements.begin(), diagnostic.elements.end());
+  diagnostic.elements.erase(std::unique(diagnostic.elements.begin(), diagnostic.elements.end()),
+                            diagnostic.elements.end());
+  if (diagnostic.elements.size() > kElementsToldAtMost) diagnostic.elements.resize(kElementsToldAtMost);
+  return diagnostic;
+}
+
+}  // namespace
+
+std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner) {
+  const Searcher searcher(search, runner);
+  const std::size_t blocks = (searcher.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock;
+  std::vector<std::vector<TriangleIntersection>> block_to_found(blocks);
+  runner.for_blocks(searcher.leaf_count(), kLeavesPerBlock, [&](std::size_t begin, std::size_t end) {
+    block_to_found[begin / kLeavesPerBlock] = searcher.search_leaves(begin, end);
+  });
+  std::vector<TriangleIntersection> all;
+  for (const auto& found : block_to_found) all.insert(all.end(), found.begin(), found.end());
+  std::sort(all.begin(), all.end(), comes_before);
+  if (all.size() > search.most) all.resize(search.most);
+  return all;
+}
+
+std::vector<Diagnostic> describe_intersections(std::span<const TriangleIntersection> intersections,
+                                               const TriangleOrigin& origin) {
+  // Faces in ascending order, with degenerate triangles told apart from a face that crosses itself.
+  std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, std::vector<const TriangleIntersection*>> groups;
+  for (const TriangleIntersection& item : intersections) {
+    const auto [low, high] = std::minmax(origin.tri_to_face[item.first], origin.tri_to_face[item.second]);
+    groups[{low, high, item.kind == IntersectionKind::Degenerate}].push_back(&item);
+  }
+  std::vector<std::pair<std::size_t, Diagnostic>> told;
+  for (const auto& [faces, group] : groups) told.emplace_back(group.size(), describe_group(group, origin));
+  std::stable_sort(told.begin(), told.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<Diagnostic> diagnostics;
+  for (auto& [count, diagnostic] : told) diagnostics.push_back(std::move(diagnostic));
+  return diagnostics;
+}
+
+}  // namespace tetloom

@@ -1,0 +1,57 @@
+#pragma once
+// Does a triangulated surface cross, touch or fold over itself? Exact, parallel, and told in terms of model faces.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/vec.hpp"
+#include "core/geometry/model.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+enum class IntersectionKind : std::uint8_t {
+  Crossing,   ///< the triangles meet in points that are not on a vertex or edge that both have
+  Overlap,    ///< the same, within one plane; also two triangles with the same three vertices
+  Degenerate  ///< not a pair: the triangle has no area, and `second` is `first`
+};
+
+/// Two triangles (first < second) that meet beyond the vertex or edge that they share.
+struct TriangleIntersection {
+  std::uint32_t first = 0, second = 0;
+  IntersectionKind kind = IntersectionKind::Crossing;
+  Vec3 point;  ///< at or near a place where they meet, within rounding
+};
+
+struct IntersectionSearch {
+  std::span<const Vec3> points;
+  std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
+  /// Only triangles of one group are compared; empty: all are of one group.
+  std::span<const std::uint32_t> tri_to_group;
+  /// At most this many are returned.
+  std::size_t most = 1000;
+};
+
+/// All pairs of triangles of the same group that meet beyond what they share by vertex id: those that cross, those that
+/// lie in one plane and overlap, a vertex of one that touches the other, and neighbours folded onto each other. Points
+/// of equal coordinates and different ids count as touching. Sorted by (first, second), each pair once.
+/// Guaranteed: the decision for each pair is exact. When there are more than `most`, which ones are kept depends on the
+/// input alone. Not guaranteed: that the reported point is exactly in both triangles. The empty result is a proof that
+/// each group is an embedded surface complex.
+/// Pre: indices valid, coordinates finite. Errors: Cancelled. Complexity: O(n log n) for n triangles of similar size.
+std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner);
+
+/// Where the triangles of a search came from.
+struct TriangleOrigin {
+  std::span<const std::uint32_t> tri_to_face;  ///< model face index per triangle
+  const GeometricModel* model = nullptr;       ///< for names; may be null
+};
+
+/// One diagnostic per pair of model faces (or single face) with an intersection, most intersections first: the faces by
+/// name, how often, one point, and the triangles (at most 100 of them).
+std::vector<Diagnostic> describe_intersections(std::span<const TriangleIntersection> intersections,
+                                               const TriangleOrigin& origin);
+
+}  // namespace tetloom

@@ -1,0 +1,123 @@
+#include "mesher/intersection/triangle_tree.hpp"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "core/predicates/predicates.hpp"
+
+namespace tetloom {
+
+namespace {
+
+constexpr std::size_t kBlock = 1 << 14;
+
+// Spreads the low 21 bits of x to every third bit.
+std::uint64_t spread(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+std::uint64_t morton(const Vec3& p, const Vec3& origin, double scale) {
+  const auto cell = [&](double x, double lo) {
+    return static_cast<std::uint64_t>(std::clamp((x - lo) * scale, 0.0, 2097151.0));
+  };
+  return spread(cell(p.x, origin.x)) | spread(cell(p.y, origin.y)) << 1 | spread(cell(p.z, origin.z)) << 2;
+}
+
+// Sign of orient2d in the (x,y) plane, with x moved by (e, e^2) for an infinitesimal e; 0 only where u and v coincide
+// in that plane.
+int perturbed_side(const Vec3& u, const Vec3& v, const Vec3& x) {
+  const int side = orient2d({u.x, u.y}, {v.x, v.y}, {x.x, x.y});
+  if (side != 0) return side;
+  if (u.y != v.y) return v.y < u.y ? 1 : -1;
+  return v.x > u.x ? 1 : v.x < u.x ? -1 : 0;
+}
+
+double distance_to_segment2(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length2 = norm2(d);
+  const double t = length2 > 0 ? std::clamp(dot(x - a, d) / length2, 0.0, 1.0) : 0.0;
+  return norm2(x - (a + t * d));
+}
+
+double distance_to_box2(const Vec3& x, const Box3& box) {
+  const auto gap = [](double value, double lo, double hi) { return std::max({lo - value, value - hi, 0.0}); };
+  return norm2(Vec3{gap(x.x, box.lo.x, box.hi.x), gap(x.y, box.lo.y, box.hi.y), gap(x.z, box.lo.z, box.hi.z)});
+}
+
+}  // namespace
+
+double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = cross(b - a, c - a);
+  const double area2 = norm2(normal);
+  const bool above = area2 > 0 && dot(cross(b - a, x - a), normal) >= 0 && dot(cross(c - b, x - b), normal) >= 0 &&
+                     dot(cross(a - c, x - c), normal) >= 0;
+  if (above) return std::abs(dot(x - a, normal)) / std::sqrt(area2);
+  return std::sqrt(
+      std::min({distance_to_segment2(x, a, b), distance_to_segment2(x, b, c), distance_to_segment2(x, c, a)}));
+}
+
+TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
+                           const TaskRunner& runner)
+    : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {
+  Box3 all;
+  for (const auto& triangle : tri_to_vert) {
+    for (const std::uint32_t vertex : triangle) all.add(points[vertex]);
+  }
+  const double extent = std::max({all.hi.x - all.lo.x, all.hi.y - all.lo.y, all.hi.z - all.lo.z, 1e-300});
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(tri_to_vert.size());
+  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      keys[i] = {morton(box_of(static_cast<std::uint32_t>(i)).center(), all.lo, 2097151.0 / extent),
+                 static_cast<std::uint32_t>(i)};
+    }
+  });
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].second;
+
+  first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
+  nodes_.resize(2 * first_leaf_);
+  runner.for_blocks(leaf_count(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t leaf = begin; leaf < end; ++leaf) {
+      for (const std::uint32_t triangle : leaf_triangles(leaf)) nodes_[first_leaf_ + leaf].add(box_of(triangle));
+    }
+  });
+  for (std::size_t node = first_leaf_ - 1; node > 0; --node) {
+    nodes_[node].add(nodes_[2 * node]);
+    nodes_[node].add(nodes_[2 * node + 1]);
+  }
+}
+
+Box3 TriangleTree::box_of(std::uint32_t triangle) const {
+  Box3 box;
+  for (const std::uint32_t vertex : tri_to_vert_[triangle]) box.add(points_[vertex]);
+  return box;
+}
+
+bool TriangleTree::any_within(const Vec3& x, double radius) const {
+  bool found = false;
+  descend([&](const Box3& node) { return distance_to_box2(x, node) < radius * radius; },
+          [&](std::uint32_t triangle) {
+            const auto& [a, b, c] = tri_to_vert_[triangle];
+            found = distance_to_triangle(x, points_[a], points_[b], points_[c]) < radius;
+            return !found;
+          });
+  return found;
+}
+
+// 1 when the ray crosses a triangle whose normal points up, -1 for down, 0 when it does not cross.
+int TriangleTree::crossing_above(std::uint32_t triangle, const Vec3& x) const {
+  const Vec3 &a = points_[tri_to_vert_[triangle][0]], &b = points_[tri_to_vert_[triangle][1]],
+             &c = points_[tri_to_vert_[triangle][2]];
+  const int side = perturbed_side(a, b, x);
+  if (side == 0 || perturbed_side(b, c, x) != side || perturbed_side(c, a, x) != side) return 0;
+  // Seen from above the triangle turns as `side` says; x is below it when the volume has the opposite sign.
+  return orient3d(a, b, c, x) == -side ? side : 0;
+}
+
+}  // namespace tetloom

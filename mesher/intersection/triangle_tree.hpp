@@ -1,0 +1,108 @@
+#pragma once
+// A tree of boxes over triangles, for finding those near a place.
+//
+// A complete binary tree over the triangles in Morton order of their centres, so it depends on the triangles alone.
+// Building is O(n log n), 0.2 s per million triangles; 12 + 48/4 bytes per triangle. Immutable afterwards: queries may
+// come from any number of threads. Refers to the arrays it was built from, which must outlive it.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+class TriangleTree {
+ public:
+  /// Pre: the indices are valid and the coordinates finite. Errors: Cancelled.
+  TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
+               const TaskRunner& runner);
+
+  /// Calls visit(triangle) for every triangle whose box overlaps `box` (closed), in the tree's own order.
+  template <class Visit>
+  void for_each_in(const Box3& box, Visit&& visit) const {
+    descend([&](const Box3& node) { return node.overlaps(box); },
+            [&](std::uint32_t triangle) {
+              if (box_of(triangle).overlaps(box)) visit(triangle);
+              return true;
+            });
+  }
+  /// True when a point of a triangle lies nearer to `x` than `radius`.
+  bool any_within(const Vec3& x, double radius) const;
+  /// Calls visit(triangle, up) for every triangle that the ray from `x` along +z crosses; `up` when its normal points
+  /// up. Exact: a ray through an edge or a vertex is treated as if `x` were moved by an infinitesimal step, the same
+  /// for all triangles, so that the crossings of a closed surface balance.
+  template <class Visit>
+  void for_each_above(const Vec3& x, Visit&& visit) const {
+    descend(
+        [&](const Box3& n) {
+          return n.lo.x <= x.x && x.x <= n.hi.x && n.lo.y <= x.y && x.y <= n.hi.y && n.hi.z >= x.z;
+        },
+        [&](std::uint32_t triangle) {
+          if (const int side = crossing_above(triangle, x); side != 0) visit(triangle, side > 0);
+          return true;
+        });
+  }
+
+  /// Leaves hold triangles that are neighbours in space: leaf i those of leaf_triangles(i).
+  std::size_t leaf_count() const { return (order_.size() + kLeafSize - 1) / kLeafSize; }
+  std::span<const std::uint32_t> leaf_triangles(std::size_t leaf) const {
+    return std::span(order_).subspan(leaf * kLeafSize, std::min(kLeafSize, order_.size() - leaf * kLeafSize));
+  }
+  /// Calls visit(leaf) for the leaves from `first` on whose boxes overlap `box`, ascending.
+  template <class Visit>
+  void for_each_leaf_in(const Box3& box, std::size_t first, Visit&& visit) const {
+    descend_leaves([&](const Box3& node) { return node.overlaps(box); },
+                   [&](std::size_t leaf) {
+                     if (leaf >= first) visit(leaf);
+                     return true;
+                   });
+  }
+  const Box3& leaf_box(std::size_t leaf) const { return nodes_[first_leaf_ + leaf]; }
+  Box3 box_of(std::uint32_t triangle) const;
+
+ private:
+  static constexpr std::size_t kLeafSize = 4;
+
+  // Visits the leaves under nodes that `enter` lets through until `visit_leaf` returns false.
+  template <class Enter, class VisitLeaf>
+  void descend_leaves(Enter&& enter, VisitLeaf&& visit_leaf) const {
+    if (order_.empty() || !enter(nodes_[1])) return;
+    std::array<std::size_t, 128> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 1;
+    while (depth > 0) {
+      const std::size_t node = stack[--depth];
+      if (node >= first_leaf_) {
+        if (!visit_leaf(node - first_leaf_)) return;
+        continue;
+      }
+      if (enter(nodes_[2 * node + 1])) stack[depth++] = 2 * node + 1;
+      if (enter(nodes_[2 * node])) stack[depth++] = 2 * node;
+    }
+  }
+  template <class Enter, class Visit>
+  void descend(Enter&& enter, Visit&& visit) const {
+    descend_leaves(enter, [&](std::size_t leaf) {
+      for (const std::uint32_t triangle : leaf_triangles(leaf)) {
+        if (!visit(triangle)) return false;
+      }
+      return true;
+    });
+  }
+  int crossing_above(std::uint32_t triangle, const Vec3& x) const;
+
+  std::span<const Vec3> points_;
+  std::span<const std::array<std::uint32_t, 3>> tri_to_vert_;
+  std::vector<std::uint32_t> order_;  // triangles in Morton order
+  std::vector<Box3> nodes_;           // heap order, root at 1; empty boxes pad the last level
+  std::size_t first_leaf_ = 1;
+};
+
+/// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.
+double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace tetloom
