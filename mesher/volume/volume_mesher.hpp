@@ -20,10 +20,10 @@ namespace tetloom {
 struct VolumeInput {
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
-  std::span<const FaceSides> tri_to_sides;       ///< one per triangle; invalid id: outside of every region
-  std::span<const std::uint32_t> tri_to_face;    ///< model face index, for error messages
-  const GeometricModel* model = nullptr;         ///< for names in error messages; may be null
-  const SizeField* sizes = nullptr;              ///< never null
+  std::span<const FaceSides> tri_to_sides;     ///< one per triangle; invalid id: outside of every region
+  std::span<const std::uint32_t> tri_to_face;  ///< model face index, for error messages
+  const GeometricModel* model = nullptr;       ///< for names in error messages; may be null
+  const SizeField* sizes = nullptr;            ///< never null
 };
 
 /// New points follow the given ones: vertex ids below `input.points.size()` are the given points, the others index
