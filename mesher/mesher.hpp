@@ -33,12 +33,12 @@ struct PointSize {
 
 /// The sizes asked for. All lengths are in model units; the smallest of all that applies at a point wins.
 struct SizeOptions {
-  double size = 0;            ///< absolute target edge length; 0: use relative_size
-  double relative_size = 0;   ///< share of the bounding box's diagonal; 0 with size 0: 1/40
-  double min_size = 0;        ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
-  double curvature = 0;       ///< at least this many edges per full turn; 0: off
-  double proximity = 0;       ///< at least this many edges across a gap or wall; 0: off
-  double gradation = 0.3;     ///< largest growth of the size per unit of distance, > 0
+  double size = 0;           ///< absolute target edge length; 0: use relative_size
+  double relative_size = 0;  ///< share of the bounding box's diagonal; 0 with size 0: 1/40
+  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
+  double curvature = 0;      ///< at least this many edges per full turn; 0: off
+  double proximity = 0;      ///< at least this many edges across a gap or wall; 0: off
+  double gradation = 0.3;    ///< largest growth of the size per unit of distance, > 0
   std::vector<EntitySize> entity_sizes;
   std::vector<PointSize> point_sizes;
   std::function<double(const Vec3&)> callback;  ///< size wanted at a point, or a value <= 0 for no wish; called from
@@ -48,10 +48,10 @@ struct SizeOptions {
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
-  int threads = 0;                  ///< 0: all cores that the process may use
-  int parts = 0;                    ///< 0: from the estimated number of elements
-  std::uint64_t max_memory = 0;     ///< bytes; refuse what is estimated to need more; 0: what the machine has free
-  std::string volume_worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
+  int threads = 0;               ///< 0: all cores that the process may use
+  int parts = 0;                 ///< 0: from the estimated number of elements
+  std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
+  std::string volume_worker;     ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
 };
 
 enum class MeshStatus { Ok, Failed, Cancelled };

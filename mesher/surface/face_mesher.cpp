@@ -45,12 +45,13 @@ namespace {
 
 class FaceMesher {
  public:
-  FaceMesher(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+  FaceMesher(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
              const std::function<bool()>& keep_going)
       : model_(model),
         face_(face),
-        rim_(rim),
-        sizes_(sizes),
+        rim_(surroundings.rim),
+        sizes_(surroundings.sizes),
+        taken_chords_(surroundings.taken_chords),
         keep_going_(keep_going),
         geometry_(model.face_geometry(face)) {}
 
@@ -75,7 +76,24 @@ class FaceMesher {
     patch.has_poles = rim.repeats_nodes;
     refine_frontal(patch, surface, keep_going_);
     optimize_patch(patch, surface, {}, keep_going_);
+    split_taken_chords(patch, surface);
     extract(patch);
+  }
+
+  void split_taken_chords(Patch& patch, const PatchSurface& surface) const {
+    if (taken_chords_.empty()) return;
+    Triangulation& topology = patch.topology;
+    const std::uint32_t end = topology.half_edges();
+    for (std::uint32_t h = 0; h < end; ++h) {
+      if (!topology.alive(h / 3) || topology.twin(h) == Triangulation::kNone || topology.fixed(h)) continue;
+      const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
+      if (a.node == Triangulation::kNone || b.node == Triangulation::kNone) continue;
+      const std::array chord{std::min(a.node, b.node), std::max(a.node, b.node)};
+      if (!std::binary_search(taken_chords_.begin(), taken_chords_.end(), chord)) continue;
+      const PatchPlace middle = surface.midpoint(a.place, b.place);
+      patch.vertices.push_back({middle, surface.size_at(middle.point), Triangulation::kNone});
+      topology.split_edge(h, topology.add_vertex());
+    }
   }
 
   // Root mean square of |dX/du| and |dX/dv| along the rim.
@@ -163,6 +181,7 @@ class FaceMesher {
   ModelFaceId face_;
   const RimNodes& rim_;
   const SizeField& sizes_;
+  std::span<const std::array<std::uint32_t, 2>> taken_chords_;
   const std::function<bool()>& keep_going_;
   std::unique_ptr<FaceGeometry> geometry_;
   Vec2 plane_scale_{1, 1};
@@ -171,9 +190,9 @@ class FaceMesher {
 
 }  // namespace
 
-FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
                    const std::function<bool()>& keep_going) {
-  return FaceMesher(model, face, rim, sizes, keep_going).run();
+  return FaceMesher(model, face, surroundings, keep_going).run();
 }
 
 }  // namespace tetloom

@@ -1,6 +1,7 @@
 #pragma once
 // One model face, from its discretised edges to triangles.
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,9 +55,18 @@ struct FaceMesh {
   std::size_t inverted = 0;                               ///< triangles that face away from the surface
 };
 
+/// What a face needs to know of the rest of the surface.
+struct FaceSurroundings {
+  const RimNodes& rim;
+  const SizeField& sizes;
+  /// Pairs of rim nodes (smaller first), sorted: edges between them inside this face get a node in the middle, because
+  /// another face has an edge between the same nodes.
+  std::span<const std::array<std::uint32_t, 2>> taken_chords;
+};
+
 /// Meshes one face. Serial; different faces may be meshed at once. Deterministic.
 /// `keep_going` is asked now and then; when it returns false the result is unusable and the caller must be cancelling.
-FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const RimNodes& rim, const SizeField& sizes,
+FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
                    const std::function<bool()>& keep_going);
 
 }  // namespace tetloom

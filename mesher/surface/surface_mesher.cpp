@@ -24,6 +24,7 @@ class SurfaceMesher {
       mesh_faces(pending);
       pending = refine_crossing_edges();
     }
+    separate_chords();
     assemble();
     return std::move(result_);
   }
@@ -43,22 +44,24 @@ class SurfaceMesher {
 
   void mesh_faces(const std::vector<std::size_t>& pending) {
     const RimNodes rim(model_, edges_);
+    const FaceSurroundings surroundings{rim, sizes_, taken_chords_};
     std::vector<double> work;
     for (const std::size_t f : pending) work.push_back(estimate_work(f));
     const std::function<bool()> keep_going = [this] { return !runner_.cancelled(); };
     runner_.begin_stage(Stage::Faces, pending.size());
     runner_.for_each_largest_first(work, [&](std::size_t i) {
       const ModelFaceId face(pending[i]);
-      faces_[face.value] = mesh_guarded(face, rim, keep_going);
+      faces_[face.value] = mesh_guarded(face, surroundings, keep_going);
       runner_.check_cancelled();
       runner_.advance(1, face);
     });
   }
 
   // A face that throws is a face that fails; the others go on.
-  FaceMesh mesh_guarded(ModelFaceId face, const RimNodes& rim, const std::function<bool()>& keep_going) {
+  FaceMesh mesh_guarded(ModelFaceId face, const FaceSurroundings& surroundings,
+                        const std::function<bool()>& keep_going) {
     try {
-      return mesh_face(model_, face, rim, sizes_, keep_going);
+      return mesh_face(model_, face, surroundings, keep_going);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
       FaceMesh failed;
@@ -93,6 +96,66 @@ class SurfaceMesher {
     for (std::size_t e = 0; e < refined.size(); ++e)
       if (refined[e]) options_.finer[e] *= 2;
     return pending;
+  }
+
+  // Two narrow faces may both have an edge between the same two rim nodes (a tube of two halves, a few pieces each),
+  // which would then belong to four triangles. Such faces are meshed again with these edges split.
+  void separate_chords() {
+    const RimNodes rim(model_, edges_);
+    std::vector<Chord> chords;
+    std::vector<NodePair> pieces;
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) collect_chords(f, rim, chords);
+    for (std::size_t e = 0; e < edges_.size(); ++e) append_pieces(ModelEdgeId(e), rim, pieces);
+    for (const NodePair& piece : pieces) chords.push_back({piece, kModelEdge});
+    std::sort(chords.begin(), chords.end());
+    std::vector<std::size_t> pending;
+    for (std::size_t i = 0; i < chords.size(); ++i) {
+      const bool repeated = (i > 0 && chords[i - 1].nodes == chords[i].nodes) ||
+                            (i + 1 < chords.size() && chords[i + 1].nodes == chords[i].nodes);
+      if (!repeated || chords[i].face == kModelEdge) continue;
+      pending.push_back(chords[i].face);
+      if (taken_chords_.empty() || taken_chords_.back() != chords[i].nodes) taken_chords_.push_back(chords[i].nodes);
+    }
+    std::sort(pending.begin(), pending.end());
+    pending.erase(std::unique(pending.begin(), pending.end()), pending.end());
+    if (!pending.empty()) mesh_faces(pending);
+  }
+
+  struct Chord {
+    std::array<std::uint32_t, 2> nodes;  // smaller first
+    std::uint32_t face;                  // kModelEdge for pieces of model edges
+    auto operator<=>(const Chord&) const = default;
+  };
+  static constexpr std::uint32_t kModelEdge = 0xffffffffu;
+
+  using NodePair = std::array<std::uint32_t, 2>;
+
+  // Edges inside a face between two rim nodes: pairs with two triangle sides more than the face's loops account for.
+  void collect_chords(std::uint32_t f, const RimNodes& rim, std::vector<Chord>& chords) const {
+    std::vector<NodePair> sides, pieces;
+    for (const auto& tri : faces_[f].tri_to_vert)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = tri[i], b = tri[(i + 1) % 3];
+        if (!((a | b) & FaceMesh::kInner)) sides.push_back({std::min(a, b), std::max(a, b)});
+      }
+    for (const ModelLoop& loop : topology_.face_to_loops[f])
+      for (const EdgeUse& use : loop) append_pieces(use.edge, rim, pieces);
+    std::sort(sides.begin(), sides.end());
+    std::sort(pieces.begin(), pieces.end());
+    for (auto side = sides.begin(); side != sides.end();) {
+      const auto next = std::upper_bound(side, sides.end(), *side);
+      const auto own = std::equal_range(pieces.begin(), pieces.end(), *side);
+      if (next - side - (own.second - own.first) >= 2) chords.push_back({*side, f});
+      side = next;
+    }
+  }
+
+  void append_pieces(ModelEdgeId edge, const RimNodes& rim, std::vector<NodePair>& pieces) const {
+    if (topology_.edges[edge.value].degenerate) return;
+    for (std::size_t i = 0; i + 1 < edges_[edge.value].t.size(); ++i) {
+      const std::uint32_t a = rim.node(edge, i), b = rim.node(edge, i + 1);
+      pieces.push_back({std::min(a, b), std::max(a, b)});
+    }
   }
 
   void assemble() {
@@ -158,6 +221,7 @@ class SurfaceMesher {
   EdgeMeshOptions options_;
   std::vector<EdgeMesh> edges_;
   std::vector<FaceMesh> faces_;
+  std::vector<std::array<std::uint32_t, 2>> taken_chords_;  // sorted
   SurfaceMeshResult result_;
 };
 
