@@ -1,0 +1,35 @@
+#pragma once
+// From a model and the sizes asked for to the size field.
+#include <cstdint>
+#include <span>
+
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "mesher/mesher.hpp"
+#include "mesher/sizing/mesh_estimate.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// The size field that meets all of `options`. At a point the smallest wins of
+/// - the global size: `size`, else `relative_size` or 1/40 of the bounding box's diagonal;
+/// - the sizes of entities: on the entity and its closure, for a region in its interior too;
+/// - point sizes and `refinements` (which may lie below every floor);
+/// - the callback, looked at on a grid of 32 cells along the box and more finely where it varies;
+/// - curvature, by the rule of curvature_size.hpp, and proximity, a gap's width over the number of layers; both are at
+///   least `min_size`, or a tenth of the global size when that is 0;
+/// and what these allow at a distance: |h(x) - h(y)| <= g |x - y|. A gradation above 1 acts as 1.
+///
+/// The field answers at most a few percent more than what was asked at a place, the global size exactly where nothing
+/// smaller reaches, and is a uniform field when nothing smaller is asked for at all. A size holds within half an edge
+/// length of its source before it grows. Faces that cannot be facetted give no sizes; their own mesher reports them.
+///
+/// The result does not depend on the number of threads. Complexity: O(n log n) in the facets and the leaves; a leaf is
+/// about as wide as the sizes in it where the field varies, and as large as can be where it does not.
+/// Errors: InvalidArgument naming the option; InputUnsuitable (a model without extent); OutOfMemory when the mesh or
+/// the field could not fit in `max_memory` bytes (0: what the machine has free); Cancelled; what the callback throws.
+SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
+                           std::span<const PointSize> refinements, const TaskRunner& runner,
+                           std::uint64_t max_memory = 0);
+
+}  // namespace tetloom

@@ -1,0 +1,41 @@
+#pragma once
+// A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting. Private to mesher/sizing.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+struct BvhNode {
+  Box3 box;
+  std::uint32_t begin = 0, end = 0;  ///< the items below, as positions in Bvh::order
+  std::uint32_t right = 0;           ///< index of the second child, the first one follows its parent; 0: a leaf
+};
+
+/// Nodes in depth-first order. Leaves hold at most kLeafItems items.
+struct Bvh {
+  static constexpr std::size_t kLeafItems = 4;
+  std::vector<BvhNode> nodes;
+  std::vector<std::uint32_t> order;  ///< item indices, so that every node's items are contiguous
+};
+
+/// Splits at the median of the centres along their longest extent. The result does not depend on the thread count.
+/// Complexity: O(n log n), in parallel.
+Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner);
+
+/// The squared distance from `x` to the nearest point of `box`.
+inline double squared_distance(const Box3& box, const Vec3& x) {
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double outside = x[axis] < box.lo[axis]   ? box.lo[axis] - x[axis]
+                           : x[axis] > box.hi[axis] ? x[axis] - box.hi[axis]
+                                                    : 0;
+    sum += outside * outside;
+  }
+  return sum;
+}
+
+}  // namespace tetloom

@@ -1,0 +1,19 @@
+#pragma once
+// Sizes at the corners of the octree's leaves. Private to mesher/sizing.
+#include <vector>
+
+#include "core/sizing/size_octree.hpp"
+#include "mesher/sizing/octree_builder.hpp"
+#include "mesher/sizing/target_field.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// Fills `tree.corner_ratios` from the field, each corner once however many leaves share it. Where the field may be
+/// steeper than the gradation (a callback), corners are lowered until |h(a) - h(b)| <= g |a - b| for any two corners of
+/// a leaf: the largest such values, which are unique, whatever the order of the sweeps. Leaves that turn out to hold
+/// the global size throughout lose their entry.
+void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+                        const TaskRunner& runner);
+
+}  // namespace tetloom

@@ -1,0 +1,32 @@
+#pragma once
+// How large a mesh will be, known before it is made, and the refusal of what cannot fit.
+#include <cstdint>
+
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "mesher/mesher.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// Triangles from the faces' areas and the sizes on them (4/√3 per size²), tetrahedra from the regions' volumes and
+/// the sizes in them (kTetsPerCube per size³), bytes from 2500 per triangle and 300 per tetrahedron. Within a few
+/// percent for uniform sizes; graded sizes are integrated over samples, which is good to about a tenth.
+MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner);
+
+/// A lower bound from the global size and the sizes of faces and regions alone, before anything is built, so that it
+/// can refuse sizes that would already fill the memory with their own size field.
+/// Errors: InvalidArgument, InputUnsuitable (as build_size_field).
+MeshEstimate estimate_least_mesh(const GeometricModel& model, const SizeOptions& options);
+
+/// Leaves the tetrahedra out, for a run that makes the surface only.
+MeshEstimate surface_part(const MeshEstimate& estimate);
+
+/// Bytes of memory that the machine can give now (Linux: MemAvailable); 0 where that is not known.
+std::uint64_t available_memory();
+
+/// Throws Error(OutOfMemory) with the numbers when the mesh needs more than `max_memory` bytes; 0: more than
+/// available_memory(), and no check where that is not known.
+void check_memory(const MeshEstimate& estimate, std::uint64_t max_memory);
+
+}  // namespace tetloom

@@ -1,0 +1,131 @@
+#include "mesher/sizing/model_facets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tetloom {
+namespace {
+
+bool is_sound(const Tessellation& facets) {
+  if (facets.uv.size() != facets.points.size()) return false;
+  if (!std::ranges::all_of(facets.points, [](const Vec3& p) { return is_finite(p); })) return false;
+  return std::ranges::all_of(facets.tri_to_vert, [&](const auto& tri) {
+    return std::ranges::all_of(tri, [&](std::uint32_t v) { return v < facets.points.size(); });
+  });
+}
+
+Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const FacetTolerance& tolerance) {
+  try {
+    Tessellation facets = model.face_geometry(id)->tessellate(tolerance.chord, tolerance.angle);
+    if (is_sound(facets)) return facets;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+  }
+  return {};
+}
+
+/// Distance along the ray to the triangle, or infinity (Möller & Trumbore 1997).
+double ray_distance(const Vec3& origin, const Vec3& direction, const Vec3& a, const Vec3& ab, const Vec3& ac) {
+  const Vec3 p = cross(direction, ac);
+  const double det = dot(ab, p);
+  if (det == 0) return HUGE_VAL;
+  const Vec3 s = origin - a;
+  const double u = dot(s, p) / det;
+  if (!(u >= 0 && u <= 1)) return HUGE_VAL;
+  const Vec3 q = cross(s, ab);
+  const double v = dot(direction, q) / det;
+  if (!(v >= 0 && u + v <= 1)) return HUGE_VAL;
+  return dot(ac, q) / det;
+}
+
+/// Whether the ray meets the box before `to`.
+bool meets(const Box3& box, const Vec3& origin, const Vec3& inverse, double to) {
+  double enter = 0, leave = to;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double t0 = (box.lo[axis] - origin[axis]) * inverse[axis];
+    const double t1 = (box.hi[axis] - origin[axis]) * inverse[axis];
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  return enter <= leave * (1 + 1e-12);
+}
+
+}  // namespace
+
+std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
+                                      const TaskRunner& runner) {
+  std::vector<Tessellation> faces(model.topology().face_count());
+  std::vector<double> work(faces.size(), 0.0);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (tolerances[f].chord > 0) work[f] = model.area(ModelFaceId(f));
+  runner.for_each_largest_first(work, [&](std::size_t f) {
+    if (tolerances[f].chord > 0) faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]);
+  });
+  return faces;
+}
+
+FacetTree::FacetTree(const GeometricModel& model, const std::vector<Tessellation>& faces, const TaskRunner& runner)
+    : model_(model) {
+  std::vector<Facet> facets;
+  std::vector<Box3> boxes;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (const auto& tri : faces[f].tri_to_vert) {
+      const std::vector<Vec3>& p = faces[f].points;
+      facets.push_back({p[tri[0]], p[tri[1]], p[tri[2]], static_cast<std::uint32_t>(f)});
+      Box3& box = boxes.emplace_back();
+      for (const std::uint32_t v : tri) box.add(p[v]);
+    }
+  bvh_ = build_bvh(boxes, runner);
+  facets_.reserve(facets.size());
+  for (const std::uint32_t i : bvh_.order) facets_.push_back(facets[i]);
+}
+
+std::optional<FacetHit> FacetTree::first_hit(const Vec3& origin, const Vec3& direction, double from, double to) const {
+  if (bvh_.nodes.empty()) return std::nullopt;
+  // A zero component would make 0 * infinity at a box that touches the ray.
+  const auto invert = [](double d) { return 1 / (std::abs(d) > 1e-300 ? d : 1e-300); };
+  const Vec3 inverse{invert(direction.x), invert(direction.y), invert(direction.z)};
+  const Facet* nearest = nullptr;
+  double best = to;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t count = 0;
+  stack[count++] = 0;
+  while (count > 0) {
+    const std::uint32_t index = stack[--count];
+    const BvhNode& node = bvh_.nodes[index];
+    if (!meets(node.box, origin, inverse, best)) continue;
+    if (node.right != 0) {
+      stack[count++] = node.right;
+      stack[count++] = index + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const Facet& facet = facets_[i];
+      const double t = ray_distance(origin, direction, facet.a, facet.b - facet.a, facet.c - facet.a);
+      if (t > from && t < best) best = t, nearest = &facet;
+    }
+  }
+  if (nearest == nullptr) return std::nullopt;
+  const Vec3 normal = normalized(cross(nearest->b - nearest->a, nearest->c - nearest->a));
+  const FaceSides& sides = model_.topology().face_to_sides[nearest->face];
+  return FacetHit{nearest->face, best, normal, dot(direction, normal) > 0 ? sides.back : sides.front};
+}
+
+ModelRegionId FacetTree::region_at(const Vec3& x) const {
+  constexpr std::array<Vec3, 5> kDirections{{{0.3561, 0.8102, 0.4655},
+                                             {-0.7713, 0.2279, 0.5943},
+                                             {0.2846, -0.5107, 0.8113},
+                                             {0.6217, 0.3391, -0.7060},
+                                             {-0.4129, -0.6947, -0.5891}}};
+  std::array<ModelRegionId, kDirections.size()> votes;
+  for (std::size_t i = 0; i < kDirections.size(); ++i) {
+    const std::optional<FacetHit> hit = first_hit(x, normalized(kDirections[i]), 0, HUGE_VAL);
+    if (hit) votes[i] = hit->near_region;
+    const auto agreeing = std::count(votes.begin(), votes.begin() + static_cast<std::ptrdiff_t>(i + 1), votes[i]);
+    if (agreeing == 2) return votes[i];
+  }
+  return votes[0];
+}
+
+}  // namespace tetloom

@@ -1,0 +1,184 @@
+#include "mesher/sizing/model_sources.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "mesher/sizing/curvature_size.hpp"
+#include "mesher/sizing/facet_refiner.hpp"
+
+namespace tetloom {
+namespace {
+
+/// Cuts an edge into segments on which one size holds and which stay close to it.
+class EdgeSplitter {
+ public:
+  EdgeSplitter(EdgeGeometry& edge, double cap, const SizeTargets& targets)
+      : edge_(edge), cap_(std::min(cap, targets.global)), targets_(targets) {}
+
+  std::vector<SizeSource> run() {
+    constexpr int kPieces = 8, kDepth = 12;
+    const ParameterRange range = edge_.range();
+    const double step = (range.hi - range.lo) / kPieces;
+    Vec3 start = edge_.evaluate(range.lo);
+    for (int i = 0; i < kPieces; ++i) {
+      const Vec3 end = edge_.evaluate(range.lo + (i + 1) * step);
+      cut({range.lo + i * step, range.lo + (i + 1) * step}, start, end, kDepth);
+      start = end;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  double size_at(double t) {
+    if (targets_.curvature <= 0) return cap_;
+    const double wish = size_from_edge_curvature(edge_.curvature(t), targets_.curvature);
+    return std::min(cap_, std::max(wish, targets_.floor));
+  }
+
+  void cut(const ParameterRange& range, const Vec3& start, const Vec3& end, int depth) {
+    constexpr double kSpread = 1.15, kSag = 0.1;
+    const double width = range.hi - range.lo, middle = range.lo + 0.5 * width;
+    const double s0 = size_at(range.lo + 0.15 * width), s1 = size_at(middle), s2 = size_at(range.hi - 0.15 * width);
+    const double smallest = std::min({s0, s1, s2}), largest = std::max({s0, s1, s2});
+    if (smallest >= targets_.global) return;
+    const Vec3 halfway = edge_.evaluate(middle);
+    const bool bends = distance(halfway, 0.5 * (start + end)) > kSag * smallest;
+    const bool varies = largest > kSpread * smallest && distance(start, end) > 0.5 * smallest;
+    if (depth > 0 && (bends || varies)) {
+      cut({range.lo, middle}, start, halfway, depth - 1);
+      cut({middle, range.hi}, halfway, end, depth - 1);
+    } else if (smallest < targets_.global) {
+      out_.push_back({start, end, end, smallest});
+    }
+  }
+
+  EdgeGeometry& edge_;
+  double cap_;
+  const SizeTargets& targets_;
+  std::vector<SizeSource> out_;
+};
+
+/// The sources of one face.
+class FaceSplitter {
+ public:
+  FaceSplitter(FaceGeometry& face, double cap, const SizeTargets& targets)
+      : face_(face),
+        smooth_(face.parametrization() == Parametrization::Smooth),
+        targets_(targets),
+        rules_{.global = targets.global, .cap = cap, .longest = HUGE_VAL} {}
+
+  std::vector<SizeSource> run(const Tessellation& facets, const TaskRunner& runner) {
+    std::vector<SizeSource> out;
+    std::size_t visited = 0;
+    for (const auto& tri : facets.tri_to_vert) {
+      if (++visited % 256 == 0) runner.check_cancelled();
+      FacetPiece piece;
+      for (std::size_t i = 0; i < 3; ++i) piece[i] = {facets.uv[tri[i]], facets.points[tri[i]]};
+      if (targets_.curvature <= 0) {
+        if (rules_.cap < rules_.global) out.push_back({piece[0].point, piece[1].point, piece[2].point, rules_.cap});
+      } else if (smooth_) {
+        refine_smooth(piece, out);
+      } else {
+        add_flat(piece, out);
+      }
+    }
+    return out;
+  }
+
+ private:
+  double size_at(const Vec2& uv) const {
+    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), targets_.floor);
+  }
+
+  void refine_smooth(const FacetPiece& facet, std::vector<SizeSource>& out) const {
+    const auto sample = [&](const FacetPiece& piece, const std::array<double, 3>& w) {
+      return size_at(w[0] * piece[0].uv + w[1] * piece[1].uv + w[2] * piece[2].uv);
+    };
+    const auto middle = [&](const FacetCorner& a, const FacetCorner& b) {
+      const Vec2 uv = 0.5 * (a.uv + b.uv);
+      return FacetCorner{uv, face_.evaluate(uv)};
+    };
+    refine_facet(facet, rules_, sample, middle, out);
+  }
+
+  /// Facets of a discrete face: their corners are all that there is.
+  void add_flat(const FacetPiece& piece, std::vector<SizeSource>& out) const {
+    double smallest = std::min(rules_.cap, rules_.global);
+    for (const FacetCorner& corner : piece) smallest = std::min(smallest, size_at(corner.uv));
+    if (smallest < rules_.global) out.push_back({piece[0].point, piece[1].point, piece[2].point, smallest});
+  }
+
+  FaceGeometry& face_;
+  bool smooth_;
+  const SizeTargets& targets_;
+  FacetRules rules_;
+};
+
+}  // namespace
+
+std::vector<SizeSource> join(std::vector<std::vector<SizeSource>> lists) {
+  std::size_t count = 0;
+  for (const auto& list : lists) count += list.size();
+  std::vector<SizeSource> all;
+  all.reserve(count);
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+std::vector<double> facet_counts(const std::vector<Tessellation>& facets) {
+  std::vector<double> work;
+  for (const Tessellation& face : facets) work.push_back(static_cast<double>(face.tri_to_vert.size()));
+  return work;
+}
+
+std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets,
+                                              bool every_face) {
+  constexpr double kAngle = 0.35;
+  FacetTolerance usual{.chord = 0.1 * targets.global, .angle = kAngle};
+  // An arc of 8/N radians between facets sags by a few percent of the size that the curvature rule gives.
+  if (targets.curvature > 0) usual.angle = std::clamp(8 / targets.curvature, 0.05, kAngle);
+  std::vector<FacetTolerance> tolerances(model.topology().face_count());
+  for (std::size_t f = 0; f < tolerances.size(); ++f) {
+    if (!every_face && targets.curvature <= 0 && targets.face[f] >= targets.global) continue;
+    tolerances[f] = usual;
+    if (targets.face[f] < targets.global) tolerances[f].chord = 0.1 * targets.face[f];
+    if (targets.proximity > 0)
+      tolerances[f].chord = std::min(tolerances[f].chord, std::max(0.25 * targets.floor, 1e-3 * targets.global));
+  }
+  return tolerances;
+}
+
+std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets,
+                                     const TaskRunner& runner) {
+  const ModelTopology& topology = model.topology();
+  std::vector<std::vector<SizeSource>> lists(topology.edge_count() + 1);
+  runner.for_each(topology.edge_count(), [&](std::size_t e) {
+    if (topology.edges[e].degenerate) {
+      const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
+      if (targets.edge[e] < targets.global) lists[e] = {{pole, pole, pole, targets.edge[e]}};
+    } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
+      lists[e] = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run();
+    }
+  });
+  for (std::size_t v = 0; v < targets.vertex.size(); ++v) {
+    if (targets.vertex[v] >= targets.global) continue;
+    const Vec3 point = model.vertex_point(ModelVertexId(v));
+    lists.back().push_back({point, point, point, targets.vertex[v]});
+  }
+  return join(std::move(lists));
+}
+
+std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
+                                     const std::vector<Tessellation>& facets, const TaskRunner& runner) {
+  std::vector<std::vector<SizeSource>> lists(facets.size());
+  runner.for_each_largest_first(facet_counts(facets), [&](std::size_t f) {
+    if (targets.curvature <= 0 && targets.face[f] >= targets.global) return;
+    const auto geometry = model.face_geometry(ModelFaceId(f));
+    lists[f] = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], runner);
+  });
+  return join(std::move(lists));
+}
+
+}  // namespace tetloom

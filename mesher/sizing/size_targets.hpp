@@ -1,0 +1,25 @@
+#pragma once
+// The size options with every default resolved and every entity looked up. Private to mesher/sizing.
+#include <vector>
+
+#include "core/geometry/model.hpp"
+#include "mesher/mesher.hpp"
+
+namespace tetloom {
+
+/// Sizes per entity are infinite where none is asked for. A region's size has been handed to its faces.
+struct SizeTargets {
+  double global = 0;     ///< the target size, and the largest
+  double floor = 0;      ///< for sizes from curvature and proximity
+  double gradation = 0;  ///< at most 1: a mesh cannot follow a faster growth
+  double curvature = 0;  ///< edges per turn; 0: off
+  double proximity = 0;  ///< layers; 0: off
+  std::vector<double> vertex, edge, face, region;
+  double smallest_region = 0;  ///< the least of `region`
+};
+
+/// Checks the options against the model and resolves them.
+/// Errors: InvalidArgument naming the option; InputUnsuitable for a model without extent.
+SizeTargets resolve_sizes(const GeometricModel& model, const SizeOptions& options);
+
+}  // namespace tetloom

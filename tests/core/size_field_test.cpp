@@ -1,0 +1,222 @@
+// The immutable octree of sizes: reading, copies, the flat form, and what it refuses.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/base/error.hpp"
+#include "core/sizing/morton.hpp"
+#include "core/sizing/size_field.hpp"
+
+namespace tetloom {
+namespace {
+
+constexpr std::uint32_t kLeaf = SizeOctree::kLeafBit, kGlobal = SizeOctree::kGlobalLeaf;
+
+/// The cube [0,8]³: octant 0 is cut again, its octant 0 has a corner of size 0.25 at the origin; all else is 2.
+SizeOctree small_tree() {
+  SizeOctree tree;
+  tree.origin = {0, 0, 0};
+  tree.width = 8;
+  tree.domain = {{0, 0, 0}, {8, 8, 8}};
+  tree.size = 2;
+  tree.gradation = 0.5;
+  tree.cells.assign(16, kGlobal);
+  tree.cells[0] = 1;
+  tree.cells[8] = kLeaf + 0;
+  tree.cells[9] = kLeaf + 1;
+  tree.corner_ratios = {{0.125f, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1, 1, 0.5f}};
+  return tree;
+}
+
+Vec3 random_point(std::mt19937_64& random, double reach) {
+  std::uniform_real_distribution<double> coordinate(-reach, reach);
+  return {coordinate(random), coordinate(random), coordinate(random)};
+}
+
+bool is_refused(const SizeOctree& tree) {
+  try {
+    SizeField::from_octree(tree);
+  } catch (const Error& error) { return error.code() == ErrorCode::InvalidArgument; }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a uniform field answers its size bit for bit in the whole space") {
+  const double size = 0.1234567890123;
+  const SizeField field = SizeField::uniform(size);
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 1000; ++i) REQUIRE(field.size_at(random_point(random, 1e6)) == size);
+  CHECK(field.size_at({std::numeric_limits<double>::quiet_NaN(), 0, 0}) == size);
+  CHECK(field.smallest() == size);
+  CHECK(field.largest() == size);
+  CHECK(field.is_uniform());
+  CHECK(field.leaf_count() == 1);
+}
+
+TEST_CASE("a uniform field of no size is refused") {
+  for (const double size : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    INFO(size);
+    CHECK_THROWS_AS(SizeField::uniform(size), Error);
+  }
+}
+
+TEST_CASE("leaves are trilinear between their corners and exact where they are global") {
+  const SizeField field = SizeField::from_octree(small_tree());
+  CHECK(field.size_at({0, 0, 0}) == 0.25);
+  CHECK(field.size_at({1, 0, 0}) == Approx(0.5 * (0.25 + 2)));
+  CHECK(field.size_at({1, 1, 1}) == Approx(2 - 1.75 / 8));
+  CHECK(field.size_at({2, 0, 0}) == 2);
+  CHECK(field.size_at({4 - 1e-12, 2 - 1e-12, 2 - 1e-12}) == Approx(1));
+  CHECK(field.size_at({3, 3, 3}) == 2);
+  CHECK(field.size_at({7.9, 0.1, 5}) == 2);
+  CHECK(field.smallest() == 0.25);
+  CHECK(field.largest() == 2);
+  CHECK(field.leaf_count() == 15);
+}
+
+TEST_CASE("outside of its domain a field grows by the gradation up to the global size") {
+  const SizeField field = SizeField::from_octree(small_tree());
+  CHECK(field.size_at({-1, 0, 0}) == Approx(0.25 + 0.5));
+  CHECK(field.size_at({-3, -4, 0}) == 2);
+  CHECK(field.size_at({-1e300, 0, 0}) == 2);
+  CHECK(field.size_at({-HUGE_VAL, 0, 0}) == 2);
+  CHECK(field.size_at({100, 100, 100}) == 2);
+  CHECK(std::isfinite(field.size_at({std::nan(""), std::nan(""), std::nan("")})));
+}
+
+TEST_CASE("leaves tile a box and carry the sizes at their centres") {
+  const SizeField field = SizeField::from_octree(small_tree());
+  double volume = 0;
+  std::size_t count = 0;
+  field.for_each_leaf({{0, 0, 0}, {8, 8, 8}}, [&](const SizeLeaf& leaf) {
+    const Vec3 extent = leaf.box.hi - leaf.box.lo;
+    volume += extent.x * extent.y * extent.z;
+    CHECK(leaf.size == Approx(field.size_at(leaf.box.center())));
+    ++count;
+  });
+  CHECK(volume == Approx(512));
+  CHECK(count == field.leaf_count());
+  CHECK(field.estimate_tets({{4, 4, 4}, {8, 8, 8}}) == Approx(kTetsPerCube * 64 / 8));
+  CHECK(SizeField::uniform(0.5).estimate_tets({{0, 0, 0}, {1, 1, 1}}) == Approx(kTetsPerCube * 8));
+}
+
+TEST_CASE("trees that break an invariant are refused") {
+  const SizeOctree good = small_tree();
+  REQUIRE(validate_octree(good).empty());
+  const auto broken = [&](const auto& change) {
+    SizeOctree tree = good;
+    change(tree);
+    return tree;
+  };
+  const std::vector<SizeOctree> trees = {broken([](SizeOctree& t) { t.size = 0; }),
+                                         broken([](SizeOctree& t) { t.size = HUGE_VAL; }),
+                                         broken([](SizeOctree& t) { t.gradation = -1; }),
+                                         broken([](SizeOctree& t) { t.width = std::nan(""); }),
+                                         broken([](SizeOctree& t) { t.origin.y = HUGE_VAL; }),
+                                         broken([](SizeOctree& t) { t.domain = {}; }),
+                                         broken([](SizeOctree& t) { t.domain.hi.x = 9; }),
+                                         broken([](SizeOctree& t) { t.cells.clear(); }),
+                                         broken([](SizeOctree& t) { t.cells.pop_back(); }),
+                                         broken([](SizeOctree& t) { t.cells[0] = 0; }),           // its own parent
+                                         broken([](SizeOctree& t) { t.cells[0] = 2; }),           // beyond the end
+                                         broken([](SizeOctree& t) { t.cells[1] = 1; }),           // two parents
+                                         broken([](SizeOctree& t) { t.cells[0] = kGlobal; }),     // no parent
+                                         broken([](SizeOctree& t) { t.cells[10] = kLeaf + 1; }),  // shared ratios
+                                         broken([](SizeOctree& t) { t.cells[9] = kGlobal; }),     // unused ratios
+                                         broken([](SizeOctree& t) { t.cells[9] = kLeaf + 2; }),   // missing ratios
+                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = 0; }),
+                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = 1.5f; }),
+                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = std::nanf(""); })};
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    INFO("broken tree " << i);
+    CHECK(is_refused(trees[i]));
+  }
+}
+
+TEST_CASE("a tree deeper than the coordinates can tell apart is refused") {
+  SizeOctree tree = small_tree();
+  tree.corner_ratios.clear();
+  const std::size_t blocks = SizeOctree::kMaxDepth + 1;
+  tree.cells.assign(8 * blocks, kGlobal);
+  for (std::size_t b = 0; b + 1 < blocks; ++b) tree.cells[8 * b] = static_cast<std::uint32_t>(b + 1);
+  CHECK(is_refused(tree));
+  tree.cells.resize(8 * (blocks - 1));
+  tree.cells[8 * (blocks - 2)] = kGlobal;
+  CHECK(validate_octree(tree).empty());
+  CHECK(SizeField::from_octree(tree).size_at({0, 0, 0}) == 2);
+}
+
+TEST_CASE("a field survives its flat form, and copies share it") {
+  const SizeField field = SizeField::from_octree(small_tree());
+  const SizeField copy = field, read = SizeField::deserialize(field.serialize());
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 x = random_point(random, 10);
+    REQUIRE(copy.size_at(x) == field.size_at(x));
+    REQUIRE(read.size_at(x) == field.size_at(x));
+  }
+  CHECK(read.serialize() == field.serialize());
+  CHECK(read.smallest() == field.smallest());
+  const SizeField uniform = SizeField::deserialize(SizeField::uniform(0.7).serialize());
+  CHECK(uniform.is_uniform());
+  CHECK(uniform.size_at({1, 2, 3}) == 0.7);
+}
+
+TEST_CASE("truncated, extended and random bytes are not a size field") {
+  const std::vector<std::byte> good = SizeField::from_octree(small_tree()).serialize();
+  const auto code_of = [](std::span<const std::byte> bytes) {
+    try {
+      SizeField::deserialize(bytes);
+    } catch (const Error& error) { return error.code(); }
+    return ErrorCode::Cancelled;
+  };
+  for (std::size_t length = 0; length < good.size(); ++length)
+    REQUIRE(code_of(std::span(good).first(length)) == ErrorCode::InputUnreadable);
+  std::vector<std::byte> longer = good;
+  longer.push_back(std::byte{0});
+  CHECK(code_of(longer) == ErrorCode::InputUnreadable);
+  CHECK(code_of(std::vector<std::byte>(1000, std::byte{0x5a})) == ErrorCode::InputUnreadable);
+}
+
+TEST_CASE("a field read from damaged bytes is refused or still answers everywhere") {
+  const unsigned seed = 3;
+  INFO("seed " << seed);
+  std::mt19937_64 random(seed);
+  const std::vector<std::byte> good = SizeField::from_octree(small_tree()).serialize();
+  int refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::vector<std::byte> bytes = good;
+    for (int flips = 1 + static_cast<int>(random() % 3); flips > 0; --flips)
+      bytes[random() % bytes.size()] ^= static_cast<std::byte>(1u << random() % 8);
+    try {
+      const SizeField field = SizeField::deserialize(bytes);
+      for (int i = 0; i < 8; ++i) {
+        const double size = field.size_at(random_point(random, 10));
+        REQUIRE((size > 0 && std::isfinite(size)));
+      }
+    } catch (const Error& error) {
+      REQUIRE(error.code() == ErrorCode::InputUnreadable);
+      ++refused;
+    }
+  }
+  CHECK(refused > 1000);
+}
+
+TEST_CASE("Morton codes are undone and order the octants depth first") {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const std::array<std::uint32_t, 3> c{static_cast<std::uint32_t>(random() & 0x1fffff),
+                                         static_cast<std::uint32_t>(random() & 0x1fffff),
+                                         static_cast<std::uint32_t>(random() & 0x1fffff)};
+    REQUIRE(morton_decode(morton_encode(c)) == c);
+  }
+  CHECK(morton_encode({1, 0, 0}) == 1);
+  CHECK(morton_encode({0, 1, 0}) == 2);
+  CHECK(morton_encode({0, 0, 1}) == 4);
+  CHECK(morton_encode({2, 1, 1}) == 8 + 6);
+}
+
+}  // namespace tetloom
