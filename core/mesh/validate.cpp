@@ -1,0 +1,214 @@
+#include "core/mesh/validate.hpp"
+
+#include <array>
+#include <utility>
+
+#include "core/mesh/validate_detail.hpp"
+#include "core/predicates/predicates.hpp"
+
+namespace tetloom {
+
+std::string_view to_string(ProblemKind kind) {
+  switch (kind) {
+    case ProblemKind::ArrayLength: return "array_length";
+    case ProblemKind::IndexOutOfRange: return "index_out_of_range";
+    case ProblemKind::NonFinitePoint: return "non_finite_point";
+    case ProblemKind::RepeatedVertex: return "repeated_vertex";
+    case ProblemKind::DuplicateElement: return "duplicate_element";
+    case ProblemKind::NonPositiveVolume: return "non_positive_volume";
+    case ProblemKind::FaceUsedTooOften: return "face_used_too_often";
+    case ProblemKind::OverlappingTets: return "overlapping_tets";
+    case ProblemKind::BoundaryWithoutTriangle: return "boundary_without_triangle";
+    case ProblemKind::InterfaceWithoutTriangle: return "interface_without_triangle";
+    case ProblemKind::TriangleNotOnTets: return "triangle_not_on_tets";
+    case ProblemKind::OpenBoundary: return "open_boundary";
+    case ProblemKind::SidesDisagree: return "sides_disagree";
+    case ProblemKind::FlippedTriangle: return "flipped_triangle";
+    case ProblemKind::MissingEdge: return "missing_edge";
+    case ProblemKind::EdgeNotOnTriangles: return "edge_not_on_triangles";
+    case ProblemKind::ClassificationConflict: return "classification_conflict";
+    case ProblemKind::EntityOutOfRange: return "entity_out_of_range";
+    case ProblemKind::PartlyClassified: return "partly_classified";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(ElementKind kind) {
+  static constexpr std::array<std::string_view, 4> names{"point", "edge", "triangle", "tet"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+namespace {
+
+constexpr std::size_t kShown = 8;
+
+/// What was counted, with % for the plural of the kind of element.
+std::string_view phrase(ProblemKind kind) {
+  switch (kind) {
+    case ProblemKind::ArrayLength: return "arrays of the wrong length";
+    case ProblemKind::IndexOutOfRange: return "% that refer to points that are not there";
+    case ProblemKind::NonFinitePoint: return "% with coordinates that are not finite";
+    case ProblemKind::RepeatedVertex: return "% that use a point twice";
+    case ProblemKind::DuplicateElement: return "% that repeat another one";
+    case ProblemKind::NonPositiveVolume: return "% that are flat or inverted";
+    case ProblemKind::FaceUsedTooOften: return "faces shared by three or more tets";
+    case ProblemKind::OverlappingTets: return "faces with two tets on the same side";
+    case ProblemKind::BoundaryWithoutTriangle: return "boundary faces of tets without a triangle";
+    case ProblemKind::InterfaceWithoutTriangle: return "tet faces between regions without a triangle";
+    case ProblemKind::TriangleNotOnTets: return "% that are not a face of any tet";
+    case ProblemKind::OpenBoundary: return "open edges in the boundary of the tets";
+    case ProblemKind::SidesDisagree: return "% with other regions beside them than their model face has";
+    case ProblemKind::FlippedTriangle: return "edges at which two triangles of a model face turn opposite ways";
+    case ProblemKind::MissingEdge: return "places where model faces meet without a mesh edge";
+    case ProblemKind::EdgeNotOnTriangles: return "% between surface points that are not on any triangle";
+    case ProblemKind::ClassificationConflict: return "% that contradict the classification of points";
+    case ProblemKind::EntityOutOfRange: return "% on model entities that are not there";
+    case ProblemKind::PartlyClassified: return "% without a model entity while others have one";
+  }
+  return "%";
+}
+
+std::string message_for(const MeshProblem& problem) {
+  std::string text(phrase(problem.kind));
+  if (text.front() == '%') text.replace(0, 1, std::string(to_string(problem.element)) + "s");
+  return text + ": " + std::to_string(problem.count);
+}
+
+template <class Elements>
+bool indices_in_range(const Elements& elements, ElementKind kind, std::size_t point_count, detail::ProblemLog& log) {
+  bool fine = true;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    for (const std::uint32_t vertex : elements[i])
+      if (vertex >= point_count) {
+        log.add(ProblemKind::IndexOutOfRange, kind, i);
+        fine = false;
+        break;
+      }
+  return fine;
+}
+
+bool arrays_fit(const Mesh& mesh, detail::ProblemLog& log) {
+  const auto check = [&](std::size_t elements, std::size_t entities, const char* what) {
+    if (elements == entities) return true;
+    log.add_array(std::to_string(elements) + " " + what + " have " + std::to_string(entities) + " entities");
+    return false;
+  };
+  bool fine = check(mesh.edge_to_vert.size(), mesh.edge_to_entity.size(), "edges");
+  fine &= check(mesh.tri_to_vert.size(), mesh.tri_to_entity.size(), "triangles");
+  fine &= check(mesh.tet_to_vert.size(), mesh.tet_to_entity.size(), "tets");
+  if (!mesh.point_to_entity.empty()) fine &= check(mesh.points.size(), mesh.point_to_entity.size(), "points");
+  if (mesh.points.size() >= 0xffffffffu) log.add_array("the points are too many for 32-bit indices"), fine = false;
+  if (!fine) return false;
+  fine &= indices_in_range(mesh.edge_to_vert, ElementKind::Edge, mesh.points.size(), log);
+  fine &= indices_in_range(mesh.tri_to_vert, ElementKind::Triangle, mesh.points.size(), log);
+  fine &= indices_in_range(mesh.tet_to_vert, ElementKind::Tet, mesh.points.size(), log);
+  return fine;
+}
+
+template <std::size_t N>
+bool repeats_vertex(const std::array<std::uint32_t, N>& v) {
+  for (std::size_t i = 0; i + 1 < N; ++i)
+    for (std::size_t j = i + 1; j < N; ++j)
+      if (v[i] == v[j]) return true;
+  return false;
+}
+
+template <class Elements>
+void find_repeated_vertices(const Elements& elements, ElementKind kind, detail::ProblemLog& log) {
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    if (repeats_vertex(elements[i])) log.add(ProblemKind::RepeatedVertex, kind, i);
+}
+
+void validate_shapes(const Mesh& mesh, detail::ProblemLog& log) {
+  bool finite = true;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (!is_finite(mesh.points[i])) log.add(ProblemKind::NonFinitePoint, ElementKind::Point, i), finite = false;
+  find_repeated_vertices(mesh.edge_to_vert, ElementKind::Edge, log);
+  find_repeated_vertices(mesh.tri_to_vert, ElementKind::Triangle, log);
+  find_repeated_vertices(mesh.tet_to_vert, ElementKind::Tet, log);
+  for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t) {
+    const auto [a, b, c, d] = mesh.tet_to_vert[t];
+    const Vec3 &pa = mesh.points[a], &pb = mesh.points[b], &pc = mesh.points[c], &pd = mesh.points[d];
+    const bool comparable = finite || (is_finite(pa) && is_finite(pb) && is_finite(pc) && is_finite(pd));
+    if (!comparable || orient3d(pa, pb, pc, pd) <= 0) log.add(ProblemKind::NonPositiveVolume, ElementKind::Tet, t);
+  }
+}
+
+/// Marks the points of the elements; counts the points that nothing uses.
+detail::PointMarks mark_points(const Mesh& mesh, ValidationReport& report) {
+  const std::size_t count = mesh.points.size();
+  const std::vector<bool> none(count, false);
+  detail::PointMarks marks{none, none, none};
+  for (const auto& element : mesh.edge_to_vert)
+    for (const std::uint32_t v : element) marks.used[v] = marks.on_edge[v] = true;
+  for (const auto& element : mesh.tri_to_vert)
+    for (const std::uint32_t v : element) marks.used[v] = marks.on_triangle[v] = true;
+  for (const auto& element : mesh.tet_to_vert)
+    for (const std::uint32_t v : element) marks.used[v] = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!marks.used[i]) ++report.unused_points;
+    if (marks.used[i] && (mesh.point_to_entity.empty() || !mesh.point_to_entity[i].valid()))
+      ++report.unclassified_points;
+  }
+  return marks;
+}
+
+}  // namespace
+
+namespace detail {
+
+void ProblemLog::add(ProblemKind kind, ElementKind element, std::uint64_t index) {
+  for (MeshProblem& problem : problems_)
+    if (problem.kind == kind && problem.element == element) {
+      ++problem.count;
+      if (problem.elements.size() < kShown) problem.elements.push_back(index);
+      return;
+    }
+  problems_.push_back({kind, element, {}, 1, {index}, point_on(element, index)});
+}
+
+void ProblemLog::add_array(const std::string& message) {
+  problems_.push_back({ProblemKind::ArrayLength, ElementKind::Point, message, 1, {}, {}});
+}
+
+std::optional<Vec3> ProblemLog::point_on(ElementKind element, std::uint64_t index) const {
+  const auto centre = [&](const auto& vertices) {
+    Vec3 sum;
+    for (const std::size_t v : vertices) {
+      if (v >= mesh_.points.size()) return std::optional<Vec3>{};
+      sum += mesh_.points[v] / static_cast<double>(vertices.size());
+    }
+    return is_finite(sum) ? std::optional<Vec3>{sum} : std::optional<Vec3>{};
+  };
+  switch (element) {
+    case ElementKind::Point: return centre(std::array<std::size_t, 1>{index});
+    case ElementKind::Edge: return centre(mesh_.edge_to_vert[index]);
+    case ElementKind::Triangle: return centre(mesh_.tri_to_vert[index]);
+    case ElementKind::Tet: return centre(mesh_.tet_to_vert[index]);
+  }
+  return {};
+}
+
+std::vector<MeshProblem> ProblemLog::take() {
+  for (MeshProblem& problem : problems_)
+    if (problem.message.empty()) problem.message = message_for(problem);
+  return std::move(problems_);
+}
+
+}  // namespace detail
+
+ValidationReport validate_mesh(const Mesh& mesh) {
+  ValidationReport report;
+  detail::ProblemLog log(mesh);
+  if (arrays_fit(mesh, log)) {
+    validate_shapes(mesh, log);
+    const detail::PointMarks marks = mark_points(mesh, report);
+    detail::validate_faces(mesh, log, report);
+    detail::validate_surface_edges(mesh, marks, log, report);
+    detail::validate_classification(mesh, marks, log);
+  }
+  report.problems = log.take();
+  return report;
+}
+
+}  // namespace tetloom

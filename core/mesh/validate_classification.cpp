@@ -1,0 +1,65 @@
+#include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/validate_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::uint32_t kNone = ModelFaceId::kNone;
+
+/// Whether a point classified on `point` can lie on the closure of entity `index` of dimension `dim`: on the entity
+/// itself or on something of lower dimension. Unknown classifications may lie anywhere.
+bool may_lie_on(const ModelEntity& point, int dim, std::uint32_t index) {
+  if (!point.valid() || point.dim < dim) return true;
+  return point.dim == dim && (index == kNone || point.index == index);
+}
+
+template <class Elements>
+void check_closure(const Mesh& mesh, const Elements& elements, const std::vector<std::uint32_t>& entities, int dim,
+                   ProblemLog& log) {
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    for (const std::uint32_t v : elements[e])
+      if (!may_lie_on(entity_of_point(mesh, v), dim, entities[e])) {
+        log.add(ProblemKind::ClassificationConflict, static_cast<ElementKind>(dim), e);
+        break;
+      }
+}
+
+void check_entities(const Mesh& mesh, const std::vector<std::uint32_t>& entities, int dim, ProblemLog& log) {
+  std::size_t known = mesh.entities[dim].empty() ? kNone : mesh.entities[dim].size();
+  if (dim == 2 && !mesh.face_to_sides.empty()) known = std::min(known, mesh.face_to_sides.size());
+  std::size_t classified = 0;
+  for (const std::uint32_t entity : entities) classified += entity != kNone;
+  for (std::size_t e = 0; e < entities.size(); ++e) {
+    if (entities[e] != kNone && entities[e] >= known)
+      log.add(ProblemKind::EntityOutOfRange, static_cast<ElementKind>(dim), e);
+    if (entities[e] == kNone && classified > 0)
+      log.add(ProblemKind::PartlyClassified, static_cast<ElementKind>(dim), e);
+  }
+}
+
+void check_points(const Mesh& mesh, const PointMarks& marks, ProblemLog& log) {
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    const ModelEntity entity = entity_of_point(mesh, i);
+    if (!entity.valid()) continue;
+    if (!mesh.entities[entity.dim].empty() && entity.index >= mesh.entities[entity.dim].size())
+      log.add(ProblemKind::EntityOutOfRange, ElementKind::Point, i);
+    if (!marks.used[i]) continue;
+    const bool off_face = entity.dim == 2 && !mesh.tri_to_vert.empty() && !marks.on_triangle[i];
+    const bool off_edge = entity.dim == 1 && !mesh.edge_to_vert.empty() && !marks.on_edge[i];
+    if (off_face || off_edge) log.add(ProblemKind::ClassificationConflict, ElementKind::Point, i);
+  }
+}
+
+}  // namespace
+
+void validate_classification(const Mesh& mesh, const PointMarks& marks, ProblemLog& log) {
+  check_points(mesh, marks, log);
+  check_entities(mesh, mesh.edge_to_entity, 1, log);
+  check_entities(mesh, mesh.tri_to_entity, 2, log);
+  check_entities(mesh, mesh.tet_to_entity, 3, log);
+  check_closure(mesh, mesh.edge_to_vert, mesh.edge_to_entity, 1, log);
+  check_closure(mesh, mesh.tri_to_vert, mesh.tri_to_entity, 2, log);
+  check_closure(mesh, mesh.tet_to_vert, mesh.tet_to_entity, 3, log);
+}
+
+}  // namespace tetloom::detail
