@@ -6,6 +6,9 @@
 
 #include "core/cad/detail/cad_model.hpp"
 #include "core/cad/detail/document.hpp"
+#include "core/cad/detail/faults.hpp"
+#include "core/cad/detail/healing.hpp"
+#include "core/cad/detail/imprint.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 
 namespace tetloom {
@@ -39,17 +42,36 @@ void check_options(const ReadOptions& options) {
     throw Error(ErrorCode::InvalidArgument, "the feature angle must lie between 0 and pi");
 }
 
-ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format, const CancelToken* cancel) {
+/// What was warned of before names were known gets them.
+void add_names(const GeometricModel& model, std::vector<Diagnostic>& warnings) {
+  for (Diagnostic& warning : warnings)
+    for (NamedEntity& entity : warning.entities) entity = model.named(entity.entity);
+}
+
+void append(std::vector<Diagnostic>& list, const std::vector<Diagnostic>& more) {
+  list.insert(list.end(), more.begin(), more.end());
+}
+
+ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format, const ReadOptions& options,
+                       const CancelToken* cancel) {
   const cad::ReadingSession session;
-  const cad::Document document = cad::read_document(path, format, cancel);
-  return cad::translate_failures({}, ErrorCode::InputUnsuitable, "taking the model apart", [&] {
+  cad::Document document = cad::read_document(path, format, cancel);
+  return cad::translate_failures({}, ErrorCode::InputUnsuitable, "preparing the model", [&] {
     ModelDocument result;
+    cad::complete_geometry(document, result.healing);
+    bool valid = options.heal && cad::heal(document, result.healing, cancel);
+    if (options.imprint) valid = cad::imprint(document, result.healing, cancel) ? false : valid;
+    if (cancel) cancel->check();
     cad::ShapeTopology parts = cad::make_topology(document.root);
     if (parts.topology.face_count() == 0)
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
     result.warnings = std::move(parts.warnings);
+    if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes));
+    append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
+    if (cancel) cancel->check();
     result.model =
         std::make_unique<cad::CadModel>(std::move(parts), document.root, document.attributes, document.metres_per_unit);
+    add_names(*result.model, result.warnings);
     return result;
   });
 }
@@ -62,9 +84,9 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
   if (cancel) cancel->check();
   ModelDocument document;
   switch (extension.format) {
-    case Format::Step: document = read_cad(path, cad::CadFormat::Step, cancel); break;
-    case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, cancel); break;
-    case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, cancel); break;
+    case Format::Step: document = read_cad(path, cad::CadFormat::Step, options, cancel); break;
+    case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, options, cancel); break;
+    case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, options, cancel); break;
     case Format::Stl:
     case Format::Obj: throw Error(ErrorCode::InputUnsuitable, "facetted models are not part of this build");
   }

@@ -46,7 +46,7 @@ void check_curve(const GeometricModel& model, FaceGeometry& face, const EdgeUse&
     worst = std::max(worst, distance(face.evaluate(face.edge_parameters(use, t)), edge->evaluate(t)));
   }
   report.worst_curve_gap = std::max(report.worst_curve_gap, worst);
-  if (worst > 1.01 * model.attributes(use.edge).tolerance + 1e-7) ++report.off_curve;
+  if (worst > 1.3 * model.attributes(use.edge).tolerance + 1e-7) ++report.off_curve;
 }
 
 }  // namespace

@@ -15,10 +15,8 @@
 namespace tetloom::cad {
 namespace {
 
-Box3 compute_box(const TopoDS_Shape& root) {
-  Bnd_Box box;
-  BRepBndLib::AddOptimal(root, box, false, false);
-  if (box.IsVoid()) throw Error(ErrorCode::InputUnsuitable, "the model has no extent");
+Box3 to_box3(Bnd_Box box) {
+  if (box.IsVoid()) return {};
   if (box.IsOpen()) throw Error(ErrorCode::InputUnsuitable, "the model is infinite");
   box.SetGap(0);
   Box3 result;
@@ -26,6 +24,29 @@ Box3 compute_box(const TopoDS_Shape& root) {
   result.add(to_vec3(box.CornerMax()));
   return result;
 }
+
+bool covers(const Box3& outer, const Box3& inner) { return outer.contains(inner.lo) && outer.contains(inner.hi); }
+
+/// The tight box of a face costs an optimisation; most faces lie inside the box of the others anyway.
+Box3 compute_box(const ShapeTables& shapes, std::size_t face_count) {
+  Box3 result;
+  for (int i = 1; i <= shapes.vertices.Extent(); ++i)
+    result.add(to_vec3(BRep_Tool::Pnt(shapes.vertex(ModelVertexId(static_cast<std::size_t>(i - 1))))));
+  for (std::size_t i = 0; i < face_count; ++i) {
+    const TopoDS_Face face = shapes.face(ModelFaceId(i));
+    Bnd_Box loose, tight;
+    BRepBndLib::Add(face, loose, false);
+    if (covers(result, to_box3(loose))) continue;
+    BRepBndLib::AddOptimal(face, tight, false, false);
+    result.add(to_box3(tight));
+  }
+  if (result.empty()) throw Error(ErrorCode::InputUnsuitable, "the model has no extent");
+  return result;
+}
+
+/// Places at which a parameter curve is compared with its edge, and what is added for the places between.
+constexpr int kToleranceSamples = 40;
+constexpr double kToleranceMargin = 1.25;
 
 }  // namespace
 
@@ -35,8 +56,44 @@ CadModel::CadModel(ShapeTopology parts, const TopoDS_Shape& root, const Attribut
   topology_ = std::move(parts.topology);
   attributes_ = make_entity_attributes(root, attributes, shapes_);
   metres_per_unit_ = metres_per_unit;
-  translate_failures({}, ErrorCode::InputUnsuitable, "the bounding box", [&] { bounding_box_ = compute_box(root); });
-  for (std::size_t i = 0; i < topology_.vertex_count; ++i) bounding_box_.add(vertex_point(ModelVertexId(i)));
+  translate_failures({}, ErrorCode::InputUnsuitable, "the bounding box",
+                     [&] { bounding_box_ = compute_box(shapes_, topology_.face_count()); });
+  measure_tolerances();
+}
+
+// Files understate how far parameter curves lie off their edges, and vertices off both.
+void CadModel::measure_tolerances() {
+  for (std::size_t i = 0; i < topology_.face_count(); ++i) {
+    try {
+      const auto face = face_geometry(ModelFaceId(i));
+      for (const ModelLoop& loop : topology_.face_to_loops[i]) {
+        for (const EdgeUse& use : loop) {
+          if (topology_.edges[use.edge.value].degenerate) continue;
+          const auto edge = edge_geometry(use.edge);
+          measure_use(*face, *edge, use);
+        }
+      }
+    } catch (const Error& error) {  // whoever meshes this face gets the same error, with its place
+      if (error.code() == ErrorCode::OutOfMemory) throw;
+    }
+  }
+}
+
+void CadModel::measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use) {
+  const auto raise = [&](ModelEntity entity, double gap) {
+    double& tolerance = attributes_[entity.dim][entity.index].tolerance;
+    if (gap > tolerance) tolerance = kToleranceMargin * gap;
+  };
+  const ParameterRange range = face.edge_range(use);
+  for (int i = 0; i <= kToleranceSamples; ++i) {
+    const double t = range.lo + (range.hi - range.lo) * i / kToleranceSamples;
+    const Vec3 on_edge = edge.evaluate(t), on_face = face.evaluate(face.edge_parameters(use, t));
+    raise(use.edge, distance(on_edge, on_face));
+    if (i > 0 && i < kToleranceSamples) continue;
+    const ModelVertexId vertex = topology_.edges[use.edge.value].vertices[i == 0 ? 0 : 1];
+    const Vec3 at = vertex_point(vertex);
+    raise(vertex, std::max(distance(at, on_edge), distance(at, on_face)));
+  }
 }
 
 Vec3 CadModel::vertex_point(ModelVertexId id) const {

@@ -18,6 +18,9 @@ class CadModel final : public GeometricModel {
   const ShapeTables& shapes() const { return shapes_; }
 
  private:
+  void measure_tolerances();
+  void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use);
+
   ShapeTables shapes_;
 };
 

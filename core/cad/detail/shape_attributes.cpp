@@ -1,6 +1,7 @@
 #include "core/cad/detail/shape_attributes.hpp"
 
 #include <BRep_Tool.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
@@ -28,6 +29,12 @@ AttributeMap transfer_attributes(const AttributeMap& map, const ShapeSuccessors&
 
 namespace {
 
+std::size_t count_solids(const TopoDS_Shape& shape) {
+  std::size_t count = 0;
+  for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) ++count;
+  return count;
+}
+
 /// What a shape takes over from the shapes around it.
 struct Inherited {
   std::string part;
@@ -35,13 +42,56 @@ struct Inherited {
   std::string layer;
   std::size_t solids_in_part = 0;
   bool in_solid = false;
+
+  void enter(const TopoDS_Shape& shape, const ShapeAttributes* own) {
+    if (!own) return;
+    if (own->is_part && !own->name.empty()) part = own->name, solids_in_part = count_solids(shape);
+    if (own->color) color = own->color;
+    if (!own->layer.empty()) layer = own->layer;
+  }
+  /// The name of a region that calls itself `own` inside this part.
+  std::string region_name(const ShapeAttributes* attributes) const {
+    const std::string own = attributes && !attributes->is_part ? attributes->name : "";
+    if (part.empty()) return own;
+    if (own.empty() || solids_in_part <= 1) return part;
+    return part + "/" + own;
+  }
 };
 
-std::size_t count_solids(const TopoDS_Shape& shape) {
-  std::size_t count = 0;
-  for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) ++count;
-  return count;
-}
+class BodyCollector {
+ public:
+  BodyCollector(const TopoDS_Shape& root, const AttributeMap& map) : map_(map) {
+    for (TopExp_Explorer solid(root, TopAbs_SOLID); solid.More(); solid.Next())
+      TopExp::MapShapes(solid.Current(), TopAbs_FACE, faces_of_solids_);
+  }
+
+  void visit(const TopoDS_Shape& shape, Inherited state) {
+    const ShapeAttributes* own = map_.Seek(shape);
+    state.enter(shape, own);
+    const TopAbs_ShapeEnum type = shape.ShapeType();
+    if (type == TopAbs_COMPOUND || type == TopAbs_COMPSOLID) {
+      for (TopoDS_Iterator child(shape); child.More(); child.Next()) visit(child.Value(), state);
+    } else if (type == TopAbs_SOLID || ((type == TopAbs_SHELL || type == TopAbs_FACE) && !bounds_solids(shape))) {
+      if (seen_.Contains(shape)) return;
+      seen_.Add(shape);
+      const std::string name = type == TopAbs_SOLID ? state.region_name(own) : state.part;
+      bodies.push_back({shape, {name, !name.empty(), state.color, std::nullopt, state.layer}});
+    }
+  }
+
+  std::vector<Body> bodies;
+
+ private:
+  // Some files list the shells and faces of their solids once more beside them.
+  bool bounds_solids(const TopoDS_Shape& shape) const {
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next())
+      if (!faces_of_solids_.Contains(face.Current())) return false;
+    return true;
+  }
+
+  const AttributeMap& map_;
+  TopTools_IndexedMapOfShape faces_of_solids_, seen_;
+};
 
 class AttributeResolver {
  public:
@@ -73,11 +123,7 @@ class AttributeResolver {
 
   void visit(const TopoDS_Shape& shape, Inherited state) {
     const ShapeAttributes* own = map_.Seek(shape);
-    if (own) {
-      if (own->is_part && !own->name.empty()) state.part = own->name, state.solids_in_part = count_solids(shape);
-      if (own->color) state.color = own->color;
-      if (!own->layer.empty()) state.layer = own->layer;
-    }
+    state.enter(shape, own);
     if (!record(shape, own, state)) return;
     if (shape.ShapeType() == TopAbs_SOLID) state.in_solid = true;
     for (TopoDS_Iterator child(shape); child.More(); child.Next()) visit(child.Value(), state);
@@ -94,7 +140,7 @@ class AttributeResolver {
     out.layer = state.layer;
     const std::string name = own && !own->is_part ? own->name : "";
     if (dim == 3) {
-      out.name = region_name(name, state);
+      out.name = state.region_name(own);
       out.color = state.color;
     } else if (dim == 2) {
       out.name = name.empty() && !state.in_solid ? state.part : name;
@@ -104,12 +150,6 @@ class AttributeResolver {
       if (own) out.color = own->edge_color ? own->edge_color : own->color;
     }
     return dim > 0;
-  }
-
-  static std::string region_name(const std::string& own, const Inherited& state) {
-    if (state.part.empty()) return own;
-    if (own.empty() || state.solids_in_part <= 1) return state.part;
-    return state.part + "/" + own;
   }
 
   std::pair<int, std::size_t> entity(const TopoDS_Shape& shape) const {
@@ -129,6 +169,14 @@ class AttributeResolver {
 };
 
 }  // namespace
+
+std::vector<Body> collect_bodies(const TopoDS_Shape& root, const AttributeMap& map) {
+  BodyCollector collector(root, map);
+  Inherited state;
+  state.solids_in_part = count_solids(root);
+  collector.visit(root, state);
+  return std::move(collector.bodies);
+}
 
 std::array<std::vector<EntityAttributes>, 4> make_entity_attributes(const TopoDS_Shape& root, const AttributeMap& map,
                                                                     const ShapeTables& shapes) {

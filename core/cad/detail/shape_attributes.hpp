@@ -34,6 +34,16 @@ void add_attributes(AttributeMap& map, const TopoDS_Shape& shape, const ShapeAtt
 std::array<std::vector<EntityAttributes>, 4> make_entity_attributes(const TopoDS_Shape& root, const AttributeMap& map,
                                                                     const ShapeTables& shapes);
 
+/// A solid, a shell outside solids or a face outside shells, with what it has from itself and the shapes around: the
+/// name is that of the part (see make_entity_attributes), so is_part is set when there is one.
+struct Body {
+  TopoDS_Shape shape;
+  ShapeAttributes attributes;
+};
+
+/// All bodies of a shape, each once, in its order.
+std::vector<Body> collect_bodies(const TopoDS_Shape& root, const AttributeMap& map);
+
 /// What became of a shape: itself, or the shapes that replace it (none when it was removed).
 using ShapeSuccessors = std::function<std::vector<TopoDS_Shape>(const TopoDS_Shape&)>;
 

@@ -41,7 +41,7 @@ class TopologyBuilder {
 
   ShapeTopology build() {
     TopExp::MapShapes(root_, TopAbs_FACE, out_.shapes.faces);
-    TopExp::MapShapes(root_, TopAbs_SOLID, out_.shapes.solids);
+    number_solids();
     number_edges();
     number_vertices();
     warn_of_free_shapes(TopAbs_EDGE, out_.shapes.edges, "edges");
@@ -61,6 +61,17 @@ class TopologyBuilder {
         if (edge.Value().Orientation() != TopAbs_EXTERNAL) visit(TopoDS::Edge(edge.Value()));
       end_wire();
     }
+  }
+
+  void number_solids() {
+    TopTools_IndexedMapOfShape all;
+    TopExp::MapShapes(root_, TopAbs_SOLID, all);
+    for (int i = 1; i <= all.Extent(); ++i)
+      if (TopExp_Explorer(all(i), TopAbs_FACE).More()) out_.shapes.solids.Add(all(i));
+    const int empty = all.Extent() - out_.shapes.solids.Extent();
+    if (empty > 0)
+      out_.warnings.push_back(
+          {ErrorCode::InputUnsuitable, std::to_string(empty) + " solids without any face were left out", {}, {}, {}});
   }
 
   void number_edges() {

@@ -1,0 +1,239 @@
+#include "core/cad/detail/healing.hpp"
+
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <BRepGProp.hxx>
+#include <BRepLib.hxx>
+#include <BRepTools_PurgeLocations.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
+#include <Geom_Plane.hxx>
+#include <GProp_GProps.hxx>
+#include <ShapeBuild_ReShape.hxx>
+#include <ShapeFix_Edge.hxx>
+#include <ShapeFix_Shape.hxx>
+#include <ShapeFix_Wireframe.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+
+#include <BRepAdaptor_Curve.hxx>
+
+#include "core/cad/detail/faults.hpp"
+#include "core/cad/detail/occt_guard.hpp"
+
+namespace tetloom::cad {
+
+void add_step(std::vector<HealingStep>& steps, const char* what, std::size_t count) {
+  if (count > 0) steps.push_back({what, count});
+}
+
+void replace_shapes(Document& document, const TopoDS_Shape& root, const ShapeSuccessors& successors) {
+  document.attributes = transfer_attributes(document.attributes, successors);
+  if (root.ShapeType() == TopAbs_COMPOUND) {
+    document.root = TopoDS::Compound(root);
+    return;
+  }
+  BRep_Builder().MakeCompound(document.root);
+  BRep_Builder().Add(document.root, root);
+}
+
+namespace {
+
+/// The shapes of one type inside, each once, in the order of TopExp.
+std::vector<TopoDS_Shape> shapes_of(const TopoDS_Shape& root, TopAbs_ShapeEnum type,
+                                    TopAbs_ShapeEnum avoid = TopAbs_SHAPE) {
+  TopTools_IndexedMapOfShape map;
+  for (TopExp_Explorer explorer(root, type, avoid); explorer.More(); explorer.Next()) map.Add(explorer.Current());
+  std::vector<TopoDS_Shape> result;
+  for (int i = 1; i <= map.Extent(); ++i) result.push_back(map(i));
+  return result;
+}
+
+std::size_t remove_scaled_locations(Document& document) {
+  bool needed = false;
+  TopTools_IndexedMapOfShape all;
+  TopExp::MapShapes(document.root, all);
+  for (int i = 1; i <= all.Extent() && !needed; ++i) {
+    const gp_Trsf transform = all(i).Location().Transformation();
+    needed = transform.IsNegative() || std::abs(std::abs(transform.ScaleFactor()) - 1) > TopLoc_Location::ScalePrec();
+  }
+  if (!needed) return 0;
+  BRepTools_PurgeLocations purge;
+  if (!purge.Perform(document.root)) return 0;
+  const TopoDS_Shape root = purge.GetResult();
+  replace_shapes(document, root,
+                 [&](const TopoDS_Shape& shape) -> std::vector<TopoDS_Shape> { return {purge.ModifiedShape(shape)}; });
+  return 1;
+}
+
+std::size_t add_space_curves(const TopoDS_Shape& root) {
+  std::size_t count = 0;
+  for (const TopoDS_Shape& shape : shapes_of(root, TopAbs_EDGE)) {
+    const TopoDS_Edge edge = TopoDS::Edge(shape);
+    double first, last;
+    if (BRep_Tool::Degenerated(edge) || !BRep_Tool::Curve(edge, first, last).IsNull()) continue;
+    if (BRepLib::BuildCurve3d(edge)) ++count;
+  }
+  return count;
+}
+
+std::size_t add_parameter_curves(const TopoDS_Shape& root) {
+  std::size_t count = 0;
+  ShapeFix_Edge fix;
+  for (const TopoDS_Shape& face_shape : shapes_of(root, TopAbs_FACE)) {
+    const TopoDS_Face face = TopoDS::Face(face_shape.Oriented(TopAbs_FORWARD));
+    for (const TopoDS_Shape& shape : shapes_of(face, TopAbs_EDGE)) {
+      const TopoDS_Edge edge = TopoDS::Edge(shape);
+      double first, last;
+      if (!BRep_Tool::CurveOnSurface(edge, face, first, last).IsNull()) continue;
+      const bool seam = BRep_Tool::IsClosed(edge, face);
+      if (fix.FixAddPCurve(edge, face, seam)) ++count;
+    }
+  }
+  return count;
+}
+
+std::size_t reparametrise(const TopoDS_Shape& root) {
+  std::size_t count = 0;
+  for (const TopoDS_Shape& shape : shapes_of(root, TopAbs_EDGE)) {
+    const TopoDS_Edge edge = TopoDS::Edge(shape);
+    if (BRep_Tool::Degenerated(edge) || BRep_Tool::SameParameter(edge)) continue;
+    BRepLib::SameParameter(edge, BRep_Tool::Tolerance(edge));
+    ++count;
+  }
+  return count;
+}
+
+/// A context that knows the replacement of every shape, in whatever place it stands.
+using Context = Handle(ShapeBuild_ReShape);
+
+std::vector<TopoDS_Shape> successors_in(const Context& context, const TopoDS_Shape& shape) {
+  const TopoDS_Shape next = context->Apply(shape);
+  if (next.IsNull()) return {};
+  if (next.ShapeType() == shape.ShapeType()) return {next};
+  return shapes_of(next, shape.ShapeType());
+}
+
+void apply(Document& document, const Context& context) {
+  const TopoDS_Shape root = context->Apply(document.root);
+  replace_shapes(document, root, [&](const TopoDS_Shape& shape) { return successors_in(context, shape); });
+}
+
+double volume_of(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties);
+  return properties.Mass();
+}
+
+std::size_t badness(const TopoDS_Shape& shape) {
+  const BRepCheck_Analyzer analyzer(shape);
+  return (analyzer.IsValid() ? 0 : count_faults(analyzer, shape)) + 1000 * find_open_edges(shape).size();
+}
+
+/// A repair must not change the shape itself by more than this share of its volume.
+constexpr double kVolumeChange = 0.01;
+
+bool is_improved(const TopoDS_Shape& before, const TopoDS_Shape& after) {
+  if (after.IsNull() || badness(after) >= badness(before)) return false;
+  if (before.ShapeType() != TopAbs_SOLID) return true;
+  const double old_volume = volume_of(before), new_volume = volume_of(after);
+  return std::abs(std::abs(new_volume) - std::abs(old_volume)) <= kVolumeChange * std::abs(old_volume);
+}
+
+/// Each body on its own: what holds a valid body together is not touched.
+std::size_t fix_invalid_bodies(Document& document, const CancelToken* cancel) {
+  std::vector<TopoDS_Shape> bodies = shapes_of(document.root, TopAbs_SOLID);
+  for (const TopoDS_Shape& shell : shapes_of(document.root, TopAbs_SHELL, TopAbs_SOLID)) bodies.push_back(shell);
+  for (const TopoDS_Shape& face : shapes_of(document.root, TopAbs_FACE, TopAbs_SHELL)) bodies.push_back(face);
+  std::size_t count = 0;
+  for (const TopoDS_Shape& original : bodies) {
+    if (cancel) cancel->check();
+    const TopoDS_Shape body = original.Located(TopLoc_Location());
+    if (BRepCheck_Analyzer(body).IsValid()) continue;
+    const Context context = new ShapeBuild_ReShape;
+    const Handle(ShapeFix_Shape) fix = new ShapeFix_Shape(body);
+    fix->SetContext(context);
+    Handle(CancelIndicator) indicator = new CancelIndicator(cancel);
+    fix->Perform(Message_ProgressIndicator::Start(indicator));
+    if (cancel) cancel->check();
+    if (!is_improved(body, context->Apply(body))) continue;
+    apply(document, context);
+    ++count;
+  }
+  return count;
+}
+
+double length_of(const TopoDS_Edge& edge) {
+  const BRepAdaptor_Curve curve(edge);
+  return GCPnts_AbscissaPoint::Length(curve);
+}
+
+std::size_t count_tiny_edges(const TopoDS_Shape& root, double length) {
+  std::size_t count = 0;
+  for (const TopoDS_Shape& shape : shapes_of(root, TopAbs_EDGE)) {
+    const TopoDS_Edge edge = TopoDS::Edge(shape);
+    TopoDS_Vertex first, last;
+    TopExp::Vertices(edge, first, last);
+    double lo, hi;
+    if (first.IsNull() || last.IsNull() || BRep_Tool::Degenerated(edge)) continue;
+    if (BRep_Tool::Curve(edge, lo, hi).IsNull()) continue;
+    if (BRep_Tool::Pnt(first).Distance(BRep_Tool::Pnt(last)) > length) continue;
+    if (length_of(edge) <= length) ++count;
+  }
+  return count;
+}
+
+/// Edges shorter than the precision of the kernel are points.
+std::size_t remove_tiny_edges(Document& document) {
+  const double length = Precision::Confusion();
+  const std::size_t before = count_tiny_edges(document.root, length);
+  if (before == 0) return 0;
+  const Context context = new ShapeBuild_ReShape;
+  const Handle(ShapeFix_Wireframe) fix = new ShapeFix_Wireframe(document.root);
+  fix->SetContext(context);
+  fix->SetPrecision(length);
+  fix->ModeDropSmallEdges() = true;
+  fix->FixSmallEdges();
+  const TopoDS_Shape root = context->Apply(document.root);
+  if (root.IsNull() || badness(root) > badness(document.root)) return 0;
+  const std::size_t after = count_tiny_edges(root, length);
+  apply(document, context);
+  return before - std::min(before, after);
+}
+
+std::size_t turn_right_side_out(Document& document) {
+  const Context context = new ShapeBuild_ReShape;
+  std::size_t count = 0;
+  for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
+    const TopoDS_Shape body = original.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD);
+    if (context->IsRecorded(body) || !(volume_of(body) < 0) || !find_open_edges(body).empty()) continue;
+    TopoDS_Solid solid = TopoDS::Solid(body);
+    if (!BRepLib::OrientClosedSolid(solid) || !(volume_of(solid) > 0)) continue;
+    context->Replace(body, solid);
+    ++count;
+  }
+  if (count > 0) apply(document, context);
+  return count;
+}
+
+}  // namespace
+
+void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
+  add_step(steps, "mirrored or scaled placements were worked into the geometry", remove_scaled_locations(document));
+  add_step(steps, "edges got the curve in space that they lacked", add_space_curves(document.root));
+  add_step(steps, "edges got a parameter curve that they lacked", add_parameter_curves(document.root));
+}
+
+bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel) {
+  add_step(steps, "edges were brought to one parameter with their parameter curves", reparametrise(document.root));
+  sew_loose_faces(document, steps, cancel);
+  const bool valid = BRepCheck_Analyzer(document.root).IsValid();
+  if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_invalid_bodies(document, cancel));
+  const std::size_t removed = remove_tiny_edges(document), turned = turn_right_side_out(document);
+  add_step(steps, "edges without length were removed", removed);
+  add_step(steps, "solids were turned right side out", turned);
+  return valid && removed + turned == 0;
+}
+
+}  // namespace tetloom::cad
