@@ -1,5 +1,7 @@
 #include "mesher/surface/patch.hpp"
 
+#include <algorithm>
+
 #include "core/predicates/predicates.hpp"
 
 namespace tetloom {
@@ -29,6 +31,14 @@ PatchPlace PatchSurface::displaced(const PatchPlace& from, const Vec2& step) con
 PatchPlace PatchSurface::midpoint(const PatchPlace& a, const PatchPlace& b) const {
   if (smooth_) return at_plane(0.5 * (a.plane + b.plane));
   return nearest(0.5 * (a.point + b.point), a.plane);
+}
+
+double PatchSurface::edge_length(const PatchPlace& a, const PatchPlace& b) const {
+  const double chord2 = norm2(b.point - a.point);
+  if (!smooth_) return std::sqrt(chord2);
+  const Vec2 step = b.plane - a.plane;
+  const double from_a = norm2(step.u * a.du + step.v * a.dv), from_b = norm2(step.u * b.du + step.v * b.dv);
+  return std::sqrt(std::max(chord2, std::min(from_a, from_b)));
 }
 
 bool PatchSurface::oriented(const PatchPlace& a, const PatchPlace& b, const PatchPlace& c) const {

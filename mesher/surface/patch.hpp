@@ -6,6 +6,7 @@
 // there, and a vertex moves by moving in the plane. Without one, vertices move in their tangent plane and are
 // projected back; triangles are valid when their normals agree with the surface's. Lengths, angles and qualities are
 // measured in space in both.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -50,6 +51,9 @@ class PatchSurface {
   PatchPlace midpoint(const PatchPlace& a, const PatchPlace& b) const;
   /// Whether the triangle is valid (see the top of this file).
   bool oriented(const PatchPlace& a, const PatchPlace& b, const PatchPlace& c) const;
+  /// Length of the edge ab along the surface: the chord, or what the plane says where that is longer because the edge
+  /// bends around the face. Exact to first order; a pole at one end does not lengthen it.
+  double edge_length(const PatchPlace& a, const PatchPlace& b) const;
   double size_at(const Vec3& x) const { return sizes_.size_at(x); }
 
  private:
@@ -59,14 +63,19 @@ class PatchSurface {
   bool smooth_;
 };
 
-/// Triangle quality 4√3·A/Σl² in space: 1 when equilateral, 0 when flat, negative when it faces away from the surface.
+/// Triangle quality 4√3·A/Σl² in space, times the cosine of the largest angle between the triangle's normal and the
+/// surface's at its corners: 1 when equilateral and tangent, 0 when flat, negative when it faces away from the surface.
+/// The cosine matters only where the size is large against the radius of curvature; there it keeps triangles from
+/// cutting through the shape.
 inline double signed_quality(const PatchPlace& a, const PatchPlace& b, const PatchPlace& c) {
   const Vec3 ab = b.point - a.point, ac = c.point - a.point, bc = c.point - b.point;
   const Vec3 n = cross(ab, ac);
-  const double squares = norm2(ab) + norm2(ac) + norm2(bc);
-  if (!(squares > 0)) return 0;
-  const double quality = 3.4641016151377544 * norm(n) / squares;
-  return dot(n, a.normal + b.normal + c.normal) >= 0 ? quality : -quality;
+  const double squares = norm2(ab) + norm2(ac) + norm2(bc), length = norm(n);
+  if (!(squares > 0) || !(length > 0)) return 0;
+  double cosine = 1;
+  for (const PatchPlace* corner : {&a, &b, &c})
+    if (corner->normal != Vec3{}) cosine = std::min(cosine, dot(n, corner->normal) / length);
+  return 3.4641016151377544 * length / squares * cosine;
 }
 
 }  // namespace tetloom

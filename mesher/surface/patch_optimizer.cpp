@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr double kLongest = 1.42, kShortest = 0.68;  // edge lengths kept, in units of the size
+constexpr double kLargestBend = 1.5;                 // of a flipped edge: length along the surface / through space
 constexpr double kGoodEnough = 0.985;                // balls whose worst triangle is better are left alone
 
 class PatchOptimizer {
@@ -54,7 +55,7 @@ class PatchOptimizer {
   }
 
   double relative_length(std::uint32_t a, std::uint32_t b) const {
-    return 2 * distance(place(a).point, place(b).point) / (patch_.vertices[a].size + patch_.vertices[b].size);
+    return 2 * surface_.edge_length(place(a), place(b)) / (patch_.vertices[a].size + patch_.vertices[b].size);
   }
 
   // ---- flips -------------------------------------------------------------------------------------------------------
@@ -67,8 +68,15 @@ class PatchOptimizer {
     const double after = std::min(signed_quality(a, d, c), signed_quality(b, c, d));
     if (!(after > before + 1e-6)) return false;
     if (!surface_.oriented(a, d, c) || !surface_.oriented(b, c, d)) return false;
+    if (bend(c, d) > std::max(kLargestBend, bend(a, b))) return false;
     return mesh_.find_half_edge(mesh_.apex(h), mesh_.apex(g)) == kNone &&
            mesh_.find_half_edge(mesh_.apex(g), mesh_.apex(h)) == kNone && !same_node(mesh_.apex(h), mesh_.apex(g));
+  }
+
+  // How much longer an edge is along the surface than through space: triangles may look good in space and yet cut
+  // through a face that winds.
+  double bend(const PatchPlace& a, const PatchPlace& b) const {
+    return surface_.edge_length(a, b) / std::max(distance(a.point, b.point), 1e-300);
   }
 
   bool same_node(std::uint32_t a, std::uint32_t b) const {
