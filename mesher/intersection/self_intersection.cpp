@@ -27,7 +27,7 @@ class Searcher {
     runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
-        degenerate_[i] = is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
+        degenerate_[i] = intersection::is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
       }
     });
   }
@@ -63,7 +63,8 @@ class Searcher {
     const auto [first, second] = std::minmax(one, other);
     if (degenerate_[first] || degenerate_[second] || found.size() >= search_.most) return;
     if (!search_.tri_to_group.empty() && search_.tri_to_group[first] != search_.tri_to_group[second]) return;
-    const auto verdict = check_pair(search_.points, search_.tri_to_vert[first], search_.tri_to_vert[second]);
+    const auto verdict =
+        intersection::check_pair(search_.points, search_.tri_to_vert[first], search_.tri_to_vert[second]);
     if (verdict) found.push_back({first, second, verdict->kind, verdict->point});
   }
 
@@ -72,7 +73,7 @@ class Searcher {
   }
 
   const IntersectionSearch& search_;
-  TriangleTree tree_;
+  intersection::TriangleTree tree_;
   std::vector<char> degenerate_;
 };
 

@@ -6,7 +6,7 @@
 
 #include "core/predicates/predicates.hpp"
 
-namespace tetloom {
+namespace tetloom::intersection {
 
 namespace {
 
@@ -198,4 +198,4 @@ std::optional<PairVerdict> check_pair(std::span<const Vec3> points, const Triang
   }
 }
 
-}  // namespace tetloom
+}  // namespace tetloom::intersection

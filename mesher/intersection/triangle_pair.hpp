@@ -8,7 +8,7 @@
 #include "core/base/vec.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 
-namespace tetloom {
+namespace tetloom::intersection {
 
 using TriangleVertices = std::array<std::uint32_t, 3>;
 
@@ -26,4 +26,4 @@ struct PairVerdict {
 std::optional<PairVerdict> check_pair(std::span<const Vec3> points, const TriangleVertices& first,
                                       const TriangleVertices& second);
 
-}  // namespace tetloom
+}  // namespace tetloom::intersection

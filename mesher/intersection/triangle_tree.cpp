@@ -6,7 +6,7 @@
 
 #include "core/predicates/predicates.hpp"
 
-namespace tetloom {
+namespace tetloom::intersection {
 
 namespace {
 
@@ -120,4 +120,4 @@ int TriangleTree::crossing_above(std::uint32_t triangle, const Vec3& x) const {
   return orient3d(a, b, c, x) == -side ? side : 0;
 }
 
-}  // namespace tetloom
+}  // namespace tetloom::intersection

@@ -13,7 +13,7 @@
 #include "core/base/vec.hpp"
 #include "threading/task_runner.hpp"
 
-namespace tetloom {
+namespace tetloom::intersection {
 
 class TriangleTree {
  public:
@@ -105,4 +105,4 @@ class TriangleTree {
 /// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.
 double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
-}  // namespace tetloom
+}  // namespace tetloom::intersection

@@ -32,17 +32,23 @@ struct VolumeMesh {
   std::vector<Vec3> new_points;
   std::vector<std::array<std::uint32_t, 4>> tet_to_vert;  ///< positive volume
   std::vector<std::uint32_t> tet_to_region;
-  std::vector<Diagnostic> errors;  ///< regions that could not be filled, with faces and a point; others are filled
+  std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
+  std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
 };
 
 struct VolumeOptions {
   std::string worker;  ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
 };
 
-/// Fills every region of `input`, keeping the given surface exactly: each triangle is a face of the result. Regions
-/// that share no triangle are filled independently and in parallel, and the result does not depend on how many
-/// threads do it.
-/// Errors: Cancelled, OutOfMemory are thrown; a region that cannot be filled is a Diagnostic in the result.
+/// Fills every region of `input`, keeping the given surface exactly: each triangle that bounds a filled region is a
+/// face of the result. Regions that share no triangle are filled independently and in parallel, also where they touch,
+/// and the result does not depend on how many threads do it.
+/// Guaranteed for the result, checked after the fact: all tetrahedra have positive volume in exact arithmetic, each
+/// lies in the region that all triangles around it name, and every side of a triangle that names a region has its
+/// tetrahedron. Pre: indices valid, spans of equal length. Coordinates must be finite. Errors: InvalidArgument (broken
+/// pre-conditions), Cancelled, OutOfMemory are thrown. In the result: OpenShell for a region whose boundary does not
+/// close, SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: may be called from
+/// any thread, several calls at once.
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
 
 }  // namespace tetloom

@@ -11,6 +11,7 @@
 #include "mesher/intersection/triangle_tree.hpp"
 
 using namespace tetloom;
+using namespace tetloom::intersection;
 
 namespace {
 

@@ -1,0 +1,176 @@
+#include "mesher/volume/fill_complex.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "mesher/intersection/self_intersection.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/volume/interior_points.hpp"
+#include "mesher/volume/worker_process.hpp"
+#include "mesher/volume/worker_protocol.hpp"
+
+namespace tetloom::volume {
+
+namespace {
+
+constexpr std::size_t kElementsToldAtMost = 100;
+
+// One way of asking. TetGen's switches: p surface, Y keep its triangles, M merge nothing, Q quiet, J keep the
+// numbering, z count from 0, O optimise, T tolerance for coplanar points.
+struct Attempt {
+  const char* switches;
+  bool interior_points;
+  bool reversed;  // points in reverse order: another sequence of insertions
+};
+constexpr std::array kAttempts{Attempt{"pYMQJzO4/7", true, false},       Attempt{"pYMQJzO2/7T1e-11", true, true},
+                               Attempt{"pYMQJzO2/7", false, false},      Attempt{"pYMQJzT1e-11", false, true},
+                               Attempt{"pYMQJzO0/0T1e-6", false, false}, Attempt{"pYMQJzO0/0T1e-14", false, true}};
+
+// Why an attempt did not succeed.
+struct Failure {
+  ErrorCode code = ErrorCode::VolumeFailed;
+  std::string message;
+  std::vector<std::uint32_t> triangles;  // of the complex
+  std::optional<Vec3> point;
+};
+
+class ComplexFiller {
+ public:
+  ComplexFiller(const VolumeInput& input, const Complex& complex, const std::string& worker, const TaskRunner& runner)
+      : input_(input),
+        complex_(complex),
+        worker_(worker),
+        runner_(runner),
+        tree_(complex.points, complex.tri_to_vert, runner) {}
+
+  FilledComplex run() {
+    make_interior();
+    FilledComplex result;
+    for (const Attempt& attempt : kAttempts) {
+      if (result.filling = try_once(attempt); result.filling) {
+        if (&attempt != &kAttempts.front()) result.warnings.push_back(describe_fallback(attempt));
+        return result;
+      }
+      if (&attempt == &kAttempts.front() && surface_crosses_itself(result.errors)) return result;
+    }
+    result.errors.push_back(describe_failure());
+    return result;
+  }
+
+ private:
+  void make_interior() {
+    InteriorRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes};
+    for (const Vec3& p : complex_.points) request.box.add(p);
+    interior_ = make_interior_points(request, runner_);
+  }
+
+  std::optional<Filling> try_once(const Attempt& attempt) {
+    WorkerRequest request{attempt.switches, complex_.points, complex_.tri_to_vert};
+    if (attempt.interior_points) request.points.insert(request.points.end(), interior_.begin(), interior_.end());
+    const std::size_t given = request.points.size();
+    if (attempt.reversed) reverse(request);
+    try {
+      WorkerResponse response = decode_response(run_worker(worker_, encode(request), runner_), given);
+      if (response.status != WorkerStatus::Filled) {
+        const auto code =
+            response.status == WorkerStatus::OutOfMemory ? ErrorCode::OutOfMemory : ErrorCode::VolumeFailed;
+        note({code, response.message, {}, {}});
+        return std::nullopt;
+      }
+      if (attempt.reversed) reverse(request, response);
+      return judged(std::move(request.points), std::move(response));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::WorkerFailed) throw;
+      note({error.code(), error.what(), {}, {}});
+      return std::nullopt;
+    }
+  }
+
+  std::optional<Filling> judged(std::vector<Vec3> points, WorkerResponse response) {
+    Filling filling;
+    filling.points = std::move(points);
+    filling.points.insert(filling.points.end(), response.new_points.begin(), response.new_points.end());
+    filling.tet_to_vert = std::move(response.tet_to_vert);
+    const FillingVerdict verdict = color_regions(complex_, filling);
+    if (verdict.good()) return filling;
+    note({ErrorCode::VolumeFailed, verdict.message, verdict.triangles, verdict.point});
+    return std::nullopt;
+  }
+
+  static void reverse(WorkerRequest& request) {
+    const auto last = static_cast<std::uint32_t>(request.points.size() - 1);
+    std::reverse(request.points.begin(), request.points.end());
+    for (auto& triangle : request.tri_to_vert) {
+      for (std::uint32_t& vertex : triangle) vertex = last - vertex;
+    }
+  }
+  // Back to the order of the complex; new points stay behind the given ones.
+  static void reverse(WorkerRequest& request, WorkerResponse& response) {
+    const auto given = static_cast<std::uint32_t>(request.points.size());
+    reverse(request);
+    for (auto& tet : response.tet_to_vert) {
+      for (std::uint32_t& vertex : tet) vertex = vertex < given ? given - 1 - vertex : vertex;
+    }
+  }
+
+  // The first failure tells most, but one that knows its triangles tells more.
+  void note(Failure failure) {
+    if (!failure_ || (failure_->triangles.empty() && !failure.triangles.empty())) failure_ = std::move(failure);
+  }
+
+  bool surface_crosses_itself(std::vector<Diagnostic>& errors) const {
+    const auto found = find_self_intersections({complex_.points, complex_.tri_to_vert, {}, 1000}, runner_);
+    if (found.empty()) return false;
+    std::vector<std::uint32_t> tri_to_face;
+    for (const std::uint32_t t : complex_.to_input_tri) tri_to_face.push_back(input_.tri_to_face[t]);
+    errors = describe_intersections(found, {tri_to_face, input_.model});
+    for (Diagnostic& diagnostic : errors) {
+      for (std::uint64_t& element : diagnostic.elements) element = complex_.to_input_tri[element];
+      for (const std::uint32_t region : complex_.regions)
+        diagnostic.entities.push_back(named_entity(input_, {3, region}));
+    }
+    return true;
+  }
+
+  Diagnostic describe_failure() const {
+    Diagnostic diagnostic;
+    diagnostic.code = failure_->code;
+    diagnostic.message = describe_regions(input_, complex_.regions) + " could not be filled: " + failure_->message;
+    std::vector<std::uint32_t> triangles;
+    for (const std::uint32_t t : failure_->triangles) triangles.push_back(complex_.to_input_tri[t]);
+    diagnostic.entities = faces_of(input_, triangles.empty() ? complex_.to_input_tri : triangles);
+    for (const std::uint32_t region : complex_.regions)
+      diagnostic.entities.push_back(named_entity(input_, {3, region}));
+    diagnostic.point = failure_->point.value_or(complex_.points[complex_.tri_to_vert[0][0]]);
+    triangles.resize(std::min(triangles.size(), kElementsToldAtMost));
+    diagnostic.elements.assign(triangles.begin(), triangles.end());
+    return diagnostic;
+  }
+
+  Diagnostic describe_fallback(const Attempt& attempt) const {
+    Diagnostic diagnostic = describe_failure();
+    diagnostic.message = describe_regions(input_, complex_.regions) +
+                         (attempt.interior_points ? " was filled at a second attempt"
+                                                  : " was filled without regard to the size field inside") +
+                         "; at first: " + failure_->message;
+    return diagnostic;
+  }
+
+  const VolumeInput& input_;
+  const Complex& complex_;
+  const std::string& worker_;
+  const TaskRunner& runner_;
+  intersection::TriangleTree tree_;
+  std::vector<Vec3> interior_;
+  std::optional<Failure> failure_;
+};
+
+}  // namespace
+
+FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
+                           const TaskRunner& runner) {
+  return ComplexFiller(input, complex, worker, runner).run();
+}
+
+}  // namespace tetloom::volume

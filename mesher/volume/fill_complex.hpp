@@ -1,0 +1,22 @@
+#pragma once
+// One complex filled by the worker: attempts from the best mesh to any valid one, and an honest account of failures.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mesher/volume/complex.hpp"
+#include "mesher/volume/region_coloring.hpp"
+
+namespace tetloom::volume {
+
+struct FilledComplex {
+  std::optional<Filling> filling;  ///< nothing when no attempt succeeded
+  std::vector<Diagnostic> errors, warnings;
+};
+
+/// Fills `complex` so that color_regions finds it good. Errors: Cancelled and OutOfMemory are thrown, everything else
+/// is in the result. The result depends on the input and the worker alone.
+FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
+                           const TaskRunner& runner);
+
+}  // namespace tetloom::volume

@@ -1,0 +1,103 @@
+#include "mesher/volume/volume_mesher.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "mesher/volume/complex.hpp"
+#include "mesher/volume/fill_complex.hpp"
+#include "mesher/volume/worker_process.hpp"
+
+namespace tetloom {
+
+namespace {
+
+using volume::Complex;
+using volume::FilledComplex;
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
+
+void check_input(const VolumeInput& input) {
+  if (!input.sizes) refuse("there is no size field");
+  const std::size_t count = input.tri_to_vert.size();
+  if (input.tri_to_sides.size() != count || input.tri_to_face.size() != count) refuse("its arrays differ in length");
+  if (input.points.size() >= std::numeric_limits<std::uint32_t>::max()) refuse("there are too many points");
+  for (const auto& triangle : input.tri_to_vert) {
+    for (const std::uint32_t vertex : triangle) {
+      if (vertex >= input.points.size()) refuse("a triangle refers to a point that does not exist");
+      if (!is_finite(input.points[vertex])) refuse("a coordinate is not finite");
+    }
+  }
+}
+
+Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, const Error& error) {
+  Diagnostic diagnostic = error.diagnostic();
+  diagnostic.message = volume::describe_regions(input, complex.regions) + " cannot be filled: " + diagnostic.message;
+  diagnostic.entities = volume::faces_of(input, complex.to_input_tri);
+  for (const std::uint32_t region : complex.regions) {
+    diagnostic.entities.push_back(volume::named_entity(input, {3, region}));
+  }
+  diagnostic.point = complex.points[0];
+  return diagnostic;
+}
+
+void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh) {
+  const std::size_t given = complex.points.size(), offset = input.points.size() + mesh.new_points.size();
+  if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
+  mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
+                         filling.points.end());
+  for (const volume::TetVertices& tet : filling.tet_to_vert) {
+    volume::TetVertices numbered;
+    for (int i = 0; i < 4; ++i) {
+      numbered[i] =
+          tet[i] < given ? complex.to_input_vert[tet[i]] : static_cast<std::uint32_t>(tet[i] - given + offset);
+    }
+    mesh.tet_to_vert.push_back(numbered);
+  }
+  mesh.tet_to_region.insert(mesh.tet_to_region.end(), filling.tet_to_region.begin(), filling.tet_to_region.end());
+}
+
+void fill_complexes(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner,
+                    VolumeMesh& mesh) {
+  volume::OpenRegions open = volume::find_open_regions(input);
+  mesh.errors = std::move(open.diagnostics);
+  const std::vector<Complex> complexes = volume::split_complexes(input, open.regions);
+  std::vector<double> work;
+  for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
+  runner.begin_stage(Stage::Volume, complexes.size());
+  if (complexes.empty()) return;
+  std::string worker;
+  try {
+    worker = volume::find_worker(options.worker);
+  } catch (const Error& error) {
+    for (const Complex& complex : complexes) mesh.errors.push_back(worker_missing(input, complex, error));
+    return;
+  }
+  std::vector<FilledComplex> filled(complexes.size());
+  runner.for_each_largest_first(work, [&](std::size_t i) {
+    filled[i] = volume::fill_complex(input, complexes[i], worker, runner);
+    runner.advance(1, {3, complexes[i].regions.front()});
+  });
+  for (std::size_t i = 0; i < complexes.size(); ++i) {
+    if (filled[i].filling) append(input, complexes[i], *filled[i].filling, mesh);
+    for (auto* to : {&mesh.errors, &mesh.warnings}) {
+      auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;
+      std::move(from.begin(), from.end(), std::back_inserter(*to));
+    }
+    filled[i] = {};
+  }
+}
+
+}  // namespace
+
+VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  check_input(input);
+  VolumeMesh mesh;
+  try {
+    fill_complexes(input, options, runner, mesh);
+  } catch (const std::bad_alloc&) { throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume"); }
+  return mesh;
+}
+
+}  // namespace tetloom
