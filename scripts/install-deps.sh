@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that tetloom needs. This is the one list of them: every other script calls this one.
 #
-# usage: scripts/install-deps.sh [build] [check] [picture] [peers]
+# usage: scripts/install-deps.sh [build] [check] [picture] [peers] [tsan]
 #   build    what configures, compiles and tests tetloom (the default)
 #   check    what .ci/run needs beside: formatter, naming checks
 #   picture  what scripts/draw_mesh.py needs
 #   peers    other meshers, run beside tetloom by the benches where they are installed
+#   tsan     what scripts/build_tsan_tbb.sh needs beside
 # Installed packages are left as they are; without missing ones neither the network nor root is needed.
 set -euo pipefail
 
@@ -18,6 +19,7 @@ declare -A packages=(
   [check]="git python3 clang-format-14 clang-tidy-14"
   [picture]="python3 python3-numpy python3-meshio python3-pil"
   [peers]="gmsh netgen tetgen"
+  [tsan]="dpkg-dev"
 )
 
 fail() {
@@ -41,7 +43,7 @@ missing_packages() {
 groups=("$@")
 [[ ${#groups[@]} -gt 0 ]] || groups=(build)
 for group in "${groups[@]}"; do
-  [[ -n "${packages[$group]:-}" ]] || fail "there is no group '$group'; the groups are: build check picture peers"
+  [[ -n "${packages[$group]:-}" ]] || fail "there is no group '$group'; the groups are: ${!packages[*]}"
 done
 command -v dpkg-query >/dev/null || fail "this script needs Debian (or a system with apt-get and dpkg)"
 
