@@ -75,6 +75,7 @@ class FaceMesher {
     patch.topology = std::move(polygon.triangulation);
     patch.has_poles = rim.repeats_nodes;
     refine_frontal(patch, surface, keep_going_);
+    sort_spatially(patch);
     optimize_patch(patch, surface, {}, keep_going_);
     split_taken_chords(patch, surface);
     extract(patch);

@@ -5,6 +5,71 @@
 #include "core/predicates/predicates.hpp"
 
 namespace tetloom {
+namespace {
+
+// The 16 low bits of x spread to the even bits of the result.
+std::uint32_t spread_bits(std::uint32_t x) {
+  x = (x | (x << 8)) & 0x00ff00ffu;
+  x = (x | (x << 4)) & 0x0f0f0f0fu;
+  x = (x | (x << 2)) & 0x33333333u;
+  return (x | (x << 1)) & 0x55555555u;
+}
+
+class CurveKey {
+ public:
+  explicit CurveKey(const std::vector<PatchVertex>& vertices) {
+    lo_ = hi_ = vertices.front().place.plane;
+    for (const PatchVertex& vertex : vertices) {
+      const Vec2& p = vertex.place.plane;
+      lo_ = {std::min(lo_.u, p.u), std::min(lo_.v, p.v)};
+      hi_ = {std::max(hi_.u, p.u), std::max(hi_.v, p.v)};
+    }
+    width_ = std::max({hi_.u - lo_.u, hi_.v - lo_.v, 1e-300});
+  }
+  std::uint32_t operator()(const Vec2& p) const {
+    return spread_bits(cell(p.u - lo_.u)) | spread_bits(cell(p.v - lo_.v)) << 1;
+  }
+
+ private:
+  std::uint32_t cell(double x) const {
+    return static_cast<std::uint32_t>(std::clamp(65535.0 * (x / width_), 0.0, 65535.0));
+  }
+
+  Vec2 lo_, hi_;
+  double width_ = 1;
+};
+
+}  // namespace
+
+void sort_spatially(Patch& patch) {
+  const auto count = static_cast<std::uint32_t>(patch.vertices.size());
+  if (count == 0) return;
+  const CurveKey key(patch.vertices);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // (key, vertex); rim vertices keep their places
+  std::uint32_t rim = 0;
+  while (rim < count && patch.vertices[rim].node != Triangulation::kNone) ++rim;
+  for (std::uint32_t v = rim; v < count; ++v) order.push_back({key(patch.vertices[v].place.plane), v});
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> numbers(count);
+  std::vector<PatchVertex> vertices(patch.vertices.begin(), patch.vertices.begin() + rim);
+  for (std::uint32_t v = 0; v < rim; ++v) numbers[v] = v;
+  for (const auto& [k, v] : order) {
+    numbers[v] = static_cast<std::uint32_t>(vertices.size());
+    vertices.push_back(patch.vertices[v]);
+  }
+  patch.vertices = std::move(vertices);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> triangles;  // (key, triangle)
+  for (std::uint32_t tri = 0; tri < patch.topology.slots(); ++tri) {
+    if (!patch.topology.alive(tri)) continue;
+    Vec2 sum;
+    for (const std::uint32_t v : patch.topology.triangle(tri)) sum += patch.vertices[numbers[v]].place.plane;
+    triangles.push_back({key((1.0 / 3) * sum), tri});
+  }
+  std::sort(triangles.begin(), triangles.end());
+  std::vector<std::uint32_t> triangle_order;
+  for (const auto& [k, tri] : triangles) triangle_order.push_back(tri);
+  patch.topology.renumber(numbers, triangle_order);
+}
 
 PatchSurface::PatchSurface(FaceGeometry& face, const SizeField& sizes, Vec2 scale)
     : face_(face), sizes_(sizes), scale_(scale), smooth_(face.parametrization() == Parametrization::Smooth) {}

@@ -37,6 +37,10 @@ struct Patch {
   bool has_poles = false;             ///< several vertices share a node and a point
 };
 
+/// Renumbers the vertices that are not on the rim, and the triangles, along a space-filling curve of the plane, so that
+/// neighbours are near in memory.
+void sort_spatially(Patch& patch);
+
 /// Evaluates places on one face for one task.
 class PatchSurface {
  public:

@@ -19,6 +19,8 @@ class PatchOptimizer {
       : patch_(patch), mesh_(patch.topology), surface_(surface), keep_going_(keep_going) {}
 
   void run(const PatchOptimizerOptions& options) {
+    to_smooth_.assign(mesh_.vertex_count(), 1);
+    to_flip_.assign(mesh_.vertex_count(), 1);
     if (options.adapt_density) adapt_density();
     flip_all();
     for (int round = 0; round < options.rounds && keep_going_(); ++round) {
@@ -89,6 +91,8 @@ class PatchOptimizer {
       queue.pop_back();
       if (!mesh_.alive(h / 3) || !flip_improves(h)) continue;
       const std::uint32_t t = h / 3, s = mesh_.twin(h) / 3;
+      for (const std::uint32_t v : {mesh_.origin(h), mesh_.target(h), mesh_.apex(h), mesh_.apex(mesh_.twin(h))})
+        to_smooth_[v] = 1;
       mesh_.flip(h);
       for (const std::uint32_t k : {3 * t, 3 * t + 2, 3 * s, 3 * s + 2}) queue.push_back(k);
     }
@@ -96,8 +100,13 @@ class PatchOptimizer {
 
   void flip_all() {
     queue_.clear();
-    for (std::uint32_t h = mesh_.half_edges(); h-- > 0;)
-      if (mesh_.alive(h / 3) && mesh_.twin(h) != kNone && h < mesh_.twin(h)) queue_.push_back(h);
+    for (std::uint32_t h = mesh_.half_edges(); h-- > 0;) {
+      const std::uint32_t g = mesh_.alive(h / 3) ? mesh_.twin(h) : kNone;
+      if (g == kNone || h > g) continue;
+      if (to_flip_[mesh_.origin(h)] || to_flip_[mesh_.target(h)] || to_flip_[mesh_.apex(h)] || to_flip_[mesh_.apex(g)])
+        queue_.push_back(h);
+    }
+    std::fill(to_flip_.begin(), to_flip_.end(), std::uint8_t{0});
     flip_from(queue_);
   }
 
@@ -211,8 +220,18 @@ class PatchOptimizer {
   void smooth_all() {
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
       if (v % 4096 == 4095 && !keep_going_()) return;
-      if (movable(v) && mesh_.outgoing(v) != kNone && smooth(v)) refresh_size(v);
+      if (!to_smooth_[v] || !movable(v) || mesh_.outgoing(v) == kNone) continue;
+      to_smooth_[v] = 0;
+      if (!smooth(v)) continue;
+      refresh_size(v);
+      touch(v);
     }
+  }
+
+  // The ball of v has changed: its edges may want to flip, and its vertices to move.
+  void touch(std::uint32_t v) {
+    to_smooth_[v] = to_flip_[v] = 1;
+    for (const auto& [p, q] : link_) to_smooth_[p] = to_smooth_[q] = 1;
   }
 
   void refresh_size(std::uint32_t v) { patch_.vertices[v].size = surface_.size_at(place(v).point); }
@@ -229,6 +248,8 @@ class PatchOptimizer {
       return false;
     const std::uint32_t v = mesh_.add_vertex();
     patch_.vertices.push_back({middle, surface_.size_at(middle.point), kNone});
+    to_smooth_.push_back(1);
+    to_flip_.push_back(1);
     mesh_.split_edge(h, v);
     flip_around(v);
     return true;
@@ -250,6 +271,8 @@ class PatchOptimizer {
     });
     if (!allowed) return false;
     mesh_.collapse(h);
+    mesh_.for_each_outgoing(to,
+                            [&](std::uint32_t spoke) { return to_smooth_[mesh_.target(spoke)] = to_flip_[to] = 1; });
     flip_around(to);
     return true;
   }
@@ -321,6 +344,7 @@ class PatchOptimizer {
   const std::function<bool()>& keep_going_;
   std::vector<std::array<std::uint32_t, 2>> link_;
   std::vector<std::uint32_t> queue_;
+  std::vector<std::uint8_t> to_smooth_, to_flip_;  // per vertex: something near it has changed
 };
 
 }  // namespace

@@ -60,16 +60,6 @@ void Triangulation::link(std::uint32_t h, std::uint32_t g) {
   if (g != kNone) twin_[g] = h;
 }
 
-std::uint32_t Triangulation::first_outgoing(std::uint32_t vertex) const {
-  const std::uint32_t start = vert_to_half_edge_[vertex];
-  if (start == kNone) return kNone;
-  for (std::uint32_t h = start;;) {
-    if (twin_[h] == kNone) return h;
-    h = next(twin_[h]);
-    if (h == start) return h;
-  }
-}
-
 std::uint32_t Triangulation::find_half_edge(std::uint32_t a, std::uint32_t b) const {
   std::uint32_t found = kNone;
   for_each_outgoing(a, [&](std::uint32_t h) {
@@ -220,24 +210,30 @@ void Triangulation::collapse(std::uint32_t h) {
 }
 
 void Triangulation::compact() {
-  std::vector<std::uint32_t> moved(slots(), kNone);
-  std::uint32_t count = 0;
+  std::vector<std::uint32_t> numbers(vertex_count()), order;
+  for (std::uint32_t v = 0; v < vertex_count(); ++v) numbers[v] = v;
   for (std::uint32_t tri = 0; tri < slots(); ++tri)
-    if (alive(tri)) moved[tri] = count++;
-  for (std::uint32_t tri = 0; tri < slots(); ++tri) {
-    if (moved[tri] == kNone) continue;
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = 3 * tri + i, to = 3 * moved[tri] + i;
-      vert_[to] = vert_[from];
-      twin_[to] = twin_[from] == kNone ? kNone : 3 * moved[twin_[from] / 3] + twin_[from] % 3;
-      fixed_[to] = fixed_[from];
-      vert_to_half_edge_[vert_[to]] = to;
+    if (alive(tri)) order.push_back(tri);
+  renumber(numbers, order);
+}
+
+void Triangulation::renumber(std::span<const std::uint32_t> vertex_numbers,
+                             std::span<const std::uint32_t> triangle_order) {
+  std::vector<std::uint32_t> moved(slots(), kNone);
+  for (std::uint32_t i = 0; i < triangle_order.size(); ++i) moved[triangle_order[i]] = i;
+  Triangulation result;
+  result.vert_to_half_edge_.assign(vertex_count(), kNone);
+  result.vert_.reserve(3 * triangle_order.size());
+  for (const std::uint32_t tri : triangle_order) {
+    for (std::uint32_t h = 3 * tri; h < 3 * tri + 3; ++h) {
+      const std::uint32_t v = vertex_numbers[vert_[h]];
+      result.vert_to_half_edge_[v] = static_cast<std::uint32_t>(result.vert_.size());
+      result.vert_.push_back(v);
+      result.twin_.push_back(twin_[h] == kNone ? kNone : 3 * moved[twin_[h] / 3] + twin_[h] % 3);
+      result.fixed_.push_back(fixed_[h]);
     }
   }
-  vert_.resize(3 * std::size_t{count});
-  twin_.resize(vert_.size());
-  fixed_.resize(vert_.size());
-  free_.clear();
+  *this = std::move(result);
 }
 
 bool Triangulation::validate() const {

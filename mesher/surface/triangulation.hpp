@@ -52,19 +52,20 @@ class Triangulation {
   /// Makes two half-edges each other's twin (either may be kNone).
   void link(std::uint32_t h, std::uint32_t g);
 
-  /// Calls visit(h) for every half-edge that leaves `vertex`, one per triangle of its ball, starting at the clockwise
-  /// rim where there is one. `visit` returns false to stop.
+  /// Calls visit(h) for every half-edge that leaves `vertex`, one per triangle of its ball, counter-clockwise up to the
+  /// rim where there is one and then clockwise. `visit` returns false to stop.
   template <class Visit>
   void for_each_outgoing(std::uint32_t vertex, Visit&& visit) const {
-    const std::uint32_t start = first_outgoing(vertex);
+    const std::uint32_t start = vert_to_half_edge_[vertex];
     for (std::uint32_t h = start; h != kNone;) {
       if (!visit(h)) return;
       h = twin_[prev(h)];
       if (h == start) return;
     }
+    if (start == kNone) return;
+    for (std::uint32_t g = twin_[start]; g != kNone; g = twin_[next(g)])
+      if (!visit(next(g))) return;
   }
-  /// The most clockwise half-edge that leaves `vertex`; any when its ball is closed; kNone without triangles.
-  std::uint32_t first_outgoing(std::uint32_t vertex) const;
   /// The half-edge from a to b, or kNone.
   std::uint32_t find_half_edge(std::uint32_t a, std::uint32_t b) const;
 
@@ -86,6 +87,9 @@ class Triangulation {
 
   /// Drops dead slots. Half-edge and triangle numbers change, vertex numbers do not.
   void compact();
+  /// Gives vertex v the number `vertex_numbers[v]` and makes the triangles those of `triangle_order`, in that order.
+  /// Pre: the order lists every triangle alive once; the numbers are a permutation.
+  void renumber(std::span<const std::uint32_t> vertex_numbers, std::span<const std::uint32_t> triangle_order);
   /// True when twins, origins and outgoing half-edges agree everywhere.
   bool validate() const;
 
