@@ -52,6 +52,7 @@ class ComplexFiller {
         if (&attempt != &kAttempts.front()) result.warnings.push_back(describe_fallback(attempt));
         return result;
       }
+      if (hopeless_) break;
       if (&attempt == &kAttempts.front() && surface_crosses_itself(result.errors)) return result;
     }
     result.errors.push_back(describe_failure());
@@ -68,23 +69,32 @@ class ComplexFiller {
   std::optional<Filling> try_once(const Attempt& attempt) {
     WorkerRequest request{attempt.switches, complex_.points, complex_.tri_to_vert};
     if (attempt.interior_points) request.points.insert(request.points.end(), interior_.begin(), interior_.end());
-    const std::size_t given = request.points.size();
     if (attempt.reversed) reverse(request);
+    std::optional<WorkerResponse> response = ask(request);
+    if (!response) return std::nullopt;
+    if (attempt.reversed) reverse(request, *response);
+    return judged(std::move(request.points), std::move(*response));
+  }
+
+  // The worker's answer, when it says that it has filled the complex.
+  std::optional<WorkerResponse> ask(const WorkerRequest& request) {
     try {
-      WorkerResponse response = decode_response(run_worker(worker_, encode(request), runner_), given);
-      if (response.status != WorkerStatus::Filled) {
-        const auto code =
-            response.status == WorkerStatus::OutOfMemory ? ErrorCode::OutOfMemory : ErrorCode::VolumeFailed;
-        note({code, response.message, {}, {}});
+      const WorkerRun run = run_worker(worker_, encode(request), runner_);
+      if (run.response.empty()) {
+        note({ErrorCode::WorkerFailed, run.failure, {}, {}});
+        hopeless_ = !run.crashed;
         return std::nullopt;
       }
-      if (attempt.reversed) reverse(request, response);
-      return judged(std::move(request.points), std::move(response));
+      WorkerResponse response = decode_response(run.response, request.points.size());
+      if (response.status == WorkerStatus::Filled) return response;
+      hopeless_ = response.status == WorkerStatus::OutOfMemory;
+      note({hopeless_ ? ErrorCode::OutOfMemory : ErrorCode::VolumeFailed, response.message, {}, {}});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::WorkerFailed) throw;
       note({error.code(), error.what(), {}, {}});
-      return std::nullopt;
+      hopeless_ = true;
     }
+    return std::nullopt;
   }
 
   std::optional<Filling> judged(std::vector<Vec3> points, WorkerResponse response) {
@@ -164,6 +174,7 @@ class ComplexFiller {
   intersection::TriangleTree tree_;
   std::vector<Vec3> interior_;
   std::optional<Failure> failure_;
+  bool hopeless_ = false;  // other attempts would end like this one
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ namespace tetloom::volume {
 namespace {
 
 constexpr const char* kWorkerName = "tetloom-tetgen";
-constexpr int kPollMilliseconds = 50;  // bounds how late a cancellation is seen
+constexpr int kPollMilliseconds = 50;    // bounds how late a cancellation is seen
+constexpr int kGraceMilliseconds = 200;  // between the end of the conversation and that of the process
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ErrorCode::WorkerFailed, message); }
 
@@ -150,12 +151,14 @@ class Child {
   int channel() const { return channel_.get(); }
 
   // Waits for the end of a child that has closed its side of the channel; says how it ended and what it wrote last.
-  std::string end() {
-    if (pid_ > 0 && !ends_within(kPollMilliseconds)) ::kill(pid_, SIGKILL);
+  WorkerRun end() {
+    if (pid_ > 0 && !ends_within(kGraceMilliseconds)) ::kill(pid_, SIGKILL);
     const std::optional<int> status = reap();
-    std::string text = status ? describe_end(*status) : "ended";
-    const std::string errors = last_errors();
-    return errors.empty() ? text : text + "; it said: " + errors;
+    WorkerRun run;
+    run.failure = "the volume worker " + (status ? describe_end(*status) : "ended without a result");
+    if (const std::string errors = last_errors(); !errors.empty()) run.failure += "; it said: " + errors;
+    run.crashed = status && WIFSIGNALED(*status) && WTERMSIG(*status) != SIGKILL && WTERMSIG(*status) != SIGTERM;
+    return run;
   }
 
  private:
@@ -257,16 +260,15 @@ std::string find_worker(const std::string& wanted) {
        "(needs libtet1.5-dev) and install it, or name its path");
 }
 
-std::vector<std::byte> run_worker(const std::string& worker, std::span<const std::byte> request,
-                                  const TaskRunner& runner) {
+WorkerRun run_worker(const std::string& worker, std::span<const std::byte> request, const TaskRunner& runner) {
   runner.check_cancelled();
   Child child(worker);
   Conversation conversation(child.channel(), request);
   while (!conversation.complete()) {
     runner.check_cancelled();
-    if (!conversation.step() && !conversation.complete()) fail("the volume worker " + child.end());
+    if (!conversation.step() && !conversation.complete()) return child.end();
   }
-  return conversation.take();
+  return {conversation.take(), {}, false};
 }
 
 }  // namespace tetloom::volume

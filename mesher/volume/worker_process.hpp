@@ -19,11 +19,17 @@ namespace tetloom::volume {
 /// Errors: WorkerFailed with what to do when there is none that can be executed.
 std::string find_worker(const std::string& wanted);
 
-/// Runs `worker` on one request frame and returns its response frame, header checked, payload not.
-/// Errors: Cancelled within about 50 ms of the host's wish; WorkerFailed when the child cannot be started, crashes, is
-/// killed, or ends without a whole response, with what it last wrote to its error output.
+/// How a run ended.
+struct WorkerRun {
+  std::vector<std::byte> response;  ///< a whole frame, its header checked and its payload not; empty when it failed
+  std::string failure;              ///< how the child ended and what it last wrote to its error output
+  bool crashed = false;             ///< a crash or assertion of its own: other input may fare better
+};
+
+/// Runs `worker` on one request frame.
+/// Errors: Cancelled within about 50 ms of the host's wish; WorkerFailed when the child cannot be started or what it
+/// sends is not a response. A child that ends without a whole response is told in the result.
 /// Thread safety: any number of calls at once.
-std::vector<std::byte> run_worker(const std::string& worker, std::span<const std::byte> request,
-                                  const TaskRunner& runner);
+WorkerRun run_worker(const std::string& worker, std::span<const std::byte> request, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

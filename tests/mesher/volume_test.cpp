@@ -1,0 +1,253 @@
+// Filling of volumes through the worker: shapes, sizes, bad surfaces, independence of the threads.
+#include <algorithm>
+#include <numbers>
+
+#include "tests/mesher/volume_surfaces.hpp"
+
+using namespace tetloom;
+using namespace tetloom::volume_tests;
+
+namespace {
+
+VolumeMesh fill(const Surface& surface, double size, int threads = 2) {
+  const SizeField sizes = SizeField::uniform(size);
+  return fill_volume(surface.input(sizes), {TETLOOM_WORKER}, TaskRunner(threads));
+}
+
+struct Statistics {
+  double mean_length = 0, in_band = 0, median_quality = 0, lowest_quality = 0;
+};
+
+Statistics measure(const Surface& surface, const VolumeMesh& mesh, double size) {
+  const auto points = all_points(surface, mesh);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  std::vector<double> qualities;
+  for (const auto& t : mesh.tet_to_vert) {
+    double squares = 0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        edges.insert(std::minmax(t[i], t[j]));
+        squares += norm2(points[t[i]] - points[t[j]]);
+      }
+    }
+    qualities.push_back(12 * std::pow(3 * volume_of(points, t), 2.0 / 3) / squares);
+  }
+  std::sort(qualities.begin(), qualities.end());
+  Statistics result{0, 0, qualities[qualities.size() / 2], qualities[0]};
+  for (const auto& [a, b] : edges) {
+    const double length = distance(points[a], points[b]) / size;
+    result.mean_length += length / double(edges.size());
+    result.in_band += (length > std::numbers::sqrt2 / 2 && length < std::numbers::sqrt2) / double(edges.size());
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a cube is filled to the size asked for") {
+  const Surface cube = cube_surface(12);
+  const VolumeMesh mesh = fill(cube, 1.0 / 12);
+  CHECK(mesh.errors.empty());
+  CHECK(mesh.warnings.empty());
+  const auto volumes = check_filling(cube, mesh);
+  REQUIRE(volumes.size() == 1);
+  CHECK(volumes.at(0) == Approx(1).epsilon(1e-12));
+  const Statistics statistics = measure(cube, mesh, 1.0 / 12);
+  CHECK(statistics.mean_length == Approx(1.05).margin(0.07));  // the surface's own diagonals are sqrt(2) h
+  CHECK(statistics.in_band > 0.9);
+  CHECK(statistics.median_quality > 0.88);
+  CHECK(statistics.lowest_quality > 0.01);
+}
+
+TEST_CASE("a coarse cube without room for interior points is filled") {
+  const Surface cube = cube_surface(1);
+  const VolumeMesh mesh = fill(cube, 1);
+  CHECK(check_filling(cube, mesh).at(0) == Approx(1));
+}
+
+TEST_CASE("an L, a ring and a spherical ball are filled") {
+  const Surface l = voxel_surface({2, 2, 1}, 4, [](int i, int j, int) { return i == 1 && j == 1 ? kOutside : 0u; });
+  CHECK(check_filling(l, fill(l, 0.25)).at(0) == Approx(3));
+  const Surface ring = voxel_surface({3, 3, 1}, 3, [](int i, int j, int) { return i == 1 && j == 1 ? kOutside : 0u; });
+  CHECK(check_filling(ring, fill(ring, 0.33)).at(0) == Approx(8));
+  const Surface ball = ball_surface(4, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+  const VolumeMesh filled = fill(ball, 0.1);
+  CHECK(check_filling(ball, filled).at(0) == Approx(4 * std::numbers::pi / 3).epsilon(0.01));
+  CHECK(filled.new_points.size() > 1000);
+}
+
+TEST_CASE("regions that share faces are filled together and stay apart") {
+  const Surface pair = voxel_surface({3, 1, 1}, 4, [](int i, int, int) { return i == 0 ? 4u : 2u; });
+  const VolumeMesh mesh = fill(pair, 0.25);
+  CHECK(mesh.errors.empty());
+  const auto volumes = check_filling(pair, mesh);
+  REQUIRE(volumes.size() == 2);
+  CHECK(volumes.at(4) == Approx(1));
+  CHECK(volumes.at(2) == Approx(2));
+}
+
+TEST_CASE("a void stays empty, a region inside another is filled") {
+  const auto hollow = [](std::uint32_t core) {
+    return [core](int i, int j, int k) { return i == 1 && j == 1 && k == 1 ? core : 0u; };
+  };
+  const Surface with_void = voxel_surface({3, 3, 3}, 2, hollow(kOutside));
+  const auto empty_core = check_filling(with_void, fill(with_void, 0.5));
+  REQUIRE(empty_core.size() == 1);
+  CHECK(empty_core.at(0) == Approx(26));
+  const Surface nested = voxel_surface({3, 3, 3}, 2, hollow(1));
+  const auto full_core = check_filling(nested, fill(nested, 0.5));
+  REQUIRE(full_core.size() == 2);
+  CHECK(full_core.at(1) == Approx(1));
+}
+
+TEST_CASE("regions that touch without sharing triangles are independent") {
+  // Two cubes with a common square whose points exist twice, and a ball that penetrates both: nothing of one complex
+  // may disturb another.
+  Surface surface = cube_surface(3);
+  Surface shifted = voxel_surface({1, 1, 1}, 4, [](int, int, int) { return 1u; });
+  for (Vec3& p : shifted.points) p.x += 1;
+  surface.append(shifted);
+  surface.append(ball_surface(2, {1, 0.5, 0.5}, 2, [](const Vec3&) { return 0.4; }));
+  const VolumeMesh mesh = fill(surface, 0.3);
+  CHECK(mesh.errors.empty());
+  const auto volumes = check_filling(surface, mesh);
+  REQUIRE(volumes.size() == 3);
+  CHECK(volumes.at(0) == Approx(1));
+  CHECK(volumes.at(1) == Approx(1));
+}
+
+TEST_CASE("a sheet inside a region is kept, a sheet outside of all is ignored") {
+  Surface surface = cube_surface(4);
+  const auto offset = static_cast<std::uint32_t>(surface.points.size());
+  for (const double y : {0.3, 0.7}) {
+    for (const double x : {0.3, 0.7}) surface.points.push_back({x, y, 0.5});
+  }
+  surface.add({offset, offset + 1, offset + 3}, 0, 0, 7);
+  surface.add({offset, offset + 3, offset + 2}, 0, 0, 7);
+  const VolumeMesh mesh = fill(surface, 0.25);
+  CHECK(mesh.errors.empty());
+  CHECK(check_filling(surface, mesh).at(0) == Approx(1));
+  surface.tri_to_sides[surface.tri_to_sides.size() - 2] = surface.tri_to_sides.back() = {};
+  CHECK(fill(surface, 0.25).errors.empty());
+}
+
+TEST_CASE("a size field coarser than the surface is followed inside") {
+  const Surface cube = cube_surface(20);
+  const SizeField sizes = SizeField::uniform(0.2);  // four times the surface's own edges
+  const VolumeMesh mesh = fill_volume(cube.input(sizes), {TETLOOM_WORKER}, TaskRunner(2));
+  CHECK(mesh.errors.empty());
+  check_filling(cube, mesh);
+  CHECK(mesh.new_points.size() < 400);
+  CHECK(mesh.new_points.size() > 30);
+}
+
+TEST_CASE("the mesh does not depend on the number of threads") {
+  Surface surface = cube_surface(5);
+  for (std::uint32_t i = 1; i < 6; ++i) {
+    surface.append(ball_surface(3, {3.0 * i, 0, 0}, i, [&](const Vec3& d) { return 1 + 0.1 * i * d.x * d.y; }));
+  }
+  const VolumeMesh one = fill(surface, 0.2, 1), many = fill(surface, 0.2, 4);
+  CHECK(one.new_points == many.new_points);
+  CHECK(one.tet_to_vert == many.tet_to_vert);
+  CHECK(one.tet_to_region == many.tet_to_region);
+  CHECK(check_filling(surface, one).size() == 6);
+}
+
+TEST_CASE("200 random star-shaped bodies are filled") {
+  const unsigned seed = 4711;
+  CAPTURE(seed);
+  std::mt19937_64 engine(seed);
+  for (int body = 0; body < 200; ++body) {
+    CAPTURE(body);
+    std::uniform_real_distribution<double> radius(body % 2 == 0 ? 0.8 : 0.3, 1);
+    const int levels = 1 + body % 3;
+    const Surface surface = ball_surface(levels, {10.0 * body, 0, 1e3}, 0, [&](const Vec3&) { return radius(engine); });
+    const VolumeMesh mesh = fill(surface, 0.5);
+    for (const auto& error : mesh.errors) UNSCOPED_INFO(error.message);
+    REQUIRE(mesh.errors.empty());
+    double expected = 0;
+    for (const auto& [a, b, c] : surface.tri_to_vert) {
+      const Vec3 o{10.0 * body, 0, 1e3};
+      expected += dot(surface.points[a] - o, cross(surface.points[b] - o, surface.points[c] - o)) / 6;
+    }
+    CHECK(check_filling(surface, mesh).at(0) == Approx(expected).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("an open shell is named with its faces and a point, and the other regions are filled") {
+  Surface surface = cube_surface(3);
+  Surface open = voxel_surface({1, 1, 1}, 2, [](int, int, int) { return 1u; });
+  for (Vec3& p : open.points) p.x += 1.5;
+  open.tri_to_vert.pop_back(), open.tri_to_sides.pop_back(), open.tri_to_face.pop_back();
+  surface.append(open);
+  const VolumeMesh mesh = fill(surface, 0.4);
+  REQUIRE(mesh.errors.size() == 1);
+  CHECK(mesh.errors[0].code == ErrorCode::OpenShell);
+  REQUIRE(mesh.errors[0].entities.size() >= 2);
+  CHECK(mesh.errors[0].entities.front().entity.dim == 2);
+  CHECK(mesh.errors[0].entities.back().entity == ModelEntity(3, 1));
+  REQUIRE(mesh.errors[0].point);
+  CHECK(mesh.errors[0].point->x > 1.4);
+  CHECK(mesh.errors[0].elements.size() >= 3);
+  CHECK(check_filling(surface, mesh, {1}).at(0) == Approx(1));
+}
+
+TEST_CASE("an open region leaves its neighbour's common faces in place") {
+  Surface pair = voxel_surface({2, 1, 1}, 3, [](int i, int, int) { return static_cast<std::uint32_t>(i); });
+  const auto is_outer = [&](std::size_t t) {
+    return pair.tri_to_sides[t].back == ModelRegionId{1u} && !pair.tri_to_sides[t].front.valid();
+  };
+  std::size_t hole = 0;
+  while (!is_outer(hole)) ++hole;
+  const auto erase = [&](auto& list) { list.erase(list.begin() + static_cast<std::ptrdiff_t>(hole)); };
+  erase(pair.tri_to_vert), erase(pair.tri_to_sides), erase(pair.tri_to_face);
+  const VolumeMesh mesh = fill(pair, 0.4);
+  REQUIRE(mesh.errors.size() == 1);
+  CHECK(check_filling(pair, mesh, {1}).at(0) == Approx(1));
+}
+
+TEST_CASE("a surface that crosses itself is an error with faces, triangles and a point") {
+  Surface surface = cube_surface(2);
+  Surface inner = ball_surface(2, {0.5, 0.5, 0.9}, 0, [](const Vec3&) { return 0.3; });
+  for (std::uint32_t& face : inner.tri_to_face) face = 9;
+  surface.append(inner);  // a second shell of the same region, through the cube's top
+  const VolumeMesh mesh = fill(surface, 0.5);
+  REQUIRE(!mesh.errors.empty());
+  CHECK(mesh.errors[0].code == ErrorCode::SelfIntersection);
+  REQUIRE(mesh.errors[0].entities.size() >= 2);
+  CHECK(mesh.errors[0].entities[1].entity == ModelEntity(2, 9));
+  REQUIRE(mesh.errors[0].point);
+  CHECK(mesh.errors[0].point->z == Approx(1));
+  CHECK(!mesh.errors[0].elements.empty());
+  CHECK(mesh.tet_to_vert.empty());
+}
+
+TEST_CASE("sides that contradict each other are an error, not a mesh") {
+  Surface surface = cube_surface(2);  // inside out
+  for (FaceSides& sides : surface.tri_to_sides) std::swap(sides.front, sides.back);
+  const VolumeMesh mesh = fill(surface, 0.5);
+  REQUIRE(mesh.errors.size() == 1);
+  CHECK(mesh.tet_to_vert.empty());
+}
+
+TEST_CASE("input that breaks the contract is refused") {
+  const SizeField sizes = SizeField::uniform(1);
+  Surface bad_index = cube_surface(1);
+  bad_index.tri_to_vert[3][1] = 99;
+  CHECK_THROWS_AS(fill_volume(bad_index.input(sizes), {}, TaskRunner(1)), Error);
+  Surface bad_point = cube_surface(1);
+  bad_point.points[2].y = std::nan("");
+  CHECK_THROWS_AS(fill_volume(bad_point.input(sizes), {}, TaskRunner(1)), Error);
+  Surface bad_length = cube_surface(1);
+  bad_length.tri_to_face.pop_back();
+  CHECK_THROWS_AS(fill_volume(bad_length.input(sizes), {}, TaskRunner(1)), Error);
+  VolumeInput no_sizes = cube_surface(1).input(sizes);
+  no_sizes.sizes = nullptr;
+  CHECK_THROWS_AS(fill_volume(no_sizes, {}, TaskRunner(1)), Error);
+}
+
+TEST_CASE("no surface gives an empty mesh") {
+  const VolumeMesh mesh = fill(Surface{}, 1);
+  CHECK(mesh.tet_to_vert.empty());
+  CHECK(mesh.errors.empty());
+}
