@@ -1,0 +1,11 @@
+#pragma once
+// From facets in any state to a geometric model. Private to core/discrete.
+#include "core/cad/read_model.hpp"
+#include "core/discrete/facet_soup.hpp"
+
+namespace tetloom::detail {
+
+/// Fills everything of the document but `format`. Errors: as read_discrete_model.
+ModelDocument build_discrete_model(FacetSoup&& soup, double feature_angle, const CancelToken* cancel);
+
+}  // namespace tetloom::detail

@@ -1,0 +1,41 @@
+#pragma once
+// A model face of a discrete model. Private to core/discrete.
+#include <memory>
+
+#include "core/discrete/discrete_parts.hpp"
+#include "core/geometry/model.hpp"
+
+namespace tetloom::detail {
+
+/// (u,v) as discrete_model.hpp defines them. Values outside of a facet are brought to its border.
+class DiscreteFace final : public FaceGeometry {
+ public:
+  DiscreteFace(std::shared_ptr<const DiscreteParts> parts, ModelFaceId id);
+
+  Parametrization parametrization() override { return Parametrization::Piecewise; }
+  ParameterBox parameter_box() override;
+  Vec2 period() override { return {}; }
+  Vec3 evaluate(const Vec2& uv) override;
+  SurfaceDerivatives derivatives(const Vec2& uv) override;
+  Vec3 normal(const Vec2& uv) override;
+  PrincipalCurvatures curvature(const Vec2& uv) override;
+  SurfacePoint closest_point(const Vec3& x, const std::optional<Vec2>& guess) override;
+  Vec2 edge_parameters(const EdgeUse& use, double t) override;
+  ParameterRange edge_range(const EdgeUse& use) override;
+  Tessellation tessellate(double chord, double angle) override;
+
+ private:
+  struct Place {
+    std::uint32_t tri;
+    double b0, b1, b2;
+  };
+  Place decode(const Vec2& uv) const;
+  const Vec3& corner(const Place& place, int i) const { return facets_.points[facets_.tri_to_vert[place.tri][i]]; }
+  ModelEntity classify(std::uint32_t vert) const;
+
+  std::shared_ptr<const DiscreteParts> parts_;
+  const FaceFacets& facets_;
+  ModelFaceId id_;
+};
+
+}  // namespace tetloom::detail
