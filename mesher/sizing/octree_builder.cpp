@@ -38,7 +38,10 @@ OctreeBuilder::OctreeBuilder(const TargetField& field, const Box3& domain, std::
                              const TaskRunner& runner)
     : field_(field), domain_(domain), max_cells_(max_cells), runner_(runner) {
   const Vec3 extent = domain.hi - domain.lo;
-  width_ = 1.001 * std::max({extent.x, extent.y, extent.z});
+  const double least = 1.001 * std::max({extent.x, extent.y, extent.z});
+  // Where the smallest size is asked for lie most leaves: let a level have just the width that they need.
+  const double finest = 0.9999 * field.finest_width();
+  width_ = std::ldexp(finest, static_cast<int>(std::ceil(std::log2(least / finest))));
   origin_ = domain.center() - Vec3{0.5 * width_, 0.5 * width_, 0.5 * width_};
 }
 

@@ -8,11 +8,10 @@
 namespace tetloom {
 namespace {
 
-double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const double length2 = norm2(along);
-  const double t = length2 > 0 ? std::clamp(dot(x - a, along) / length2, 0.0, 1.0) : 0;
-  return distance(x, a + t * along);
+/// Squared distance from `x` to a b, given ap = x - a and the dot products of ab with ap and with itself.
+double squared_to_segment(const Vec3& ap, const Vec3& ab, double along, double length2) {
+  const double t = length2 > 0 ? std::clamp(along / length2, 0.0, 1.0) : 0;
+  return norm2(ap - t * ab);
 }
 
 Box3 box_of(const SizeSource& source) {
@@ -23,20 +22,19 @@ Box3 box_of(const SizeSource& source) {
 
 }  // namespace
 
-/// By the Voronoi regions of the triangle's vertices, edges and inside (Ericson, Real-Time Collision Detection, 5.1.5).
-double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = x - a, bp = x - b, cp = x - c;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-               d6 = dot(ac, cp);
-  if (d1 <= 0 && d2 <= 0) return norm(ap);
-  if (d3 >= 0 && d4 <= d3) return norm(bp);
-  if (d6 >= 0 && d5 <= d6) return norm(cp);
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc > 0 && vb > 0 && va > 0) {
-    const double scale = 1 / (va + vb + vc);
-    return norm(ap - (vb * scale) * ab - (vc * scale) * ac);
-  }
-  return std::min({distance_to_segment(x, a, b), distance_to_segment(x, b, c), distance_to_segment(x, c, a)});
+/// By the signs of the barycentric coordinates (Ericson, Real-Time Collision Detection, 5.1.5): outside of the triangle
+/// the nearest point lies on one of the edges that the projection of `x` sees from outside.
+double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = x - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return norm2(ap);
+  const double ab2 = norm2(ab), ac2 = norm2(ac), abac = dot(ab, ac);
+  const double v = d1 * ac2 - d2 * abac, w = d2 * ab2 - d1 * abac, area = ab2 * ac2 - abac * abac;
+  if (v >= 0 && w >= 0 && v + w <= area && area > 0) return norm2(ap - (v / area) * ab - (w / area) * ac);
+  double best = squared_to_segment(ap, ab, d1, ab2);
+  best = std::min(best, squared_to_segment(ap, ac, d2, ac2));
+  const Vec3 bc = c - b, bp = x - b;
+  return std::min(best, squared_to_segment(bp, bc, dot(bc, bp), norm2(bc)));
 }
 
 SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner)
@@ -60,45 +58,45 @@ SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const 
   }
 }
 
-double SourceTree::size_from(const SizeSource& source, const Vec3& x) const {
-  const double reach = distance_to_triangle(x, source.a, source.b, source.c) - 0.5 * source.size;
-  return reach > 0 ? source.size + gradation_ * reach : source.size;
-}
-
-/// A source's size rises with s as long as g <= 1, so the smallest s at the nearest distance bounds a whole node.
-double SourceTree::bound(std::uint32_t node, const Vec3& x) const {
-  const double smallest = node_sizes_[node];
-  const double reach = std::sqrt(squared_distance(bvh_.nodes[node].box, x)) - 0.5 * smallest;
-  return reach > 0 ? smallest + gradation_ * reach : smallest;
-}
-
 double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) const {
   double best = cap;
   std::uint32_t decider = kNoSource;
-  const auto offer = [&](std::uint32_t source) {
-    const double size = size_from(sources_[source], x);
-    if (size < best) best = size, decider = source;
+  // A source of size s gives less than `best` within the distance (best - s) / g + s/2 only; this shrinks as s grows
+  // because g <= 1, so the smallest s bounds a whole node.
+  const double per_growth = 1 / gradation_;
+  const auto reach2 = [&](double smallest) {
+    if (smallest >= best) return -1.0;
+    const double reach = (best - smallest) * per_growth + kHold * smallest;
+    return reach * reach;
+  };
+  const auto offer = [&](std::uint32_t i) {
+    const SizeSource& source = sources_[i];
+    const double distance2 = squared_distance_to_triangle(x, source.a, source.b, source.c);
+    if (distance2 >= reach2(source.size)) return;
+    best = source.size + gradation_ * std::max(0.0, std::sqrt(distance2) - kHold * source.size);
+    decider = i;
   };
   if (winner != kNoSource) offer(winner);
   struct Pending {
     std::uint32_t node;
-    double bound;
+    double distance2;
   };
-  std::array<Pending, 64> stack;  // a median split halves 2^32 items at most 32 times
+  std::array<Pending, 64> stack;  // median splits halve 2^32 items at most 32 times
   std::size_t count = 0;
-  if (!bvh_.nodes.empty()) stack[count++] = {0, bound(0, x)};
+  if (!bvh_.nodes.empty()) stack[count++] = {0, squared_distance(bvh_.nodes[0].box, x)};
   while (count > 0) {
     const Pending top = stack[--count];
-    if (top.bound >= best) continue;
+    if (top.distance2 >= reach2(node_sizes_[top.node])) continue;
     const BvhNode& node = bvh_.nodes[top.node];
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) offer(i);
       continue;
     }
-    Pending near{top.node + 1, bound(top.node + 1, x)}, far{node.right, bound(node.right, x)};
-    if (far.bound < near.bound) std::swap(near, far);
-    if (far.bound < best) stack[count++] = far;
-    if (near.bound < best) stack[count++] = near;
+    Pending near{top.node + 1, squared_distance(bvh_.nodes[top.node + 1].box, x)};
+    Pending far{node.right, squared_distance(bvh_.nodes[node.right].box, x)};
+    if (far.distance2 < near.distance2) std::swap(near, far);
+    if (far.distance2 < reach2(node_sizes_[far.node])) stack[count++] = far;
+    if (near.distance2 < reach2(node_sizes_[near.node])) stack[count++] = near;
   }
   winner = decider;
   return best;

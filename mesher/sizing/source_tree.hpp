@@ -14,8 +14,8 @@ struct SizeSource {
   double size = 0;
 };
 
-/// Distance from `x` to the triangle a b c, which may be degenerate.
-double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+/// Squared distance from `x` to the triangle a b c, which may be degenerate.
+double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// The exact gradation-limited field of a set of sources,
 ///
@@ -42,8 +42,7 @@ class SourceTree {
   double size_at(const Vec3& x, double cap, std::uint32_t& winner) const;
 
  private:
-  double size_from(const SizeSource& source, const Vec3& x) const;
-  double bound(std::uint32_t node, const Vec3& x) const;
+  static constexpr double kHold = 0.5;  ///< how far a source's size holds before it grows, in sizes
 
   double gradation_;
   std::vector<SizeSource> sources_;  ///< in the order of the hierarchy

@@ -7,9 +7,12 @@
 namespace tetloom {
 namespace {
 
-constexpr double kHalfDiagonal = 0.8660254037844386;  // of the unit cube
+constexpr double kHalfDiagonal = 0.8660254037844386;      // of the unit cube
+constexpr double kWidthAtSource = 0.8, kWidthAway = 1.1;  // of leaves, in sizes
 
 }  // namespace
+
+double TargetField::finest_width() const { return kWidthAtSource * std::min(sources_.smallest(), targets_.global); }
 
 double TargetField::region_size(const Vec3& x) const {
   const ModelRegionId region = facets_->region_at(x);
@@ -35,21 +38,22 @@ double TargetField::lower_bound(const Vec3& center, double radius, std::uint32_t
 }
 
 CellVerdict TargetField::classify(const Vec3& center, double width, std::uint32_t& winner) const {
-  constexpr double kWidthAtSource = 0.5, kWidthAway = 0.9, kAway = 4;
   bool below_global = false;
   if (callback_ && callback_needs_split(center, width, below_global)) return CellVerdict::Split;
   const CellVerdict constant = callback_ ? CellVerdict::Leaf : CellVerdict::Global;
   if (sources_.empty()) return below_global ? CellVerdict::Leaf : constant;
 
   const double radius = kHalfDiagonal * width;
-  const double lower = lower_bound(center, radius, winner);
-  if (lower >= targets_.global) return constant;
-  const double at_center = lower + targets_.gradation * radius;
+  const double drop = targets_.gradation * radius;
+  const double at_center = sources_.size_at(center, targets_.global + drop, winner);
+  const double bound = at_center - drop;
+  if (bound >= targets_.global) return constant;
   // The sources bound every region that has a size: a cell that stays above the size of its region lies inside it.
-  if (facets_ != nullptr && lower >= targets_.smallest_region && lower >= region_size(center)) return CellVerdict::Leaf;
+  if (facets_ != nullptr && bound >= targets_.smallest_region && bound >= region_size(center)) return CellVerdict::Leaf;
   const double source = winner == SourceTree::kNoSource ? targets_.global : sources_.source_size(winner);
-  const bool away = at_center > (1 + kAway * targets_.gradation) * source;
-  return width <= (away ? kWidthAway : kWidthAtSource) * lower ? CellVerdict::Leaf : CellVerdict::Split;
+  const bool touches_source = at_center < source + drop;
+  const double least = std::max(bound, std::min(sources_.smallest(), targets_.global));
+  return width <= (touches_source ? kWidthAtSource : kWidthAway) * least ? CellVerdict::Leaf : CellVerdict::Split;
 }
 
 /// Compares the callback on a 3 x 3 x 3 grid with its trilinear interpolation from the cell's corners.

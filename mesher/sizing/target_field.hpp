@@ -35,6 +35,9 @@ class TargetField {
   /// bends), so that trilinear interpolation follows the field within a few percent; or when the field is constant.
   CellVerdict classify(const Vec3& center, double width, std::uint32_t& winner) const;
 
+  /// The width of the leaves next to the smallest source.
+  double finest_width() const;
+
   double global() const { return targets_.global; }
   double gradation() const { return targets_.gradation; }
   /// Whether the field may grow faster than the gradation, so that it has to be enforced afterwards.
