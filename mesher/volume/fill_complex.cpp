@@ -52,8 +52,8 @@ class ComplexFiller {
         if (&attempt != &kAttempts.front()) result.warnings.push_back(describe_fallback(attempt));
         return result;
       }
-      if (hopeless_) break;
       if (&attempt == &kAttempts.front() && surface_crosses_itself(result.errors)) return result;
+      if (hopeless_) break;
     }
     result.errors.push_back(describe_failure());
     return result;
