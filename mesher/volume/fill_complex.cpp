@@ -7,6 +7,7 @@
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/volume/interior_points.hpp"
+#include "mesher/volume/smoothing.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 
@@ -23,9 +24,10 @@ struct Attempt {
   bool interior_points;
   bool reversed;  // points in reverse order: another sequence of insertions
 };
-constexpr std::array kAttempts{Attempt{"pYMQJzO4/7", true, false},       Attempt{"pYMQJzO2/7T1e-11", true, true},
-                               Attempt{"pYMQJzO2/7", false, false},      Attempt{"pYMQJzT1e-11", false, true},
-                               Attempt{"pYMQJzO0/0T1e-6", false, false}, Attempt{"pYMQJzO0/0T1e-14", false, true}};
+constexpr std::array kAttempts{Attempt{"pYMQJzq1.4/14O4/7", true, false}, Attempt{"pYMQJzO4/7", true, false},
+                               Attempt{"pYMQJzO2/7T1e-11", true, true},   Attempt{"pYMQJzO2/7", false, false},
+                               Attempt{"pYMQJzT1e-11", false, true},      Attempt{"pYMQJzO0/0T1e-6", false, false},
+                               Attempt{"pYMQJzO0/0T1e-14", false, true}};
 
 // Why an attempt did not succeed.
 struct Failure {
@@ -103,7 +105,10 @@ class ComplexFiller {
     filling.points.insert(filling.points.end(), response.new_points.begin(), response.new_points.end());
     filling.tet_to_vert = std::move(response.tet_to_vert);
     const FillingVerdict verdict = color_regions(complex_, filling);
-    if (verdict.good()) return filling;
+    if (verdict.good()) {
+      smooth_interior(filling, {complex_.points.size()}, runner_);
+      return filling;
+    }
     note({ErrorCode::VolumeFailed, verdict.message, verdict.triangles, verdict.point});
     return std::nullopt;
   }
