@@ -36,7 +36,10 @@ class MeshRun {
       result_.model_volume += model_.volume(ModelRegionId(r));
     try {
       run_stages();
-    } catch (const Error& error) { fail(error.diagnostic()); } catch (const std::bad_alloc&) {
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::InvalidArgument) throw;
+      fail(error.diagnostic());
+    } catch (const std::bad_alloc&) {
       fail({ErrorCode::OutOfMemory, "the memory is exhausted", {}, {}, {}});
     }
     return std::move(result_);

@@ -123,8 +123,11 @@ double CadModel::area(ModelFaceId id) const {
 double CadModel::volume(ModelRegionId id) const {
   TETLOOM_ASSERT(id.value < topology_.region_count());
   return translate_failures(named(id), ErrorCode::VolumeFailed, "the volume", [&] {
+    // Adaptive integration: with the fixed number of Gauss points of the plain call, solids of spline faces come out
+    // wrong by up to two percent.
+    constexpr double kRelativeError = 1e-4;
     GProp_GProps properties;
-    BRepGProp::VolumeProperties(shapes_.solid(id), properties);
+    BRepGProp::VolumeProperties(shapes_.solid(id), properties, kRelativeError);
     return properties.Mass();
   });
 }
