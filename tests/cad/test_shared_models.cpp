@@ -35,7 +35,8 @@ constexpr KnownModel kModels[] = {
     {"parallel-preprocessor__test_geometry_test_selfintersect.stp", 1, 14, 45},
     {"gmsh__occ_ellipses.brep", 15, 51, 93},
     {"refine__uniform_annulus.brep", 1, 6, 12},
-    {"brlcad__tests_ap214_permissive_shared_dangling_spur.stp", 1, 4, 7},
+    // One of seven edges is a spur that the tolerance of its vertex swallows.
+    {"brlcad__tests_ap214_permissive_shared_dangling_spur.stp", 1, 4, 6},
     {"GEOUNED__large_Triangle.stp", 229, 1592, 3404},
     {"OCCT__step_linkrods.step", 1, 37, 108},
     {"OCCT__occ_Top.brep", 1, 324, 755},

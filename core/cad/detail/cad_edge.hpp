@@ -21,7 +21,7 @@ class CadEdge final : public EdgeGeometry {
   CurvePoint closest_point(const Vec3& x) override;
 
  private:
-  CurvePoint refine(const Vec3& x, double lo, double t, double hi);
+  CurvePoint refine(const Vec3& x, double lo, double hi);
   void make_samples();
 
   NamedEntity who_;

@@ -13,9 +13,6 @@
 namespace tetloom::cad {
 namespace {
 
-/// A direction of the parametrisation counts as collapsed when crossing the whole box along it moves less than this
-/// share of the face's size.
-constexpr double kCollapsed = 1e-9;
 /// How far from a degenerate point, as a share of the box, the limits of normal and curvature are taken.
 constexpr double kNudge = 1e-4;
 /// How far the projection may leave the box, as a share of it: edges stray from their parameter curves by a tolerance.

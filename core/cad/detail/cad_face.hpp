@@ -12,6 +12,10 @@
 
 namespace tetloom::cad {
 
+/// A direction of a parametrisation counts as collapsed when crossing the whole box along it moves less than this share
+/// of the face's size.
+inline constexpr double kCollapsed = 1e-9;
+
 class CadFace final : public FaceGeometry {
  public:
   /// `shapes` and `topology` belong to the model and outlive this. Errors: FaceFailed.
@@ -49,8 +53,13 @@ class CadFace final : public FaceGeometry {
   Vec3 limit_normal(const Vec2& uv);
   Vec2 into_box(Vec2 uv) const;
   Descent descend(const Vec3& x, Vec2 start);
+  Descent descend_past_poles(const Vec3& x, const Vec2& start);
+  std::optional<Vec2> way_from_pole(const Vec3& x, const Vec2& uv);
   SurfacePoint search(const Vec3& x);
   void make_samples();
+  int samples_along(bool u, int pieces);
+  bool is_least_around(int i, int j) const;
+  Vec2 at_share(double u, double v) const;
 
   const ShapeTables& shapes_;
   const ModelTopology& topology_;
@@ -64,6 +73,8 @@ class CadFace final : public FaceGeometry {
   std::vector<ParameterCurve> curves_;
   std::vector<Vec2> sample_uv_;  ///< a grid over the box; empty until the first search
   std::vector<Vec3> samples_;
+  std::vector<double> sample_values_;  ///< squared distances of the current search
+  std::array<int, 2> sample_count_{};
 };
 
 }  // namespace tetloom::cad

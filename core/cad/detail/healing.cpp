@@ -2,6 +2,7 @@
 
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_PurgeLocations.hxx>
@@ -15,9 +16,7 @@
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Iterator.hxx>
-
-#include <BRepAdaptor_Curve.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 
 #include "core/cad/detail/faults.hpp"
 #include "core/cad/detail/occt_guard.hpp"
@@ -202,6 +201,46 @@ std::size_t remove_tiny_edges(Document& document) {
   return before - std::min(before, after);
 }
 
+std::size_t uses_of(const TopoDS_Shape& face, const TopoDS_Shape& edge) {
+  std::size_t count = 0;
+  for (TopExp_Explorer use(face, TopAbs_EDGE); use.More(); use.Next()) count += use.Current().IsSame(edge) ? 1 : 0;
+  return count;
+}
+
+/// Lies the whole closed edge within the tolerance of its vertex?
+bool is_within_vertex(const TopoDS_Edge& edge) {
+  TopoDS_Vertex first, last;
+  TopExp::Vertices(edge, first, last);
+  double lo, hi;
+  if (first.IsNull() || !first.IsSame(last) || BRep_Tool::Degenerated(edge)) return false;
+  if (BRep_Tool::Curve(edge, lo, hi).IsNull()) return false;
+  const BRepAdaptor_Curve curve(edge);
+  constexpr int samples = 16;
+  for (int i = 0; i <= samples; ++i)
+    if (curve.Value(lo + (hi - lo) * i / samples).Distance(BRep_Tool::Pnt(first)) > BRep_Tool::Tolerance(first))
+      return false;
+  return true;
+}
+
+/// Edges that stick into a face and back, and that the tolerance of their vertex swallows.
+std::size_t remove_swallowed_spurs(Document& document) {
+  TopTools_IndexedDataMapOfShapeListOfShape edge_to_faces;
+  TopExp::MapShapesAndAncestors(document.root, TopAbs_EDGE, TopAbs_FACE, edge_to_faces);
+  const Context context = new ShapeBuild_ReShape;
+  std::size_t count = 0;
+  for (int i = 1; i <= edge_to_faces.Extent(); ++i) {
+    const TopoDS_Edge edge = TopoDS::Edge(edge_to_faces.FindKey(i));
+    if (!is_within_vertex(edge)) continue;
+    TopTools_IndexedMapOfShape faces;
+    for (const TopoDS_Shape& face : edge_to_faces(i)) faces.Add(face);
+    if (faces.Extent() != 1 || uses_of(faces(1), edge) != 2) continue;
+    context->Remove(edge);
+    ++count;
+  }
+  if (count > 0) apply(document, context);
+  return count;
+}
+
 std::size_t turn_right_side_out(Document& document) {
   const Context context = new ShapeBuild_ReShape;
   std::size_t count = 0;
@@ -228,6 +267,7 @@ void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
 bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel) {
   add_step(steps, "edges were brought to one parameter with their parameter curves", reparametrise(document.root));
   sew_loose_faces(document, steps, cancel);
+  add_step(steps, "edges within the tolerance of one vertex were removed", remove_swallowed_spurs(document));
   const bool valid = BRepCheck_Analyzer(document.root).IsValid();
   if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_invalid_bodies(document, cancel));
   const std::size_t removed = remove_tiny_edges(document), turned = turn_right_side_out(document);

@@ -48,7 +48,9 @@ void rethrow_as_error(const NamedEntity& who, ErrorCode code, const char* doing)
   } catch (const Standard_Failure& failure) {
     const char* text = failure.GetMessageString();
     throw make_error(code, explain(who, doing, text && *text ? text : failure.DynamicType()->Name()), who);
-  } catch (const std::exception& failure) { throw make_error(code, explain(who, doing, failure.what()), who); }
+  } catch (const std::exception& failure) {
+    throw make_error(code, explain(who, doing, failure.what()), who);
+  }
 }
 
 ReadingSession::ReadingSession() : lock_(reader_mutex()) {

@@ -23,7 +23,9 @@ template <class Body>
 auto translate_failures(const NamedEntity& who, ErrorCode code, const char* doing, Body&& body) -> decltype(body()) {
   try {
     return body();
-  } catch (...) { rethrow_as_error(who, code, doing); }
+  } catch (...) {
+    rethrow_as_error(who, code, doing);
+  }
 }
 
 /// Tells OpenCASCADE's algorithms to stop once the token is raised. A null token never stops.

@@ -1,8 +1,10 @@
 #include "core/cad/detail/tessellate.hpp"
 
+#include <algorithm>
 #include <BRep_Tool.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopLoc_Location.hxx>
@@ -60,21 +62,46 @@ void copy_facets(const Handle(Poly_Triangulation) & facets, const TopLoc_Locatio
   }
 }
 
+struct Facets {
+  TopoDS_Face face;  ///< a copy, forward
+  TopLoc_Location place;
+  Handle(Poly_Triangulation) triangulation;
+};
+
+Facets try_facets(const TopoDS_Face& copy, double chord, double angle) {
+  Facets result{copy, {}, {}};
+  BRepTools::Clean(copy);
+  BRepMesh_IncrementalMesh(copy, chord, false, angle, false);
+  result.triangulation = BRep_Tool::Triangulation(copy, result.place);
+  return result;
+}
+
+// BRepMesh finds some sound boundaries self-intersecting at one fineness and not at another.
+Facets make_facets(const TopoDS_Face& copy, double chord, double angle) {
+  struct Attempt {
+    double chord, angle;
+  };
+  const Attempt attempts[] = {{chord, angle},         {chord / 2, angle},         {chord, angle / 2},
+                              {chord / 4, angle / 2}, {chord / 1.5, 1.6 * angle}, {chord, 2 * angle},
+                              {chord, 4 * angle}};
+  for (const Attempt& attempt : attempts) {
+    const Facets facets = try_facets(copy, attempt.chord, std::min(attempt.angle, 1.5));
+    const Handle(Poly_Triangulation)& found = facets.triangulation;
+    if (!found.IsNull() && found->NbTriangles() > 0 && found->HasUVNodes()) return facets;
+  }
+  throw Error(ErrorCode::FaceFailed, "OpenCASCADE could not tessellate the face");
+}
+
 }  // namespace
 
 Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
                              double angle) {
   if (!(chord > 0) || !(angle > 0)) throw Error(ErrorCode::InvalidArgument, "chord and angle must be positive");
   BRepBuilderAPI_Copy copy(shapes.face(id), true, false);
-  const TopoDS_Face face = TopoDS::Face(copy.Shape().Oriented(TopAbs_FORWARD));
-  BRepMesh_IncrementalMesh(face, chord, false, angle, false);
-  TopLoc_Location place;
-  const Handle(Poly_Triangulation) facets = BRep_Tool::Triangulation(face, place);
-  if (facets.IsNull() || facets->NbTriangles() == 0 || !facets->HasUVNodes())
-    throw Error(ErrorCode::FaceFailed, "OpenCASCADE could not tessellate the face");
+  const Facets facets = make_facets(TopoDS::Face(copy.Shape().Oriented(TopAbs_FORWARD)), chord, angle);
   Tessellation out;
-  copy_facets(facets, place, id, out);
-  BoundaryMarker marker(topology, facets, place, out);
+  copy_facets(facets.triangulation, facets.place, id, out);
+  BoundaryMarker marker(topology, facets.triangulation, facets.place, out);
   for (const ModelLoop& loop : topology.face_to_loops[id.value]) {
     for (const EdgeUse& use : loop) {
       const TopoDS_Shape edge = copy.ModifiedShape(shapes.edge(use.edge));

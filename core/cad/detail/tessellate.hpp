@@ -4,7 +4,8 @@
 
 namespace tetloom::cad {
 
-/// Works on a copy of the face, because OpenCASCADE writes triangulations into shapes. Errors: FaceFailed.
+/// Works on a copy of the face, because OpenCASCADE writes triangulations into shapes. Where its mesher fails at the
+/// fineness asked for, others are tried, finer ones first, then larger angles. Errors: FaceFailed, InvalidArgument.
 Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
                              double angle);
 
