@@ -1,0 +1,217 @@
+#include "apps/tetloom/entity_sizes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <string_view>
+
+#include "apps/tetloom/quantities.hpp"
+
+namespace tetloom::app {
+namespace {
+
+using Json = nlohmann::json;
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
+
+/// Reads the members of one JSON object, and knows how to name it in messages.
+class Entry {
+ public:
+  Entry(const Json& json, std::string place, std::initializer_list<std::string_view> known)
+      : json_(json), place_(std::move(place)) {
+    if (!json.is_object()) refuse(place_ + " must be an object");
+    for (const auto& [key, value] : json.items()) {
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        refuse(place_ + " has an unknown key '" + key + "'");
+    }
+  }
+
+  double size() const {
+    const double value = number("size");
+    if (value <= 0) refuse(place_ + ": 'size' must be positive, not " + format_number(value));
+    return value;
+  }
+
+  double number(const char* key) const {
+    if (!json_.contains(key)) refuse(place_ + " has no '" + key + "'");
+    return finite(json_[key], key);
+  }
+
+  std::optional<std::int64_t> integer(const char* key, std::int64_t low, std::int64_t high) const {
+    if (!json_.contains(key)) return std::nullopt;
+    const Json& value = json_[key];
+    if (value.is_number_integer() && value >= low && value <= high) return value.get<std::int64_t>();
+    refuse(place_ + ": '" + key + "' must be a whole number from " + std::to_string(low) + " to " +
+           std::to_string(high));
+  }
+
+  std::string text(const char* key) const {
+    if (!json_.contains(key)) return {};
+    if (!json_[key].is_string() || json_[key].get_ref<const std::string&>().empty()) {
+      refuse(place_ + ": '" + key + "' must be a text that is not empty");
+    }
+    return json_[key].get<std::string>();
+  }
+
+  Vec3 point(const char* key) const {
+    if (!json_.contains(key) || !json_[key].is_array() || json_[key].size() != 3) {
+      refuse(place_ + ": '" + key + "' must be three numbers");
+    }
+    return {finite(json_[key][0], key), finite(json_[key][1], key), finite(json_[key][2], key)};
+  }
+
+  const std::string& place() const { return place_; }
+
+ private:
+  double finite(const Json& value, const char* key) const {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      refuse(place_ + ": '" + key + "' must be a number");
+    }
+    return value.get<double>();
+  }
+
+  const Json& json_;
+  std::string place_;
+};
+
+EntitySizeWish parse_entity(const Json& json, const std::string& place) {
+  const Entry entry(json, place, {"dim", "tag", "name", "size"});
+  EntitySizeWish wish;
+  if (const auto dim = entry.integer("dim", 0, 3)) wish.dim = static_cast<int>(*dim);
+  if (const auto tag = entry.integer("tag", 1, 0xfffffffe)) wish.tag = static_cast<std::uint32_t>(*tag);
+  wish.name = entry.text("name");
+  wish.size = entry.size();
+  if (wish.tag.has_value() == !wish.name.empty()) refuse(place + " must have either a 'tag' or a 'name'");
+  if (wish.tag && !wish.dim) refuse(place + " has a 'tag' and so needs a 'dim': 0 vertex, 1 edge, 2 face, 3 region");
+  return wish;
+}
+
+PointSize parse_point(const Json& json, const std::string& place) {
+  const Entry entry(json, place, {"point", "size"});
+  return {entry.point("point"), entry.size()};
+}
+
+/// Calls `parse` for each item of the list `key`, which may be missing.
+template <class Parse>
+void for_each_item(const Json& root, const std::string& path, const char* key, const Parse& parse) {
+  if (!root.contains(key)) return;
+  if (!root[key].is_array()) refuse("'" + path + "': \"" + key + "\" must be a list");
+  for (std::size_t i = 0; i < root[key].size(); ++i) {
+    parse(root[key][i], "'" + path + "': " + key + "[" + std::to_string(i) + "]");
+  }
+}
+
+/// How many letters one has to change, add or leave out to get from `a` to `b` (Levenshtein).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string closest_name(const GeometricModel& model, const std::string& name) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (int dim = 3; dim >= 0; --dim) {
+    for (std::size_t i = 0; i < model.topology().count(dim); ++i) {
+      const std::string& other = model.attributes(ModelEntity(dim, static_cast<std::uint32_t>(i))).name;
+      if (other.empty() || other.size() > name.size() + best_distance) continue;
+      const std::size_t distance = edit_distance(name, other);
+      if (distance < best_distance) best = other, best_distance = distance;
+    }
+  }
+  return best;
+}
+
+/// Adds the entities that the wish means; false where the model has none.
+bool find_entities(const EntitySizeWish& wish, const GeometricModel& model, SizeOptions& options) {
+  if (wish.tag) {
+    if (*wish.tag > model.topology().count(*wish.dim)) return false;
+    options.entity_sizes.push_back({ModelEntity(*wish.dim, *wish.tag - 1), wish.size});
+    return true;
+  }
+  bool found = false;
+  for (int dim = 0; dim <= 3; ++dim) {
+    if (wish.dim && *wish.dim != dim) continue;
+    for (std::size_t i = 0; i < model.topology().count(dim); ++i) {
+      const ModelEntity entity(dim, static_cast<std::uint32_t>(i));
+      if (model.attributes(entity).name != wish.name) continue;
+      options.entity_sizes.push_back({entity, wish.size});
+      found = true;
+    }
+  }
+  return found;
+}
+
+std::string describe_missing(const EntitySizeWish& wish, const GeometricModel& model) {
+  static constexpr std::array<const char*, 4> kinds{"vertex", "edge", "face", "region"};
+  const std::string kind = wish.dim ? kinds[static_cast<std::size_t>(*wish.dim)] : "entity";
+  if (wish.tag) {
+    return kind + " " + std::to_string(*wish.tag) + " (the model has " +
+           std::to_string(model.topology().count(*wish.dim)) + ")";
+  }
+  const std::string closest = closest_name(model, wish.name);
+  return kind + " named '" + wish.name + "'" +
+         (closest.empty() || closest == wish.name ? "" : " (did you mean '" + closest + "'?)");
+}
+
+}  // namespace
+
+SizesFile parse_sizes(const std::string& text, const std::string& path) {
+  Json root;
+  try {
+    root = Json::parse(text);
+  } catch (const Json::exception& error) {
+    // "[json.exception.parse_error.101] parse error at line 3, column 5: …": the bracket is for programmers.
+    const std::string message = error.what();
+    const std::size_t bracket = message.find("] ");
+    refuse("'" + path + "': " + (bracket == std::string::npos ? message : message.substr(bracket + 2)));
+  }
+  const Entry whole(root, "'" + path + "'", {"entities", "points"});
+  SizesFile sizes;
+  for_each_item(root, path, "entities", [&](const Json& json, const std::string& place) {
+    sizes.entities.push_back(parse_entity(json, place));
+  });
+  for_each_item(root, path, "points",
+                [&](const Json& json, const std::string& place) { sizes.points.push_back(parse_point(json, place)); });
+  return sizes;
+}
+
+SizesFile read_sizes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code error;
+  if (!file || !std::filesystem::is_regular_file(path, error)) {
+    refuse("cannot read the file of --sizes, '" + path.string() + "'");
+  }
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return parse_sizes(text, path.string());
+}
+
+void apply_sizes(const SizesFile& file, const GeometricModel& model, SizeOptions& options) {
+  std::vector<std::string> missing;
+  for (const EntitySizeWish& wish : file.entities) {
+    if (!find_entities(wish, model, options)) missing.push_back(describe_missing(wish, model));
+  }
+  if (!missing.empty()) {
+    std::string message = "the file of --sizes asks for what the model does not have: " + missing[0];
+    for (std::size_t i = 1; i < missing.size(); ++i) message += ", " + missing[i];
+    refuse(message);
+  }
+  options.point_sizes.insert(options.point_sizes.end(), file.points.begin(), file.points.end());
+}
+
+}  // namespace tetloom::app

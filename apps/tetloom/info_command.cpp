@@ -1,0 +1,54 @@
+#include "apps/tetloom/commands.hpp"
+#include "apps/tetloom/mesh_text.hpp"
+#include "apps/tetloom/model_text.hpp"
+#include "apps/tetloom/run.hpp"
+#include "core/io/mesh_io.hpp"
+#include "core/mesh/digest.hpp"
+
+namespace tetloom::app {
+namespace {
+
+/// STL files are both; as a model they say more.
+bool is_mesh_file(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return is_mesh_extension(path) && extension != ".stl";
+}
+
+void describe_mesh(const InfoCommand& command, Run& run) {
+  RunReport& report = run.report();
+  Mesh mesh;
+  report.seconds.read = timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
+  run.begin(Stage::Check);
+  report.quality = compute_quality(mesh);
+  report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(),
+                   report.quality->tets.regions.size()};
+  report.entities = mesh.entities;
+  report.digest = mesh_digest(mesh);
+  report.extra["mesh"] = mesh_json(mesh, report);
+  run.set_text(render_mesh(mesh, report));
+}
+
+void describe_model(const InfoCommand& command, Run& run) {
+  RunReport& report = run.report();
+  ModelDocument document;
+  report.seconds.read =
+      timed([&] { document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
+  run.begin(Stage::Check);
+  report.warnings = document.warnings;
+  report.counts.regions = document.model->topology().region_count();
+  report.extra["model"] = model_json(document);
+  run.set_text(render_model(document, command.input.string()));
+}
+
+}  // namespace
+
+ExitStatus run_info(const InfoCommand& command) {
+  Run run({.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet});
+  return run.execute([&](Run& r) {
+    r.begin(Stage::Read);
+    is_mesh_file(command.input) ? describe_mesh(command, r) : describe_model(command, r);
+  });
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,72 @@
+#include <algorithm>
+
+#include "apps/tetloom/commands.hpp"
+#include "apps/tetloom/console.hpp"
+#include "apps/tetloom/entity_sizes.hpp"
+#include "apps/tetloom/run.hpp"
+#include "core/io/mesh_io.hpp"
+#include "core/mesh/digest.hpp"
+
+namespace tetloom::app {
+namespace {
+
+void note_result(const MeshResult& result, RunReport& report) {
+  const Mesh& mesh = result.mesh;
+  report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
+  report.seconds.size_field = result.seconds.size_field;
+  report.seconds.surface = result.seconds.surface;
+  report.seconds.volume = result.seconds.volume;
+  report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
+  report.entities = mesh.entities;
+}
+
+void measure(const MeshResult& result, RunReport& report) {
+  if (result.mesh.points.empty()) return;
+  report.quality = compute_quality(result.mesh, &result.sizes);
+  report.counts.regions = report.quality->tets.regions.size();
+  report.digest = mesh_digest(result.mesh);
+}
+
+void mesh_model(const MeshCommand& command, Run& run) {
+  RunReport& report = run.report();
+  SizesFile sizes;
+  if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
+
+  run.begin(Stage::Read);
+  ModelDocument document;
+  report.seconds.read =
+      timed([&] { document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
+  report.warnings = document.warnings;
+  MeshOptions options = command.options;
+  apply_sizes(sizes, *document.model, options.sizes);
+
+  const MeshResult result = make_mesh(*document.model, options, run.host());
+  note_result(result, report);
+  if (!options.surface_only && document.model->topology().region_count() > 0) {
+    report.model_volume = result.model_volume;
+  }
+  for (const Diagnostic& error : result.errors) add_failure(report, error);
+  if (report.status != ExitStatus::Cancelled) {
+    run.begin(Stage::Check);
+    measure(result, report);
+  }
+  if (result.status != MeshStatus::Ok) return;
+
+  run.begin(Stage::Write);
+  report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel()); });
+  run.set_text(render_summary(report, command.output.string(), command.report.string()));
+}
+
+}  // namespace
+
+ExitStatus run_mesh(const MeshCommand& command) {
+  Run run({.input = command.input,
+           .output = command.output,
+           .report = command.report,
+           .quiet = command.quiet,
+           .threads = TaskRunner(command.options.threads).threads(),
+           .parts = std::max(1, command.options.parts)});
+  return run.execute([&](Run& r) { mesh_model(command, r); });
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,265 @@
+#include "apps/tetloom/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <sstream>
+
+#include "apps/tetloom/quantities.hpp"
+#include "core/io/mesh_io.hpp"
+
+namespace tetloom::app {
+namespace {
+
+constexpr int kMostThreads = 4096;
+constexpr int kMostParts = 1 << 20;
+constexpr double kDefaultCurvature = 24;
+
+constexpr const char* kMeshExamples = R"(
+Examples:
+  tetloom mesh part.step -o part.vtu                        a size that suits most models
+  tetloom mesh part.step -o part.msh --size 2 --curvature 24
+  tetloom mesh part.step -o part.vtu --relative-size 0.01 --sizes sizes.json --report report.json
+  tetloom mesh assembly.step -o assembly.vtu --imprint      touching solids share their faces
+  tetloom mesh scan.stl -o surface.stl --surface-only --size 0.5
+
+The file of --sizes gives the size of single entities, by tag or by name, and of points:
+  {"entities": [{"dim": 2, "tag": 17, "size": 0.5}, {"name": "flange", "size": 1}],
+   "points": [{"point": [0, 0, 10], "size": 0.1}]}
+'tetloom info part.step' shows the tags and names.
+
+Exit status: 0 done, 2 wrong usage, 3 input unreadable or unsuitable, 4 the geometry cannot be meshed,
+5 cancelled, 6 out of memory or disk.)";
+
+constexpr const char* kMainExamples = R"(
+Examples:
+  tetloom info part.step
+  tetloom mesh part.step -o part.vtu
+  tetloom check part.vtu
+'tetloom mesh --help' tells more.)";
+
+/// Values of `mesh` as they come from the command line, before they are judged.
+struct RawMeshOptions {
+  std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
+  std::optional<int> threads, parts;
+  std::string input, output, sizes_file, report, worker, max_memory;
+  bool surface_only = false, imprint = false, no_heal = false, quiet = false;
+};
+
+struct RawInspection {
+  std::string input, report;
+  std::optional<double> feature_angle;
+  bool imprint = false, no_heal = false, quiet = false;
+};
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw UsageError(message);
+}
+
+double positive(const char* option, std::optional<double> value, double otherwise) {
+  if (!value) return otherwise;
+  require(std::isfinite(*value) && *value > 0,
+          std::string(option) + " must be a positive number, not " + format_number(*value));
+  return *value;
+}
+
+double not_negative(const char* option, std::optional<double> value, double otherwise) {
+  if (!value) return otherwise;
+  require(std::isfinite(*value) && *value >= 0,
+          std::string(option) + " must be 0 (off) or a positive number, not " + format_number(*value));
+  return *value;
+}
+
+int count_between(const char* option, std::optional<int> value, int most) {
+  if (!value) return 0;
+  require(*value >= 1 && *value <= most, std::string(option) + " must lie between 1 and " + std::to_string(most) +
+                                             ", not be " + std::to_string(*value));
+  return *value;
+}
+
+double angle_from_degrees(std::optional<double> degrees) {
+  if (!degrees) return ReadOptions{}.feature_angle;
+  require(*degrees > 0 && *degrees <= 180,
+          "--feature-angle must lie between 0 and 180 degrees, not be " + format_number(*degrees));
+  return *degrees * std::numbers::pi / 180;
+}
+
+SizeOptions make_size_options(const RawMeshOptions& raw) {
+  SizeOptions sizes;
+  const bool any_size = raw.size || raw.relative_size;
+  sizes.size = positive("--size", raw.size, 0);
+  sizes.relative_size = positive("--relative-size", raw.relative_size, any_size ? 0 : 1.0 / 40);
+  require(sizes.relative_size <= 1, "--relative-size is a share of the bounding box's diagonal, so at most 1, not " +
+                                        format_number(sizes.relative_size));
+  sizes.min_size = positive("--min-size", raw.min_size, 0);
+  sizes.curvature = not_negative("--curvature", raw.curvature, any_size ? 0 : kDefaultCurvature);
+  sizes.proximity = not_negative("--proximity", raw.proximity, 0);
+  sizes.gradation = positive("--gradation", raw.gradation, sizes.gradation);
+  return sizes;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code error;
+  if (std::filesystem::equivalent(a, b, error)) return true;
+  return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
+}
+
+void check_files(const MeshCommand& command) {
+  require(!command.input.empty(), "INPUT must not be empty");
+  require(is_writable_mesh_format(command.output), "cannot tell the format of the output '" + command.output.string() +
+                                                       "' from its extension; known are " + known_mesh_extensions());
+  require(!same_file(command.input, command.output), "the output would replace the input");
+  require(!same_file(command.input, command.report), "the report would replace the input");
+  require(!same_file(command.output, command.report), "the report would replace the output");
+}
+
+MeshCommand make_mesh_command(const RawMeshOptions& raw) {
+  MeshCommand command;
+  command.input = raw.input;
+  command.output = raw.output;
+  command.sizes_file = raw.sizes_file;
+  command.report = raw.report;
+  command.quiet = raw.quiet;
+  check_files(command);
+  command.read = {!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle)};
+  command.options.sizes = make_size_options(raw);
+  // An STL file holds triangles alone: to fill the volume for it would be wasted.
+  command.options.surface_only = raw.surface_only || lower_extension(command.output) == ".stl";
+  command.options.threads = count_between("--threads", raw.threads, kMostThreads);
+  command.options.parts = count_between("--parts", raw.parts, kMostParts);
+  command.options.volume_worker = raw.worker;
+  if (!raw.max_memory.empty()) {
+    const std::optional<std::uint64_t> bytes = parse_bytes(raw.max_memory);
+    require(bytes.has_value(),
+            "--max-memory must be a number of bytes such as 8G or 500M, not '" + raw.max_memory + "'");
+    command.options.max_memory = *bytes;
+  }
+  return command;
+}
+
+void add_size_options(CLI::App& mesh, RawMeshOptions& raw) {
+  const std::string group = "Sizes (model length units)";
+  CLI::Option* size = mesh.add_option("--size", raw.size, "Target edge length")->group(group);
+  mesh.add_option("--relative-size", raw.relative_size,
+                  "Target edge length as a share of the bounding box's diagonal; without any size: 1/40, and "
+                  "--curvature 24")
+      ->group(group)
+      ->excludes(size);
+  mesh.add_option("--min-size", raw.min_size, "Floor for sizes from curvature and proximity; default: target / 10")
+      ->group(group);
+  mesh.add_option("--curvature", raw.curvature, "At least N edges per full turn; 0: off")->type_name("N")->group(group);
+  mesh.add_option("--proximity", raw.proximity, "At least N edges across gaps and walls; 0: off")
+      ->type_name("N")
+      ->group(group);
+  mesh.add_option("--gradation", raw.gradation, "Largest growth of the size per unit of distance; default: 0.3")
+      ->type_name("G")
+      ->group(group);
+  mesh.add_option("--sizes", raw.sizes_file, "Sizes of single entities and points (see below)")
+      ->type_name("FILE.json")
+      ->group(group);
+}
+
+template <class Raw>
+void add_reading_options(CLI::App& command, Raw& raw) {
+  const std::string group = "Reading";
+  command.add_flag("--imprint", raw.imprint, "Fuse touching solids first, so that they share faces")->group(group);
+  command.add_flag("--no-heal", raw.no_heal, "Leave the geometry as it is in the file")->group(group);
+  command
+      .add_option("--feature-angle", raw.feature_angle,
+                  "STL and OBJ: cut into faces where facets turn by more; default: 40")
+      ->type_name("DEG")
+      ->group(group);
+}
+
+CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
+  CLI::App* mesh = app.add_subcommand("mesh", "Mesh a CAD model (STEP, IGES, BREP) or a facet model (STL, OBJ)");
+  mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
+  mesh->add_option("-o,--output", raw.output, "The mesh: " + known_mesh_extensions())->required()->type_name("OUT");
+  add_size_options(*mesh, raw);
+  add_reading_options(*mesh, raw);
+  const std::string group = "Run";
+  mesh->add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(group);
+  mesh->add_option("--threads", raw.threads, "Default: all cores; the mesh does not depend on it")
+      ->type_name("T")
+      ->group(group);
+  mesh->add_option("--parts", raw.parts, "Parts of the mesh; accepted, and without effect so far")
+      ->type_name("P")
+      ->group(group);
+  mesh->add_option("--max-memory", raw.max_memory,
+                   "Refuse what is estimated to need more, such as 8G; default: what the machine has free")
+      ->type_name("BYTES")
+      ->group(group);
+  mesh->add_option("--worker", raw.worker, "The tetloom-tetgen to use; default: beside tetloom, then in PATH")
+      ->type_name("FILE")
+      ->group(group);
+  mesh->add_option("--report", raw.report, "Write a report, for failures too")->type_name("R.json")->group(group);
+  mesh->add_flag("--quiet", raw.quiet, "Print errors only")->group(group);
+  mesh->footer(kMeshExamples);
+  return mesh;
+}
+
+CLI::App* add_inspection(CLI::App& app, const char* name, const char* description, RawInspection& raw) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->add_option("FILE", raw.input, "A model or a mesh")->required();
+  command->add_option("--report", raw.report, "Write what is found as JSON, for failures too")->type_name("R.json");
+  command->add_flag("--quiet", raw.quiet, "Print errors only");
+  return command;
+}
+
+void check_inspection(const RawInspection& raw) {
+  require(!raw.input.empty(), "FILE must not be empty");
+  require(!same_file(raw.input, raw.report), "the report would replace the input");
+}
+
+}  // namespace
+
+Command parse_command_line(int argc, const char* const* argv) {
+  CLI::App app("tetloom makes tetrahedral meshes of CAD geometry in parallel.", "tetloom");
+  app.set_version_flag("--version", std::string("tetloom ") + TETLOOM_VERSION);
+  app.require_subcommand(1);
+  app.footer(kMainExamples);
+  RawMeshOptions raw_mesh;
+  RawInspection raw_info, raw_check;
+  const CLI::App* mesh = add_mesh_command(app, raw_mesh);
+  CLI::App* info = add_inspection(app, "info", "Describe a model or a mesh", raw_info);
+  add_reading_options(*info, raw_info);
+  add_inspection(app, "check", "Validate any mesh and measure its quality; exit status 4 when it is not valid",
+                 raw_check);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream out, ignored;
+    if (app.exit(error, out, ignored) != 0) throw UsageError(error.what());
+    return Printout{out.str()};
+  }
+  if (mesh->parsed()) return make_mesh_command(raw_mesh);
+  if (info->parsed()) {
+    check_inspection(raw_info);
+    const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle)};
+    return InfoCommand{raw_info.input, raw_info.report, read, raw_info.quiet};
+  }
+  check_inspection(raw_check);
+  return CheckCommand{raw_check.input, raw_check.report, raw_check.quiet};
+}
+
+std::optional<std::filesystem::path> find_report_argument(int argc, const char* const* argv) {
+  static constexpr std::string_view option = "--report";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == option && i + 1 < argc) return argv[i + 1];
+    if (argument.starts_with(option) && argument.size() > option.size() + 1 && argument[option.size()] == '=') {
+      return argument.substr(option.size() + 1);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,57 @@
+#pragma once
+// The command line, as values.
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "core/cad/read_model.hpp"
+#include "mesher/mesher.hpp"
+
+namespace tetloom::app {
+
+struct MeshCommand {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::filesystem::path sizes_file;  ///< empty: none
+  std::filesystem::path report;      ///< empty: none
+  ReadOptions read;
+  MeshOptions options;
+  bool quiet = false;
+};
+
+struct InfoCommand {
+  std::filesystem::path input;
+  std::filesystem::path report;
+  ReadOptions read;
+  bool quiet = false;
+};
+
+struct CheckCommand {
+  std::filesystem::path input;
+  std::filesystem::path report;
+  bool quiet = false;
+};
+
+/// Text for standard output and nothing else to do: help or the version.
+struct Printout {
+  std::string text;
+};
+
+using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, Printout>;
+
+/// A command line that cannot be carried out; what() is for a person.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads and checks the command line. Everything that can be judged without reading the input is judged here: number
+/// ranges, options that exclude each other, the extension of the output. Throws UsageError.
+Command parse_command_line(int argc, const char* const* argv);
+
+/// The value of --report wherever it stands, for command lines that cannot be parsed.
+std::optional<std::filesystem::path> find_report_argument(int argc, const char* const* argv);
+
+}  // namespace tetloom::app

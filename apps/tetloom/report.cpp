@@ -1,0 +1,144 @@
+#include "apps/tetloom/report.hpp"
+
+#include <sys/resource.h>
+
+#include "core/io/atomic_file.hpp"
+
+namespace tetloom::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Corners sharper than this are listed by face, see `sharp_faces`.
+constexpr double kSharpAngleDeg = 20;
+
+Json entity_json(ModelEntity entity, const std::string& name) {
+  return {{"dim", entity.dim}, {"id", entity.tag()}, {"name", name}};
+}
+
+Json point_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
+
+Json diagnostics_json(const std::vector<Diagnostic>& diagnostics) {
+  Json list = Json::array();
+  for (const Diagnostic& diagnostic : diagnostics) list.push_back(to_json(diagnostic));
+  return list;
+}
+
+/// Faces with corners below 20 degrees: those that bound the quality of the volume mesh.
+Json sharp_faces(const RunReport& report) {
+  Json list = Json::array();
+  for (const FaceQuality& face : report.quality->triangles.faces) {
+    if (face.min_angle_deg >= kSharpAngleDeg || face.face == ModelFaceId::kNone) continue;
+    const auto& names = report.entities[2];
+    Json entry = entity_json(ModelEntity(2, face.face), face.face < names.size() ? names[face.face].name : "");
+    entry["min_angle_deg"] = face.min_angle_deg;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json surface_quality_json(const RunReport& report) {
+  const TriangleQuality& triangles = report.quality->triangles;
+  return {{"min_angle_deg", triangles.min_angle_deg},
+          {"shape_min", triangles.shape_min},
+          {"shape_p1", triangles.shape_p1},
+          {"shape_mean", triangles.shape_mean},
+          {"mean_length_to_size", triangles.edges.mean_length_ratio},
+          {"edges_in_band", triangles.edges.in_band},
+          {"faces_below_20_deg", sharp_faces(report)}};
+}
+
+Json quality_json(const RunReport& report) {
+  Json json = {{"min_dihedral_deg", nullptr},
+               {"mean_ratio_min", nullptr},
+               {"mean_ratio_p1", nullptr},
+               {"mean_ratio_mean", nullptr},
+               {"edges_in_band", nullptr}};
+  if (!report.quality) return json;
+  const TetQuality& tets = report.quality->tets;
+  if (tets.count > 0) {
+    json["min_dihedral_deg"] = tets.min_dihedral_deg;
+    json["mean_ratio_min"] = tets.mean_ratio_min;
+    json["mean_ratio_p1"] = tets.mean_ratio_p1;
+    json["mean_ratio_mean"] = tets.mean_ratio_mean;
+  }
+  json["edges_in_band"] = tets.count > 0 ? tets.edges.in_band : report.quality->triangles.edges.in_band;
+  if (report.quality->triangles.count > 0) json["surface"] = surface_quality_json(report);
+  return json;
+}
+
+Json volume_json(const RunReport& report) {
+  Json json = {{"mesh", nullptr}, {"model", nullptr}};
+  if (report.quality && report.quality->tets.count > 0) json["mesh"] = report.quality->tets.volume;
+  if (report.model_volume) json["model"] = *report.model_volume;
+  return json;
+}
+
+Json seconds_json(const RunReport& report) {
+  const RunSeconds& seconds = report.seconds;
+  return {{"total", report.total_seconds()}, {"read", seconds.read},     {"size_field", seconds.size_field},
+          {"surface", seconds.surface},      {"volume", seconds.volume}, {"write", seconds.write}};
+}
+
+Json counts_json(const RunCounts& counts) {
+  return {
+      {"points", counts.points}, {"triangles", counts.triangles}, {"tets", counts.tets}, {"regions", counts.regions}};
+}
+
+}  // namespace
+
+double RunReport::total_seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void add_failure(RunReport& report, const Diagnostic& error) {
+  report.errors.push_back(error);
+  if (report.status == ExitStatus::Done) report.status = exit_status(error.code);
+}
+
+std::uint64_t peak_bytes() {
+  std::uint64_t kibibytes = 0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    if (::getrusage(who, &usage) == 0) kibibytes += static_cast<std::uint64_t>(usage.ru_maxrss);
+  }
+  return 1024 * kibibytes;
+}
+
+nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {
+  Json entities = Json::array();
+  for (const NamedEntity& named : diagnostic.entities) entities.push_back(entity_json(named.entity, named.name));
+  Json json = {{"code", to_string(diagnostic.code)},
+               {"message", diagnostic.message},
+               {"entities", std::move(entities)},
+               {"point", diagnostic.point ? point_json(*diagnostic.point) : Json(nullptr)}};
+  if (!diagnostic.elements.empty()) json["elements"] = diagnostic.elements;
+  return json;
+}
+
+std::string to_json(const RunReport& report) {
+  Json json = {{"schema", 1},
+               {"status", report_status(report.status)},
+               {"input", report.input},
+               {"threads", report.threads},
+               {"parts", report.parts},
+               {"counts", counts_json(report.counts)},
+               {"seconds", seconds_json(report)},
+               {"peak_bytes", peak_bytes()},
+               {"quality", quality_json(report)},
+               {"volume", volume_json(report)},
+               {"digest", report.digest.empty() ? Json(nullptr) : Json(report.digest)},
+               {"errors", diagnostics_json(report.errors)},
+               {"warnings", diagnostics_json(report.warnings)}};
+  json.update(report.extra);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+void write_report(const RunReport& report, const std::filesystem::path& path) {
+  AtomicFile file(path);
+  file.write(to_json(report));
+  file.write("\n");
+  file.commit();
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,102 @@
+#include "apps/tetloom/run.hpp"
+
+#include <new>
+#include <utility>
+
+#include "apps/tetloom/console.hpp"
+#include "core/io/atomic_file.hpp"
+
+namespace tetloom::app {
+
+Run::Run(RunSetup setup)
+    : setup_(std::move(setup)),
+      report_(fresh_report()),
+      display_(stderr, ProgressDisplay::style_for(stderr, setup_.quiet)),
+      interruption_([this] { leave(); }) {}
+
+RunReport Run::fresh_report() const {
+  RunReport report;
+  report.input = setup_.input.string();
+  report.threads = setup_.threads;
+  report.parts = setup_.parts;
+  return report;
+}
+
+Host Run::host() {
+  return {[this](const ProgressEvent& event) {
+            display_.update(event);
+            return true;
+          },
+          &cancel()};
+}
+
+void Run::begin(Stage stage) {
+  cancel().check();
+  display_.update({stage, {}, 0, 0});
+}
+
+ExitStatus Run::execute(const std::function<void(Run&)>& body) {
+  carry_out(body);
+  display_.finish();
+  print_diagnostics();
+  write_report_file();
+  if (!setup_.quiet) print(stdout, text_);
+  return report_.status;
+}
+
+void Run::carry_out(const std::function<void(Run&)>& body) {
+  try {
+    // A place where nothing can be written is found before the work, not after it.
+    if (!setup_.output.empty()) AtomicFile probe(setup_.output);
+    if (!setup_.report.empty()) AtomicFile probe(setup_.report);
+    body(*this);
+  } catch (const Error& error) {
+    add_failure(report_, error.diagnostic());
+  } catch (const std::bad_alloc&) {
+    add_failure(report_, {ErrorCode::OutOfMemory, "the memory is exhausted", {}, {}, {}});
+  } catch (const std::exception& error) {
+    add_failure(report_, {ErrorCode::Internal, std::string("unexpected error: ") + error.what(), {}, {}, {}});
+  }
+}
+
+void Run::print_diagnostics() const {
+  if (!setup_.quiet) {
+    for (const Diagnostic& warning : report_.warnings) print(stderr, render_diagnostic("tetloom: warning", warning));
+  }
+  for (const Diagnostic& error : report_.errors) {
+    const bool cancelled = error.code == ErrorCode::Cancelled;
+    print(stderr, cancelled ? "tetloom: cancelled\n" : render_diagnostic("tetloom: error", error));
+  }
+}
+
+void Run::write_report_file() {
+  if (setup_.report.empty()) return;
+  try {
+    write_report(report_, setup_.report);
+  } catch (const Error& error) {
+    const bool known = !report_.errors.empty() && report_.errors.back().message == error.diagnostic().message;
+    add_failure(report_, error.diagnostic());
+    if (!known) print(stderr, render_diagnostic("tetloom: error", error.diagnostic()));
+  }
+}
+
+// Runs in the thread of the interruption, while the main thread may be anywhere: so nothing of report_ that it could be
+// changing right now is used.
+void Run::leave() {
+  if (!setup_.output.empty()) remove_temporaries_of(setup_.output);
+  if (!setup_.report.empty()) {
+    remove_temporaries_of(setup_.report);
+    RunReport report = fresh_report();
+    report.start = report_.start;
+    add_failure(report, {ErrorCode::Cancelled, "cancelled by the host", {}, {}, {}});
+    try {
+      write_report(report, setup_.report);
+    } catch (const std::exception&) {
+      // There is nobody left to tell.
+    }
+  }
+  display_.finish();
+  print(stderr, "tetloom: cancelled\n");
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,48 @@
+#pragma once
+// CAD models made from nothing but numbers: for the quick start, the tests and the benches. Lengths are millimetres.
+#include <string>
+#include <vector>
+
+#include <Quantity_Color.hxx>
+#include <TopoDS_Shape.hxx>
+
+namespace tetloom::demo {
+
+/// A shape with what a CAD system would say of it.
+struct DemoPart {
+  std::string name;
+  Quantity_Color color;
+  TopoDS_Shape shape;
+  /// Faces with a name or colour of their own.
+  struct NamedFace {
+    std::string name;
+    Quantity_Color color;
+    TopoDS_Shape face;
+  };
+  std::vector<NamedFace> faces;
+};
+
+/// A bracket: base plate with a pocket and bolt holes, an upright boss with a cross hole through its curved face,
+/// fillets between them, and a top face that is a B-spline surface. About 120 x 80 x 60.
+std::vector<DemoPart> make_machined_part();
+
+/// A steel body in a bore of a rubber block: two solids that touch along a cylinder and a plane but share no face until
+/// `--imprint` fuses them.
+std::vector<DemoPart> make_assembly();
+
+/// A plate with `holes` holes whose rims are rounded, and rounded outer edges; more holes, more faces.
+/// Pre: 1 <= holes <= 400.
+std::vector<DemoPart> make_holed_plate(int holes);
+
+/// A solid whose faces are all B-spline surfaces: `sides` wavy patches around and `levels` of them above each other,
+/// and one patch at each end. With 5 and 4: 22 faces.
+/// Pre: sides >= 3, levels >= 1.
+std::vector<DemoPart> make_spline_body(int sides, int levels);
+
+/// Throws std::runtime_error unless every shape passes BRepCheck_Analyzer and every solid has a positive volume.
+void check_parts(const std::vector<DemoPart>& parts);
+
+/// Writes AP214 with names and colours. Throws std::runtime_error.
+void write_step(const std::vector<DemoPart>& parts, const std::string& path);
+
+}  // namespace tetloom::demo
