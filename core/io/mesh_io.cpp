@@ -1,0 +1,128 @@
+#include "core/io/mesh_io.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <new>
+
+#include "core/io/formats_detail.hpp"
+#include "core/mesh/incidence_detail.hpp"
+
+namespace tetloom {
+namespace {
+
+struct Format {
+  const char* extension;
+  void (*write)(const Mesh&, AtomicFile&);
+  Mesh (*read)(const detail::InputFile&);
+};
+
+constexpr std::array<Format, 5> kFormats{{{".mesh", detail::write_medit_text, detail::read_medit_text},
+                                          {".meshb", detail::write_medit_binary, detail::read_medit_binary},
+                                          {".msh", detail::write_msh, detail::read_msh},
+                                          {".stl", detail::write_stl, detail::read_stl},
+                                          {".vtu", detail::write_vtu, detail::read_vtu}}};
+
+const Format* find_format(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const Format& format : kFormats)
+    if (extension == format.extension) return &format;
+  return nullptr;
+}
+
+const Format& format_of(const std::filesystem::path& path) {
+  const Format* format = find_format(path);
+  if (format == nullptr)
+    throw Error(ErrorCode::InvalidArgument,
+                "'" + path.string() + "' is no mesh file by its extension; known are " + known_mesh_extensions());
+  return *format;
+}
+
+}  // namespace
+
+bool is_mesh_extension(const std::filesystem::path& path) { return find_format(path) != nullptr; }
+
+bool is_writable_mesh_format(const std::filesystem::path& path) { return find_format(path) != nullptr; }
+
+std::string known_mesh_extensions() {
+  std::string text;
+  for (const Format& format : kFormats) text += (text.empty() ? "" : ", ") + std::string(format.extension);
+  return text;
+}
+
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel) {
+  const Format& format = format_of(path);
+  detail::require_consistent(mesh);
+  if (format.write == detail::write_stl && mesh.tri_to_vert.empty())
+    throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");
+  AtomicFile file(path, cancel);
+  format.write(mesh, file);
+  file.commit();
+}
+
+Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try {
+  const Format& format = format_of(path);
+  const detail::InputFile file(path, cancel);
+  Mesh mesh = format.read(file);
+  detail::check_read_mesh(file, mesh);
+  return mesh;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+namespace detail {
+namespace {
+
+/// Overwrites the classification of the points of `elements`: with their entity, or with none where two differ.
+template <class Element>
+void classify_on(const std::vector<Element>& elements, const std::vector<std::uint32_t>& entities, int dim,
+                 std::vector<ModelEntity>& point_to_entity) {
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const ModelEntity entity(dim, entities[e]);
+    for (const std::uint32_t v : elements[e]) {
+      ModelEntity& at = point_to_entity[v];
+      if (at.dim != dim) at = entity;
+      if (at != entity) at.index = ModelFaceId::kNone;  // where entities meet, on one of lower dimension
+    }
+  }
+}
+
+template <class Elements>
+void check_indices(const InputFile& file, const Elements& elements, std::size_t point_count, const char* kind) {
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    for (const std::uint32_t v : elements[e])
+      if (v >= point_count)
+        file.fail(ErrorCode::InputUnreadable, std::string(kind) + " " + std::to_string(e + 1) +
+                                                  " refers to a point that is not among the " +
+                                                  std::to_string(point_count) + " of the file");
+}
+
+}  // namespace
+
+void classify_points(Mesh& mesh, std::span<const Corner> corners) {
+  mesh.point_to_entity.assign(mesh.points.size(), {});
+  classify_on(mesh.tet_to_vert, mesh.tet_to_entity, 3, mesh.point_to_entity);
+  classify_on(mesh.tri_to_vert, mesh.tri_to_entity, 2, mesh.point_to_entity);
+  classify_on(mesh.edge_to_vert, mesh.edge_to_entity, 1, mesh.point_to_entity);
+  for (const Corner& corner : corners) mesh.point_to_entity[corner.point] = {0, corner.index};
+  for (ModelEntity& entity : mesh.point_to_entity)
+    if (!entity.valid()) entity = {};
+}
+
+void check_read_mesh(const InputFile& file, const Mesh& mesh) {
+  if (mesh.points.empty()) file.fail(ErrorCode::InputUnsuitable, "the file has no points");
+  if (mesh.edge_to_vert.empty() && mesh.tri_to_vert.empty() && mesh.tet_to_vert.empty())
+    file.fail(ErrorCode::InputUnsuitable, "the file has no edges, triangles or tets");
+  check_indices(file, mesh.edge_to_vert, mesh.points.size(), "edge");
+  check_indices(file, mesh.tri_to_vert, mesh.points.size(), "triangle");
+  check_indices(file, mesh.tet_to_vert, mesh.points.size(), "tet");
+}
+
+void refuse_elements(const InputFile& file, const std::string& kind) {
+  file.fail(ErrorCode::InputUnsuitable,
+            "the file has elements of the type " + kind + "; only points, edges, triangles and tets are supported");
+}
+
+}  // namespace detail
+}  // namespace tetloom

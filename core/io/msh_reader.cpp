@@ -1,0 +1,379 @@
+// Gmsh 4.1 (text and binary) and 2.2 (text), by the Gmsh reference manual.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <type_traits>
+
+#include "core/io/formats_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::size_t kItemsBetweenLooks = std::size_t{1} << 20;
+/// Entities with larger tags get no names and no sides, since their tables are indexed by tag.
+constexpr std::int32_t kLargestNamedTag = 1'000'000;
+
+/// The numbers of a section, which look the same in both forms of the format.
+class MshNumbers {
+ public:
+  MshNumbers(Cursor& cursor, bool binary) : cursor_(cursor), binary_(binary) {}
+  std::int32_t integer() { return binary_ ? cursor_.read<std::int32_t>() : cursor_.parse<std::int32_t>(); }
+  std::uint64_t size() { return binary_ ? cursor_.read<std::uint64_t>() : cursor_.parse<std::uint64_t>(); }
+  double real() { return binary_ ? cursor_.read<double>() : cursor_.parse<double>(); }
+  Vec3 point() {
+    const double x = real(), y = real(), z = real();
+    return {x, y, z};
+  }
+  /// A size of that many items, each of the given numbers, that the rest of the file can hold.
+  std::uint64_t count(std::size_t integers, std::size_t sizes_and_reals) {
+    const std::uint64_t value = size();
+    expect(value, integers, sizes_and_reals);
+    return value;
+  }
+  void expect(std::uint64_t count, std::size_t integers, std::size_t sizes_and_reals) const {
+    cursor_.expect(count, binary_ ? 4 * integers + 8 * sizes_and_reals : 2 * (integers + sizes_and_reals));
+  }
+  const char* at() const { return cursor_.at(); }
+
+ private:
+  Cursor& cursor_;
+  bool binary_;
+};
+
+/// From the node tags of a file, which may have gaps and any order, to point indices.
+class NodeTags {
+ public:
+  /// Puts points into the ascending order of their tags.
+  void finish(const InputFile& file, std::vector<std::uint64_t>&& tags, std::vector<Vec3>& points,
+              std::vector<ModelEntity>& entities) {
+    tags_ = std::move(tags);
+    if (!std::is_sorted(tags_.begin(), tags_.end())) sort(points, entities);
+    if (std::adjacent_find(tags_.begin(), tags_.end()) != tags_.end())
+      file.fail(ErrorCode::InputUnreadable, "two nodes have the same tag");
+  }
+  std::uint32_t find(std::uint64_t tag) const {
+    if (tags_.empty() || tag < tags_.front() || tag > tags_.back()) return 0xffffffffu;
+    if (tags_.back() - tags_.front() == tags_.size() - 1) return static_cast<std::uint32_t>(tag - tags_.front());
+    const auto place = std::lower_bound(tags_.begin(), tags_.end(), tag);
+    return *place == tag ? static_cast<std::uint32_t>(place - tags_.begin()) : 0xffffffffu;
+  }
+
+ private:
+  void sort(std::vector<Vec3>& points, std::vector<ModelEntity>& entities) {
+    std::vector<std::uint32_t> order(tags_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return tags_[a] < tags_[b]; });
+    const auto permute = [&](auto& array) {
+      auto old = std::move(array);
+      array.resize(old.size());
+      for (std::size_t i = 0; i < order.size(); ++i) array[i] = old[order[i]];
+    };
+    permute(tags_);
+    permute(points);
+    permute(entities);
+  }
+  std::vector<std::uint64_t> tags_;  // ascending
+};
+
+/// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
+std::string describe_type(std::int32_t type) {
+  static const std::map<std::int32_t, const char*> names{{3, "quadrangle"},
+                                                         {5, "hexahedron"},
+                                                         {6, "prism"},
+                                                         {7, "pyramid"},
+                                                         {8, "second-order line"},
+                                                         {9, "second-order triangle"},
+                                                         {10, "second-order quadrangle"},
+                                                         {11, "second-order tetrahedron"}};
+  const auto found = names.find(type);
+  return found == names.end() ? "Gmsh type " + std::to_string(type)
+                              : std::string(found->second) + " (Gmsh type " + std::to_string(type) + ")";
+}
+
+class MshReader {
+ public:
+  explicit MshReader(const InputFile& file) : file_(file), cursor_(file, file.bytes()) {}
+
+  Mesh read() {
+    std::string_view section = next_section();
+    while (section == "Comments") end_section(section), section = next_section();
+    if (section != "MeshFormat")
+      file_.fail(ErrorCode::InputUnreadable, "no MSH file: it does not start with $MeshFormat");
+    read_format();
+    end_section(section);
+    while (!(section = next_section()).empty()) {
+      file_.check_cancelled();
+      if (section == "Comments") oriented_ |= cursor_.line() == kMshSignature;
+      if (section == "PhysicalNames") read_names();
+      if (section == "Entities") read_entities();
+      if (section == "Nodes") old_ ? read_old_nodes() : read_nodes();
+      if (section == "Elements") old_ ? read_old_elements() : read_elements();
+      end_section(section);
+    }
+    if (!has_elements_) file_.fail_at_line("the file ends without elements", cursor_.at());
+    return finish();
+  }
+
+ private:
+  /// The name of the next section, empty at the end of the file.
+  std::string_view next_section() {
+    cursor_.skip_space();
+    if (cursor_.left() == 0) return {};
+    const std::string_view line = cursor_.line();
+    if (line.size() < 2 || line.front() != '$') file_.fail("a section is expected", line.data());
+    return line.substr(1, line.find_last_not_of(" \t"));
+  }
+
+  /// Goes to the end of the section. What was read of it lies before the cursor.
+  void end_section(std::string_view section) {
+    const std::string end = "$End" + std::string(section);
+    const std::size_t place = cursor_.rest().find(end);
+    if (place == std::string_view::npos)
+      file_.fail("the section $" + std::string(section) + " has no end", cursor_.at());
+    cursor_.jump(cursor_.at() + place + end.size());
+    cursor_.line();
+  }
+
+  void read_format() {
+    const std::string_view version = cursor_.token();
+    binary_ = cursor_.parse<int>() != 0;
+    const int size_bytes = cursor_.parse<int>();
+    cursor_.line();
+    old_ = version == "2.2" || version == "2";
+    if (!old_ && version != "4.1")
+      file_.fail(ErrorCode::InputUnsuitable,
+                 "MSH version " + std::string(version.substr(0, 10)) + " is not supported; save it as 4.1 or 2.2");
+    if (old_ && binary_) file_.fail(ErrorCode::InputUnsuitable, "binary MSH 2.2 is not supported; save it as 4.1");
+    if (binary_ && size_bytes != 8)
+      file_.fail(ErrorCode::InputUnsuitable, "binary MSH files with a size_t other than 8 bytes are not supported");
+    if (binary_ && cursor_.read<std::int32_t>() != 1)
+      file_.fail(ErrorCode::InputUnsuitable, "MSH files of another byte order are not supported");
+  }
+
+  void read_names() {
+    const auto count = cursor_.parse<std::uint64_t>();
+    cursor_.expect(count, 7);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto dim = cursor_.parse<int>();
+      const auto tag = cursor_.parse<std::int32_t>();
+      const std::string_view line = cursor_.line();
+      const std::size_t open = line.find('"'), close = line.rfind('"');
+      if (open == std::string_view::npos || open == close) file_.fail_at_line("a quoted name is expected", line.data());
+      group_names_.emplace(std::pair{dim, tag}, std::string(line.substr(open + 1, close - open - 1)));
+    }
+  }
+
+  void read_entities() {
+    MshNumbers numbers(cursor_, binary_);
+    std::array<std::uint64_t, 4> counts;
+    for (std::uint64_t& count : counts) count = numbers.size();
+    for (int dim = 0; dim < 4; ++dim) {
+      numbers.expect(counts[dim], 1, dim == 0 ? 4 : 8);
+      for (std::uint64_t i = 0; i < counts[dim]; ++i) read_entity(numbers, dim);
+    }
+  }
+
+  void read_entity(MshNumbers& numbers, int dim) {
+    const std::int32_t tag = numbers.integer();
+    for (int point = 0; point < (dim == 0 ? 1 : 2); ++point) numbers.point();
+    const std::uint64_t groups = numbers.count(1, 0);
+    for (std::uint64_t i = 0; i < groups; ++i) add_to_group(dim, tag, numbers.integer());
+    largest_tag_[dim] = std::max(largest_tag_[dim], tag);
+    if (dim == 0) return;
+    const std::uint64_t bounds = numbers.count(1, 0);
+    for (std::uint64_t i = 0; i < bounds; ++i) {
+      const std::int32_t bound = numbers.integer();
+      if (dim == 3 && bound != 0 && bound != std::numeric_limits<std::int32_t>::min() && tag > 0)
+        region_bounds_.emplace_back(tag, bound);
+    }
+  }
+
+  /// An entity takes the name of its first group that has one.
+  void add_to_group(int dim, std::int32_t tag, std::int32_t group) {
+    const auto name = group_names_.find({dim, group});
+    if (name != group_names_.end()) entity_names_.emplace(std::pair{dim, tag}, name->second);
+  }
+
+  void read_nodes() {
+    MshNumbers numbers(cursor_, binary_);
+    const std::uint64_t blocks = numbers.size(), total = numbers.size();
+    numbers.size(), numbers.size();
+    numbers.expect(total, 0, 4);
+    numbers.expect(blocks, 3, 1);
+    reserve_nodes(total);
+    for (std::uint64_t block = 0; block < blocks; ++block) {
+      file_.check_cancelled();
+      const std::int32_t dim = numbers.integer(), tag = numbers.integer();
+      if (dim < 0 || dim > 3) file_.fail("an entity has the dimension " + std::to_string(dim), numbers.at());
+      const std::int32_t parameters = numbers.integer() != 0 ? dim : 0;
+      const std::uint64_t count = numbers.count(0, 4 + static_cast<std::size_t>(parameters));
+      const std::uint32_t index = index_of_tag(tag);
+      const ModelEntity entity = index == ModelFaceId::kNone ? ModelEntity{} : ModelEntity(dim, index);
+      for (std::uint64_t i = 0; i < count; ++i) tags_.push_back(numbers.size());
+      for (std::uint64_t i = 0; i < count; ++i) {
+        mesh_.points.push_back(numbers.point());
+        mesh_.point_to_entity.push_back(entity);
+        for (std::int32_t p = 0; p < parameters; ++p) numbers.real();
+      }
+    }
+    finish_nodes();
+  }
+
+  void reserve_nodes(std::uint64_t count) {
+    if (!mesh_.points.empty()) file_.fail("a second section of nodes", cursor_.at());
+    mesh_.points.reserve(count);
+    mesh_.point_to_entity.reserve(count);
+    tags_.reserve(count);
+  }
+  void finish_nodes() {
+    if (mesh_.points.size() >= 0xffffffffu) file_.fail(ErrorCode::InputUnsuitable, "the file has too many nodes");
+    nodes_.finish(file_, std::move(tags_), mesh_.points, mesh_.point_to_entity);
+    tags_.clear();
+  }
+
+  template <class Element>
+  void read_block(MshNumbers& numbers, std::uint64_t count, std::uint32_t index, std::vector<Element>& elements,
+                  std::vector<std::uint32_t>& entities, std::vector<std::uint64_t>& tags) {
+    Element element;
+    numbers.expect(count, 0, element.size() + 1);
+    elements.reserve(elements.size() + count);
+    entities.resize(entities.size() + count, index);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
+      tags.push_back(numbers.size());
+      for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
+      elements.push_back(element);
+    }
+  }
+
+  void read_elements() {
+    MshNumbers numbers(cursor_, binary_);
+    const std::uint64_t blocks = numbers.size();
+    for (int i = 0; i < 3; ++i) numbers.size();
+    numbers.expect(blocks, 3, 1);
+    for (std::uint64_t block = 0; block < blocks; ++block) {
+      numbers.integer();  // the dimension follows from the type
+      const std::uint32_t index = index_of_tag(numbers.integer());
+      const std::int32_t type = numbers.integer();
+      const std::uint64_t count = numbers.size();
+      if (type == 1)
+        read_block(numbers, count, index, mesh_.edge_to_vert, mesh_.edge_to_entity, element_tags_[1]);
+      else if (type == 2)
+        read_block(numbers, count, index, mesh_.tri_to_vert, mesh_.tri_to_entity, element_tags_[2]);
+      else if (type == 4)
+        read_block(numbers, count, index, mesh_.tet_to_vert, mesh_.tet_to_entity, element_tags_[3]);
+      else if (type == 15)
+        for (std::uint64_t i = 0; i < count; ++i) numbers.size(), numbers.size();
+      else
+        refuse_elements(file_, describe_type(type));
+    }
+    has_elements_ = true;
+  }
+
+  void read_old_nodes() {
+    MshNumbers numbers(cursor_, false);
+    const std::uint64_t count = numbers.count(1, 3);
+    reserve_nodes(count);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
+      tags_.push_back(numbers.size());
+      mesh_.points.push_back(numbers.point());
+    }
+    mesh_.point_to_entity.resize(mesh_.points.size());
+    finish_nodes();
+  }
+
+  void read_old_elements() {
+    MshNumbers numbers(cursor_, false);
+    const std::uint64_t count = numbers.count(4, 0);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
+      const std::uint64_t id = numbers.size();
+      read_old_element(numbers, id);
+    }
+    has_elements_ = true;
+  }
+
+  /// id type number-of-tags physical geometrical … nodes
+  void read_old_element(MshNumbers& numbers, std::uint64_t id) {
+    const std::int32_t type = numbers.integer();
+    const std::uint64_t tag_count = numbers.count(1, 0);
+    std::int32_t group = 0, tag = 0;
+    for (std::uint64_t i = 0; i < tag_count; ++i) {
+      const std::int32_t value = numbers.integer();
+      if (i == 0) group = value;
+      if (i == 1) tag = value;
+    }
+    const auto add = [&](auto& elements, auto& entities, int dim) {
+      typename std::remove_reference_t<decltype(elements)>::value_type element;
+      for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
+      elements.push_back(element);
+      entities.push_back(index_of_tag(tag));
+      element_tags_[dim].push_back(id);
+      add_to_group(dim, tag, group);
+      largest_tag_[dim] = std::max(largest_tag_[dim], tag);
+    };
+    if (type == 1) return add(mesh_.edge_to_vert, mesh_.edge_to_entity, 1);
+    if (type == 2) return add(mesh_.tri_to_vert, mesh_.tri_to_entity, 2);
+    if (type == 4) return add(mesh_.tet_to_vert, mesh_.tet_to_entity, 3);
+    if (type != 15) refuse_elements(file_, describe_type(type));
+    corners_.push_back({nodes_.find(numbers.size()), index_of_tag(tag)});
+    add_to_group(0, tag, group);
+    largest_tag_[0] = std::max(largest_tag_[0], tag);
+  }
+
+  void set_names() {
+    for (const auto& [key, name] : entity_names_) {
+      const auto& [dim, tag] = key;
+      if (dim < 0 || dim > 3 || tag <= 0 || largest_tag_[dim] > kLargestNamedTag) continue;
+      std::vector<EntityAttributes>& table = mesh_.entities[static_cast<std::size_t>(dim)];
+      table.resize(static_cast<std::size_t>(largest_tag_[dim]));
+      table[static_cast<std::size_t>(tag) - 1].name = name;
+    }
+  }
+
+  void set_sides() {
+    if (!oriented_ || region_bounds_.empty() || largest_tag_[2] > kLargestNamedTag) return;
+    mesh_.face_to_sides.resize(static_cast<std::size_t>(std::max(largest_tag_[2], 0)));
+    for (const auto& [region, face] : region_bounds_) {
+      const auto index = static_cast<std::size_t>(std::abs(face)) - 1;
+      if (index >= mesh_.face_to_sides.size()) continue;
+      FaceSides& sides = mesh_.face_to_sides[index];
+      (face > 0 ? sides.back : sides.front) = ModelRegionId(static_cast<std::size_t>(region) - 1);
+    }
+  }
+
+  Mesh finish() {
+    check_read_mesh(file_, mesh_);
+    for (const Corner& corner : corners_)
+      if (corner.point >= mesh_.points.size())
+        file_.fail(ErrorCode::InputUnreadable, "a point element refers to a node that is not there");
+    if (old_) classify_points(mesh_, corners_);
+    restore_order(mesh_.edge_to_vert, mesh_.edge_to_entity, element_tags_[1]);
+    restore_order(mesh_.tri_to_vert, mesh_.tri_to_entity, element_tags_[2]);
+    restore_order(mesh_.tet_to_vert, mesh_.tet_to_entity, element_tags_[3]);
+    set_names();
+    set_sides();
+    return std::move(mesh_);
+  }
+
+  const InputFile& file_;
+  Cursor cursor_;
+  bool binary_ = false, old_ = false, oriented_ = false, has_elements_ = false;
+  Mesh mesh_;
+  NodeTags nodes_;
+  std::vector<std::uint64_t> tags_;
+  std::array<std::vector<std::uint64_t>, 4> element_tags_;
+  std::vector<Corner> corners_;
+  std::map<std::pair<int, std::int32_t>, std::string> group_names_, entity_names_;
+  std::array<std::int32_t, 4> largest_tag_{};
+  std::vector<std::pair<std::int32_t, std::int32_t>> region_bounds_;  // region tag, signed face tag
+};
+
+}  // namespace
+
+Mesh read_msh(const InputFile& file) { return MshReader(file).read(); }
+
+}  // namespace tetloom::detail

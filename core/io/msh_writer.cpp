@@ -1,0 +1,248 @@
+// Gmsh 4.1, binary (Gmsh reference manual, "MSH file format"). Node and element tags follow the order of the mesh, so
+// that it comes back although the format wants blocks by entity. Every entity is a physical group of its own tag,
+// which carries its name; the sides of faces are the signed bounding surfaces of the volumes.
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/io/formats_detail.hpp"
+#include "core/mesh/incidence_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::size_t kLongestName = 255;
+
+/// Items in blocks by entity tag (0 for those without an entity), in their own order inside a block.
+struct TagBlocks {
+  std::vector<std::int32_t> tags;  // ascending
+  std::vector<std::size_t> begin;  // of each block in `order`, and the end of the last
+  std::vector<std::uint32_t> order;
+};
+
+/// `tag_of(i)` gives the tag of item i, or -1 to leave it out.
+template <class TagOf>
+TagBlocks make_blocks(std::size_t count, const TagOf& tag_of) {
+  std::map<std::int32_t, std::size_t> places;  // first the size of each block, then where its next item goes
+  const auto for_each_place = [&](const auto& body) {
+    auto last = places.end();  // items of an entity tend to follow each other
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t tag = tag_of(i);
+      if (tag < 0) continue;
+      if (last == places.end() || last->first != tag) last = places.try_emplace(tag, 0).first;
+      body(last->second, i);
+    }
+  };
+  for_each_place([](std::size_t& size, std::size_t) { ++size; });
+  TagBlocks blocks;
+  blocks.begin.push_back(0);
+  for (auto& [tag, place] : places) {
+    const std::size_t size = std::exchange(place, blocks.begin.back());
+    blocks.tags.push_back(tag);
+    blocks.begin.push_back(blocks.begin.back() + size);
+  }
+  blocks.order.resize(blocks.begin.back());
+  for_each_place([&](std::size_t& place, std::size_t i) { blocks.order[place++] = static_cast<std::uint32_t>(i); });
+  return blocks;
+}
+
+std::int32_t checked_tag(std::uint32_t index) {
+  const std::uint32_t tag = tag_of_index(index);
+  if (tag > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()))
+    throw Error(ErrorCode::InvalidArgument,
+                "a model entity has the tag " + std::to_string(tag) + ", which the MSH format cannot hold");
+  return static_cast<std::int32_t>(tag);
+}
+
+class MshWriter {
+ public:
+  MshWriter(const Mesh& mesh, AtomicFile& file) : mesh_(mesh), file_(file) {
+    top_dimension_ = !mesh.tet_to_vert.empty() ? 3 : !mesh.tri_to_vert.empty() ? 2 : 1;
+    for (int dim = 0; dim < 4; ++dim)
+      points_[dim] = make_blocks(mesh.points.size(), [&](std::size_t i) { return point_tag(i, dim); });
+    elements_[0] = points_[0];
+    elements_[1] = element_blocks(mesh.edge_to_entity);
+    elements_[2] = element_blocks(mesh.tri_to_entity);
+    elements_[3] = element_blocks(mesh.tet_to_entity);
+    find_entities();
+  }
+
+  void write() {
+    file_.write("$MeshFormat\n4.1 1 8\n");
+    file_.put(std::int32_t{1});
+    file_.write("\n$EndMeshFormat\n");
+    file_.write("$Comments\n" + std::string(kMshSignature) + "\n$EndComments\n");
+    write_names();
+    write_entities();
+    write_nodes();
+    write_elements();
+  }
+
+ private:
+  struct Entity {
+    Box3 box;
+    std::vector<std::int32_t> boundary;  // signed tags of faces, for regions
+  };
+
+  static TagBlocks element_blocks(const std::vector<std::uint32_t>& entities) {
+    return make_blocks(entities.size(), [&](std::size_t i) { return checked_tag(entities[i]); });
+  }
+
+  /// The tag of point `i` among the entities of dimension `dim`, -1 when it lies on one of another dimension. Points
+  /// without an entity lie on the entity 0 of the mesh's own dimension.
+  std::int32_t point_tag(std::size_t i, int dim) const {
+    const ModelEntity entity = entity_of_point(mesh_, i);
+    if (!entity.valid()) return dim == top_dimension_ ? 0 : -1;
+    return entity.dim == dim ? checked_tag(entity.index) : -1;
+  }
+
+  template <class Element>
+  void add_boxes(int dim, const std::vector<Element>& elements) {
+    const TagBlocks& blocks = elements_[dim];
+    for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
+      Box3& box = entities_[dim][blocks.tags[b]].box;
+      for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i)
+        for (const std::uint32_t v : elements[blocks.order[i]]) box.add(mesh_.points[v]);
+    }
+  }
+
+  void find_entities() {
+    for (int dim = 0; dim < 4; ++dim)
+      for (std::size_t b = 0; b < points_[dim].tags.size(); ++b) {
+        Box3& box = entities_[dim][points_[dim].tags[b]].box;
+        for (std::size_t i = points_[dim].begin[b]; i < points_[dim].begin[b + 1]; ++i)
+          box.add(mesh_.points[points_[dim].order[i]]);
+      }
+    add_boxes(1, mesh_.edge_to_vert);
+    add_boxes(2, mesh_.tri_to_vert);
+    add_boxes(3, mesh_.tet_to_vert);
+    for (const auto& [tag, face] : entities_[2]) {
+      if (tag == 0 || static_cast<std::size_t>(tag) > mesh_.face_to_sides.size()) continue;
+      const FaceSides& sides = mesh_.face_to_sides[static_cast<std::size_t>(tag) - 1];
+      // The boundary of a volume is oriented outwards, so a face whose normal points into it counts backwards.
+      if (sides.back.valid()) add_to_boundary(checked_tag(sides.back.value), tag, face.box);
+      if (sides.front.valid()) add_to_boundary(checked_tag(sides.front.value), -tag, face.box);
+    }
+  }
+  void add_to_boundary(std::int32_t region, std::int32_t signed_face, const Box3& box) {
+    Entity& entity = entities_[3][region];
+    entity.boundary.push_back(signed_face);
+    entity.box.add(box);
+  }
+
+  /// The name as the format can hold it: in one line, without quotes, not longer than Gmsh reads.
+  std::string name_of(int dim, std::int32_t tag) const {
+    const std::vector<EntityAttributes>& table = mesh_.entities[dim];
+    if (tag == 0 || static_cast<std::size_t>(tag) > table.size()) return {};
+    std::string name = table[static_cast<std::size_t>(tag) - 1].name;
+    for (char& c : name)
+      if (c == '"')
+        c = '\'';
+      else if (static_cast<unsigned char>(c) < ' ')
+        c = ' ';
+    if (name.size() > kLongestName) {
+      std::size_t end = kLongestName;
+      while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // not inside of a character
+      name.resize(end);
+    }
+    return name;
+  }
+
+  void write_names() {
+    std::string lines;
+    std::size_t count = 0;
+    for (int dim = 0; dim < 4; ++dim)
+      for (const auto& [tag, entity] : entities_[dim]) {
+        const std::string name = name_of(dim, tag);
+        if (name.empty()) continue;
+        ++count;
+        lines += std::to_string(dim) + " " + std::to_string(tag) + " \"" + name + "\"\n";
+      }
+    if (count == 0) return;
+    file_.write("$PhysicalNames\n" + std::to_string(count) + "\n" + lines + "$EndPhysicalNames\n");
+  }
+
+  void write_entities() {
+    file_.write("$Entities\n");
+    for (const auto& table : entities_) file_.put(std::uint64_t{table.size()});
+    for (int dim = 0; dim < 4; ++dim)
+      for (const auto& [tag, entity] : entities_[dim]) {
+        file_.put(tag);
+        const Box3 box = entity.box.empty() ? Box3{{0, 0, 0}, {0, 0, 0}} : entity.box;
+        file_.put(box.lo);
+        if (dim > 0) file_.put(box.hi);
+        file_.put(std::uint64_t{tag != 0});
+        if (tag != 0) file_.put(tag);
+        if (dim == 0) continue;
+        file_.put(std::uint64_t{entity.boundary.size()});
+        for (const std::int32_t face : entity.boundary) file_.put(face);
+      }
+    file_.write("\n$EndEntities\n");
+  }
+
+  void write_nodes() {
+    std::uint64_t blocks = 0;
+    for (const TagBlocks& of_dim : points_) blocks += of_dim.tags.size();
+    file_.write("$Nodes\n");
+    for (const std::uint64_t x :
+         {blocks, std::uint64_t{mesh_.points.size()}, std::uint64_t{1}, std::uint64_t{mesh_.points.size()}})
+      file_.put(x);
+    for (std::int32_t dim = 0; dim < 4; ++dim) {
+      const TagBlocks& of_dim = points_[dim];
+      for (std::size_t b = 0; b < of_dim.tags.size(); ++b) {
+        for (const std::int32_t x : {dim, of_dim.tags[b], 0}) file_.put(x);
+        file_.put(std::uint64_t{of_dim.begin[b + 1] - of_dim.begin[b]});
+        for (std::size_t i = of_dim.begin[b]; i < of_dim.begin[b + 1]; ++i)
+          file_.put(std::uint64_t{of_dim.order[i]} + 1);
+        for (std::size_t i = of_dim.begin[b]; i < of_dim.begin[b + 1]; ++i) file_.put(mesh_.points[of_dim.order[i]]);
+      }
+    }
+    file_.write("\n$EndNodes\n");
+  }
+
+  /// The elements of dimension `dim`, numbered from `first_tag` on in the order of the mesh, or of the file for points.
+  template <class VerticesOf>
+  void write_blocks(std::int32_t dim, std::int32_t type, std::uint64_t first_tag, const VerticesOf& vertices_of) {
+    const TagBlocks& blocks = elements_[dim];
+    for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
+      for (const std::int32_t x : {dim, blocks.tags[b], type}) file_.put(x);
+      file_.put(std::uint64_t{blocks.begin[b + 1] - blocks.begin[b]});
+      for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i) {
+        file_.put(first_tag + (dim == 0 ? i : blocks.order[i]));
+        for (const std::uint32_t v : vertices_of(blocks.order[i])) file_.put(std::uint64_t{v} + 1);
+      }
+    }
+  }
+
+  void write_elements() {
+    const std::uint64_t edges = mesh_.edge_to_vert.size(), triangles = mesh_.tri_to_vert.size(),
+                        tets = mesh_.tet_to_vert.size(), vertices = elements_[0].order.size();
+    std::uint64_t blocks = 0;
+    for (const TagBlocks& of_dim : elements_) blocks += of_dim.tags.size();
+    const std::uint64_t total = edges + triangles + tets + vertices;
+    file_.write("$Elements\n");
+    for (const std::uint64_t x : {blocks, total, std::uint64_t{1}, total}) file_.put(x);
+    write_blocks(0, 15, 1 + edges + triangles + tets, [](std::uint32_t i) { return std::array{i}; });
+    write_blocks(1, 1, 1, [&](std::uint32_t i) { return mesh_.edge_to_vert[i]; });
+    write_blocks(2, 2, 1 + edges, [&](std::uint32_t i) { return mesh_.tri_to_vert[i]; });
+    write_blocks(3, 4, 1 + edges + triangles, [&](std::uint32_t i) { return mesh_.tet_to_vert[i]; });
+    file_.write("\n$EndElements\n");
+  }
+
+  const Mesh& mesh_;
+  AtomicFile& file_;
+  int top_dimension_;
+  std::array<TagBlocks, 4> points_, elements_;
+  std::array<std::map<std::int32_t, Entity>, 4> entities_;
+};
+
+}  // namespace
+
+void write_msh(const Mesh& mesh, AtomicFile& file) {
+  if (mesh.tet_to_vert.size() > 0xffffffffu || mesh.tri_to_vert.size() > 0xffffffffu)
+    throw Error(ErrorCode::InvalidArgument, "the mesh has too many elements for one MSH file");
+  MshWriter(mesh, file).write();
+}
+
+}  // namespace tetloom::detail

@@ -1,0 +1,257 @@
+// VTK XML unstructured grids of any origin.
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include "core/io/formats_detail.hpp"
+#include "core/io/vtu_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+std::string describe_cell(std::int64_t type) {
+  static const std::map<std::int64_t, const char*> names{{2, "poly-vertex"},
+                                                         {4, "poly-line"},
+                                                         {6, "triangle strip"},
+                                                         {7, "polygon"},
+                                                         {8, "pixel"},
+                                                         {9, "quadrilateral"},
+                                                         {11, "voxel"},
+                                                         {12, "hexahedron"},
+                                                         {13, "wedge"},
+                                                         {14, "pyramid"},
+                                                         {21, "quadratic edge"},
+                                                         {22, "quadratic triangle"},
+                                                         {24, "quadratic tetrahedron"},
+                                                         {25, "quadratic hexahedron"},
+                                                         {42, "polyhedron"}};
+  const auto found = names.find(type);
+  const std::string number = "VTK cell type " + std::to_string(type);
+  return found == names.end() ? number : std::string(found->second) + " (" + number + ")";
+}
+
+/// Names under which writers of meshes keep what comes nearest to a model entity, best first.
+constexpr std::array<std::string_view, 7> kTagNames{kEntityTag, "gmsh:geometrical", "medit:ref",  "CellEntityIds",
+                                                    "region",   "material",         "MaterialIDs"};
+
+class VtuReader {
+ public:
+  explicit VtuReader(const InputFile& file) : file_(file), document_(parse_xml(file)), decoder_(file, document_) {}
+
+  Mesh read() {
+    const XmlElement& root = document_.front();
+    if (root.name != "VTKFile") file_.fail(ErrorCode::InputUnreadable, "no VTK file: its root is not VTKFile");
+    if (root.attribute("type") != "UnstructuredGrid")
+      file_.fail(ErrorCode::InputUnsuitable, "a VTK file of the type '" + std::string(root.attribute("type")) +
+                                                 "'; only UnstructuredGrid is supported");
+    decoder_.check_tail();
+    const XmlElement* grid = child(root, "UnstructuredGrid");
+    if (grid == nullptr) file_.fail(ErrorCode::InputUnreadable, "no element UnstructuredGrid");
+    if (const XmlElement* fields = child(*grid, "FieldData")) read_attributes(*fields);
+    for (const std::size_t index : grid->children)
+      if (document_[index].name == "Piece") read_piece(document_[index]);
+    if (points_are_classified_) return std::move(mesh_);
+    check_read_mesh(file_, mesh_);
+    classify_points(mesh_, corners_);
+    return std::move(mesh_);
+  }
+
+ private:
+  /// What a piece holds, decoded.
+  struct Piece {
+    VtuArray types, offsets, connectivity;
+    std::optional<VtuArray> tags;
+    std::uint32_t first_point = 0;
+  };
+
+  const XmlElement* child(const XmlElement& parent, std::string_view name) const {
+    for (const std::size_t index : parent.children)
+      if (document_[index].name == name) return &document_[index];
+    return nullptr;
+  }
+  const XmlElement* array_named(const XmlElement* section, std::string_view name) const {
+    if (section == nullptr) return nullptr;
+    for (const std::size_t index : section->children)
+      if (document_[index].name == "DataArray" && document_[index].attribute("Name") == name) return &document_[index];
+    return nullptr;
+  }
+  std::optional<VtuArray> find(const XmlElement* section, std::string_view name) const {
+    const XmlElement* array = array_named(section, name);
+    const bool numeric = array != nullptr && scalar_type(array->attribute("type")).has_value();
+    return numeric ? std::optional(decoder_.decode(*array)) : std::nullopt;
+  }
+  VtuArray need(const XmlElement* section, std::string_view name) const {
+    std::optional<VtuArray> array = find(section, name);
+    if (!array || !array->is_integer())
+      file_.fail(ErrorCode::InputUnreadable, "no integer array '" + std::string(name) + "' among the cells");
+    return std::move(*array);
+  }
+  /// An integer array of exactly `size` numbers, if there is one.
+  std::optional<VtuArray> find_tags(const XmlElement* section, std::string_view name, std::size_t size) const {
+    std::optional<VtuArray> array = find(section, name);
+    return array && array->is_integer() && array->size() == size ? std::move(array) : std::nullopt;
+  }
+
+  std::size_t declared(const XmlElement& piece, std::string_view key) const {
+    const std::string_view digits = piece.attribute(key);
+    std::size_t value = 0;
+    if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc())
+      file_.fail_at_line("a piece without " + std::string(key), piece.name.data());
+    return value;
+  }
+  void expect_size(const VtuArray& array, std::size_t size, const char* what) const {
+    if (array.size() != size)
+      file_.fail(ErrorCode::InputUnreadable, "the array of " + std::string(what) + " has " +
+                                                 std::to_string(array.size()) + " numbers instead of " +
+                                                 std::to_string(size));
+  }
+
+  void read_piece(const XmlElement& piece) {
+    const auto first_point = static_cast<std::uint32_t>(mesh_.points.size());
+    const std::size_t points = declared(piece, "NumberOfPoints"), cells = declared(piece, "NumberOfCells");
+    if (points == 0 && cells == 0) return;
+    read_points(piece, points);
+    if (cells == 0) return;
+    const XmlElement* section = child(piece, "Cells");
+    Piece content{need(section, "types"), need(section, "offsets"), need(section, "connectivity"), {}, first_point};
+    expect_size(content.types, cells, "cell types");
+    expect_size(content.offsets, cells, "cell offsets");
+    for (const std::string_view name : kTagNames) {
+      if (content.tags) break;
+      content.tags = find_tags(child(piece, "CellData"), name, cells);
+    }
+    add_cells(content, cells);
+  }
+
+  void read_points(const XmlElement& piece, std::size_t count) {
+    const XmlElement* section = child(piece, "Points");
+    if (section == nullptr || section->children.empty())
+      file_.fail(ErrorCode::InputUnreadable, "a piece without points");
+    const VtuArray numbers = decoder_.decode(document_[section->children.front()]);
+    if (count >= 0xffffffffu - mesh_.points.size())
+      file_.fail(ErrorCode::InputUnsuitable, "the file has too many points");
+    expect_size(numbers, 3 * count, "points");
+    mesh_.points.reserve(mesh_.points.size() + count);
+    for (std::size_t i = 0; i < count; ++i)
+      mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
+    mesh_.point_to_entity.resize(mesh_.points.size());
+    const XmlElement* data = child(piece, "PointData");
+    const std::optional<VtuArray> dims = find_tags(data, kEntityDim, count), tags = find_tags(data, kEntityTag, count);
+    if (!dims || !tags) return;
+    points_are_classified_ = true;
+    const std::size_t first = mesh_.points.size() - count;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int64_t dim = dims->integer(i);
+      const std::uint32_t index = index_of_tag(tags->integer(i));
+      if (dim >= 0 && dim <= 3 && index != ModelFaceId::kNone)
+        mesh_.point_to_entity[first + i] = {static_cast<int>(dim), index};
+    }
+  }
+
+  void add_cells(const Piece& piece, std::size_t cells) {
+    reserve_cells(piece, cells);
+    std::int64_t begin = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+      const std::int64_t end = piece.offsets.integer(i);
+      const std::int64_t type = piece.types.integer(i);
+      const std::int64_t corners = type == kVtkVertex ? 1 : type == kVtkLine ? 2 : type == kVtkTriangle ? 3 : 4;
+      if (corners == 4 && type != kVtkTetra) refuse_elements(file_, describe_cell(type));
+      if (end < begin || static_cast<std::uint64_t>(end) > piece.connectivity.size() || end - begin != corners)
+        file_.fail(ErrorCode::InputUnreadable, "cell " + std::to_string(i) + " has the wrong number of points");
+      const std::uint32_t index = piece.tags ? index_of_tag(piece.tags->integer(i)) : ModelFaceId::kNone;
+      const auto at = static_cast<std::size_t>(begin);
+      if (type == kVtkLine) add(piece, at, index, mesh_.edge_to_vert, mesh_.edge_to_entity);
+      if (type == kVtkTriangle) add(piece, at, index, mesh_.tri_to_vert, mesh_.tri_to_entity);
+      if (type == kVtkTetra) add(piece, at, index, mesh_.tet_to_vert, mesh_.tet_to_entity);
+      if (type == kVtkVertex) corners_.push_back({vertex(piece, at), index});
+      begin = end;
+    }
+  }
+
+  /// Memory for the cells, once their number of each type is known.
+  void reserve_cells(const Piece& piece, std::size_t cells) {
+    std::array<std::size_t, 256> counts{};
+    for (std::size_t i = 0; i < cells; ++i) ++counts[static_cast<std::uint8_t>(piece.types.integer(i))];
+    const auto reserve = [](auto& elements, auto& entities, std::size_t count) {
+      elements.reserve(elements.size() + count);
+      entities.reserve(entities.size() + count);
+    };
+    reserve(mesh_.edge_to_vert, mesh_.edge_to_entity, counts[kVtkLine]);
+    reserve(mesh_.tri_to_vert, mesh_.tri_to_entity, counts[kVtkTriangle]);
+    reserve(mesh_.tet_to_vert, mesh_.tet_to_entity, counts[kVtkTetra]);
+  }
+
+  std::uint32_t vertex(const Piece& piece, std::size_t at) const {
+    const std::int64_t local = piece.connectivity.integer(at);
+    const std::size_t count = mesh_.points.size() - piece.first_point;
+    if (local < 0 || static_cast<std::uint64_t>(local) >= count)
+      file_.fail(ErrorCode::InputUnreadable,
+                 "a cell refers to the point " + std::to_string(local) + ", but there are " + std::to_string(count));
+    return piece.first_point + static_cast<std::uint32_t>(local);
+  }
+
+  template <class Element>
+  void add(const Piece& piece, std::size_t at, std::uint32_t index, std::vector<Element>& elements,
+           std::vector<std::uint32_t>& entities) {
+    Element element;
+    for (std::size_t i = 0; i < element.size(); ++i) element[i] = vertex(piece, at + i);
+    elements.push_back(element);
+    entities.push_back(index);
+  }
+
+  static std::vector<std::string> strings_of(const VtuArray& bytes) {
+    std::vector<std::string> strings(1);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      const char c = static_cast<char>(bytes.integer(i));
+      if (c == '\0')
+        strings.emplace_back();
+      else
+        strings.back() += c;
+    }
+    strings.pop_back();
+    return strings;
+  }
+
+  void read_attributes(const XmlElement& fields) {
+    for (std::size_t dim = 0; dim < 4; ++dim) {
+      const std::string kind(kEntityKinds[dim]);
+      std::vector<EntityAttributes>& table = mesh_.entities[dim];
+      const std::optional<VtuArray> names = find(&fields, kind + "_names");
+      if (!names || !names->is_integer()) continue;
+      for (std::string& name : strings_of(*names)) table.emplace_back().name = std::move(name);
+      if (const auto layers = find(&fields, kind + "_layers"); layers && layers->is_integer()) {
+        std::vector<std::string> texts = strings_of(*layers);
+        for (std::size_t i = 0; i < std::min(texts.size(), table.size()); ++i) table[i].layer = std::move(texts[i]);
+      }
+      if (const auto colors = find(&fields, kind + "_colors"); colors && colors->size() == 4 * table.size())
+        for (std::size_t i = 0; i < table.size(); ++i) table[i].color = color_at(*colors, 4 * i);
+      if (const auto tolerances = find(&fields, kind + "_tolerances"); tolerances && tolerances->size() == table.size())
+        for (std::size_t i = 0; i < table.size(); ++i) table[i].tolerance = tolerances->real(i);
+    }
+    const std::optional<VtuArray> sides = find(&fields, "face_sides");
+    if (!sides || !sides->is_integer()) return;
+    mesh_.face_to_sides.resize(sides->size() / 2);
+    for (std::size_t i = 0; i < mesh_.face_to_sides.size(); ++i) {
+      mesh_.face_to_sides[i].front.value = index_of_tag(sides->integer(2 * i));
+      mesh_.face_to_sides[i].back.value = index_of_tag(sides->integer(2 * i + 1));
+    }
+  }
+  static std::optional<Color> color_at(const VtuArray& numbers, std::size_t i) {
+    if (numbers.real(i + 3) == 0) return {};
+    return Color{static_cast<float>(numbers.real(i)), static_cast<float>(numbers.real(i + 1)),
+                 static_cast<float>(numbers.real(i + 2))};
+  }
+
+  const InputFile& file_;
+  std::vector<XmlElement> document_;
+  VtuDecoder decoder_;
+  Mesh mesh_;
+  std::vector<Corner> corners_;
+  bool points_are_classified_ = false;
+};
+
+}  // namespace
+
+Mesh read_vtu(const InputFile& file) { return VtuReader(file).read(); }
+
+}  // namespace tetloom::detail

@@ -1,0 +1,190 @@
+// VTK XML unstructured grid, raw appended data with 64-bit sizes, as "VTK XML Formats" (docs.vtk.org) describes it.
+// Cells are edges, triangles and tets, in this order and each in the order of the mesh.
+#include <functional>
+#include <limits>
+
+#include "core/io/formats_detail.hpp"
+#include "core/io/vtu_detail.hpp"
+#include "core/mesh/incidence_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+struct DataArray {
+  const char* section;  ///< the XML element that it belongs to
+  std::string name;
+  const char* type;
+  std::size_t components;
+  std::size_t tuples;
+  std::size_t bytes;
+  std::function<void()> write;
+};
+
+class VtuWriter {
+ public:
+  VtuWriter(const Mesh& mesh, AtomicFile& file)
+      : mesh_(mesh),
+        file_(file),
+        cells_(mesh.edge_to_vert.size() + mesh.tri_to_vert.size() + mesh.tet_to_vert.size()),
+        corners_(2 * mesh.edge_to_vert.size() + 3 * mesh.tri_to_vert.size() + 4 * mesh.tet_to_vert.size()) {
+    add_attributes();
+    add_point_data();
+    add_cell_data();
+    add("Points", "Points", "Float64", 3, mesh.points.size(), 8,
+        [this] { file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(Vec3)); });
+    constexpr std::size_t kLargest32 = std::numeric_limits<std::int32_t>::max();
+    if (corners_ <= kLargest32 && mesh.points.size() <= kLargest32)
+      add_cells<std::int32_t>("Int32");
+    else
+      add_cells<std::int64_t>("Int64");
+  }
+
+  void write() {
+    // Data lie in the file in the opposite order of their arrays in the header. To VTK the order is all the same, but
+    // meshio 5 rewrites the offsets of raw data one by one and searches for the next one among old and new offsets:
+    // this way the right one is always the first that it meets.
+    std::vector<std::uint64_t> offsets(arrays_.size());
+    std::uint64_t end = 0;
+    for (std::size_t i = arrays_.size(); i-- > 0;) {
+      offsets[i] = end;
+      end += 8 + arrays_[i].bytes;
+    }
+    write_header(offsets);
+    for (std::size_t i = arrays_.size(); i-- > 0;) {
+      file_.put(std::uint64_t{arrays_[i].bytes});
+      arrays_[i].write();
+    }
+    file_.write("\n  </AppendedData>\n</VTKFile>\n");
+  }
+
+ private:
+  void add(const char* section, std::string name, const char* type, std::size_t components, std::size_t tuples,
+           std::size_t number_bytes, std::function<void()> write) {
+    arrays_.push_back(
+        {section, std::move(name), type, components, tuples, components * tuples * number_bytes, std::move(write)});
+  }
+
+  // Strings go as bytes, each ended by a zero: the String arrays of VTK are unknown to other readers.
+  void add_strings(std::string name, std::vector<std::string> strings) {
+    std::string bytes;
+    for (const std::string& text : strings) bytes += text.substr(0, text.find('\0')) + '\0';
+    const std::size_t size = bytes.size();
+    add("FieldData", std::move(name), "UInt8", 1, size, 1, [this, bytes = std::move(bytes)] { file_.write(bytes); });
+  }
+
+  void add_attributes() {
+    for (std::size_t dim = 0; dim < 4; ++dim) {
+      const std::vector<EntityAttributes>& table = mesh_.entities[dim];
+      if (table.empty()) continue;
+      const std::string kind(kEntityKinds[dim]);
+      std::vector<std::string> names, layers;
+      for (const EntityAttributes& entity : table) names.push_back(entity.name), layers.push_back(entity.layer);
+      add_strings(kind + "_names", std::move(names));
+      add_strings(kind + "_layers", std::move(layers));
+      add("FieldData", kind + "_colors", "Float32", 4, table.size(), 4, [this, &table] {
+        for (const EntityAttributes& entity : table) {
+          const Color color = entity.color.value_or(Color{});
+          for (const float x : {color.red, color.green, color.blue, entity.color ? 1.0f : 0.0f}) file_.put(x);
+        }
+      });
+      add("FieldData", kind + "_tolerances", "Float64", 1, table.size(), 8, [this, &table] {
+        for (const EntityAttributes& entity : table) file_.put(entity.tolerance);
+      });
+    }
+    if (mesh_.face_to_sides.empty()) return;
+    add("FieldData", "face_sides", "UInt32", 2, mesh_.face_to_sides.size(), 4, [this] {
+      for (const FaceSides& sides : mesh_.face_to_sides)
+        for (const ModelRegionId region : {sides.front, sides.back}) file_.put(region.tag());
+    });
+  }
+
+  void add_point_data() {
+    add("PointData", std::string(kEntityDim), "Int8", 1, mesh_.points.size(), 1, [this] {
+      for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
+        const ModelEntity entity = entity_of_point(mesh_, i);
+        file_.put(static_cast<std::int8_t>(entity.valid() ? entity.dim : -1));
+      }
+    });
+    add("PointData", std::string(kEntityTag), "UInt32", 1, mesh_.points.size(), 4, [this] {
+      for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
+        const ModelEntity entity = entity_of_point(mesh_, i);
+        file_.put(entity.valid() ? entity.tag() : 0u);
+      }
+    });
+  }
+
+  void add_cell_data() {
+    add("CellData", std::string(kEntityDim), "Int8", 1, cells_, 1,
+        [this] { put_per_cell([](int dim, std::uint32_t) { return static_cast<std::int8_t>(dim); }); });
+    add("CellData", std::string(kEntityTag), "UInt32", 1, cells_, 4,
+        [this] { put_per_cell([](int, std::uint32_t entity) { return tag_of_index(entity); }); });
+    add("CellData", "region", "UInt32", 1, cells_, 4,
+        [this] { put_per_cell([](int dim, std::uint32_t entity) { return dim == 3 ? tag_of_index(entity) : 0u; }); });
+  }
+
+  template <class Value>
+  void put_per_cell(const Value& value) {
+    for (const std::uint32_t entity : mesh_.edge_to_entity) file_.put(value(1, entity));
+    for (const std::uint32_t entity : mesh_.tri_to_entity) file_.put(value(2, entity));
+    for (const std::uint32_t entity : mesh_.tet_to_entity) file_.put(value(3, entity));
+  }
+
+  template <class Index>
+  void add_cells(const char* type) {
+    add("Cells", "connectivity", type, 1, corners_, sizeof(Index), [this] {
+      const auto put_all = [this](const auto& elements) {
+        for (const auto& element : elements)
+          for (const std::uint32_t v : element) file_.put(static_cast<Index>(v));
+      };
+      put_all(mesh_.edge_to_vert);
+      put_all(mesh_.tri_to_vert);
+      put_all(mesh_.tet_to_vert);
+    });
+    add("Cells", "offsets", type, 1, cells_, sizeof(Index), [this] {
+      Index end = 0;
+      put_per_cell([&](int dim, std::uint32_t) { return end = static_cast<Index>(end + dim + 1); });
+    });
+    add("Cells", "types", "UInt8", 1, cells_, 1, [this] {
+      put_per_cell([](int dim, std::uint32_t) {
+        return static_cast<std::uint8_t>(dim == 1 ? kVtkLine : dim == 2 ? kVtkTriangle : kVtkTetra);
+      });
+    });
+  }
+
+  void write_header(const std::vector<std::uint64_t>& offsets) {
+    file_.write(
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+        "  <UnstructuredGrid>\n");
+    write_section("FieldData", offsets);
+    file_.write("    <Piece NumberOfPoints=\"" + std::to_string(mesh_.points.size()) + "\" NumberOfCells=\"" +
+                std::to_string(cells_) + "\">\n");
+    for (const char* section : {"PointData", "CellData", "Points", "Cells"}) write_section(section, offsets);
+    file_.write("    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n   _");
+  }
+
+  void write_section(std::string_view section, const std::vector<std::uint64_t>& offsets) {
+    std::string lines;
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      const DataArray& array = arrays_[i];
+      if (array.section != section) continue;
+      lines += "        <DataArray type=\"" + std::string(array.type) + "\" Name=\"" + array.name + "\"";
+      lines += " NumberOfComponents=\"" + std::to_string(array.components) + "\"";
+      if (section == "FieldData") lines += " NumberOfTuples=\"" + std::to_string(array.tuples) + "\"";
+      lines += " format=\"appended\" offset=\"" + std::to_string(offsets[i]) + "\"/>\n";
+    }
+    const std::string name(section);
+    if (!lines.empty()) file_.write("      <" + name + ">\n" + lines + "      </" + name + ">\n");
+  }
+
+  const Mesh& mesh_;
+  AtomicFile& file_;
+  std::size_t cells_, corners_;
+  std::vector<DataArray> arrays_;
+};
+
+}  // namespace
+
+void write_vtu(const Mesh& mesh, AtomicFile& file) { VtuWriter(mesh, file).write(); }
+
+}  // namespace tetloom::detail

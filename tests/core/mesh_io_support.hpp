@@ -1,0 +1,116 @@
+#pragma once
+// Comparing meshes field by field, and a scratch folder, for the tests of core/io.
+#include <unistd.h>
+
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace tetloom::test {
+
+/// A folder that goes away with its content.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tetloom-io-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder");
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string file_content(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+inline void write_file(const std::filesystem::path& path, const std::string& content) {
+  std::filesystem::remove(path);  // some file systems flush a file that is cut and written anew, which takes long
+  std::ofstream(path, std::ios::binary) << content;
+}
+
+/// The error that `action` throws.
+template <class Action>
+Diagnostic error_of(const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.diagnostic();
+  }
+  FAIL("no error was thrown");
+  return {};
+}
+
+inline bool same_points(const Mesh& a, const Mesh& b) {
+  if (a.points.size() != b.points.size()) return false;
+  for (std::size_t i = 0; i < a.points.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::bit_cast<std::uint64_t>(a.points[i][axis]) != std::bit_cast<std::uint64_t>(b.points[i][axis]))
+        return false;
+  return true;
+}
+
+inline bool same_sides(const Mesh& a, const Mesh& b) {
+  if (a.face_to_sides.size() != b.face_to_sides.size()) return false;
+  for (std::size_t i = 0; i < a.face_to_sides.size(); ++i)
+    if (a.face_to_sides[i].front != b.face_to_sides[i].front || a.face_to_sides[i].back != b.face_to_sides[i].back)
+      return false;
+  return true;
+}
+
+inline bool same_attributes(const Mesh& a, const Mesh& b) {
+  for (std::size_t dim = 0; dim < 4; ++dim) {
+    if (a.entities[dim].size() != b.entities[dim].size()) return false;
+    for (std::size_t i = 0; i < a.entities[dim].size(); ++i) {
+      const EntityAttributes &x = a.entities[dim][i], &y = b.entities[dim][i];
+      if (x.name != y.name || x.color != y.color || x.layer != y.layer || x.tolerance != y.tolerance) return false;
+    }
+  }
+  return true;
+}
+
+/// Checks everything but attributes and sides.
+inline void check_same_elements(const Mesh& a, const Mesh& b) {
+  CHECK(same_points(a, b));
+  CHECK(a.point_to_entity == b.point_to_entity);
+  CHECK(a.edge_to_vert == b.edge_to_vert);
+  CHECK(a.edge_to_entity == b.edge_to_entity);
+  CHECK(a.tri_to_vert == b.tri_to_vert);
+  CHECK(a.tri_to_entity == b.tri_to_entity);
+  CHECK(a.tet_to_vert == b.tet_to_vert);
+  CHECK(a.tet_to_entity == b.tet_to_entity);
+}
+
+/// Whether a command runs and succeeds; its output goes to `log`.
+inline bool succeeds(const std::string& command, const std::filesystem::path& log = "/dev/null") {
+  return std::system((command + " > '" + log.string() + "' 2>&1").c_str()) == 0;
+}
+
+inline bool has_meshio() {
+  static const bool found = succeeds("/usr/bin/python3 -c 'import meshio'");
+  if (!found) std::cout << "meshio is not installed: skipped\n";
+  return found;
+}
+
+}  // namespace tetloom::test
