@@ -134,7 +134,9 @@ WorkerResponse run_tetgen(const WorkerRequest& request) {
     if (!behavior.parse_commandline(switches.data())) return refusal(10);
     tetrahedralize(&behavior, &input, &output);
     return filled_response(output, request.points.size());
-  } catch (int code) { return refusal(code); } catch (const std::bad_alloc&) {
+  } catch (int code) {
+    return refusal(code);
+  } catch (const std::bad_alloc&) {
     return refusal(1);
   }
 }

@@ -96,7 +96,9 @@ VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, c
   VolumeMesh mesh;
   try {
     fill_complexes(input, options, runner, mesh);
-  } catch (const std::bad_alloc&) { throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume"); }
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
+  }
   return mesh;
 }
 

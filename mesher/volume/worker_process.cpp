@@ -180,7 +180,9 @@ class Child {
   std::optional<int> reap() {
     int status = 0;
     pid_t result = -1;
-    do { result = ::waitpid(pid_, &status, 0); } while (result < 0 && errno == EINTR);
+    do {
+      result = ::waitpid(pid_, &status, 0);
+    } while (result < 0 && errno == EINTR);
     pid_ = -1;
     return result > 0 ? std::optional(status) : std::nullopt;
   }

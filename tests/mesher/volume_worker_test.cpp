@@ -203,7 +203,9 @@ TEST_CASE("cancelling ends a busy worker within a second and leaves no process")
   try {
     fill_volume(ball.input(sizes), {TETLOOM_WORKER}, runner);
     FAIL("the run was not cancelled");
-  } catch (const Error& error) { CHECK(error.code() == ErrorCode::Cancelled); }
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::Cancelled);
+  }
   CHECK(seconds_since(cancelled_at) < 1);
   CHECK(children().empty());
 }
