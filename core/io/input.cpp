@@ -1,10 +1,11 @@
 #include <fcntl.h>
+#include <locale.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <system_error>
 
 #include "core/io/input_detail.hpp"
@@ -77,7 +78,8 @@ std::string_view Cursor::line() {
 }
 
 double Cursor::nearest(const char* begin, const char* end) {
-  return std::strtod(std::string(begin, end).c_str(), nullptr);
+  static const locale_t plain = ::newlocale(LC_ALL_MASK, "C", nullptr);  // whatever the host's locale is
+  return ::strtod_l(std::string(begin, end).c_str(), nullptr, plain);
 }
 
 void Cursor::fail_parse() const {

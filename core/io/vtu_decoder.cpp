@@ -21,6 +21,9 @@ constexpr std::array<std::pair<std::string_view, ScalarType>, 10> kScalarNames{{
                                                                                 {"Float32", ScalarType::Float32},
                                                                                 {"Float64", ScalarType::Float64}}};
 
+/// zlib shrinks nothing to less than a thousandth: larger claims are wrong and not worth allocating for.
+constexpr std::uint64_t kLargestRatio = 1100;
+
 int base64_value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
@@ -109,8 +112,18 @@ void VtuDecoder::check_tail() const {
     file_.fail("the file ends too early", appended_.data() + appended_.size());
 }
 
-VtuArray VtuDecoder::decode(const XmlElement& element) const {
+VtuArray VtuDecoder::decode(const XmlElement& element) {
   file_.check_cancelled();
+  VtuArray array = decode_any(element);
+  decoded_bytes_ += array.byte_count();
+  // A digit and a space may stand for eight bytes.
+  const std::uint64_t largest_ratio = compressed_ ? kLargestRatio : 8;
+  if (decoded_bytes_ / largest_ratio > file_.bytes().size())
+    file_.fail_at_line("the arrays claim more data than the file can hold", element.name.data());
+  return array;
+}
+
+VtuArray VtuDecoder::decode_any(const XmlElement& element) const {
   const std::string name(element.attribute("Name"));
   const std::optional<ScalarType> type = scalar_type(element.attribute("type"));
   if (!type) file_.fail_at_line("the array '" + name + "' has an unknown type", element.name.data());
@@ -210,8 +223,6 @@ VtuArray VtuDecoder::decode_base64(std::string_view text, ScalarType type) const
 std::string VtuDecoder::inflate(std::string_view header, std::string_view data) const {
   const auto word = [&](std::size_t i) { return header_word(header.data() + i * header_bytes_); };
   const std::uint64_t blocks = word(0), block_size = word(1), last_size = word(2);
-  // zlib shrinks nothing to less than a thousandth: larger claims are wrong and not worth allocating for.
-  constexpr std::uint64_t kLargestRatio = 1100;
   std::string bytes;
   for (std::uint64_t block = 0; block < blocks; ++block) {
     const auto packed = static_cast<std::size_t>(word(3 + block));

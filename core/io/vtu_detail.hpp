@@ -50,6 +50,7 @@ class VtuArray {
   VtuArray(ScalarType type, std::string_view bytes, bool swap) : type_(type), swap_(swap), bytes_(bytes) {}
   VtuArray(ScalarType type, std::string&& bytes, bool swap) : type_(type), swap_(swap), owned_(std::move(bytes)) {}
 
+  std::size_t byte_count() const { return bytes().size(); }
   std::size_t size() const { return bytes().size() / byte_size(type_); }
   bool is_integer() const { return type_ != ScalarType::Float32 && type_ != ScalarType::Float64; }
   double real(std::size_t i) const { return get<double>(i); }
@@ -94,12 +95,14 @@ class VtuArray {
 class VtuDecoder {
  public:
   VtuDecoder(const InputFile& file, const std::vector<XmlElement>& document);
-  /// All numbers of `data_array`.
-  VtuArray decode(const XmlElement& data_array) const;
+  /// All numbers of `data_array`. Throws when all calls together give more than the size of the file can mean, as when
+  /// many arrays claim the same data.
+  VtuArray decode(const XmlElement& data_array);
   /// Throws where a file with raw data is cut off behind them.
   void check_tail() const;
 
  private:
+  VtuArray decode_any(const XmlElement& element) const;
   std::uint64_t header_word(const char* at) const;
   VtuArray decode_text(const XmlElement& element, ScalarType type) const;
   VtuArray decode_raw(std::string_view data, ScalarType type) const;
@@ -111,6 +114,7 @@ class VtuDecoder {
   const InputFile& file_;
   bool swap_ = false, compressed_ = false, raw_ = false;
   std::size_t header_bytes_ = 4;
+  std::uint64_t decoded_bytes_ = 0;  ///< by all calls
   std::string_view appended_;
 };
 

@@ -75,19 +75,19 @@ class VtuReader {
       if (document_[index].name == "DataArray" && document_[index].attribute("Name") == name) return &document_[index];
     return nullptr;
   }
-  std::optional<VtuArray> find(const XmlElement* section, std::string_view name) const {
+  std::optional<VtuArray> find(const XmlElement* section, std::string_view name) {
     const XmlElement* array = array_named(section, name);
     const bool numeric = array != nullptr && scalar_type(array->attribute("type")).has_value();
     return numeric ? std::optional(decoder_.decode(*array)) : std::nullopt;
   }
-  VtuArray need(const XmlElement* section, std::string_view name) const {
+  VtuArray need(const XmlElement* section, std::string_view name) {
     std::optional<VtuArray> array = find(section, name);
     if (!array || !array->is_integer())
       file_.fail(ErrorCode::InputUnreadable, "no integer array '" + std::string(name) + "' among the cells");
     return std::move(*array);
   }
   /// An integer array of exactly `size` numbers, if there is one.
-  std::optional<VtuArray> find_tags(const XmlElement* section, std::string_view name, std::size_t size) const {
+  std::optional<VtuArray> find_tags(const XmlElement* section, std::string_view name, std::size_t size) {
     std::optional<VtuArray> array = find(section, name);
     return array && array->is_integer() && array->size() == size ? std::move(array) : std::nullopt;
   }

@@ -74,8 +74,8 @@ struct ValidationReport {
 /// their elements lie on. A surface without tets may be open: that is reported in `open_edges`, not as a problem.
 /// Meshes without classification (invalid entities throughout) pass; the checks that need it do not apply.
 ///
-/// Complexity: sorting per vertex; below 300 MiB of working memory plus 13 bytes per point and a few tens of bytes per
-/// boundary triangle. Never throws for a bad mesh; Error(OutOfMemory) only as std::bad_alloc.
+/// Complexity: linear but for sorting around each vertex; 128 MiB of working memory, 5 bytes per point and some 100
+/// bytes per triangle of the surface. Never throws for a bad mesh.
 /// Thread safety: pure.
 ValidationReport validate_mesh(const Mesh& mesh);
 

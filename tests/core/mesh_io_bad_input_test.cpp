@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -137,7 +138,7 @@ TEST_CASE("damaged files of all formats never do harm") {
           case 2: damaged.erase(at, random() % 9); break;
           case 3: damaged.replace(at, std::min<std::size_t>(8, damaged.size() - at), 8, '\xff'); break;
         }
-        if (damaged.empty()) damaged = "x";
+        if (damaged.empty()) damaged.assign(1, 'x');
       }
       const auto path = folder / ("damaged" + std::string(extension));
       write_file(path, damaged);
@@ -165,6 +166,33 @@ TEST_CASE("counts that the file does not back are refused before memory is alloc
   const std::string vtu = content_of(test::make_box(1, 1, 1), ".vtu");
   CHECK(error_for(".vtu", replaced(vtu, "NumberOfPoints=\"8\"", "NumberOfPoints=\"" + huge + "\"")).code !=
         ErrorCode::OutOfMemory);
+}
+
+TEST_CASE("pieces that all claim the same data are refused before they fill the memory") {
+  std::string numbers;
+  for (int i = 0; i < 30000; ++i) numbers += std::string(1, '\0');
+  std::string pieces;
+  for (int i = 0; i < 400; ++i)
+    pieces +=
+        "<Piece NumberOfPoints='1250' NumberOfCells='0'><Points><DataArray type='Float64' Name='P' format='appended' "
+        "offset='0'/></Points></Piece>";
+  const Diagnostic error =
+      error_for(".vtu", "<VTKFile type='UnstructuredGrid' header_type='UInt64'><UnstructuredGrid>" + pieces +
+                            "</UnstructuredGrid><AppendedData encoding=\"raw\">_" +
+                            std::string("\x30\x75\0\0\0\0\0\0", 8) + numbers + "</AppendedData></VTKFile>");
+  CHECK(error.code == ErrorCode::InputUnreadable);
+  CHECK_THAT(error.message, Catch::Contains("more data than the file can hold"));
+}
+
+TEST_CASE("numbers beyond the range of doubles become the nearest ones") {
+  const ScratchFolder folder;
+  write_file(
+      folder / "a.mesh",
+      "MeshVersionFormatted 2\nDimension 3\nVertices\n2\n1e-999 -1.5e999 2e-310 0\n0 0 0 0\nEdges\n1\n1 2 1\nEnd\n");
+  const Mesh mesh = read_mesh(folder / "a.mesh");
+  CHECK(mesh.points[0].x == 0);
+  CHECK(mesh.points[0].y == -HUGE_VAL);
+  CHECK(mesh.points[0].z == 2e-310);
 }
 
 TEST_CASE("indices out of range are refused with the element") {

@@ -36,7 +36,11 @@ std::string python(const ScratchFolder& folder, const std::string& program, cons
   return file_content(folder / "log");
 }
 
-std::string in_quotes(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+std::string in_quotes(const std::filesystem::path& path) {
+  std::string text("'");
+  text += path.string();
+  return text += '\'';
+}
 
 // Prints points and elements of a mesh as meshio sees them, sorted, so that the order of blocks does not matter.
 constexpr const char* kDump = R"(
@@ -60,7 +64,7 @@ std::string sorted_line(const std::string& kind, Elements elements) {
   std::sort(elements.begin(), elements.end());
   std::string line = kind + " " + std::to_string(elements.size());
   for (const auto& element : elements)
-    for (const std::uint32_t v : element) line += " " + std::to_string(v);
+    for (const std::uint32_t v : element) (line += ' ') += std::to_string(v);
   return line;
 }
 
