@@ -1,7 +1,7 @@
 // Two materials: a steel body with a flange, and the rubber seal around it.
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
-#include <BRepPrimAPI_MakeBox.hxx>
+#include <utility>
 
 #include "examples/make_demo_model/demo_models.hpp"
 #include "examples/make_demo_model/shape_tools.hpp"

@@ -1,59 +1,121 @@
 // tetloom-demo-model: writes the CAD models that the quick start, the tests and the benches mesh.
+#include <array>
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
+#include <optional>
+#include <span>
 #include <Standard_Failure.hxx>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "examples/make_demo_model/demo_models.hpp"
 
+namespace tetloom::demo {
 namespace {
 
-constexpr const char* kUsage =
-    "usage: tetloom-demo-model part FILE.step               a machined bracket\n"
-    "       tetloom-demo-model assembly FILE.step           two materials that touch\n"
-    "       tetloom-demo-model plate FILE.step [HOLES]      a plate with rounded holes; default 30\n"
-    "       tetloom-demo-model spline FILE.step [SIDES LEVELS]\n"
-    "                                                       B-spline faces only; default 5 and 4: 22 faces\n";
+/// One model that can be asked for.
+struct Recipe {
+  std::string_view name, short_name, what;
+  std::vector<int> numbers;  ///< what may follow the file's name, with the values used otherwise
+  std::vector<DemoPart> (*make)(std::span<const int> numbers);
+};
 
-int number_argument(int argc, char** argv, int place, int otherwise) {
-  return argc > place ? std::atoi(argv[place]) : otherwise;
+const std::array<Recipe, 4>& recipes() {
+  static const std::array<Recipe, 4> all = {{
+      {"machined-part",
+       "part",
+       "a bracket with fillets, holes, a pocket and a B-spline top face",
+       {},
+       [](std::span<const int>) { return make_machined_part(); }},
+      {"assembly",
+       "assembly",
+       "a steel body in a rubber seal; they share faces after --imprint",
+       {},
+       [](std::span<const int>) { return make_assembly(); }},
+      {"filleted-plate",
+       "plate",
+       "a plate with HOLES holes whose rims are rounded (30: 100 faces)",
+       {30},
+       [](std::span<const int> n) { return make_holed_plate(n[0]); }},
+      {"spline-block",
+       "spline",
+       "SIDES x LEVELS wavy B-spline patches and two ends (5 4: 22 faces)",
+       {5, 4},
+       [](std::span<const int> n) { return make_spline_body(n[0], n[1]); }},
+  }};
+  return all;
 }
 
-std::vector<tetloom::demo::DemoPart> make_parts(int argc, char** argv) {
-  using namespace tetloom::demo;
-  const std::string kind = argv[1];
-  if (kind == "part") return make_machined_part();
-  if (kind == "assembly") return make_assembly();
-  if (kind == "plate") return make_holed_plate(number_argument(argc, argv, 3, 30));
-  if (kind == "spline") return make_spline_body(number_argument(argc, argv, 3, 5), number_argument(argc, argv, 4, 4));
-  return {};
+void print_usage(std::FILE* where) {
+  std::fputs("usage: tetloom-demo-model MODEL FILE.step [NUMBERS]\n       tetloom-demo-model list\n\n", where);
+  for (const Recipe& recipe : recipes()) {
+    std::string name(recipe.name);
+    if (recipe.numbers.size() == 1) name += " [HOLES]";
+    if (recipe.numbers.size() == 2) name += " [SIDES LEVELS]";
+    std::fprintf(where, "  %-29s %.*s\n", name.c_str(), static_cast<int>(recipe.what.size()), recipe.what.data());
+  }
+}
+
+const Recipe* find_recipe(std::string_view name) {
+  for (const Recipe& recipe : recipes()) {
+    if (name == recipe.name || name == recipe.short_name) return &recipe;
+  }
+  return nullptr;
+}
+
+/// The recipe's own numbers, replaced by those given; nothing when one is not a number or there are too many.
+std::optional<std::vector<int>> read_numbers(const Recipe& recipe, std::span<char* const> given) {
+  std::vector<int> numbers = recipe.numbers;
+  if (given.size() > numbers.size()) return std::nullopt;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string_view text = given[i];
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), numbers[i]);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  }
+  return numbers;
+}
+
+int refuse_usage(const std::string& why) {
+  std::fprintf(stderr, "tetloom-demo-model: %s\n\n", why.c_str());
+  print_usage(stderr);
+  return 2;
+}
+
+int run(std::span<char* const> arguments) {
+  if (arguments.size() == 1 && arguments[0] == std::string_view("list")) {
+    for (const Recipe& recipe : recipes()) std::puts(std::string(recipe.name).c_str());
+    return 0;
+  }
+  if (!arguments.empty() && (arguments[0] == std::string_view("--help") || arguments[0] == std::string_view("-h"))) {
+    print_usage(stdout);
+    return 0;
+  }
+  if (arguments.size() < 2) return refuse_usage("a model and a file are needed");
+  const Recipe* recipe = find_recipe(arguments[0]);
+  if (recipe == nullptr) return refuse_usage("there is no model '" + std::string(arguments[0]) + "'");
+  const std::optional<std::vector<int>> numbers = read_numbers(*recipe, arguments.subspan(2));
+  if (!numbers) return refuse_usage("what follows the file does not fit '" + std::string(recipe->name) + "'");
+  const std::vector<DemoPart> parts = recipe->make(*numbers);
+  check_parts(parts);
+  write_step(parts, arguments[1]);
+  return 0;
 }
 
 }  // namespace
+}  // namespace tetloom::demo
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fputs(kUsage, stderr);
-    return 2;
-  }
   Message::DefaultMessenger()->ChangePrinters().Clear();
   try {
-    const std::vector<tetloom::demo::DemoPart> parts = make_parts(argc, argv);
-    if (parts.empty()) {
-      std::fputs(kUsage, stderr);
-      return 2;
-    }
-    tetloom::demo::check_parts(parts);
-    tetloom::demo::write_step(parts, argv[2]);
+    return tetloom::demo::run(std::span<char* const>(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0)));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tetloom-demo-model: %s\n", error.what());
-    return 1;
   } catch (const Standard_Failure& failure) {
     std::fprintf(stderr, "tetloom-demo-model: OpenCASCADE: %s %s\n", failure.DynamicType()->Name(),
                  failure.GetMessageString());
-    return 1;
   }
-  return 0;
+  return 1;
 }

@@ -83,7 +83,8 @@ TopoDS_Face make_end(const Handle(Geom_BSplineSurface) & barrel, int sides, doub
 }  // namespace
 
 std::vector<DemoPart> make_spline_body(int sides, int levels) {
-  if (sides < 3 || levels < 1) throw std::runtime_error("a spline body has at least 3 sides and 1 level");
+  if (sides < 3 || sides > 100) throw std::runtime_error("a spline body has from 3 to 100 sides");
+  if (levels < 1 || levels > 100) throw std::runtime_error("a spline body has from 1 to 100 levels");
   const Handle(Geom_BSplineSurface) barrel = make_barrel();
   BRepBuilderAPI_Sewing sewing(kTolerance);
   for (int s = 0; s < sides; ++s) {

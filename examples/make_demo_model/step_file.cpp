@@ -1,10 +1,13 @@
 // Checking and writing the demo models.
+#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
 #include <Interface_Static.hxx>
 #include <stdexcept>
 #include <STEPCAFControl_Writer.hxx>
+#include <StepData_StepModel.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <XCAFApp_Application.hxx>
@@ -50,7 +53,16 @@ void write_step(const std::vector<DemoPart>& parts, const std::string& path) {
   Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
   writer.SetNameMode(Standard_True);
   writer.SetColorMode(Standard_True);
-  const bool written = writer.Transfer(document) && writer.Write(path.c_str()) == IFSelect_RetDone;
+  bool written = writer.Transfer(document);
+  if (written) {
+    // A fixed time stamp: the same model is the same file.
+    APIHeaderSection_MakeHeader header(writer.ChangeWriter().Model());
+    header.SetTimeStamp(new TCollection_HAsciiString("2026-01-01T00:00:00"));
+    header.SetName(new TCollection_HAsciiString(parts.front().name.c_str()));
+    header.SetAuthorValue(1, new TCollection_HAsciiString("tetloom-demo-model"));
+    header.SetOrganizationValue(1, new TCollection_HAsciiString("tetloom"));
+    written = writer.Write(path.c_str()) == IFSelect_RetDone;
+  }
   XCAFApp_Application::GetApplication()->Close(document);
   if (!written) throw std::runtime_error("cannot write '" + path + "'");
 }
