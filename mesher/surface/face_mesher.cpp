@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "mesher/surface/constrained_delaunay.hpp"
 #include "mesher/surface/face_rim.hpp"
+#include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
 
@@ -52,15 +55,76 @@ class FaceMesher {
         rim_(surroundings.rim),
         sizes_(surroundings.sizes),
         taken_chords_(surroundings.taken_chords),
+        last_attempt_(surroundings.last_attempt),
         keep_going_(keep_going),
         geometry_(model.face_geometry(face)) {}
 
   FaceMesh run() {
-    mesh_in_plane();
+    if (geometry_->parametrization() == Parametrization::Smooth) {
+      mesh_in_plane();
+      const bool crosses = result_.verdict == FaceVerdict::RimCrosses;
+      if (result_.verdict == FaceVerdict::Ok || (crosses && !last_attempt_)) return std::move(result_);
+      FaceMesh in_plane = std::exchange(result_, {});
+      mesh_facets();
+      return result_.verdict == FaceVerdict::Ok ? std::move(result_) : std::move(in_plane);
+    }
+    mesh_facets();
     return std::move(result_);
   }
 
  private:
+  // The face's facets, with the nodes of its edges as their rim, brought to the sizes asked for in space.
+  void mesh_facets() {
+    const double size = smallest_rim_size();
+    constexpr double kChord = 0.02, kAngle = 0.3;
+    const Tessellation tessellation = geometry_->tessellate(kChord * size, kAngle);
+    const FacetPatch facets = make_facet_patch(tessellation, boundary_chains(), keep_going_);
+    if (facets.verdict != FacetPatchVerdict::Ok) {
+      result_.verdict = FaceVerdict::NotTriangulated;
+      result_.point = facets.trouble;
+      return;
+    }
+    const PatchSurface surface(*geometry_, sizes_);
+    Patch patch;
+    for (std::size_t i = 0; i < facets.points.size(); ++i) {
+      PatchVertex vertex{surface.nearest(facets.points[i], facets.uv[i]), 0, facets.node[i]};
+      if (vertex.node != Triangulation::kNone) vertex.place.point = rim_.point(vertex.node);
+      vertex.size = surface.size_at(vertex.place.point);
+      patch.vertices.push_back(vertex);
+    }
+    patch.topology =
+        Triangulation::from_triangles(static_cast<std::uint32_t>(patch.vertices.size()), facets.tri_to_vert);
+    patch.has_poles = true;
+    optimize_patch(patch, surface, {.rounds = 4, .adapt_density = true}, keep_going_);
+    split_taken_chords(patch, surface);
+    extract(patch);
+  }
+
+  // A face without edges takes the smallest size of the whole field.
+  double smallest_rim_size() const {
+    double size = HUGE_VAL;
+    for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
+      for (const EdgeUse& use : loop)
+        for (const Vec3& point : rim_.mesh(use.edge).points) size = std::min(size, sizes_.size_at(point));
+    return std::isfinite(size) ? size : sizes_.smallest();
+  }
+
+  std::vector<BoundaryChain> boundary_chains() const {
+    const ModelTopology& topology = model_.topology();
+    std::vector<BoundaryChain> chains;
+    for (const ModelLoop& loop : topology.face_to_loops[face_.value])
+      for (const EdgeUse& use : loop) {
+        const ModelEdgeTopology& edge = topology.edges[use.edge.value];
+        if (edge.degenerate) continue;
+        BoundaryChain chain{use, edge.vertices, {}};
+        const EdgeMesh& mesh = rim_.mesh(use.edge);
+        for (std::size_t i = 0; i < mesh.t.size(); ++i)
+          chain.nodes.push_back({rim_.node(use.edge, i), mesh.t[i], mesh.points[i]});
+        chains.push_back(std::move(chain));
+      }
+    return chains;
+  }
+
   void mesh_in_plane() {
     const FaceRim rim = trace_rim(model_.topology(), face_, *geometry_, rim_);
     const PatchSurface surface(*geometry_, sizes_, plane_scale(rim));
@@ -183,6 +247,7 @@ class FaceMesher {
   const RimNodes& rim_;
   const SizeField& sizes_;
   std::span<const std::array<std::uint32_t, 2>> taken_chords_;
+  bool last_attempt_;
   const std::function<bool()>& keep_going_;
   std::unique_ptr<FaceGeometry> geometry_;
   Vec2 plane_scale_{1, 1};

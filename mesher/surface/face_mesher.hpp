@@ -62,10 +62,14 @@ struct FaceSurroundings {
   /// Pairs of rim nodes (smaller first), sorted: edges between them inside this face get a node in the middle, because
   /// another face has an edge between the same nodes.
   std::span<const std::array<std::uint32_t, 2>> taken_chords;
+  /// Remesh the facets also of a face whose rim crosses itself in the plane; else the caller makes its edges finer.
+  bool last_attempt = false;
 };
 
-/// Meshes one face. Serial; different faces may be meshed at once. Deterministic.
-/// `keep_going` is asked now and then; when it returns false the result is unusable and the caller must be cancelling.
+/// Meshes one face: in its parameter plane where it has one, and by remeshing its facets in space where it has none or
+/// where that failed. Serial; different faces may be meshed at once.
+/// Deterministic. `keep_going` is asked now and then; when it returns false the result is unusable and the caller must
+/// be cancelling.
 FaceMesh mesh_face(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
                    const std::function<bool()>& keep_going);
 

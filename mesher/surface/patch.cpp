@@ -71,17 +71,14 @@ void sort_spatially(Patch& patch) {
   patch.topology.renumber(numbers, triangle_order);
 }
 
-PatchSurface::PatchSurface(FaceGeometry& face, const SizeField& sizes, Vec2 scale)
-    : face_(face), sizes_(sizes), scale_(scale), smooth_(face.parametrization() == Parametrization::Smooth) {}
-
 PatchPlace PatchSurface::at_plane(const Vec2& plane) const {
   const SurfaceDerivatives d = face_.derivatives({plane.u / scale_.u, plane.v / scale_.v});
   const Vec3 du = d.du / scale_.u, dv = d.dv / scale_.v;
   const Vec3 n = cross(du, dv);
-  // At a pole one derivative vanishes but for rounding, and the product points anywhere: ask for the limit.
+  // At a pole one derivative vanishes but for rounding, and the product points anywhere; an apex has no normal at all.
   constexpr double kPole = 1e-10;
   const bool regular = norm(n) > kPole * (norm2(du) + norm2(dv));
-  return {plane, d.point, du, dv, regular ? normalized(n) : face_.normal({plane.u / scale_.u, plane.v / scale_.v})};
+  return {plane, d.point, du, dv, regular ? normalized(n) : Vec3{}};
 }
 
 PatchPlace PatchSurface::nearest(const Vec3& x, const Vec2& guess) const {

@@ -44,8 +44,11 @@ void sort_spatially(Patch& patch);
 /// Evaluates places on one face for one task.
 class PatchSurface {
  public:
-  /// `scale` maps (u,v) to plane coordinates, axis by axis; ignored for facets.
-  PatchSurface(FaceGeometry& face, const SizeField& sizes, Vec2 scale);
+  /// In the plane; `scale` maps (u,v) to plane coordinates, axis by axis. Pre: the parametrisation is smooth.
+  PatchSurface(FaceGeometry& face, const SizeField& sizes, Vec2 scale)
+      : face_(face), sizes_(sizes), scale_(scale), smooth_(true) {}
+  /// In space, by projection.
+  PatchSurface(FaceGeometry& face, const SizeField& sizes) : face_(face), sizes_(sizes), smooth_(false) {}
 
   bool smooth() const { return smooth_; }
   PatchPlace at_plane(const Vec2& plane) const;
@@ -63,7 +66,7 @@ class PatchSurface {
  private:
   FaceGeometry& face_;
   const SizeField& sizes_;
-  Vec2 scale_;
+  Vec2 scale_{1, 1};
   bool smooth_;
 };
 

@@ -243,6 +243,12 @@ class PatchOptimizer {
     const PatchPlace &a = place(mesh_.origin(h)), &b = place(mesh_.target(h));
     const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(g));
     const PatchPlace middle = surface_.midpoint(a, b);
+    // A projection that lands elsewhere would leave the edges as long as they were.
+    constexpr double kLongestHalf = 0.8;
+    const double longest = kLongestHalf * surface_.edge_length(a, b);
+    if (!same_node(mesh_.origin(h), mesh_.target(h)) &&
+        (surface_.edge_length(a, middle) > longest || surface_.edge_length(middle, b) > longest))
+      return false;
     if (!surface_.oriented(a, middle, c) || !surface_.oriented(middle, b, c) || !surface_.oriented(b, middle, d) ||
         !surface_.oriented(middle, a, d))
       return false;
@@ -313,7 +319,7 @@ class PatchOptimizer {
   }
 
   void adapt_density() {
-    constexpr int kMostPasses = 24;
+    constexpr int kMostPasses = 12;
     for (int pass = 0; pass < kMostPasses && keep_going_(); ++pass) {
       const bool split_some = split_long(kLongest);
       const bool collapsed_some = collapse_short(kShortest, 0.02);

@@ -18,11 +18,12 @@ class SurfaceMesher {
     std::vector<std::size_t> pending(topology_.face_count());
     for (std::size_t f = 0; f < pending.size(); ++f) pending[f] = f;
     options_.finer.assign(topology_.edge_count(), 1);
-    constexpr int kMostRounds = 7;
+    constexpr int kMostRounds = 6;
     for (int round = 0; round < kMostRounds && !pending.empty(); ++round) {
       remesh_edges();
+      last_attempt_ = round + 1 == kMostRounds;
       mesh_faces(pending);
-      pending = refine_crossing_edges();
+      if (!last_attempt_) pending = refine_crossing_edges();
     }
     separate_chords();
     assemble();
@@ -44,7 +45,7 @@ class SurfaceMesher {
 
   void mesh_faces(const std::vector<std::size_t>& pending) {
     const RimNodes rim(model_, edges_);
-    const FaceSurroundings surroundings{rim, sizes_, taken_chords_};
+    const FaceSurroundings surroundings{rim, sizes_, taken_chords_, last_attempt_};
     std::vector<double> work;
     for (const std::size_t f : pending) work.push_back(estimate_work(f));
     const std::function<bool()> keep_going = [this] { return !runner_.cancelled(); };
@@ -219,6 +220,7 @@ class SurfaceMesher {
   const SizeField& sizes_;
   const TaskRunner& runner_;
   EdgeMeshOptions options_;
+  bool last_attempt_ = false;
   std::vector<EdgeMesh> edges_;
   std::vector<FaceMesh> faces_;
   std::vector<std::array<std::uint32_t, 2>> taken_chords_;  // sorted

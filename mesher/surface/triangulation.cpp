@@ -1,6 +1,7 @@
 #include "mesher/surface/triangulation.hpp"
 
-#include "core/base/assert.hpp"
+#include <algorithm>
+#include <compare>
 
 namespace tetloom {
 
@@ -12,6 +13,29 @@ void Triangulation::fix(std::uint32_t h, std::uint8_t count) {
 std::uint32_t Triangulation::add_vertex() {
   vert_to_half_edge_.push_back(kNone);
   return vertex_count() - 1;
+}
+
+Triangulation Triangulation::from_triangles(std::uint32_t vertex_count,
+                                            std::span<const std::array<std::uint32_t, 3>> triangles) {
+  Triangulation result;
+  result.vert_to_half_edge_.assign(vertex_count, kNone);
+  struct Side {
+    std::uint32_t low, high, half_edge;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  for (const auto& [a, b, c] : triangles) {
+    const std::uint32_t first = 3 * result.add_triangle(a, b, c);
+    for (std::uint32_t h = first; h < first + 3; ++h) {
+      const auto [low, high] = std::minmax(result.origin(h), result.target(h));
+      sides.push_back({low, high, h});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+    if (sides[i].low == sides[i + 1].low && sides[i].high == sides[i + 1].high)
+      result.link(sides[i].half_edge, sides[i + 1].half_edge);
+  return result;
 }
 
 std::uint32_t Triangulation::take_slot() {

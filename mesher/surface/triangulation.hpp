@@ -46,6 +46,10 @@ class Triangulation {
   /// Forgets the vertices from `count` on. Pre: no triangle uses them.
   void truncate_vertices(std::uint32_t count) { vert_to_half_edge_.resize(count); }
 
+  /// A triangulation of `vertex_count` vertices. Pre: the triangles are an oriented manifold, with a rim or without.
+  static Triangulation from_triangles(std::uint32_t vertex_count,
+                                      std::span<const std::array<std::uint32_t, 3>> triangles);
+
   /// Adds a triangle without neighbours and returns it.
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void remove_triangle(std::uint32_t tri);

@@ -1,0 +1,68 @@
+#pragma once
+// The triangulation from which a face without a usable parametrisation is remeshed in space: the face's tessellation
+// with its rim replaced by the nodes of the meshed edges.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/model.hpp"
+
+namespace tetloom {
+
+struct BoundaryNode {
+  std::uint32_t node = 0;  ///< the mesh node's number; copies of a node in the result have it too
+  double t = 0;
+  Vec3 point;
+};
+
+/// The nodes of one edge use of a face, from the start to the end of the edge's range whatever `use.forward` says; the
+/// model vertices at the ends are included, so a closed edge begins and ends with the same node. A seam gives two
+/// chains over the same nodes, one per use. Degenerate edges may be left out or have nodes that all coincide.
+struct BoundaryChain {
+  EdgeUse use;
+  std::array<ModelVertexId, 2> vertices;  ///< at the start and the end of the edge
+  std::vector<BoundaryNode> nodes;        ///< t ascending
+};
+
+enum class FacetPatchVerdict {
+  Ok,
+  NotManifold,     ///< facets meet three to an edge, disagree in orientation, or have a rim that is on no model edge
+  ChainsDisagree,  ///< the rim of the facets and the chains do not run through the same edges and vertices
+  Stuck,           ///< a rim point that is no node could not be removed without a wrong triangulation
+  Inverted,        ///< a triangle faces away from the surface, and nothing around it could be changed to avoid that
+  Cancelled
+};
+
+struct FacetPatch {
+  static constexpr std::uint32_t kNoNode = 0xffffffffu;
+
+  FacetPatchVerdict verdict = FacetPatchVerdict::Ok;
+  Vec3 trouble;  ///< where it failed
+  std::vector<Vec3> points;
+  std::vector<Vec2> uv;             ///< of the face at or near the point, fit as guess for closest_point
+  std::vector<std::uint32_t> node;  ///< kNoNode inside of the face
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
+};
+
+/// Replaces the rim of a face's tessellation by the nodes of its edges: nodes are inserted where they belong by their
+/// t, then every rim point that is no node is removed by triangulating what was around it anew.
+///
+/// Post, when Ok: an oriented manifold of the tessellation's Euler characteristic, with the copies of a pole joined;
+/// each piece between consecutive nodes of a chain is an edge of exactly one triangle, and there are no other such
+/// edges; no triangle faces away from the mean of the tessellation's normals at its corners; two nodes share at most
+/// one edge, the two sides of a seam counted as one. Points inside of the face are points of the tessellation, of which
+/// some near the rim are gone. Otherwise the arrays are empty.
+///
+/// Triangles turn by at most 60° against the mean of the tessellation's normals at their corners where that can be
+/// had, by up to 90° where there is no other way. The hole around a removed point is filled optimally (the worst
+/// triangle is the best possible, by dynamic programming), in place of the edge collapses usual in remeshing
+/// (Botsch & Kobbelt 2004); a point inside that lies beyond the new rim is removed in the same way.
+///
+/// Faces without chains come back as they are. `keep_going` is asked now and then; false ends the call as Cancelled.
+/// Deterministic; serial; different calls may run at once.
+FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const BoundaryChain> chains,
+                            const std::function<bool()>& keep_going = {});
+
+}  // namespace tetloom

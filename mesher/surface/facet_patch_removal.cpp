@@ -1,0 +1,183 @@
+// Vertices out of a triangulation, one at a time.
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/surface/facet_patch_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::uint32_t kNone = Triangulation::kNone;
+constexpr std::size_t kLargestRing = 160;  // filling takes cubic time: tens of milliseconds for so many
+
+}  // namespace
+
+VertexRemover::VertexRemover(Triangulation& mesh, PatchVertices& vertices) : mesh_(mesh), vertices_(vertices) {
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    if (vertices.node[v] != FacetPatch::kNoNode) node_to_copies_[vertices.node[v]].push_back(v);
+  }
+}
+
+const Cavity& VertexRemover::collect_ball(std::uint32_t v) {
+  cavity_.ring.clear(), cavity_.outer.clear(), cavity_.tris.clear();
+  const std::uint32_t first = mesh_.outgoing(v);
+  std::uint32_t start = first;
+  while (mesh_.twin(start) != kNone) {
+    start = Triangulation::next(mesh_.twin(start));
+    if (start == first) break;
+  }
+  cavity_.closed = mesh_.twin(start) != kNone;
+  for (std::uint32_t h = start;;) {
+    cavity_.ring.push_back(mesh_.target(h)), cavity_.tris.push_back(h / 3);
+    cavity_.outer.push_back(mesh_.twin(Triangulation::next(h)));
+    const std::uint32_t next = mesh_.twin(Triangulation::prev(h));
+    if (next == kNone) cavity_.ring.push_back(mesh_.apex(h));
+    if (next == kNone || next == start) break;
+    h = next;
+  }
+  return cavity_;
+}
+
+bool VertexRemover::remove(std::uint32_t v, double level, Reach reach) {
+  collect_ball(v);
+  removed_ = v;
+  const std::size_t n = cavity_.ring.size();
+  if (n == 2 && !cavity_.closed) {  // an ear
+    if (cavity_.outer[0] == kNone) return false;
+    mesh_.remove_triangle(cavity_.tris[0]);
+    return true;
+  }
+  return n >= 3 && refill(level, reach);
+}
+
+bool VertexRemover::reshape(std::uint32_t tri, double level, Reach reach) {
+  const auto corners = mesh_.triangle(tri);
+  cavity_.ring.assign(corners.begin(), corners.end());
+  cavity_.outer = {mesh_.twin(3 * tri), mesh_.twin(3 * tri + 1), mesh_.twin(3 * tri + 2)};
+  cavity_.tris = {tri};
+  cavity_.closed = true;
+  removed_ = kNone;
+  return grow() && refill(level, reach);
+}
+
+bool VertexRemover::refill(double level, Reach reach) {
+  for (int layer = 0;; ++layer) {
+    if (cavity_.ring.size() > kLargestRing) return false;
+    if (fill_once(level)) return true;
+    if (layer >= static_cast<int>(reach) || !grow()) return false;
+  }
+}
+
+bool VertexRemover::grow() {
+  const auto in_ring = [&](std::uint32_t v) {
+    return v == removed_ || std::find(cavity_.ring.begin(), cavity_.ring.end(), v) != cavity_.ring.end();
+  };
+  bool grown = false;
+  // Edges appear behind the place looked at, so that one call adds one layer.
+  for (std::size_t i = 0; i < cavity_.outer.size() && cavity_.ring.size() <= kLargestRing; ++i) {
+    const std::uint32_t half = cavity_.outer[i];
+    if (half == kNone || in_ring(mesh_.apex(half))) continue;
+    const auto after = static_cast<std::ptrdiff_t>(i + 1);
+    cavity_.ring.insert(cavity_.ring.begin() + after, mesh_.apex(half));
+    cavity_.outer[i] = mesh_.twin(Triangulation::next(half));
+    cavity_.outer.insert(cavity_.outer.begin() + after, mesh_.twin(Triangulation::prev(half)));
+    cavity_.tris.push_back(half / 3);
+    grown = true, ++i;
+  }
+  return grown;
+}
+
+bool VertexRemover::fill_once(double level) {
+  const std::size_t n = cavity_.ring.size();
+  if (n == 3 && cavity_.closed && cavity_.outer[0] / 3 == cavity_.outer[1] / 3) return false;  // a tetrahedron
+  std::sort(cavity_.tris.begin(), cavity_.tris.end());
+  if (!cavity_.closed && connected_outside(cavity_.ring.front(), cavity_.ring.back())) return false;
+  if (!plan(level)) return false;
+  for (const std::uint32_t tri : cavity_.tris) mesh_.remove_triangle(tri);
+  const std::uint32_t base = fill(0, n - 1);
+  if (cavity_.closed) mesh_.link(base, cavity_.outer[n - 1]);
+  return true;
+}
+
+bool VertexRemover::improve(std::uint32_t half, double level) {
+  constexpr double kWorthwhile = 1.05;
+  if (mesh_.twin(half) == kNone) return false;
+  const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half), c = mesh_.apex(half);
+  const std::uint32_t d = mesh_.apex(mesh_.twin(half));
+  const double now = std::min(score(a, b, c, level), score(b, a, d, level));
+  const double then = std::min(score(a, d, c, level), score(b, c, d, level));
+  if (!(then > 0 && then > kWorthwhile * now)) return false;
+  cavity_.tris.clear();
+  if (c == d || !may_join(c, d)) return false;
+  mesh_.flip(half);
+  return true;
+}
+
+double VertexRemover::score(std::uint32_t a, std::uint32_t b, std::uint32_t c, double level) const {
+  constexpr double kFlat = 1e-9;
+  const Vec3 ab = vertices_.points[b] - vertices_.points[a], ac = vertices_.points[c] - vertices_.points[a];
+  const Vec3 n = cross(ab, ac), mean = vertices_.normals[a] + vertices_.normals[b] + vertices_.normals[c];
+  const double area = norm(n), quality = 2 * std::sqrt(3.0) * area / (norm2(ab) + norm2(ac) + norm2(ac - ab));
+  if (!(quality > kFlat)) return -1;
+  return dot(n, mean) >= level * area * norm(mean) ? quality : -1;
+}
+
+bool VertexRemover::connected(std::uint32_t a, std::uint32_t b) const {
+  return mesh_.find_half_edge(a, b) != kNone || mesh_.find_half_edge(b, a) != kNone;
+}
+
+bool VertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
+  std::uint32_t half = mesh_.find_half_edge(a, b);
+  if (half == kNone) half = mesh_.find_half_edge(b, a);
+  if (half == kNone) return false;
+  const auto inside = [&](std::uint32_t h) {
+    return h != kNone && std::binary_search(cavity_.tris.begin(), cavity_.tris.end(), h / 3);
+  };
+  return !inside(half) || !inside(mesh_.twin(half));
+}
+
+bool VertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
+  if (connected_outside(a, b)) return false;
+  const std::uint32_t node_a = vertices_.node[a], node_b = vertices_.node[b];
+  if (node_a == FacetPatch::kNoNode || node_b == FacetPatch::kNoNode) return true;
+  if (node_a == node_b) return false;
+  const auto &copies_a = node_to_copies_.at(node_a), &copies_b = node_to_copies_.at(node_b);
+  if (copies_a.size() == 1 && copies_b.size() == 1) return true;
+  for (const std::uint32_t i : copies_a) {
+    for (const std::uint32_t j : copies_b) {
+      if (connected(i, j)) return false;
+    }
+  }
+  return true;
+}
+
+bool VertexRemover::plan(double level) {
+  const std::size_t n = cavity_.ring.size();
+  best_.assign(n * n, HUGE_VAL), split_.assign(n * n, 0);
+  for (std::size_t length = 2; length < n; ++length) {
+    for (std::size_t i = 0; i + length < n; ++i) {
+      const std::size_t j = i + length;
+      best(i, j) = -1;
+      const bool base = length == n - 1;
+      if (!base && !may_join(cavity_.ring[i], cavity_.ring[j])) continue;
+      for (std::size_t m = i + 1; m < j; ++m) {
+        const double parts = std::min(best(i, m), best(m, j));
+        if (parts <= best(i, j)) continue;
+        const double value = std::min(parts, score(cavity_.ring[i], cavity_.ring[m], cavity_.ring[j], level));
+        if (value > best(i, j)) best(i, j) = value, split_[i * n + j] = m;
+      }
+    }
+  }
+  return best(0, n - 1) > 0;
+}
+
+std::uint32_t VertexRemover::fill(std::size_t i, std::size_t j) {
+  const std::size_t m = split_[i * cavity_.ring.size() + j];
+  const std::uint32_t left = m == i + 1 ? cavity_.outer[i] : fill(i, m);
+  const std::uint32_t right = j == m + 1 ? cavity_.outer[m] : fill(m, j);
+  const std::uint32_t tri = mesh_.add_triangle(cavity_.ring[i], cavity_.ring[m], cavity_.ring[j]);
+  mesh_.link(3 * tri, left), mesh_.link(3 * tri + 1, right);
+  return 3 * tri + 2;
+}
+
+}  // namespace tetloom::detail
