@@ -1,0 +1,24 @@
+#pragma once
+// Running another program and measuring it from outside.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetloom::bench {
+
+struct ChildResult {
+  int exit_status = -1;          ///< 128 + the signal's number when a signal ended it
+  std::string output;            ///< standard output and standard error, as they came
+  double seconds = 0;            ///< wall time from start to end
+  double cpu_seconds = 0;        ///< user and system time of all its threads
+  std::uint64_t peak_bytes = 0;  ///< largest resident set
+};
+
+/// Runs `command` (a path or a name in PATH, then its arguments) and waits for it. Its standard input is empty.
+/// Throws std::runtime_error when it cannot be started. Thread safety: may be called from any thread.
+ChildResult run_child(const std::vector<std::string>& command);
+
+/// Whether a program of this name is in PATH.
+bool is_installed(const std::string& program);
+
+}  // namespace tetloom::bench
