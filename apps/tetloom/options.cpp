@@ -147,13 +147,15 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
 
 void add_size_options(CLI::App& mesh, RawMeshOptions& raw) {
   const std::string group = "Sizes (model length units)";
-  CLI::Option* size = mesh.add_option("--size", raw.size, "Target edge length")->group(group);
+  CLI::Option* size = mesh.add_option("--size", raw.size, "Target edge length")->type_name("H")->group(group);
   mesh.add_option("--relative-size", raw.relative_size,
                   "Target edge length as a share of the bounding box's diagonal; without any size: 1/40, and "
                   "--curvature 24")
+      ->type_name("R")
       ->group(group)
       ->excludes(size);
   mesh.add_option("--min-size", raw.min_size, "Floor for sizes from curvature and proximity; default: target / 10")
+      ->type_name("H")
       ->group(group);
   mesh.add_option("--curvature", raw.curvature, "At least N edges per full turn; 0: off")->type_name("N")->group(group);
   mesh.add_option("--proximity", raw.proximity, "At least N edges across gaps and walls; 0: off")
@@ -214,6 +216,14 @@ CLI::App* add_inspection(CLI::App& app, const char* name, const char* descriptio
   return command;
 }
 
+/// CLI11 takes an empty text for an absent value; here it is a mistake, an unset variable of a script, say.
+void refuse_empty_values(CLI::App& app) {
+  const auto not_empty = [](const std::string& text) { return text.empty() ? "the value is empty" : ""; };
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() > 0) option->check(not_empty, "");
+  }
+}
+
 void check_inspection(const RawInspection& raw) {
   require(!raw.input.empty(), "FILE must not be empty");
   require(!same_file(raw.input, raw.report), "the report would replace the input");
@@ -233,6 +243,7 @@ Command parse_command_line(int argc, const char* const* argv) {
   add_reading_options(*info, raw_info);
   add_inspection(app, "check", "Validate any mesh and measure its quality; exit status 4 when it is not valid",
                  raw_check);
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

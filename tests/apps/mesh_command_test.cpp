@@ -1,0 +1,216 @@
+// The commands as a user runs them.
+#include <csignal>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <regex>
+
+#include "tests/apps/command_process.hpp"
+
+using namespace tetloom::test;
+
+namespace {
+
+nlohmann::json mesh_with_report(const TestFolder& folder, const std::string& input, const std::string& output,
+                                std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments{"mesh", input, "-o", folder / output, "--report", folder / "report.json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const ProcessResult result = run_tetloom(arguments);
+  INFO(result.err);
+  REQUIRE(result.status == 0);
+  return read_json(folder / "report.json");
+}
+
+}  // namespace
+
+TEST_CASE("a CAD model becomes a valid mesh, with a summary and a report") {
+  const TestFolder folder;
+  const ProcessResult result = run_tetloom({"mesh", demo_model("part"), "-o", folder / "part.vtu", "--relative-size",
+                                            "0.04", "--report", folder / "report.json", "--threads", "2"});
+  CAPTURE(result.err);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, Catch::Contains("tets in 1 region") && Catch::Contains("mean ratio") &&
+                             Catch::Contains("within [0.71, 1.41]") && Catch::Contains("part.vtu"));
+  CHECK(result.out.find('\033') == std::string::npos);
+  const nlohmann::json report = read_json(folder / "report.json");
+  CHECK(report["schema"] == 1);
+  CHECK(report["status"] == "ok");
+  CHECK(report["threads"] == 2);
+  CHECK(report["counts"]["tets"] > 1000);
+  CHECK(report["counts"]["regions"] == 1);
+  CHECK(report["volume"]["mesh"].get<double>() == Approx(report["volume"]["model"].get<double>()).epsilon(0.01));
+  CHECK(report["quality"]["mean_ratio_mean"] > 0.7);
+  CHECK(report["quality"]["min_dihedral_deg"] > 0);
+  CHECK(report["quality"]["edges_in_band"] > 0.5);
+  CHECK(report["digest"].get<std::string>().size() == 32);
+  CHECK(report["errors"].empty());
+  CHECK(report["seconds"]["total"] > 0);
+  CHECK(report["peak_bytes"] > 1 << 20);
+  CHECK(run_tetloom({"check", folder / "part.vtu"}).status == 0);
+}
+
+TEST_CASE("the mesh does not depend on the number of threads") {
+  const TestFolder folder;
+  const std::string input = demo_model("assembly");
+  const auto one = mesh_with_report(folder, input, "1.vtu", {"--imprint", "--threads", "1", "--relative-size", "0.05"});
+  const auto three =
+      mesh_with_report(folder, input, "3.vtu", {"--imprint", "--threads", "3", "--relative-size", "0.05"});
+  CHECK(one["digest"] == three["digest"]);
+  CHECK(read_text(folder / "1.vtu") == read_text(folder / "3.vtu"));
+}
+
+TEST_CASE("every format holds the same mesh") {
+  const TestFolder folder;
+  const std::string input = demo_model("assembly");
+  for (const char* name : {"a.vtu", "a.msh", "a.mesh", "a.meshb"}) {
+    CAPTURE(name);
+    const auto written = mesh_with_report(folder, input, name, {"--imprint", "--relative-size", "0.06"});
+    const ProcessResult check = run_tetloom({"check", folder / name, "--report", folder / "check.json"});
+    CAPTURE(check.err);
+    CHECK(check.status == 0);
+    const auto checked = read_json(folder / "check.json");
+    CHECK(checked["validation"]["valid"] == true);
+    CHECK(checked["counts"] == written["counts"]);
+    CHECK(checked["volume"]["mesh"] == written["volume"]["mesh"]);
+  }
+}
+
+TEST_CASE("touching solids share faces once they are imprinted") {
+  const TestFolder folder;
+  const auto apart = mesh_with_report(folder, demo_model("assembly"), "a.vtu", {"--relative-size", "0.06"});
+  const auto together =
+      mesh_with_report(folder, demo_model("assembly"), "b.vtu", {"--relative-size", "0.06", "--imprint"});
+  CHECK(apart["counts"]["regions"] == 2);
+  CHECK(together["counts"]["regions"] == 2);
+  run_tetloom({"check", folder / "a.vtu", "--report", folder / "check_a.json"});
+  run_tetloom({"check", folder / "b.vtu", "--report", folder / "check_b.json"});
+  CHECK(read_json(folder / "check_a.json")["validation"]["interface_faces"] == 0);
+  CHECK(read_json(folder / "check_b.json")["validation"]["interface_faces"] > 100);
+}
+
+TEST_CASE("only the surface is meshed when that is asked for, or when the output is STL") {
+  const TestFolder folder;
+  for (const auto& [name, option] : {std::pair{"s.vtu", true}, {"s.stl", false}}) {
+    const auto report =
+        mesh_with_report(folder, demo_model("part"), name,
+                         option ? std::vector<std::string>{"--surface-only"} : std::vector<std::string>{});
+    CHECK(report["counts"]["tets"] == 0);
+    CHECK(report["counts"]["triangles"] > 100);
+    CHECK(report["quality"]["mean_ratio_mean"].is_null());
+    CHECK(report["quality"]["edges_in_band"] > 0.5);
+    CHECK(report["volume"]["model"].is_null());
+  }
+}
+
+TEST_CASE("sizes by name make a mesh finer there") {
+  const TestFolder folder;
+  const std::string sizes = folder.write("sizes.json", R"({"entities": [{"name": "bore", "size": 1.5}]})");
+  const auto coarse = mesh_with_report(folder, demo_model("part"), "a.vtu", {"--size", "6", "--surface-only"});
+  const auto fine =
+      mesh_with_report(folder, demo_model("part"), "b.vtu", {"--size", "6", "--surface-only", "--sizes", sizes});
+  CHECK(fine["counts"]["triangles"] > 1.5 * coarse["counts"]["triangles"].get<double>());
+}
+
+TEST_CASE("info describes a model: unit, counts, names, colours") {
+  const TestFolder folder;
+  const ProcessResult result = run_tetloom({"info", demo_model("assembly"), "--report", folder / "info.json"});
+  CHECK(result.status == 0);
+  CHECK_THAT(result.out, Catch::Contains("STEP") && Catch::Contains("1 mm") && Catch::Contains("2 regions") &&
+                             Catch::Contains("steel body") && Catch::Contains("rubber seal") && Catch::Contains("#"));
+  const auto model = read_json(folder / "info.json")["model"];
+  CHECK(model["counts"]["regions"] == 2);
+  CHECK(model["regions"][0]["name"] == "steel body");
+  CHECK(model["regions"][0]["volume"] > 0);
+  CHECK(model["faces"].size() == model["counts"]["faces"]);
+  CHECK_THAT(run_tetloom({"info", demo_model("part")}).out, Catch::Contains("spline top"));
+}
+
+TEST_CASE("info describes a mesh") {
+  const TestFolder folder;
+  mesh_with_report(folder, demo_model("assembly"), "a.vtu", {"--imprint", "--relative-size", "0.06"});
+  const ProcessResult result = run_tetloom({"info", folder / "a.vtu"});
+  CHECK(result.status == 0);
+  CHECK_THAT(result.out, Catch::Contains("tets") && Catch::Contains("steel body") && Catch::Contains("rubber seal"));
+  CHECK(run_tetloom({"info", folder / "none.vtu"}).status == 3);
+}
+
+TEST_CASE("check trusts nobody: an inverted tet is found whoever wrote it") {
+  const TestFolder folder;
+  const std::string head = "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n";
+  const std::string good = folder.write("good.mesh", head + "Tetrahedra\n1\n1 2 3 4 1\nEnd\n");
+  const std::string bad = folder.write("bad.mesh", head + "Tetrahedra\n1\n1 3 2 4 1\nEnd\n");
+  CHECK(run_tetloom({"check", good}).status == 0);
+  const ProcessResult result = run_tetloom({"check", bad, "--report", folder / "check.json"});
+  CHECK(result.status == 4);
+  CHECK_THAT(result.out, Catch::Contains("NOT valid"));
+  CHECK_FALSE(result.err.empty());
+  const auto report = read_json(folder / "check.json");
+  CHECK(report["validation"]["valid"] == false);
+  CHECK(report["validation"]["problems"][0]["kind"] == "non_positive_volume");
+}
+
+TEST_CASE("check of what is no mesh is bad input") {
+  const TestFolder folder;
+  CHECK(run_tetloom({"check", folder / "none.vtu"}).status == 3);
+  CHECK(run_tetloom({"check", folder.write("junk.vtu", "junk")}).status == 3);
+  CHECK(run_tetloom({"check", folder.write("part.docx", "junk")}).status == 3);
+  CHECK(run_tetloom({"check", folder.write("cut.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n100\n0 0")})
+            .status == 3);
+}
+
+TEST_CASE("quiet runs print nothing, and errors all the same") {
+  const TestFolder folder;
+  const ProcessResult good =
+      run_tetloom({"mesh", demo_model("assembly"), "-o", folder / "a.vtu", "--size", "6", "--quiet"});
+  CHECK(good.status == 0);
+  CHECK(good.out.empty());
+  CHECK(good.err.empty());
+  const ProcessResult bad = run_tetloom({"mesh", folder / "none.step", "-o", folder / "b.vtu", "--quiet"});
+  CHECK(bad.status == 3);
+  CHECK_THAT(bad.err, Catch::Contains("none.step"));
+}
+
+TEST_CASE("a reader that goes away does not end the work") {
+  const TestFolder folder;
+  ProcessOptions options;
+  options.close_stdout = true;
+  CHECK(run_tetloom({"mesh", demo_model("assembly"), "-o", folder / "a.vtu", "--size", "6"}, options).status == 0);
+  CHECK(folder.files() == std::vector<std::string>{"a.vtu"});
+}
+
+TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a report and nothing else") {
+  const TestFolder folder;
+  const std::string sleeper = folder.write("sleeper", "#!/bin/sh\nexec sleep 60\n");
+  std::filesystem::permissions(sleeper, std::filesystem::perms::owner_all);
+  for (const char* stage : {"read", "faces", "volume"}) {
+    CAPTURE(stage);
+    ProcessOptions options;
+    options.signal_when = stage;
+    options.signals = {SIGINT};
+    const bool volume = std::string(stage) == "volume";
+    std::vector<std::string> arguments{"mesh",         demo_model("spline"),
+                                       "-o",           folder / "out.vtu",
+                                       "--report",     folder / "r.json",
+                                       "--size",       volume ? "8" : "0.4",
+                                       "--worker",     sleeper,
+                                       "--max-memory", "64G"};
+    const ProcessResult result = run_tetloom(arguments, options);
+    CAPTURE(result.err, result.seconds_after_signal);
+    CHECK(result.status == 5);
+    CHECK(result.seconds_after_signal < (is_sanitized() ? 3.0 : 1.3));
+    CHECK_THAT(result.err, Catch::Contains("cancelled"));
+    CHECK(folder.files() == std::vector<std::string>{"r.json", "sleeper"});
+    CHECK(read_json(folder / "r.json")["status"] == "cancelled");
+    CHECK(read_json(folder / "r.json")["errors"][0]["code"] == "cancelled");
+  }
+}
+
+TEST_CASE("help goes to standard output and is no error") {
+  const ProcessResult help = run_tetloom({"--help"});
+  CHECK(help.status == 0);
+  CHECK_THAT(help.out, Catch::Contains("tetloom mesh part.step -o part.vtu"));
+  const ProcessResult version = run_tetloom({"--version"});
+  CHECK(version.status == 0);
+  CHECK(std::regex_match(version.out, std::regex("tetloom [0-9]+\\.[0-9]+\\.[0-9]+\\n")));
+  CHECK(run_tetloom({}).status == 2);
+}
