@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "bench/support/child_process.hpp"
+#include "bench/support/commit.hpp"
 #include "bench/support/machine.hpp"
 #include "bench/support/peer.hpp"
 #include "bench/support/surface_run.hpp"
 #include "bench/support/surface_table.hpp"
-#include "commit.hpp"
 #include "core/cad/read_model.hpp"
 #include "core/sizing/size_field.hpp"
 
@@ -34,7 +34,7 @@ struct Options {
   std::vector<int> threads;  ///< empty: 1, 2, 4 … and all cores
   int runs = 5;
   bool quick = false, no_peer = false;
-  std::string json_path, commit = TETLOOM_COMMIT;
+  std::string json_path, commit = kCommit;
   std::string measure;  ///< a task, when this process is one of the measured ones
 };
 

@@ -1,4 +1,4 @@
-# Writes OUTPUT, a header that names the commit of SOURCE, and leaves the file alone where nothing changed.
+# Writes OUTPUT, a source file that names the commit of SOURCE, and leaves it alone where nothing changed.
 cmake_minimum_required(VERSION 3.25)
 if(NOT COMMIT AND GIT)
   execute_process(COMMAND ${GIT} describe --always --dirty --abbrev=12 WORKING_DIRECTORY ${SOURCE}
@@ -7,4 +7,7 @@ endif()
 if(NOT COMMIT)
   set(COMMIT unknown)
 endif()
-file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "#pragma once\n#define TETLOOM_COMMIT \"@COMMIT@\"\n" @ONLY)
+file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
+#include "bench/support/commit.hpp"
+const char* const tetloom::bench::kCommit = "@COMMIT@";
+]])
