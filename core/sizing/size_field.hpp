@@ -14,7 +14,7 @@ namespace tetloom {
 /// A leaf of the octree, or of its part inside a box.
 struct SizeLeaf {
   Box3 box;
-  double size = 0;  ///< at the centre of the whole leaf
+  double size = 0;  ///< at the centre of `box`
 };
 
 /// A size field: either one size everywhere or an immutable octree with sizes at the corners of its leaves, between
@@ -34,7 +34,7 @@ class SizeField {
 
   /// Target edge length at `x` (model length), > 0; defined in the whole space: outside the tree's domain it grows
   /// from the nearest point of the domain by the gradation, up to the global size. Wait-free, allocates nothing, may be
-  /// called by any number of threads. Complexity: the depth of the tree less 5.
+  /// called by any number of threads. Complexity: the depth of the tree less 4 to 6.
   double size_at(const Vec3& x) const;
 
   /// The smallest and largest size that the field holds.

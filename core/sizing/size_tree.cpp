@@ -24,25 +24,27 @@ constexpr std::array<double, SizeOctree::kMaxDepth + 1> kInverseWidth = [] {
 }  // namespace
 
 SizeField::Tree::Tree(SizeOctree octree) : octree_(std::move(octree)), scale_(kCells / octree_.width) {
-  top_.resize(std::size_t{1} << (3 * kTopDepth));
+  const std::size_t cells = octree_.cells.size();
+  top_depth_ = cells < (1u << 14) ? 4 : cells < (1u << 18) ? 5 : 6;
+  top_.resize(std::size_t{1} << (3 * top_depth_));
   fill_top(0, 1, {0, 0, 0});
 }
 
-/// `corner`: of the parent of the block's cells, in cells of kTopDepth.
+/// `corner`: of the parent of the block's cells, in cells of top_depth_.
 void SizeField::Tree::fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner) {
-  const std::uint32_t width = 1u << (kTopDepth - depth);
+  const std::uint32_t width = 1u << (top_depth_ - depth);
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     const std::uint32_t code = octree_.cells[8 * std::size_t{block} + octant];
     const std::array<std::uint32_t, 3> lo{corner[0] + (octant & 1) * width, corner[1] + (octant >> 1 & 1) * width,
                                           corner[2] + (octant >> 2) * width};
-    if (code < SizeOctree::kLeafBit && depth < kTopDepth) {
+    if (code < SizeOctree::kLeafBit && depth < top_depth_) {
       fill_top(code, depth + 1, lo);
       continue;
     }
     for (std::uint32_t z = lo[2]; z < lo[2] + width; ++z)
       for (std::uint32_t y = lo[1]; y < lo[1] + width; ++y)
         for (std::uint32_t x = lo[0]; x < lo[0] + width; ++x)
-          top_[(z << kTopDepth | y) << kTopDepth | x] = {code, depth};
+          top_[(z << top_depth_ | y) << top_depth_ | x] = {code, depth};
   }
 }
 
@@ -61,9 +63,9 @@ double SizeField::Tree::size_at(const Vec3& x) const {
   std::array<std::uint32_t, 3> cell;
   for (int axis = 0; axis < 3; ++axis)
     cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(clamp_into(local[axis], 0, kCells - 1));
-  constexpr int kTopShift = kMaxDepth - kTopDepth;
+  const std::uint32_t top_shift = kMaxDepth - top_depth_;
   auto [code, depth] =
-      top_[((cell[2] >> kTopShift) << kTopDepth | cell[1] >> kTopShift) << kTopDepth | cell[0] >> kTopShift];
+      top_[((cell[2] >> top_shift) << top_depth_ | cell[1] >> top_shift) << top_depth_ | cell[0] >> top_shift];
   while (code < SizeOctree::kLeafBit) {
     const std::uint32_t shift = kMaxDepth - ++depth;
     const std::uint32_t octant = (cell[0] >> shift & 1) | (cell[1] >> shift & 1) << 1 | (cell[2] >> shift & 1) << 2;
@@ -90,11 +92,14 @@ void SizeField::Tree::for_each_leaf(const Box3& box, const std::function<void(co
         self(self, code, lo, width / 2);
         continue;
       }
-      SizeLeaf leaf{cell, code == SizeOctree::kGlobalLeaf ? octree_.size
-                                                          : interpolate(code - SizeOctree::kLeafBit, 0.5, 0.5, 0.5)};
+      SizeLeaf leaf{cell, octree_.size};
       for (int axis = 0; axis < 3; ++axis) {
         leaf.box.lo[axis] = std::max(cell.lo[axis], box.lo[axis]);
         leaf.box.hi[axis] = std::min(cell.hi[axis], box.hi[axis]);
+      }
+      if (code != SizeOctree::kGlobalLeaf) {
+        const Vec3 at = (leaf.box.center() - cell.lo) / width;
+        leaf.size = interpolate(code - SizeOctree::kLeafBit, at.x, at.y, at.z);
       }
       visit(leaf);
     }

@@ -22,11 +22,10 @@ class SizeField::Tree {
   const SizeOctree& octree() const { return octree_; }
 
  private:
-  static constexpr int kTopDepth = 5;
   static constexpr int kMaxDepth = SizeOctree::kMaxDepth;
   static constexpr std::uint32_t kCells = 1u << kMaxDepth;  ///< finest cells along an axis
 
-  /// Where a descent starts: a node at kTopDepth, or a leaf above it.
+  /// Where a descent starts: a node at top_depth_, or a leaf above it.
   struct TopCell {
     std::uint32_t code = 0;
     std::uint32_t depth = 0;
@@ -36,7 +35,8 @@ class SizeField::Tree {
   double interpolate(std::uint32_t leaf, double x, double y, double z) const;
 
   SizeOctree octree_;
-  double scale_ = 0;  ///< finest cells per unit of length
+  std::uint32_t top_depth_ = 0;  ///< deep enough to save steps, not so deep that the table leaves the cache
+  double scale_ = 0;             ///< finest cells per unit of length
   std::vector<TopCell> top_;
 };
 

@@ -34,12 +34,15 @@ void append(const std::vector<SizeSource>& list, std::vector<SizeSource>& source
   sources.insert(sources.end(), list.begin(), list.end());
 }
 
-/// The triangles that the sources alone call for: refuses before a tree is built for them.
+/// The triangles that the sources alone call for, those beside segments included: refuses before a tree is built for
+/// them. Sources of different origin may overlap, so a triangle is counted as a fifth of what it needs.
 void check_sources(const std::vector<SizeSource>& sources, std::uint64_t max_memory) {
   double triangles = 0;
-  for (const SizeSource& source : sources)
-    triangles +=
-        0.5 * norm(cross(source.b - source.a, source.c - source.a)) * kTrianglesPerSquare / (source.size * source.size);
+  for (const SizeSource& source : sources) {
+    const double area = 0.5 * norm(cross(source.b - source.a, source.c - source.a));
+    triangles += area * kTrianglesPerSquare / (source.size * source.size);
+    if (source.b == source.c) triangles += 2 * distance(source.a, source.b) / source.size;
+  }
   check_memory({.triangles = triangles, .tets = 0, .bytes = triangles * 500}, max_memory);
 }
 
@@ -50,36 +53,84 @@ std::size_t cell_limit(std::uint64_t max_memory) {
   return static_cast<std::size_t>(bytes == 0 ? kMost : std::min(kMost, bytes / kBytesPerCell));
 }
 
+/// Whether anything at all is asked for beside the global size.
+bool asks_for_more(const SizeTargets& targets, const SizeOptions& options, std::span<const PointSize> refinements) {
+  const auto any_below = [&](const std::vector<double>& sizes) {
+    return std::ranges::any_of(sizes, [&](double size) { return size < targets.global; });
+  };
+  return targets.curvature > 0 || targets.proximity > 0 || options.callback || !options.point_sizes.empty() ||
+         !refinements.empty() || any_below(targets.vertex) || any_below(targets.edge) || any_below(targets.face);
+}
+
+/// A model with its facets, on the way to a size field.
+struct Workpiece {
+  const GeometricModel& model;
+  const SizeOptions& options;
+  const SizeTargets& targets;
+  const std::vector<Tessellation>& facets;
+  const FacetTree& tree;
+};
+
+std::vector<SizeSource> collect_sources(const Workpiece& work, std::span<const PointSize> refinements,
+                                        const TaskRunner& runner) {
+  std::vector<SizeSource> sources;
+  append_points(work.options.point_sizes, work.targets.global, sources);
+  append_points(refinements, work.targets.global, sources);
+  append(edge_sources(work.model, work.targets, runner), sources);
+  append(face_sources(work.model, work.targets, work.facets, runner), sources);
+  if (work.targets.proximity > 0)
+    append(proximity_sources(work.model, work.targets, work.facets, work.tree, runner), sources);
+  return sources;
+}
+
+SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std::uint64_t max_memory,
+                    const TaskRunner& runner) {
+  if (sources.empty() && !work.options.callback) return SizeField::uniform(work.targets.global);
+  check_sources(sources, max_memory);
+  const SourceTree source_tree(std::move(sources), work.targets.gradation, runner);
+  const TargetField field(work.targets, source_tree, work.tree, work.options.callback);
+  OctreeBuilder builder(field, work.model.bounding_box(), cell_limit(max_memory), runner);
+  std::vector<OctreeLeaf> leaves;
+  SizeOctree octree = builder.build(leaves);
+  fill_corner_ratios(octree, leaves, field, runner);
+  return SizeField::from_octree(std::move(octree));
+}
+
+struct Request {
+  const GeometricModel& model;
+  const SizeOptions& options;
+  std::span<const PointSize> refinements;
+  std::uint64_t max_memory;
+  bool with_estimate;
+};
+
+SizedModel build(const Request& request, const TaskRunner& runner) {
+  const auto& [model, options, refinements, max_memory, with_estimate] = request;
+  const SizeTargets targets = resolve_sizes(model, options);
+  check_refinements(refinements);
+  check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
+  if (!asks_for_more(targets, options, refinements)) {
+    const SizeField uniform = SizeField::uniform(targets.global);
+    return {uniform, estimate_mesh(model, uniform, runner)};
+  }
+  const std::vector<Tessellation> facets = facet_faces(model, source_tolerances(model, targets), runner);
+  const FacetTree tree(model, facets, runner);
+  const Workpiece work{model, options, targets, facets, tree};
+  const SizeField sizes = grow_tree(work, collect_sources(work, refinements, runner), max_memory, runner);
+  return {sizes, with_estimate ? estimate_mesh(model, sizes, facets, tree, runner) : MeshEstimate{}};
+}
+
 }  // namespace
 
 SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
                            std::span<const PointSize> refinements, const TaskRunner& runner, std::uint64_t max_memory) {
-  const SizeTargets targets = resolve_sizes(model, options);
-  check_refinements(refinements);
-  check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
+  return build({model, options, refinements, max_memory, false}, runner).sizes;
+}
 
-  const bool region_sizes = targets.smallest_region < targets.global;
-  const bool every_face = region_sizes || targets.proximity > 0;
-  const std::vector<Tessellation> facets = facet_faces(model, source_tolerances(model, targets, every_face), runner);
-  std::optional<FacetTree> facet_tree;
-  if (every_face) facet_tree.emplace(model, facets, runner);
-
-  std::vector<SizeSource> sources;
-  append_points(options.point_sizes, targets.global, sources);
-  append_points(refinements, targets.global, sources);
-  append(edge_sources(model, targets, runner), sources);
-  append(face_sources(model, targets, facets, runner), sources);
-  if (targets.proximity > 0) append(proximity_sources(model, targets, facets, *facet_tree, runner), sources);
-  if (sources.empty() && !options.callback) return SizeField::uniform(targets.global);
-  check_sources(sources, max_memory);
-
-  const SourceTree source_tree(std::move(sources), targets.gradation, runner);
-  const TargetField field(targets, source_tree, region_sizes ? &*facet_tree : nullptr, options.callback);
-  OctreeBuilder builder(field, model.bounding_box(), cell_limit(max_memory), runner);
-  std::vector<OctreeLeaf> leaves;
-  SizeOctree tree = builder.build(leaves);
-  fill_corner_ratios(tree, leaves, field, runner);
-  return SizeField::from_octree(std::move(tree));
+SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
+                              std::span<const PointSize> refinements, const TaskRunner& runner,
+                              std::uint64_t max_memory) {
+  return build({model, options, refinements, max_memory, true}, runner);
 }
 
 }  // namespace tetloom

@@ -20,9 +20,11 @@ namespace tetloom {
 ///   least `min_size`, or a tenth of the global size when that is 0;
 /// and what these allow at a distance: |h(x) - h(y)| <= g |x - y|. A gradation above 1 acts as 1.
 ///
-/// The field answers at most a few percent more than what was asked at a place, the global size exactly where nothing
-/// smaller reaches, and is a uniform field when nothing smaller is asked for at all. A size holds within half an edge
-/// length of its source before it grows. Faces that cannot be facetted give no sizes; their own mesher reports them.
+/// The field answers at most a few percent more than what was asked at a place (up to ten where sizes vary fastest),
+/// the global size exactly where nothing smaller reaches, and is a uniform field when nothing smaller is asked for at
+/// all. A size holds within 0.6 to 0.95 edge lengths of its source before it grows. Outside of all regions, further
+/// than an edge length from every face, the field is coarse. Faces that cannot be facetted give no sizes; their own
+/// mesher reports them.
 ///
 /// The result does not depend on the number of threads. Complexity: O(n log n) in the facets and the leaves; a leaf is
 /// about as wide as the sizes in it where the field varies, and as large as can be where it does not.
@@ -31,5 +33,16 @@ namespace tetloom {
 SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
                            std::span<const PointSize> refinements, const TaskRunner& runner,
                            std::uint64_t max_memory = 0);
+
+/// A size field and what a mesh on it will hold.
+struct SizedModel {
+  SizeField sizes;
+  MeshEstimate estimate;
+};
+
+/// build_size_field and estimate_mesh in one, which facets the model once instead of twice.
+SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
+                              std::span<const PointSize> refinements, const TaskRunner& runner,
+                              std::uint64_t max_memory = 0);
 
 }  // namespace tetloom

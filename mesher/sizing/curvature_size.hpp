@@ -30,6 +30,7 @@ namespace tetloom {
 /// curvature to speak of (not a number), 0 where it is infinite.
 inline double size_from_curvature(const PrincipalCurvatures& k, double edges_per_turn) {
   const double k1 = k.largest, k2 = k.smallest;
+  if (std::isinf(k1) || std::isinf(k2)) return 0;
   const double combined = std::sqrt(k1 * k1 + std::abs(k1 * k2) + k2 * k2);
   return combined > 0 ? 6 / (edges_per_turn * combined) : HUGE_VAL;
 }

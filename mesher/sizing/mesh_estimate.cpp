@@ -106,6 +106,12 @@ MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, 
   if (sizes.is_uniform()) return estimate_uniform(model, sizes.largest());
   const std::vector<FacetTolerance> tolerances(model.topology().face_count(), {0.2 * sizes.largest(), 0.5});
   const std::vector<Tessellation> facets = facet_faces(model, tolerances, runner);
+  return estimate_mesh(model, sizes, facets, FacetTree(model, facets, runner), runner);
+}
+
+MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const std::vector<Tessellation>& facets,
+                           const FacetTree& tree, const TaskRunner& runner) {
+  if (sizes.is_uniform()) return estimate_uniform(model, sizes.largest());
   std::vector<double> triangles(facets.size());
   runner.for_each(facets.size(),
                   [&](std::size_t f) { triangles[f] = triangles_of(facets[f], sizes, model.area(ModelFaceId(f))); });
@@ -113,7 +119,7 @@ MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, 
   for (const double count : triangles) triangle_count += count;
   if (model.topology().region_count() == 0) return with_bytes(triangle_count, 0);
   const double in_box = sizes.estimate_tets(model.bounding_box());
-  const double share = inside_share(FacetTree(model, facets, runner), sizes, model.bounding_box(), in_box, runner);
+  const double share = inside_share(tree, sizes, model.bounding_box(), in_box, runner);
   const double at_least = total_volume(model) * kTetsPerCube / cube(sizes.largest());
   return with_bytes(triangle_count, std::max(share * in_box, at_least));
 }

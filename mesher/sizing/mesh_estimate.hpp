@@ -1,6 +1,7 @@
 #pragma once
 // How large a mesh will be, known before it is made, and the refusal of what cannot fit.
 #include <cstdint>
+#include <vector>
 
 #include "core/geometry/model.hpp"
 #include "core/sizing/size_field.hpp"
@@ -9,10 +10,16 @@
 
 namespace tetloom {
 
+class FacetTree;
+
 /// Triangles from the faces' areas and the sizes on them (4/√3 per size²), tetrahedra from the regions' volumes and
 /// the sizes in them (kTetsPerCube per size³), bytes from 2500 per triangle and 300 per tetrahedron. Within a few
 /// percent for uniform sizes; graded sizes are integrated over samples, which is good to about a tenth.
 MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner);
+
+/// The same with facets of all faces at hand.
+MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const std::vector<Tessellation>& facets,
+                           const FacetTree& tree, const TaskRunner& runner);
 
 /// A lower bound from the global size and the sizes of faces and regions alone, before anything is built, so that it
 /// can refuse sizes that would already fill the memory with their own size field.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "mesher/sizing/source_tree.hpp"
+
 namespace tetloom {
 namespace {
 
@@ -57,11 +59,9 @@ std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::ve
                                       const TaskRunner& runner) {
   std::vector<Tessellation> faces(model.topology().face_count());
   std::vector<double> work(faces.size(), 0.0);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if (tolerances[f].chord > 0) work[f] = model.area(ModelFaceId(f));
-  runner.for_each_largest_first(work, [&](std::size_t f) {
-    if (tolerances[f].chord > 0) faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]);
-  });
+  for (std::size_t f = 0; f < faces.size(); ++f) work[f] = model.area(ModelFaceId(f));
+  runner.for_each_largest_first(work,
+                                [&](std::size_t f) { faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]); });
   return faces;
 }
 
@@ -110,6 +110,29 @@ std::optional<FacetHit> FacetTree::first_hit(const Vec3& origin, const Vec3& dir
   const Vec3 normal = normalized(cross(nearest->b - nearest->a, nearest->c - nearest->a));
   const FaceSides& sides = model_.topology().face_to_sides[nearest->face];
   return FacetHit{nearest->face, best, normal, dot(direction, normal) > 0 ? sides.back : sides.front};
+}
+
+bool FacetTree::any_within(const Vec3& x, double radius) const {
+  if (bvh_.nodes.empty()) return false;
+  const double radius2 = radius * radius;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t count = 0;
+  stack[count++] = 0;
+  while (count > 0) {
+    const std::uint32_t index = stack[--count];
+    const BvhNode& node = bvh_.nodes[index];
+    if (squared_distance(node.box, x) > radius2) continue;
+    if (node.right != 0) {
+      stack[count++] = node.right;
+      stack[count++] = index + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const Facet& facet = facets_[i];
+      if (squared_distance_to_triangle(x, facet.a, facet.b, facet.c) <= radius2) return true;
+    }
+  }
+  return false;
 }
 
 ModelRegionId FacetTree::region_at(const Vec3& x) const {

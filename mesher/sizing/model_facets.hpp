@@ -16,8 +16,8 @@ struct FacetTolerance {
   double angle = 0;  ///< radians
 };
 
-/// Facets of every face for which `tolerances` has a chord > 0, in parallel; the others stay empty. A face that cannot
-/// be facetted stays empty too: whoever meshes it reports it.
+/// Facets of every face within its tolerance, in parallel. A face that cannot be facetted stays empty: whoever meshes
+/// it reports it.
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
                                       const TaskRunner& runner);
 
@@ -35,6 +35,9 @@ class FacetTree {
 
   /// The first facet at a distance within (from, to) along the unit vector `direction`.
   std::optional<FacetHit> first_hit(const Vec3& origin, const Vec3& direction, double from, double to) const;
+
+  /// Whether a facet comes within `radius` of `x`.
+  bool any_within(const Vec3& x, double radius) const;
 
   /// The region that holds `x`; invalid outside of all. Decided by the first facet in several directions, so that the
   /// hairline gaps between the facets of different faces do not matter.

@@ -133,15 +133,13 @@ std::vector<double> facet_counts(const std::vector<Tessellation>& facets) {
   return work;
 }
 
-std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets,
-                                              bool every_face) {
+std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets) {
   constexpr double kAngle = 0.35;
   FacetTolerance usual{.chord = 0.1 * targets.global, .angle = kAngle};
   // An arc of 8/N radians between facets sags by a few percent of the size that the curvature rule gives.
   if (targets.curvature > 0) usual.angle = std::clamp(8 / targets.curvature, 0.05, kAngle);
   std::vector<FacetTolerance> tolerances(model.topology().face_count());
   for (std::size_t f = 0; f < tolerances.size(); ++f) {
-    if (!every_face && targets.curvature <= 0 && targets.face[f] >= targets.global) continue;
     tolerances[f] = usual;
     if (targets.face[f] < targets.global) tolerances[f].chord = 0.1 * targets.face[f];
     if (targets.proximity > 0)

@@ -11,8 +11,8 @@
 
 namespace tetloom {
 
-/// How closely each face must be facetted for its sources; chord 0 where it is not needed.
-std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets, bool every_face);
+/// How closely each face must be facetted for its sources.
+std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets);
 
 /// Sizes of model vertices, and sizes and curvature of model edges.
 std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets, const TaskRunner& runner);

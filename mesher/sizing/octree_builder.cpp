@@ -57,7 +57,7 @@ std::vector<OctreeBuilder::Cell> OctreeBuilder::children_of(const std::vector<Ce
   for (const Cell& cell : cells) {
     if (cell.verdict != CellVerdict::Split) continue;
     for (std::uint64_t octant = 0; octant < 8; ++octant)
-      children.push_back({cell.code << 3 | octant, cell.winner, CellVerdict::Global});
+      children.push_back({cell.code << 3 | octant, cell.state, CellVerdict::Global});
   }
   return children;
 }
@@ -68,7 +68,7 @@ void OctreeBuilder::judge(std::vector<Cell>& cells, int level) const {
     for (std::size_t i = begin; i < end; ++i) {
       const Box3 box = box_of(cells[i].code, level);
       if (!box.overlaps(domain_)) continue;
-      cells[i].verdict = field_.classify(box.center(), box.hi.x - box.lo.x, cells[i].winner);
+      cells[i].verdict = field_.classify(box.center(), box.hi.x - box.lo.x, cells[i].state);
       if (search) cells[i].verdict = CellVerdict::Split;
       if (level == 0) cells[i].verdict = CellVerdict::Split;  // block 0 always exists
       if (level == kMaxDepth && cells[i].verdict == CellVerdict::Split) cells[i].verdict = CellVerdict::Leaf;
@@ -106,7 +106,7 @@ void OctreeBuilder::adopt_cuts() {
         if (known < judged.size() && judged[known].code == code)
           children.push_back(judged[known]);
         else
-          children.push_back({code, cell.winner, cell.verdict});
+          children.push_back({code, cell.state, cell.verdict});
       }
       cell.verdict = CellVerdict::Split;
     }
@@ -157,7 +157,7 @@ SizeOctree OctreeBuilder::pack(std::vector<OctreeLeaf>& leaves) const {
 }
 
 SizeOctree OctreeBuilder::build(std::vector<OctreeLeaf>& leaves) {
-  std::vector<Cell> cells{{0, SourceTree::kNoSource, CellVerdict::Split}};
+  std::vector<Cell> cells{{0, {}, CellVerdict::Split}};
   std::size_t total = 0;
   for (int level = 0; !cells.empty(); ++level) {
     total += cells.size();

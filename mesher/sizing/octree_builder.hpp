@@ -30,7 +30,7 @@ class OctreeBuilder {
  private:
   struct Cell {
     std::uint64_t code;  ///< Morton code at the level of the cell
-    std::uint32_t winner;
+    CellState state;
     CellVerdict verdict;
   };
 

@@ -57,6 +57,8 @@ class GapProbe {
       };
       refine_facet({FacetCorner{{}, a}, FacetCorner{{}, b}, FacetCorner{{}, c}}, rules, sample, middle, out);
     }
+    // The size holds as far as the middle of the gap, so that it holds across the gap from both sides.
+    for (SizeSource& source : out) source.hold = 0.5 * targets_.proximity * source.size;
     return out;
   }
 

@@ -20,21 +20,30 @@ Box3 box_of(const SizeSource& source) {
   return box;
 }
 
+/// By the signs of the barycentric coordinates (Ericson, Real-Time Collision Detection, 5.1.5): outside of the triangle
+/// the nearest point lies on an edge. `area2` is ab2 ac2 - abac², or 0 where a triangle is a segment or a point.
+struct PreparedTriangle {
+  const Vec3 &ab, &ac;
+  double ab2, ac2, abac, area2;
+
+  double squared_distance(const Vec3& ap) const {
+    const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return norm2(ap);
+    const double v = d1 * ac2 - d2 * abac, w = d2 * ab2 - d1 * abac;
+    if (v >= 0 && w >= 0 && v + w <= area2 && area2 > 0) return norm2(ap - (v / area2) * ab - (w / area2) * ac);
+    double best = squared_to_segment(ap, ab, d1, ab2);
+    if (area2 == 0) return best;
+    best = std::min(best, squared_to_segment(ap, ac, d2, ac2));
+    return std::min(best, squared_to_segment(ap - ab, ac - ab, d2 - d1 - abac + ab2, ab2 + ac2 - 2 * abac));
+  }
+};
+
 }  // namespace
 
-/// By the signs of the barycentric coordinates (Ericson, Real-Time Collision Detection, 5.1.5): outside of the triangle
-/// the nearest point lies on one of the edges that the projection of `x` sees from outside.
 double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = x - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return norm2(ap);
+  const Vec3 ab = b - a, ac = c - a;
   const double ab2 = norm2(ab), ac2 = norm2(ac), abac = dot(ab, ac);
-  const double v = d1 * ac2 - d2 * abac, w = d2 * ab2 - d1 * abac, area = ab2 * ac2 - abac * abac;
-  if (v >= 0 && w >= 0 && v + w <= area && area > 0) return norm2(ap - (v / area) * ab - (w / area) * ac);
-  double best = squared_to_segment(ap, ab, d1, ab2);
-  best = std::min(best, squared_to_segment(ap, ac, d2, ac2));
-  const Vec3 bc = c - b, bp = x - b;
-  return std::min(best, squared_to_segment(bp, bc, dot(bc, bp), norm2(bc)));
+  return PreparedTriangle{ab, ac, ab2, ac2, abac, ab2 * ac2 - abac * abac}.squared_distance(x - a);
 }
 
 SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner)
@@ -45,35 +54,59 @@ SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const 
   });
   bvh_ = build_bvh(boxes, runner);
   sources_.reserve(sources.size());
-  for (const std::uint32_t i : bvh_.order) sources_.push_back(sources[i]);
-  node_sizes_.resize(bvh_.nodes.size());
+  for (const std::uint32_t i : bvh_.order) sources_.push_back(prepare(sources[i]));
+  bounds_.resize(bvh_.nodes.size());
   for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
     const BvhNode& node = bvh_.nodes[i];
-    double smallest = HUGE_VAL;
-    if (node.right != 0)
-      smallest = std::min(node_sizes_[i + 1], node_sizes_[node.right]);
-    else
-      for (std::uint32_t j = node.begin; j < node.end; ++j) smallest = std::min(smallest, sources_[j].size);
-    node_sizes_[i] = smallest;
+    NodeBounds& bounds = bounds_[i];
+    if (node.right != 0) {
+      bounds.size = std::min(bounds_[i + 1].size, bounds_[node.right].size);
+      bounds.hold = std::max(bounds_[i + 1].hold, bounds_[node.right].hold);
+      continue;
+    }
+    for (std::uint32_t j = node.begin; j < node.end; ++j) {
+      bounds.size = std::min(bounds.size, sources_[j].size);
+      bounds.hold = std::max(bounds.hold, sources_[j].hold);
+    }
   }
+}
+
+SourceTree::Triangle SourceTree::prepare(const SizeSource& source) {
+  Triangle triangle;
+  triangle.a = source.a;
+  triangle.ab = source.b - source.a;
+  triangle.ac = source.c - source.a;
+  triangle.size = source.size;
+  triangle.ab2 = norm2(triangle.ab);
+  triangle.ac2 = norm2(triangle.ac);
+  triangle.abac = dot(triangle.ab, triangle.ac);
+  const bool segment = source.b == source.c;
+  triangle.area2 = segment ? 0 : triangle.ab2 * triangle.ac2 - triangle.abac * triangle.abac;
+  const double share = !segment ? 0.6 : source.a != source.b ? 0.75 : 0.95;
+  triangle.hold = source.hold > 0 ? source.hold : share * source.size;
+  return triangle;
 }
 
 double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) const {
   double best = cap;
   std::uint32_t decider = kNoSource;
-  // A source of size s gives less than `best` within the distance (best - s) / g + s/2 only; this shrinks as s grows
-  // because g <= 1, so the smallest s bounds a whole node.
+  // A source gives less than `best` only within the distance (best - s) / g + hold.
   const double per_growth = 1 / gradation_;
-  const auto reach2 = [&](double smallest) {
+  const auto reach2 = [&](double smallest, double hold) {
     if (smallest >= best) return -1.0;
-    const double reach = (best - smallest) * per_growth + kHold * smallest;
+    const double reach = (best - smallest) * per_growth + hold;
     return reach * reach;
   };
+  const auto is_near = [&](std::uint32_t node, double distance2) {
+    return distance2 < reach2(bounds_[node].size, bounds_[node].hold);
+  };
   const auto offer = [&](std::uint32_t i) {
-    const SizeSource& source = sources_[i];
-    const double distance2 = squared_distance_to_triangle(x, source.a, source.b, source.c);
-    if (distance2 >= reach2(source.size)) return;
-    best = source.size + gradation_ * std::max(0.0, std::sqrt(distance2) - kHold * source.size);
+    const Triangle& t = sources_[i];
+    const double reach = reach2(t.size, t.hold);
+    const PreparedTriangle prepared{t.ab, t.ac, t.ab2, t.ac2, t.abac, t.area2};
+    const double distance2 = prepared.squared_distance(x - t.a);
+    if (distance2 >= reach) return;
+    best = t.size + gradation_ * std::max(0.0, std::sqrt(distance2) - t.hold);
     decider = i;
   };
   if (winner != kNoSource) offer(winner);
@@ -86,7 +119,7 @@ double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) con
   if (!bvh_.nodes.empty()) stack[count++] = {0, squared_distance(bvh_.nodes[0].box, x)};
   while (count > 0) {
     const Pending top = stack[--count];
-    if (top.distance2 >= reach2(node_sizes_[top.node])) continue;
+    if (!is_near(top.node, top.distance2)) continue;
     const BvhNode& node = bvh_.nodes[top.node];
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) offer(i);
@@ -95,8 +128,8 @@ double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) con
     Pending near{top.node + 1, squared_distance(bvh_.nodes[top.node + 1].box, x)};
     Pending far{node.right, squared_distance(bvh_.nodes[node.right].box, x)};
     if (far.distance2 < near.distance2) std::swap(near, far);
-    if (far.distance2 < reach2(node_sizes_[far.node])) stack[count++] = far;
-    if (near.distance2 < reach2(node_sizes_[near.node])) stack[count++] = near;
+    if (is_near(far.node, far.distance2)) stack[count++] = far;
+    if (is_near(near.node, near.distance2)) stack[count++] = near;
   }
   winner = decider;
   return best;

@@ -12,6 +12,7 @@ namespace tetloom {
 struct SizeSource {
   Vec3 a, b, c;
   double size = 0;
+  double hold = 0;  ///< how far the size holds before it grows; 0: a share of the size, by the kind of source
 };
 
 /// Squared distance from `x` to the triangle a b c, which may be degenerate.
@@ -19,10 +20,11 @@ double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b,
 
 /// The exact gradation-limited field of a set of sources,
 ///
-///     f(x) = min over sources of  s + g max(0, |x - source| - s/2),
+///     f(x) = min over sources of  s + g max(0, |x - source| - hold),
 ///
-/// the largest field of slope g that is at most s within half an edge length of each source. The minimum is found by
-/// branch and bound, as a nearest neighbour with additive weights.
+/// the largest field of slope g that is at most s within the hold of each source: by default 0.6 s for triangles, 0.75
+/// s for segments and 0.95 s for points, as far as the interpolation in an octree leaf of width s looks away from them.
+/// The minimum is found by branch and bound, as a nearest neighbour with additive weights.
 ///
 /// Laws: |f(x) - f(y)| <= g |x - y|; f depends on the set of sources, not on their order, up to rounding.
 /// Thread safety: immutable after construction.
@@ -30,11 +32,11 @@ class SourceTree {
  public:
   static constexpr std::uint32_t kNoSource = 0xffffffffu;
 
-  /// Pre: 0 < gradation <= 1; sizes positive.
+  /// Pre: gradation > 0; sizes positive.
   SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner);
 
   bool empty() const { return sources_.empty(); }
-  double smallest() const { return node_sizes_.empty() ? HUGE_VAL : node_sizes_[0]; }
+  double smallest() const { return bounds_.empty() ? HUGE_VAL : bounds_[0].size; }
   double source_size(std::uint32_t source) const { return sources_[source].size; }
 
   /// min(f(x), cap). `winner` speeds the search up when it comes in as the winner at a nearby point; it goes out as the
@@ -42,12 +44,24 @@ class SourceTree {
   double size_at(const Vec3& x, double cap, std::uint32_t& winner) const;
 
  private:
-  static constexpr double kHold = 0.5;  ///< how far a source's size holds before it grows, in sizes
+  /// A source made ready for distances.
+  struct Triangle {
+    Vec3 a, ab, ac;
+    double ab2 = 0, ac2 = 0, abac = 0, area2 = 0;  ///< dot products; area2 is 0 for segments and points
+    double size = 0, hold = 0;
+  };
+
+  /// The smallest size and the largest hold below a node.
+  struct NodeBounds {
+    double size = HUGE_VAL, hold = 0;
+  };
+
+  static Triangle prepare(const SizeSource& source);
 
   double gradation_;
-  std::vector<SizeSource> sources_;  ///< in the order of the hierarchy
+  std::vector<Triangle> sources_;  ///< in the order of the hierarchy
   Bvh bvh_;
-  std::vector<double> node_sizes_;  ///< the smallest size below each node
+  std::vector<NodeBounds> bounds_;
 };
 
 }  // namespace tetloom

@@ -8,14 +8,26 @@ namespace tetloom {
 namespace {
 
 constexpr double kHalfDiagonal = 0.8660254037844386;      // of the unit cube
-constexpr double kWidthAtSource = 0.8, kWidthAway = 1.1;  // of leaves, in sizes
+constexpr double kWidthAtSource = 1.1, kWidthAway = 1.5;  // of leaves, in sizes, at a gradation of up to 0.3
+
+/// The error of the interpolation grows with the gradation and with the square of the width.
+double width_scale(double gradation) { return gradation > 0.3 ? std::sqrt(0.3 / gradation) : 1; }
 
 }  // namespace
 
-double TargetField::finest_width() const { return kWidthAtSource * std::min(sources_.smallest(), targets_.global); }
+TargetField::TargetField(const SizeTargets& targets, const SourceTree& sources, const FacetTree& facets,
+                         const std::function<double(const Vec3&)>& callback)
+    : targets_(targets),
+      sources_(sources),
+      facets_(facets),
+      callback_(callback),
+      width_at_source_(kWidthAtSource * width_scale(targets.gradation)),
+      width_away_(kWidthAway * width_scale(targets.gradation)) {}
+
+double TargetField::finest_width() const { return width_at_source_ * std::min(sources_.smallest(), targets_.global); }
 
 double TargetField::region_size(const Vec3& x) const {
-  const ModelRegionId region = facets_->region_at(x);
+  const ModelRegionId region = facets_.region_at(x);
   return region.valid() ? targets_.region[region.value] : HUGE_VAL;
 }
 
@@ -26,7 +38,7 @@ double TargetField::callback_size(const Vec3& x) const {
 
 double TargetField::size_at(const Vec3& x, std::uint32_t& winner) const {
   double size = sources_.size_at(x, targets_.global, winner);
-  if (facets_ != nullptr && size > targets_.smallest_region) size = std::min(size, region_size(x));
+  if (size > targets_.smallest_region) size = std::min(size, region_size(x));
   if (callback_) size = std::min(size, callback_size(x));
   return size;
 }
@@ -37,27 +49,45 @@ double TargetField::lower_bound(const Vec3& center, double radius, std::uint32_t
   return std::max(bound, std::min(sources_.smallest(), targets_.global));
 }
 
-CellVerdict TargetField::classify(const Vec3& center, double width, std::uint32_t& winner) const {
-  bool below_global = false;
-  if (callback_ && callback_needs_split(center, width, below_global)) return CellVerdict::Split;
-  const CellVerdict constant = callback_ ? CellVerdict::Leaf : CellVerdict::Global;
-  if (sources_.empty()) return below_global ? CellVerdict::Leaf : constant;
-
+CellVerdict TargetField::classify(const Vec3& center, double width, CellState& state) const {
+  CellVerdict verdict = judge_by_sources(center, width, state);
+  if (callback_) verdict = std::max(verdict, judge_by_callback(center, width));
+  if (verdict != CellVerdict::Split) return verdict;
   const double radius = kHalfDiagonal * width;
-  const double drop = targets_.gradation * radius;
-  const double at_center = sources_.size_at(center, targets_.global + drop, winner);
-  const double bound = at_center - drop;
-  if (bound >= targets_.global) return constant;
-  // The sources bound every region that has a size: a cell that stays above the size of its region lies inside it.
-  if (facets_ != nullptr && bound >= targets_.smallest_region && bound >= region_size(center)) return CellVerdict::Leaf;
-  const double source = winner == SourceTree::kNoSource ? targets_.global : sources_.source_size(winner);
-  const bool touches_source = at_center < source + drop;
-  const double least = std::max(bound, std::min(sources_.smallest(), targets_.global));
-  return width <= (touches_source ? kWidthAtSource : kWidthAway) * least ? CellVerdict::Leaf : CellVerdict::Split;
+  if (state.region == CellState::kNearSurface) {
+    if (facets_.any_within(center, radius + std::min(state.at_center, targets_.global))) return CellVerdict::Split;
+    const ModelRegionId region = facets_.region_at(center);
+    if (!region.valid()) return CellVerdict::Leaf;
+    state.region = region.value;
+  }
+  // Inside of a region with a size of its own, larger sizes do not matter.
+  const bool overruled = state.at_center - targets_.gradation * radius >= targets_.region[state.region];
+  return overruled && !callback_ ? CellVerdict::Leaf : CellVerdict::Split;
 }
 
-/// Compares the callback on a 3 x 3 x 3 grid with its trilinear interpolation from the cell's corners.
-bool TargetField::callback_needs_split(const Vec3& center, double width, bool& below_global) const {
+CellVerdict TargetField::judge_by_sources(const Vec3& center, double width, CellState& state) const {
+  if (sources_.empty()) {
+    state.at_center = targets_.global;
+    return CellVerdict::Global;
+  }
+  // From the parent's centre to this one, and from there to a corner, it is half a diagonal each.
+  const double drop = targets_.gradation * kHalfDiagonal * width;
+  if (width <= width_at_source_ * (state.at_center - 2 * drop)) {
+    state.at_center -= drop;
+    return CellVerdict::Leaf;
+  }
+  state.at_center = sources_.size_at(center, targets_.global + drop, state.winner);
+  const double bound = state.at_center - drop;
+  if (bound >= targets_.global) return CellVerdict::Global;
+  const double source = state.winner == SourceTree::kNoSource ? targets_.global : sources_.source_size(state.winner);
+  const bool touches_source = state.at_center < source + drop;
+  const double least = std::max(bound, std::min(sources_.smallest(), targets_.global));
+  return width <= (touches_source ? width_at_source_ : width_away_) * least ? CellVerdict::Leaf : CellVerdict::Split;
+}
+
+/// Compares the callback on a 3 x 3 x 3 grid with its trilinear interpolation from the cell's corners. No cell is
+/// global: gradation may carry a small size from the neighbours into it.
+CellVerdict TargetField::judge_by_callback(const Vec3& center, double width) const {
   constexpr double kTolerance = 0.05, kWidthToSize = 0.5;
   std::array<double, 27> values;
   double smallest = HUGE_VAL;
@@ -66,8 +96,7 @@ bool TargetField::callback_needs_split(const Vec3& center, double width, bool& b
     values[static_cast<std::size_t>(i)] = callback_size(center + (0.5 * width) * offset);
     smallest = std::min(smallest, values[static_cast<std::size_t>(i)]);
   }
-  below_global = smallest < targets_.global;
-  if (!below_global || width <= kWidthToSize * smallest) return false;
+  if (smallest >= targets_.global || width <= kWidthToSize * smallest) return CellVerdict::Leaf;
   const auto corner = [&](int x, int y, int z) { return values[static_cast<std::size_t>(2 * x + 6 * y + 18 * z)]; };
   for (int i = 0; i < 27; ++i) {
     const double x = i % 3 * 0.5, y = i / 3 % 3 * 0.5, z = i / 9 * 0.5;
@@ -76,9 +105,9 @@ bool TargetField::callback_needs_split(const Vec3& center, double width, bool& b
     const double upper = (1 - y) * ((1 - x) * corner(0, 0, 1) + x * corner(1, 0, 1)) +
                          y * ((1 - x) * corner(0, 1, 1) + x * corner(1, 1, 1));
     const double value = values[static_cast<std::size_t>(i)];
-    if (std::abs((1 - z) * lower + z * upper - value) > kTolerance * value) return true;
+    if (std::abs((1 - z) * lower + z * upper - value) > kTolerance * value) return CellVerdict::Split;
   }
-  return false;
+  return CellVerdict::Leaf;
 }
 
 }  // namespace tetloom

@@ -17,13 +17,20 @@ enum class CellVerdict : std::uint8_t {
   Split
 };
 
+/// What is known of a cell beside its box. A child starts with its parent's.
+struct CellState {
+  static constexpr std::uint32_t kNearSurface = 0xffffffffu;
+  std::uint32_t winner = SourceTree::kNoSource;  ///< the source that decides at the centre
+  double at_center = 0;                          ///< a lower bound of the sources' field there
+  std::uint32_t region = kNearSurface;           ///< the region that holds the whole cell, where that is known
+};
+
 /// The smallest of the global size, the sources' field, the sizes of the regions and the callback.
 class TargetField {
  public:
-  /// `facets` is needed when a region has a size of its own and may be null otherwise; `callback` may be empty.
-  TargetField(const SizeTargets& targets, const SourceTree& sources, const FacetTree* facets,
-              const std::function<double(const Vec3&)>& callback)
-      : targets_(targets), sources_(sources), facets_(facets), callback_(callback) {}
+  /// `callback` may be empty.
+  TargetField(const SizeTargets& targets, const SourceTree& sources, const FacetTree& facets,
+              const std::function<double(const Vec3&)>& callback);
 
   /// `winner` as in SourceTree::size_at.
   double size_at(const Vec3& x, std::uint32_t& winner) const;
@@ -31,9 +38,10 @@ class TargetField {
   /// A lower bound of the sources' field within `radius` of `center`.
   double lower_bound(const Vec3& center, double radius, std::uint32_t& winner) const;
 
-  /// A cell is a leaf once it is about as wide as the sizes in it (half of that next to a source, where the field
-  /// bends), so that trilinear interpolation follows the field within a few percent; or when the field is constant.
-  CellVerdict classify(const Vec3& center, double width, std::uint32_t& winner) const;
+  /// A cell is a leaf once it is about as wide as the sizes in it (a little less next to a source, where the field
+  /// bends), so that trilinear interpolation follows the field within a few percent; when the field is constant; or
+  /// when it lies outside of every region and more than an edge length away from all faces, where nobody will ask.
+  CellVerdict classify(const Vec3& center, double width, CellState& state) const;
 
   /// The width of the leaves next to the smallest source.
   double finest_width() const;
@@ -46,12 +54,14 @@ class TargetField {
  private:
   double region_size(const Vec3& x) const;
   double callback_size(const Vec3& x) const;
-  bool callback_needs_split(const Vec3& center, double width, bool& below_global) const;
+  CellVerdict judge_by_sources(const Vec3& center, double width, CellState& state) const;
+  CellVerdict judge_by_callback(const Vec3& center, double width) const;
 
   const SizeTargets& targets_;
   const SourceTree& sources_;
-  const FacetTree* facets_;
+  const FacetTree& facets_;
   const std::function<double(const Vec3&)>& callback_;
+  double width_at_source_, width_away_;  ///< of the widest leaves, in sizes
 };
 
 }  // namespace tetloom

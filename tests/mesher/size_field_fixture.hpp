@@ -1,0 +1,47 @@
+#pragma once
+// What the tests of the size field share.
+#include <random>
+#include <span>
+
+#include "mesher/sizing/build_size_field.hpp"
+#include "tests/support/analytic_model.hpp"
+
+namespace tetloom::test_sizes {
+
+inline SizeField build(const GeometricModel& model, const SizeOptions& options, int threads = 2,
+                       std::span<const PointSize> refinements = {}) {
+  return build_size_field(model, options, refinements, TaskRunner(threads));
+}
+
+/// The option that was refused, by the error's message; empty when nothing was thrown.
+inline std::string refusal(const GeometricModel& model, const SizeOptions& options, ErrorCode code,
+                           std::span<const PointSize> refinements = {}) {
+  try {
+    build(model, options, 1, refinements);
+  } catch (const Error& error) {
+    return error.code() == code ? error.what() : std::string("wrong code: ") + error.what();
+  }
+  return {};
+}
+
+class RandomPoints {
+ public:
+  RandomPoints(const Box3& box, unsigned seed) : box_(box), random_(seed) {}
+  double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  Vec3 point() {
+    const Vec3 extent = box_.hi - box_.lo;
+    return box_.lo + Vec3{extent.x * unit(), extent.y * unit(), extent.z * unit()};
+  }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 d{unit() - 0.5, unit() - 0.5, unit() - 0.5};
+      if (norm(d) > 0.05 && norm(d) < 0.5) return normalized(d);
+    }
+  }
+
+ private:
+  Box3 box_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace tetloom::test_sizes
