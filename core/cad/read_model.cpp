@@ -10,6 +10,7 @@
 #include "core/cad/detail/healing.hpp"
 #include "core/cad/detail/imprint.hpp"
 #include "core/cad/detail/occt_guard.hpp"
+#include "core/discrete/discrete_model.hpp"
 
 namespace tetloom {
 namespace {
@@ -65,7 +66,8 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
     cad::ShapeTopology parts = cad::make_topology(document.root);
     if (parts.topology.face_count() == 0)
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
-    result.warnings = std::move(parts.warnings);
+    result.warnings = std::move(document.warnings);
+    append(result.warnings, parts.warnings);
     if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes));
     append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
     if (cancel) cancel->check();
@@ -88,7 +90,7 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
     case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, options, cancel); break;
     case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, options, cancel); break;
     case Format::Stl:
-    case Format::Obj: throw Error(ErrorCode::InputUnsuitable, "facetted models are not part of this build");
+    case Format::Obj: document = read_discrete_model(path, options, cancel); break;
   }
   document.format = extension.name;
   return document;

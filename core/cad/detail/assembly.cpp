@@ -12,28 +12,14 @@
 #include <XCAFDoc_LayerTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 
+#include "core/cad/detail/step_names.hpp"
+
 namespace tetloom::cad {
 namespace {
 
-std::string utf8(const TCollection_ExtendedString& text) {
-  std::string result(static_cast<std::size_t>(text.LengthOfCString()) + 1, '\0');
-  Standard_PCharacter begin = result.data();
-  result.resize(static_cast<std::size_t>(text.ToUTF8CString(begin)));
-  return result;
-}
-
-std::string trimmed(std::string text) {
-  const auto space = [](unsigned char c) { return std::isspace(c) != 0; };
-  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), space));
-  text.erase(std::find_if_not(text.rbegin(), text.rend(), space).base(), text.end());
-  return text;
-}
-
 std::string name_of(const TDF_Label& label) {
   Handle(TDataStd_Name) name;
-  if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return "";
-  const std::string text = trimmed(utf8(name->Get()));
-  return text == "NONE" || text.starts_with("=>") ? "" : text;
+  return label.FindAttribute(TDataStd_Name::GetID(), name) ? clean_name(name->Get()) : "";
 }
 
 /// Names of instances that say nothing: numbers, and the counters that some systems write.
@@ -122,7 +108,7 @@ class AssemblyWalker {
     if (!result.color) result.color = color_of(label, XCAFDoc_ColorGen);
     result.edge_color = color_of(label, XCAFDoc_ColorCurv);
     Handle(TColStd_HSequenceOfExtendedString) names = layers_->GetLayers(label);
-    if (!names.IsNull() && !names->IsEmpty()) result.layer = utf8(names->First());
+    if (!names.IsNull() && !names->IsEmpty()) result.layer = clean_name(names->First());
     return result;
   }
 

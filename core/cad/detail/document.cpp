@@ -10,10 +10,13 @@
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_WorkSession.hxx>
 
 #include "core/cad/detail/assembly.hpp"
+#include "core/cad/detail/exchange_check.hpp"
 #include "core/cad/detail/file_check.hpp"
 #include "core/cad/detail/occt_guard.hpp"
+#include "core/cad/detail/step_names.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -58,12 +61,14 @@ void transfer(Reader& reader, CafDocument& document, const std::filesystem::path
 Document read_step(const std::filesystem::path& path, const CancelToken* cancel) {
   CafDocument document;
   STEPCAFControl_Reader reader;
-  const ScopedParameter names("read.stepcaf.subshapes.name", 1);
   reader.SetPropsMode(false);
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) unreadable(path, "is not a valid STEP file");
+  const std::vector<Diagnostic> warnings = check_step_model(path, reader.Reader().WS()->Model());
   if (reader.NbRootsForTransfer() == 0) without_shape(path);
   transfer(reader, document, path, cancel);
   Document result = flatten_assembly(document.get());
+  result.warnings = warnings;
+  add_step_names(reader, result);
   result.metres_per_unit = kMetresPerMillimetre;
   return result;
 }

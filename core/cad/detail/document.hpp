@@ -12,6 +12,7 @@ struct Document {
   TopoDS_Compound root;  ///< the parts, each in its place
   AttributeMap attributes;
   double metres_per_unit = 0;
+  std::vector<Diagnostic> warnings;
 };
 
 enum class CadFormat { Step, Iges, Brep };

@@ -136,6 +136,7 @@ constexpr double kVolumeChange = 0.01;
 bool is_improved(const TopoDS_Shape& before, const TopoDS_Shape& after) {
   if (after.IsNull() || badness(after) >= badness(before)) return false;
   if (before.ShapeType() != TopAbs_SOLID) return true;
+  if (!TopExp_Explorer(after, TopAbs_SOLID).More()) return false;
   const double old_volume = volume_of(before), new_volume = volume_of(after);
   return std::abs(std::abs(new_volume) - std::abs(old_volume)) <= kVolumeChange * std::abs(old_volume);
 }
@@ -241,15 +242,24 @@ std::size_t remove_swallowed_spurs(Document& document) {
   return count;
 }
 
+/// The same solid with the orientation that it is stored with worked into its shells.
+TopoDS_Solid with_own_orientation(const TopoDS_Solid& solid) {
+  TopoDS_Solid result;
+  BRep_Builder builder;
+  builder.MakeSolid(result);
+  for (TopoDS_Iterator shell(solid); shell.More(); shell.Next()) builder.Add(result, shell.Value());
+  return result;
+}
+
 std::size_t turn_right_side_out(Document& document) {
   const Context context = new ShapeBuild_ReShape;
   std::size_t count = 0;
   for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
-    const TopoDS_Shape body = original.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD);
+    const TopoDS_Shape body = original.Located(TopLoc_Location());
     if (context->IsRecorded(body) || !(volume_of(body) < 0) || !find_open_edges(body).empty()) continue;
     TopoDS_Solid solid = TopoDS::Solid(body);
     if (!BRepLib::OrientClosedSolid(solid) || !(volume_of(solid) > 0)) continue;
-    context->Replace(body, solid);
+    context->Replace(body, with_own_orientation(solid));
     ++count;
   }
   if (count > 0) apply(document, context);

@@ -1,6 +1,5 @@
 #include "core/cad/detail/occt_guard.hpp"
 
-#include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
@@ -59,11 +58,5 @@ ReadingSession::ReadingSession() : lock_(reader_mutex()) {
 }
 
 ReadingSession::~ReadingSession() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
-
-ScopedParameter::ScopedParameter(const char* name, int value) : name_(name), old_value_(Interface_Static::IVal(name)) {
-  Interface_Static::SetIVal(name, value);
-}
-
-ScopedParameter::~ScopedParameter() { Interface_Static::SetIVal(name_, old_value_); }
 
 }  // namespace tetloom::cad

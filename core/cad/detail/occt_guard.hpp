@@ -54,17 +54,4 @@ class ReadingSession {
   Message_SequenceOfPrinters printers_;
 };
 
-/// Sets an integer parameter of OpenCASCADE's readers and puts the old value back at the end of the scope.
-class ScopedParameter {
- public:
-  ScopedParameter(const char* name, int value);
-  ~ScopedParameter();
-  ScopedParameter(const ScopedParameter&) = delete;
-  ScopedParameter& operator=(const ScopedParameter&) = delete;
-
- private:
-  const char* name_;
-  int old_value_;
-};
-
 }  // namespace tetloom::cad

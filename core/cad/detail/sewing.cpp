@@ -83,13 +83,17 @@ std::vector<TopoDS_Shape> pieces_of(const TopoDS_Shape& shape) {
   return result;
 }
 
-bool is_closed(const TopoDS_Shape& piece) {
-  return piece.ShapeType() == TopAbs_SHELL && find_open_edges(piece).empty();
-}
-
-TopoDS_Solid solid_of(const TopoDS_Shape& shell) {
+/// Works for single faces, such as spheres, as well.
+TopoDS_Solid solid_of(const TopoDS_Shape& closed_piece) {
   TopoDS_Solid solid;
+  TopoDS_Shell shell;
   BRep_Builder builder;
+  if (closed_piece.ShapeType() == TopAbs_SHELL) {
+    shell = TopoDS::Shell(closed_piece);
+  } else {
+    builder.MakeShell(shell);
+    builder.Add(shell, closed_piece);
+  }
   builder.MakeSolid(solid);
   builder.Add(solid, shell);
   BRepLib::OrientClosedSolid(solid);
@@ -194,7 +198,7 @@ void sew_loose_faces(Document& document, std::vector<HealingStep>& steps, const 
   if (loose.empty()) return;
   const SewnPieces sewn = sew(loose, sewing_tolerance(document.root), cancel);
   std::vector<TopoDS_Shape> closed, open;
-  for (const TopoDS_Shape& piece : sewn.shapes) (is_closed(piece) ? closed : open).push_back(piece);
+  for (const TopoDS_Shape& piece : sewn.shapes) (find_open_edges(piece).empty() ? closed : open).push_back(piece);
   if (closed.empty() && sewn.closed_edges == 0) return;
   std::vector<TopoDS_Shape> bodies = ShellNest(closed).solids();
   add_step(steps, "free edges of loose faces were sewn together", sewn.closed_edges);

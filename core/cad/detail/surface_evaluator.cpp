@@ -117,9 +117,12 @@ class TurnedEvaluator final : public SurfaceEvaluator {
     const Vec3 p = frame_.local(x);
     const double r = std::hypot(p.x, p.y);
     const double u = r > 0 ? std::atan2(p.y, p.x) : hint.u;
-    const Vec2 same = place(u, r, p.z, hint), opposite = place(u + std::numbers::pi, -r, p.z, hint);
+    const Vec2 same = place(u, r, p.z, hint);
+    if constexpr (std::is_same_v<Curve, SphereMeridian> || std::is_same_v<Curve, CylinderMeridian>) return same;
+    const Vec2 opposite = place(u + std::numbers::pi, -r, p.z, hint);
     const double near = norm2(point(same) - x), far = norm2(point(opposite) - x);
-    return near <= far * (1 + 1e-12) ? same : opposite;
+    const double noise = 1e-24 * norm2(p);
+    return near <= far + noise ? same : opposite;
   }
 
  private:

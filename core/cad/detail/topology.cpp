@@ -24,7 +24,7 @@ TopoDS_Face ShapeTables::face(ModelFaceId id) const {
   return TopoDS::Face(faces.FindKey(static_cast<int>(id.value) + 1).Oriented(TopAbs_FORWARD));
 }
 TopoDS_Solid ShapeTables::solid(ModelRegionId id) const {
-  return TopoDS::Solid(solids.FindKey(static_cast<int>(id.value) + 1).Oriented(TopAbs_FORWARD));
+  return TopoDS::Solid(solids.FindKey(static_cast<int>(id.value) + 1));
 }
 
 namespace {
@@ -63,11 +63,16 @@ class TopologyBuilder {
     }
   }
 
+  // A solid may be stored reversed, which turns its inside out; other orientations make no sense for it.
+  static TopoDS_Shape with_sides(const TopoDS_Shape& solid) {
+    return solid.Orientation() == TopAbs_REVERSED ? solid : solid.Oriented(TopAbs_FORWARD);
+  }
+
   void number_solids() {
     TopTools_IndexedMapOfShape all;
     TopExp::MapShapes(root_, TopAbs_SOLID, all);
     for (int i = 1; i <= all.Extent(); ++i)
-      if (TopExp_Explorer(all(i), TopAbs_FACE).More()) out_.shapes.solids.Add(all(i));
+      if (TopExp_Explorer(all(i), TopAbs_FACE).More()) out_.shapes.solids.Add(with_sides(all(i)));
     const int empty = all.Extent() - out_.shapes.solids.Extent();
     if (empty > 0)
       out_.warnings.push_back(
@@ -208,8 +213,7 @@ class TopologyBuilder {
   void add_region(int index) {
     const ModelRegionId region(static_cast<std::size_t>(index - 1));
     std::vector<ModelFaceId>& faces = out_.topology.region_to_faces.emplace_back();
-    const TopoDS_Shape solid = out_.shapes.solids(index).Oriented(TopAbs_FORWARD);
-    for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+    for (TopExp_Explorer face(out_.shapes.solids(index), TopAbs_FACE); face.More(); face.Next()) {
       const TopAbs_Orientation orientation = face.Current().Orientation();
       if (orientation == TopAbs_EXTERNAL) continue;
       const ModelFaceId id = id_of<ModelFaceId>(out_.shapes.faces, face.Current());

@@ -22,6 +22,7 @@ struct ShapeTables {
   TopoDS_Edge edge(ModelEdgeId id) const;
   /// Forward, so that its normal is du × dv.
   TopoDS_Face face(ModelFaceId id) const;
+  /// As it is stored, so that its faces point out of it.
   TopoDS_Solid solid(ModelRegionId id) const;
 };
 

@@ -1,0 +1,17 @@
+#pragma once
+// What OpenCASCADE found out while loading an exchange file. Private to core/cad.
+#include <filesystem>
+#include <Interface_InterfaceModel.hxx>
+#include <vector>
+
+#include "core/base/error.hpp"
+
+namespace tetloom::cad {
+
+/// Refuses a STEP model in which an entity of geometry or topology is damaged: the translation would follow null
+/// references. Damage elsewhere (units, presentation, products) and syntax errors that could be skipped are warned of.
+/// Errors: InputUnreadable with the first damaged entity.
+std::vector<Diagnostic> check_step_model(const std::filesystem::path& path,
+                                         const Handle(Interface_InterfaceModel) & model);
+
+}  // namespace tetloom::cad
