@@ -29,8 +29,8 @@ Diagnostic reading_error(const std::filesystem::path& path) {
 
 Diagnostic error_for(const std::string& extension, const std::string& content) {
   const ScratchFolder folder;
-  write_file(folder / ("bad" + extension), content);
-  return reading_error(folder / ("bad" + extension));
+  write_file(folder / test::joined("bad", extension), content);
+  return reading_error(folder / test::joined("bad", extension));
 }
 
 /// Reads a damaged file: either it is refused with a reason, or it holds some mesh.
@@ -45,8 +45,8 @@ void survive(const std::filesystem::path& path) {
 
 std::string content_of(const Mesh& mesh, const std::string& extension) {
   const ScratchFolder folder;
-  write_mesh(mesh, folder / ("good" + extension));
-  return file_content(folder / ("good" + extension));
+  write_mesh(mesh, folder / test::joined("good", extension));
+  return file_content(folder / test::joined("good", extension));
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -61,11 +61,11 @@ TEST_CASE("what is no file of meshes is refused with the reason") {
   const ScratchFolder folder;
   for (const char* extension : kExtensions) {
     INFO(extension);
-    const auto path = folder / ("x" + std::string(extension));
+    const auto path = folder / test::joined("x", extension);
     const auto refuse = [&](const std::string& reason) {
       const Diagnostic error = reading_error(path);
       CHECK(error.code == ErrorCode::InputUnreadable);
-      CHECK_THAT(error.message, Catch::Contains(reason) && Catch::Contains("x" + std::string(extension)));
+      CHECK_THAT(error.message, Catch::Contains(reason) && Catch::Contains(test::joined("x", extension)));
       std::filesystem::remove(path);
     };
     refuse("No such file or directory");
@@ -89,7 +89,7 @@ TEST_CASE("a file cut off anywhere is refused") {
   for (const char* extension : kExtensions) {
     INFO(extension);
     const std::string content = content_of(mesh, extension);
-    const auto path = folder / ("cut" + std::string(extension));
+    const auto path = folder / test::joined("cut", extension);
     for (std::size_t size = 1; size < content.size(); ++size) {
       write_file(path, content.substr(0, size));
       try {
@@ -111,7 +111,7 @@ TEST_CASE("random bytes are refused") {
     for (int round = 0; round < 50; ++round) {
       std::string content(random() % 3000 + 1, '\0');
       for (char& c : content) c = static_cast<char>(random());
-      const auto path = folder / ("random" + std::string(extension));
+      const auto path = folder / test::joined("random", extension);
       write_file(path, content);
       const Diagnostic error = reading_error(path);
       CHECK(error.code == ErrorCode::InputUnreadable);
@@ -140,7 +140,7 @@ TEST_CASE("damaged files of all formats never do harm") {
         }
         if (damaged.empty()) damaged.assign(1, 'x');
       }
-      const auto path = folder / ("damaged" + std::string(extension));
+      const auto path = folder / test::joined("damaged", extension);
       write_file(path, damaged);
       survive(path);
     }
@@ -328,7 +328,7 @@ TEST_CASE("reading stops when it is cancelled") {
   CancelToken cancel;
   cancel.cancel();
   for (const char* extension : kExtensions) {
-    const auto path = folder / ("mesh" + std::string(extension));
+    const auto path = folder / test::joined("mesh", extension);
     write_mesh(test::make_box(2, 2, 2), path);
     CHECK(error_of([&] { static_cast<void>(read_mesh(path, &cancel)); }).code == ErrorCode::Cancelled);
   }

@@ -82,7 +82,7 @@ TEST_CASE("meshio reads the same points and elements from every format") {
   const Mesh mesh = sample();
   for (const char* extension : {".vtu", ".mesh", ".meshb", ".msh"}) {
     INFO(extension);
-    const auto path = folder / ("mesh" + std::string(extension));
+    const auto path = folder / test::joined("mesh", extension);
     write_mesh(mesh, path);
     auto lines = parse_dump(python(folder, kDump, in_quotes(path)));
     if (std::string(extension) != ".msh") {
@@ -116,7 +116,7 @@ TEST_CASE("meshio sees the regions and faces of every format") {
       {{".vtu", "entity_tag"}, {".msh", "gmsh:physical"}, {".mesh", "medit:ref"}, {".meshb", "medit:ref"}}};
   for (const auto& [extension, key] : cases) {
     INFO(extension);
-    write_mesh(mesh, folder / ("mesh" + extension));
+    write_mesh(mesh, folder / test::joined("mesh", extension));
     const std::string counts = python(folder, R"(
 import sys, meshio, numpy as np
 m = meshio.read(sys.argv[1])
@@ -124,7 +124,7 @@ for kind in ('triangle', 'tetra'):
     tags = np.concatenate([d for b, d in zip(m.cells, m.cell_data[sys.argv[2]]) if b.type == kind]).astype(int)
     print(kind, *np.bincount(tags.ravel()))
 )",
-                                      in_quotes(folder / ("mesh" + extension)) + " " + key);
+                                      in_quotes(folder / test::joined("mesh", extension)) + " " + key);
     std::vector<std::size_t> triangles(mesh.face_to_sides.size() + 1), tets(3);
     for (const std::uint32_t face : mesh.tri_to_entity) ++triangles[face + 1];
     for (const std::uint32_t region : mesh.tet_to_entity) ++tets[region + 1];
@@ -268,7 +268,7 @@ TEST_CASE("the independent judge agrees about quality") {
   const TetQuality ours = compute_quality(mesh, &sizes).tets;
   for (const char* extension : {".vtu", ".msh", ".mesh", ".meshb"}) {
     INFO(extension);
-    const auto path = folder / ("mesh" + std::string(extension));
+    const auto path = folder / test::joined("mesh", extension);
     write_mesh(mesh, path);
     REQUIRE(succeeds("/usr/bin/python3 " + in_quotes(judge) + " " + in_quotes(path) + " 0.12", folder / "log"));
     const std::string log = file_content(folder / "log");

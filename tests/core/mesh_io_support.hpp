@@ -16,6 +16,9 @@
 
 namespace tetloom::test {
 
+/// A file name from its stem and its extension.
+inline std::string joined(std::string stem, const std::string& extension) { return stem += extension; }
+
 /// A folder that goes away with its content.
 class ScratchFolder {
  public:

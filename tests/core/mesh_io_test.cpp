@@ -44,8 +44,8 @@ Mesh shuffled_elements(Mesh mesh) {
 
 Mesh written_and_read(const Mesh& mesh, const std::string& extension) {
   const ScratchFolder folder;
-  write_mesh(mesh, folder / ("mesh" + extension));
-  return read_mesh(folder / ("mesh" + extension));
+  write_mesh(mesh, folder / test::joined("mesh", extension));
+  return read_mesh(folder / test::joined("mesh", extension));
 }
 
 constexpr std::array<const char*, 4> kExact{".vtu", ".msh", ".mesh", ".meshb"};
@@ -171,7 +171,7 @@ TEST_CASE("meshes that make no file are refused before one is begun") {
   mesh.tri_to_entity.clear();
   refuse(mesh, "no-triangles.stl");
   mesh.tet_to_vert[0][0] = 99;
-  for (const char* extension : kExact) refuse(mesh, "broken" + std::string(extension));
+  for (const char* extension : kExact) refuse(mesh, test::joined("broken", extension));
   mesh = test::make_box(1, 1, 1);
   mesh.tet_to_entity[0] = 0x80000000u;
   refuse(mesh, "tag.msh");
