@@ -24,11 +24,11 @@ Triangulation Triangulation::from_triangles(std::uint32_t vertex_count,
     auto operator<=>(const Side&) const = default;
   };
   std::vector<Side> sides;
-  for (const auto& [a, b, c] : triangles) {
-    const std::uint32_t first = 3 * result.add_triangle(a, b, c);
+  for (const auto& corners : triangles) {
+    const std::uint32_t first = 3 * result.add_triangle(corners[0], corners[1], corners[2]);
     for (std::uint32_t h = first; h < first + 3; ++h) {
-      const auto [low, high] = std::minmax(result.origin(h), result.target(h));
-      sides.push_back({low, high, h});
+      const std::uint32_t a = result.origin(h), b = result.target(h);
+      sides.push_back({std::min(a, b), std::max(a, b), h});
     }
   }
   std::sort(sides.begin(), sides.end());
