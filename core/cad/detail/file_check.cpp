@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/cad/detail/brep_check.hpp"
+
 namespace tetloom::cad {
 namespace {
 
@@ -53,42 +55,12 @@ void check_iges(const std::filesystem::path& path, const std::string& head, cons
     unreadable(path, "is cut off: its end is missing");
 }
 
-/// The words of a text, one by one.
-class Words {
- public:
-  explicit Words(std::string_view text) : text_(text) {}
-  bool next(std::string_view& word) {
-    const std::size_t begin = text_.find_first_not_of(" \t\r\n", at_);
-    if (begin == std::string_view::npos) return false;
-    at_ = std::min(text_.find_first_of(" \t\r\n", begin), text_.size());
-    word = text_.substr(begin, at_ - begin);
-    return true;
-  }
-
- private:
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
-
-// The reader indexes tables with what stands in the file, unchecked. So the list of shapes must be whole: as many
-// records as announced, each ended by a star, then the reference to the model's own shape.
 void check_brep(const std::filesystem::path& path, const std::string& text) {
   if (text.find("CASCADE Topology V") > kHeadBytes) unreadable(path, "is not a BREP file");
-  const std::size_t begin = text.rfind("TShapes ");
-  if (begin == std::string::npos) unreadable(path, "is cut off: its list of shapes is missing");
-  Words words(std::string_view(text).substr(begin));
-  std::string_view word;
-  words.next(word);
-  if (!words.next(word)) unreadable(path, "is cut off");
-  const unsigned long long announced = std::strtoull(std::string(word).c_str(), nullptr, 10);
-  unsigned long long records = 0;
-  int after_last = 0;
-  while (words.next(word)) {
-    ++after_last;
-    if (word == "*") ++records, after_last = 0;
-  }
-  if (announced == 0) throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no shape");
-  if (records != announced || after_last < 2) unreadable(path, "is cut off: its list of shapes is not whole");
+  std::size_t shape_count = 0;
+  if (const std::string damage = find_brep_damage(text, shape_count); !damage.empty())
+    unreadable(path, "is damaged or cut off: " + damage);
+  if (shape_count == 0) throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no shape");
 }
 
 }  // namespace
