@@ -4,10 +4,22 @@
 #include <limits>
 
 #include "core/io/formats_detail.hpp"
-#include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {
+
+/// The codes of libMeshb for the keywords that are written.
+enum class MeditKeyword : std::int32_t {
+  Dimension = 3,
+  Vertices = 4,
+  Edges = 5,
+  Triangles = 6,
+  Tetrahedra = 8,
+  Corners = 13,
+  RequiredVertices = 15,
+  End = 54
+};
 
 /// Points on model vertices, 0-based.
 std::vector<std::uint32_t> find_corners(const Mesh& mesh) {
@@ -68,7 +80,7 @@ class MeditRecords {
       file_.put(value);
   }
   /// A keyword, the place of the next one, and how many records of `record_bytes` lie in between.
-  void section(std::int32_t keyword, std::uint64_t count, std::uint64_t record_bytes) {
+  void section(MeditKeyword keyword, std::uint64_t count, std::uint64_t record_bytes) {
     const std::uint64_t header = 4 + position_bytes() + integer_bytes();
     const std::uint64_t next = file_.position() + header + count * record_bytes;
     file_.put(keyword);
@@ -76,7 +88,7 @@ class MeditRecords {
     integer(count);
   }
   template <class Element>
-  void elements(std::int32_t keyword, const std::vector<Element>& all, const std::vector<std::uint32_t>& entities) {
+  void elements(MeditKeyword keyword, const std::vector<Element>& all, const std::vector<std::uint32_t>& entities) {
     if (all.empty()) return;
     section(keyword, all.size(), (all[0].size() + 1) * integer_bytes());
     for (std::size_t e = 0; e < all.size(); ++e) {
@@ -113,37 +125,27 @@ void write_medit_text(const Mesh& mesh, AtomicFile& file) {
 }
 
 void write_medit_binary(const Mesh& mesh, AtomicFile& file) {
-  enum Keyword : std::int32_t {
-    kDimension = 3,
-    kVertices = 4,
-    kEdges = 5,
-    kTriangles = 6,
-    kTetrahedra = 8,
-    kCorners = 13,
-    kRequiredVertices = 15,
-    kEnd = 54
-  };
   const std::vector<std::uint32_t> corners = find_corners(mesh);
   MeditRecords records(file, mesh, corners.size());
   file.put(std::int32_t{1});
   file.put(std::int32_t{records.version()});
-  file.put(std::int32_t{kDimension});
+  file.put(MeditKeyword::Dimension);
   records.position(file.position() + records.position_bytes() + 4);
   file.put(std::int32_t{3});
-  records.section(kVertices, mesh.points.size(), 24 + records.integer_bytes());
+  records.section(MeditKeyword::Vertices, mesh.points.size(), 24 + records.integer_bytes());
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     file.put(mesh.points[i]);
     records.integer(point_tag(mesh, i));
   }
-  for (const Keyword keyword : {kCorners, kRequiredVertices}) {
+  for (const MeditKeyword keyword : {MeditKeyword::Corners, MeditKeyword::RequiredVertices}) {
     if (corners.empty()) break;
     records.section(keyword, corners.size(), records.integer_bytes());
     for (const std::uint32_t corner : corners) records.integer(std::uint64_t{corner} + 1);
   }
-  records.elements(kEdges, mesh.edge_to_vert, mesh.edge_to_entity);
-  records.elements(kTriangles, mesh.tri_to_vert, mesh.tri_to_entity);
-  records.elements(kTetrahedra, mesh.tet_to_vert, mesh.tet_to_entity);
-  file.put(std::int32_t{kEnd});
+  records.elements(MeditKeyword::Edges, mesh.edge_to_vert, mesh.edge_to_entity);
+  records.elements(MeditKeyword::Triangles, mesh.tri_to_vert, mesh.tri_to_entity);
+  records.elements(MeditKeyword::Tetrahedra, mesh.tet_to_vert, mesh.tet_to_entity);
+  file.put(MeditKeyword::End);
   records.position(0);
 }
 

@@ -6,7 +6,7 @@
 #include <new>
 
 #include "core/io/formats_detail.hpp"
-#include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom {
 namespace {
@@ -53,7 +53,7 @@ std::string known_mesh_extensions() {
 
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel) {
   const Format& format = format_of(path);
-  detail::require_consistent(mesh);
+  require_consistent(mesh);
   if (format.write == detail::write_stl && mesh.tri_to_vert.empty())
     throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");
   AtomicFile file(path, cancel);

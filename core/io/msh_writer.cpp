@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/io/formats_detail.hpp"
-#include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {

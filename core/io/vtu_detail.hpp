@@ -13,7 +13,8 @@
 
 namespace tetloom::detail {
 
-enum VtkCell : std::uint8_t { kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkTetra = 10 };
+/// VTK's numbers for the types of cells.
+inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkTetra = 10;
 
 /// Names of the arrays with the entities of points and cells.
 inline constexpr std::string_view kEntityDim = "entity_dim", kEntityTag = "entity_tag";

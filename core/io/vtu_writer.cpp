@@ -5,7 +5,7 @@
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/vtu_detail.hpp"
-#include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "core/mesh/siphash_detail.hpp"
 
 namespace tetloom {
@@ -16,7 +17,8 @@ using detail::siphash128;
 
 // The key names the scheme, so that a later version cannot be taken for this one; its second half keeps kinds apart.
 constexpr std::uint64_t kScheme = 0x317473656769646d;  // "mdigest1"
-enum Kind : std::uint64_t { kPoint = 0, kEdge = 1, kTriangle = 2, kTet = 3, kMesh = 4 };
+enum class Kind : std::uint64_t { Point, Edge, Triangle, Tet, Whole };
+constexpr std::uint64_t key_of(Kind kind) { return static_cast<std::uint64_t>(kind); }
 
 std::uint64_t coordinate_bits(double x) { return std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x); }
 
@@ -25,7 +27,7 @@ Hash128 hash_point(const Vec3& x, const ModelEntity& entity) {
       entity.valid() ? (static_cast<std::uint64_t>(entity.dim) << 32) | entity.index : ~std::uint64_t{0};
   const std::array<std::uint64_t, 4> words{coordinate_bits(x.x), coordinate_bits(x.y), coordinate_bits(x.z),
                                            entity_word};
-  return siphash128(words, kScheme, kPoint);
+  return siphash128(words, kScheme, key_of(Kind::Point));
 }
 
 template <std::size_t N>
@@ -46,7 +48,7 @@ Hash128 hash_elements(const std::vector<std::array<std::uint32_t, N>>& elements,
       }
     // Points that cannot be told apart leave the orientation without a meaning.
     words[N] = (static_cast<std::uint64_t>(entities[e]) << 1) | (odd && !twins ? 1u : 0u);
-    sum += siphash128(words, kScheme, kind);
+    sum += siphash128(words, kScheme, key_of(kind));
   }
   return sum;
 }
@@ -62,17 +64,17 @@ std::string to_hex(const Hash128& hash) {
 }  // namespace
 
 std::string mesh_digest(const Mesh& mesh) {
-  detail::require_consistent(mesh);
+  require_consistent(mesh);
   std::vector<std::uint64_t> point_hash(mesh.points.size());
   std::array<Hash128, 4> sums;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const Hash128 hash = hash_point(mesh.points[i], detail::entity_of_point(mesh, i));
+    const Hash128 hash = hash_point(mesh.points[i], entity_of_point(mesh, i));
     point_hash[i] = hash.low;
-    sums[kPoint] += hash;
+    sums[0] += hash;
   }
-  sums[kEdge] = hash_elements(mesh.edge_to_vert, mesh.edge_to_entity, point_hash, kEdge);
-  sums[kTriangle] = hash_elements(mesh.tri_to_vert, mesh.tri_to_entity, point_hash, kTriangle);
-  sums[kTet] = hash_elements(mesh.tet_to_vert, mesh.tet_to_entity, point_hash, kTet);
+  sums[1] = hash_elements(mesh.edge_to_vert, mesh.edge_to_entity, point_hash, Kind::Edge);
+  sums[2] = hash_elements(mesh.tri_to_vert, mesh.tri_to_entity, point_hash, Kind::Triangle);
+  sums[3] = hash_elements(mesh.tet_to_vert, mesh.tet_to_entity, point_hash, Kind::Tet);
   const std::array<std::uint64_t, 12> words{mesh.points.size(),
                                             mesh.edge_to_vert.size(),
                                             mesh.tri_to_vert.size(),
@@ -85,7 +87,7 @@ std::string mesh_digest(const Mesh& mesh) {
                                             sums[2].high,
                                             sums[3].low,
                                             sums[3].high};
-  return to_hex(siphash128(words, kScheme, kMesh));
+  return to_hex(siphash128(words, kScheme, key_of(Kind::Whole)));
 }
 
 }  // namespace tetloom

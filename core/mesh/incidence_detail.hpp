@@ -12,15 +12,6 @@
 
 namespace tetloom::detail {
 
-/// Throws Error(InvalidArgument) when an array has the wrong length or an index is out of range. `point_to_entity` may
-/// be empty, which stands for "all unknown".
-void require_consistent(const Mesh& mesh);
-
-/// The entity of point `i`, invalid where unknown.
-inline ModelEntity entity_of_point(const Mesh& mesh, std::size_t i) {
-  return mesh.point_to_entity.empty() ? ModelEntity{} : mesh.point_to_entity[i];
-}
-
 /// Local vertices of the face opposite to each vertex of a positive tet, counter-clockwise seen from outside.
 inline constexpr std::array<std::array<int, 3>, 4> kTetFace{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "core/predicates/predicates.hpp"
 
 namespace tetloom {
@@ -259,7 +260,7 @@ TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& p
 }  // namespace
 
 QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes) {
-  detail::require_consistent(mesh);
+  require_consistent(mesh);
   const std::vector<double> point_size = sizes_at_points(mesh, sizes);
   return {measure_tets(mesh, point_size), measure_triangles(mesh, point_size)};
 }

@@ -1,4 +1,5 @@
 #include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate_detail.hpp"
 
 namespace tetloom::detail {
