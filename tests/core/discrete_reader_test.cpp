@@ -195,7 +195,9 @@ TEST_CASE("a cancelled read throws Cancelled") {
   try {
     read_discrete_model(folder.write("box.stl", binary_stl(kBox)), {}, &token);
     FAIL("not cancelled");
-  } catch (const Error& error) { CHECK(error.code() == ErrorCode::Cancelled); }
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::Cancelled);
+  }
 }
 
 TEST_CASE("facets turned over, repeated and degenerate are healed and reported") {

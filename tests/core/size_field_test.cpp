@@ -38,7 +38,9 @@ Vec3 random_point(std::mt19937_64& random, double reach) {
 bool is_refused(const SizeOctree& tree) {
   try {
     SizeField::from_octree(tree);
-  } catch (const Error& error) { return error.code() == ErrorCode::InvalidArgument; }
+  } catch (const Error& error) {
+    return error.code() == ErrorCode::InvalidArgument;
+  }
   return false;
 }
 
@@ -170,7 +172,9 @@ TEST_CASE("truncated, extended and random bytes are not a size field") {
   const auto code_of = [](std::span<const std::byte> bytes) {
     try {
       SizeField::deserialize(bytes);
-    } catch (const Error& error) { return error.code(); }
+    } catch (const Error& error) {
+      return error.code();
+    }
     return ErrorCode::Cancelled;
   };
   for (std::size_t length = 0; length < good.size(); ++length)

@@ -27,7 +27,9 @@ MeshOptions options_of_size(double size, int threads = 2) {
 ErrorCode thrown_code(const GeometricModel& model, const MeshOptions& options) {
   try {
     make_mesh(model, options);
-  } catch (const Error& error) { return error.code(); }
+  } catch (const Error& error) {
+    return error.code();
+  }
   return ErrorCode::Internal;
 }
 

@@ -130,5 +130,7 @@ TEST_CASE("a surface mesh can be cancelled from its progress callback") {
   try {
     mesh_surface(*model, SizeField::uniform(0.01), TaskRunner(2, host));
     FAIL("not cancelled");
-  } catch (const Error& error) { CHECK(error.code() == ErrorCode::Cancelled); }
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::Cancelled);
+  }
 }

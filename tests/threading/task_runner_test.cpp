@@ -58,7 +58,9 @@ TEST_CASE("a raised token cancels loops that are running and loops that start la
   const auto code_of = [&](const auto& call) {
     try {
       call();
-    } catch (const Error& error) { return error.code(); }
+    } catch (const Error& error) {
+      return error.code();
+    }
     return ErrorCode::Internal;
   };
   std::atomic<int> visits{0};
