@@ -1,1 +1,33 @@
-# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::threading and ::mesher.
+# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading and ::mesher.
+# Headers lie under include/tetloom and are included as in the checkout: "mesher/mesher.hpp". Private headers
+# (detail/, *_detail.hpp and everything of threading and mesher but their one public header) stay behind.
+include(CMakePackageConfigHelpers)
+
+get_property(tetloom_libraries GLOBAL PROPERTY TETLOOM_LIBRARIES)
+get_property(tetloom_executables GLOBAL PROPERTY TETLOOM_EXECUTABLES)
+set(tetloom_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tetloom)
+set(tetloom_include_dir ${CMAKE_INSTALL_INCLUDEDIR}/tetloom)
+
+install(TARGETS ${tetloom_libraries} EXPORT tetloomTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(tetloom_executables)
+  install(TARGETS ${tetloom_executables} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+foreach(folder base geometry mesh io sizing predicates)
+  install(DIRECTORY core/${folder}/ DESTINATION ${tetloom_include_dir}/core/${folder}
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "*_detail.hpp" EXCLUDE PATTERN detail EXCLUDE)
+endforeach()
+install(FILES threading/task_runner.hpp DESTINATION ${tetloom_include_dir}/threading)
+install(FILES mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
+if(TETLOOM_CAD)
+  install(FILES core/cad/read_model.hpp DESTINATION ${tetloom_include_dir}/core/cad)
+endif()
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+set(tetloom_bin_dir ${CMAKE_INSTALL_BINDIR})
+configure_package_config_file(cmake/tetloomConfig.cmake.in ${PROJECT_BINARY_DIR}/tetloomConfig.cmake
+                              INSTALL_DESTINATION ${tetloom_package_dir} PATH_VARS tetloom_bin_dir
+                              NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/tetloomConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/tetloomConfig.cmake ${PROJECT_BINARY_DIR}/tetloomConfigVersion.cmake
+        DESTINATION ${tetloom_package_dir})
+install(EXPORT tetloomTargets NAMESPACE tetloom:: DESTINATION ${tetloom_package_dir})
