@@ -46,9 +46,9 @@ void check_sources(const std::vector<SizeSource>& sources, std::uint64_t max_mem
   check_memory({.triangles = triangles, .tets = 0, .bytes = triangles * 500}, max_memory);
 }
 
-/// What a tree may take: a cell costs about 150 bytes while it is built.
+/// What a tree may take: a cell costs about 200 bytes while it is built.
 std::size_t cell_limit(std::uint64_t max_memory) {
-  constexpr std::uint64_t kBytesPerCell = 150, kMost = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kBytesPerCell = 200, kMost = std::uint64_t{1} << 30;
   const std::uint64_t bytes = max_memory > 0 ? max_memory : available_memory();
   return static_cast<std::size_t>(bytes == 0 ? kMost : std::min(kMost, bytes / kBytesPerCell));
 }

@@ -18,13 +18,9 @@ bool is_sound(const Tessellation& facets) {
 }
 
 Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const FacetTolerance& tolerance) {
-  try {
-    Tessellation facets = model.face_geometry(id)->tessellate(tolerance.chord, tolerance.angle);
-    if (is_sound(facets)) return facets;
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
-  }
-  return {};
+  Tessellation facets;
+  tolerate_bad_geometry([&] { facets = model.face_geometry(id)->tessellate(tolerance.chord, tolerance.angle); });
+  return is_sound(facets) ? facets : Tessellation{};
 }
 
 /// Distance along the ray to the triangle, or infinity (Möller & Trumbore 1997).
@@ -69,13 +65,15 @@ FacetTree::FacetTree(const GeometricModel& model, const std::vector<Tessellation
     : model_(model) {
   std::vector<Facet> facets;
   std::vector<Box3> boxes;
-  for (std::size_t f = 0; f < faces.size(); ++f)
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    complete_ = complete_ && !faces[f].tri_to_vert.empty();
     for (const auto& tri : faces[f].tri_to_vert) {
       const std::vector<Vec3>& p = faces[f].points;
       facets.push_back({p[tri[0]], p[tri[1]], p[tri[2]], static_cast<std::uint32_t>(f)});
       Box3& box = boxes.emplace_back();
       for (const std::uint32_t v : tri) box.add(p[v]);
     }
+  }
   bvh_ = build_bvh(boxes, runner);
   facets_.reserve(facets.size());
   for (const std::uint32_t i : bvh_.order) facets_.push_back(facets[i]);

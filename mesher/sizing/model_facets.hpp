@@ -16,6 +16,17 @@ struct FacetTolerance {
   double angle = 0;  ///< radians
 };
 
+/// Runs `body`, which asks one entity for its geometry. What that refuses is left to the entity's own mesher to report:
+/// a size field can do without it.
+template <class Body>
+void tolerate_bad_geometry(const Body& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+  }
+}
+
 /// Facets of every face within its tolerance, in parallel. A face that cannot be facetted stays empty: whoever meshes
 /// it reports it.
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
@@ -36,6 +47,9 @@ class FacetTree {
   /// The first facet at a distance within (from, to) along the unit vector `direction`.
   std::optional<FacetHit> first_hit(const Vec3& origin, const Vec3& direction, double from, double to) const;
 
+  /// Whether every face has facets, so that what is far from all facets is far from the model's surface.
+  bool is_complete() const { return complete_; }
+
   /// Whether a facet comes within `radius` of `x`.
   bool any_within(const Vec3& x, double radius) const;
 
@@ -52,6 +66,7 @@ class FacetTree {
   const GeometricModel& model_;
   std::vector<Facet> facets_;  ///< in the order of the hierarchy
   Bvh bvh_;
+  bool complete_ = true;
 };
 
 }  // namespace tetloom

@@ -157,7 +157,8 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
       const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
       if (targets.edge[e] < targets.global) lists[e] = {{pole, pole, pole, targets.edge[e]}};
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
-      lists[e] = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run();
+      tolerate_bad_geometry(
+          [&] { lists[e] = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
     }
   });
   for (std::size_t v = 0; v < targets.vertex.size(); ++v) {
@@ -173,8 +174,10 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
   std::vector<std::vector<SizeSource>> lists(facets.size());
   runner.for_each_largest_first(facet_counts(facets), [&](std::size_t f) {
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return;
-    const auto geometry = model.face_geometry(ModelFaceId(f));
-    lists[f] = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], runner);
+    tolerate_bad_geometry([&] {
+      const auto geometry = model.face_geometry(ModelFaceId(f));
+      lists[f] = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], runner);
+    });
   });
   return join(std::move(lists));
 }

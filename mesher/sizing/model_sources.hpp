@@ -1,6 +1,7 @@
 #pragma once
 // Sources of small sizes on a model: sizes of entities, curvature, proximity. Private to mesher/sizing.
-// All functions run in parallel over entities, and what they return depends on the entities' order alone.
+// An entity whose geometry fails gives no sources. All functions run in parallel over entities, and what they return
+// depends on the entities' order alone.
 #include <vector>
 
 #include "core/geometry/model.hpp"

@@ -55,7 +55,8 @@ CellVerdict TargetField::classify(const Vec3& center, double width, CellState& s
   if (verdict != CellVerdict::Split) return verdict;
   const double radius = kHalfDiagonal * width;
   if (state.region == CellState::kNearSurface) {
-    if (facets_.any_within(center, radius + std::min(state.at_center, targets_.global))) return CellVerdict::Split;
+    const double margin = std::min(state.at_center, targets_.global);
+    if (!facets_.is_complete() || facets_.any_within(center, radius + margin)) return CellVerdict::Split;
     const ModelRegionId region = facets_.region_at(center);
     if (!region.valid()) return CellVerdict::Leaf;
     state.region = region.value;

@@ -20,8 +20,8 @@ enum class CellVerdict : std::uint8_t {
 /// What is known of a cell beside its box. A child starts with its parent's.
 struct CellState {
   static constexpr std::uint32_t kNearSurface = 0xffffffffu;
-  std::uint32_t winner = SourceTree::kNoSource;  ///< the source that decides at the centre
-  double at_center = 0;                          ///< a lower bound of the sources' field there
+  double at_center = 0;                          ///< a lower bound of the sources' field at the centre
+  std::uint32_t winner = SourceTree::kNoSource;  ///< the source that decides there
   std::uint32_t region = kNearSurface;           ///< the region that holds the whole cell, where that is known
 };
 

@@ -13,6 +13,24 @@ using Catch::Matchers::Contains;
 using test_sizes::build;
 using test_sizes::refusal;
 
+/// A cylinder whose faces refuse every question.
+class FacelessCylinder final : public GeometricModel {
+ public:
+  explicit FacelessCylinder(ErrorCode code) : code_(code), cylinder_(test_models::make_cylinder(1, 2)) {
+    topology_ = cylinder_->topology();
+    bounding_box_ = cylinder_->bounding_box();
+  }
+  Vec3 vertex_point(ModelVertexId id) const override { return cylinder_->vertex_point(id); }
+  std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override { return cylinder_->edge_geometry(id); }
+  std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId) const override { throw Error(code_, "no such surface"); }
+  double area(ModelFaceId id) const override { return cylinder_->area(id); }
+  double volume(ModelRegionId id) const override { return cylinder_->volume(id); }
+
+ private:
+  ErrorCode code_;
+  std::unique_ptr<GeometricModel> cylinder_;
+};
+
 std::unique_ptr<GeometricModel> unit_box() { return test_models::make_box({0, 0, 0}, {1, 1, 1}); }
 
 }  // namespace
@@ -56,6 +74,16 @@ TEST_CASE("wishes for entities and points that do not exist are refused by name"
              Contains("point_sizes[0].point"));
   const std::vector<PointSize> refinements{{{0, 0, 0}, -1}};
   CHECK_THAT(refusal(*model, {}, ErrorCode::InvalidArgument, refinements), Contains("refinements[0]"));
+}
+
+TEST_CASE("faces whose geometry fails give no sizes, but the edges still do") {
+  const SizedModel sized =
+      build_and_estimate(FacelessCylinder(ErrorCode::FaceFailed), {.size = 0.5, .curvature = 24}, {}, TaskRunner(2));
+  CHECK(sized.sizes.size_at({1, 0, 0}) == Approx(std::sqrt(27.0) / 24).epsilon(0.05));
+  CHECK(sized.sizes.size_at({1, 0, 1}) > 0.4);
+  CHECK(sized.estimate.tets > 100);
+  CHECK(refusal(FacelessCylinder(ErrorCode::Cancelled), {.size = 0.5, .curvature = 24}, ErrorCode::Cancelled) ==
+        "no such surface");
 }
 
 TEST_CASE("a model without extent is refused") {
