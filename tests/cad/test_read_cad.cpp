@@ -426,7 +426,7 @@ TEST_CASE("damaged files give a model or an error, and never end the process") {
   const unsigned seed = 20260102;
   std::printf("damaged files: seed %u\n", seed);
   std::mt19937 random(seed);
-  for (const char* name : {"damaged.step", "damaged.brep"}) {
+  for (const char* name : {"damaged.step", "damaged.igs", "damaged.brep"}) {
     test::write_sample(Sample::DrilledBox, scratch / name);
     const std::string whole = read_bytes(scratch / name);
     for (int round = 0; round < 60; ++round) {

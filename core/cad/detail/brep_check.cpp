@@ -23,13 +23,14 @@ class Scanner {
     const long value = std::strtol(at_, &after, 10);
     if (after == at_) fail("a whole number is missing");
     if (value < lo || value > hi) fail("a number is out of range");
+    if (!is_space(*after) && *after != '\0' && *after != 'C' && *after != 'G') fail("a whole number is damaged");
     at_ = after;
     return value;
   }
   double real() {
     char* after = nullptr;
     const double value = std::strtod(at_, &after);
-    if (after == at_) fail("a number is missing");
+    if (after == at_ || (!is_space(*after) && *after != '\0')) fail("a number is missing or damaged");
     if (std::isnan(value)) fail("a number is not a number");
     at_ = after;
     return value;

@@ -63,7 +63,7 @@ Document read_step(const std::filesystem::path& path, const CancelToken* cancel)
   STEPCAFControl_Reader reader;
   reader.SetPropsMode(false);
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) unreadable(path, "is not a valid STEP file");
-  const std::vector<Diagnostic> warnings = check_step_model(path, reader.Reader().WS()->Model());
+  const std::vector<Diagnostic> warnings = check_loaded_model(path, reader.Reader().WS()->Model());
   if (reader.NbRootsForTransfer() == 0) without_shape(path);
   transfer(reader, document, path, cancel);
   Document result = flatten_assembly(document.get());
@@ -77,9 +77,11 @@ Document read_iges(const std::filesystem::path& path, const CancelToken* cancel)
   CafDocument document;
   IGESCAFControl_Reader reader;
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) unreadable(path, "is not a valid IGES file");
+  const std::vector<Diagnostic> warnings = check_loaded_model(path, reader.WS()->Model());
   if (reader.NbRootsForTransfer() == 0) without_shape(path);
   transfer(reader, document, path, cancel);
   Document result = flatten_assembly(document.get());
+  result.warnings = warnings;
   result.metres_per_unit = kMetresPerMillimetre;
   return result;
 }

@@ -10,7 +10,8 @@ namespace {
 
 bool shapes_depend_on(std::string_view type) {
   return type.starts_with("StepGeom_") || type.starts_with("StepShape_") ||
-         type == "StepRepr_DefinitionalRepresentation";
+         type == "StepRepr_DefinitionalRepresentation" || type == "IGESGeom_CurveOnSurface" ||
+         type == "IGESGeom_TrimmedSurface" || type == "IGESGeom_Boundary" || type == "IGESGeom_BoundedSurface";
 }
 
 /// The first failure that is more than a name left out.
@@ -24,8 +25,8 @@ std::string first_failure(const Handle(Interface_Check) & check) {
 
 }  // namespace
 
-std::vector<Diagnostic> check_step_model(const std::filesystem::path& path,
-                                         const Handle(Interface_InterfaceModel) & model) {
+std::vector<Diagnostic> check_loaded_model(const std::filesystem::path& path,
+                                           const Handle(Interface_InterfaceModel) & model) {
   std::vector<Diagnostic> warnings;
   const Handle(Interface_Check) whole = model->GlobalCheck();
   if (!whole.IsNull() && whole->HasFailed())

@@ -8,10 +8,10 @@
 
 namespace tetloom::cad {
 
-/// Refuses a STEP model in which an entity of geometry or topology is damaged: the translation would follow null
-/// references. Damage elsewhere (units, presentation, products) and syntax errors that could be skipped are warned of.
-/// Errors: InputUnreadable with the first damaged entity.
-std::vector<Diagnostic> check_step_model(const std::filesystem::path& path,
-                                         const Handle(Interface_InterfaceModel) & model);
+/// Refuses a STEP model in which an entity of geometry or topology is damaged, and an IGES model in which a trimmed
+/// surface is: the translation would follow null references. Damage elsewhere (units, presentation, products) and
+/// syntax errors that could be skipped are warned of. Errors: InputUnreadable with the first damaged entity.
+std::vector<Diagnostic> check_loaded_model(const std::filesystem::path& path,
+                                           const Handle(Interface_InterfaceModel) & model);
 
 }  // namespace tetloom::cad

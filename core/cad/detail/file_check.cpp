@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/cad/detail/brep_check.hpp"
+#include "core/cad/detail/iges_check.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -55,6 +56,10 @@ void check_iges(const std::filesystem::path& path, const std::string& head, cons
     unreadable(path, "is cut off: its end is missing");
 }
 
+void check_iges_splines(const std::filesystem::path& path, const std::string& text) {
+  if (const std::string damage = find_iges_damage(text); !damage.empty()) unreadable(path, "is damaged: " + damage);
+}
+
 void check_brep(const std::filesystem::path& path, const std::string& text) {
   if (text.find("CASCADE Topology V") > kHeadBytes) unreadable(path, "is not a BREP file");
   std::size_t shape_count = 0;
@@ -73,10 +78,12 @@ void check_content(const std::filesystem::path& path, CadFormat format) {
   }
   const std::string head = read_range(path, 0, kHeadBytes);
   const std::string tail = read_range(path, size > kTailBytes ? size - kTailBytes : 0, kTailBytes);
-  if (format == CadFormat::Step)
+  if (format == CadFormat::Step) {
     check_step(path, head, tail);
-  else
+  } else {
     check_iges(path, head, tail);
+    check_iges_splines(path, read_range(path, 0, static_cast<std::size_t>(size)));
+  }
 }
 
 }  // namespace tetloom::cad

@@ -269,6 +269,9 @@ std::size_t turn_right_side_out(Document& document) {
 }  // namespace
 
 void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
+  for (const TopoDS_Shape& face : shapes_of(document.root, TopAbs_FACE))
+    if (BRep_Tool::Surface(TopoDS::Face(face)).IsNull())
+      throw Error(ErrorCode::InputUnsuitable, "a face has no surface (facets alone cannot be meshed)");
   add_step(steps, "mirrored or scaled placements were worked into the geometry", remove_scaled_locations(document));
   add_step(steps, "edges got the curve in space that they lacked", add_space_curves(document.root));
   add_step(steps, "edges got a parameter curve that they lacked", add_parameter_curves(document.root));

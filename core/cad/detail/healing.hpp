@@ -7,6 +7,7 @@ namespace tetloom::cad {
 
 /// Adds what a mesher cannot do without: curves in space for edges that have none, parameter curves for edges of
 /// curved faces, locations without scale or mirror. Changes the shapes in place where it can.
+/// Errors: InputUnsuitable (a face without surface).
 void complete_geometry(Document& document, std::vector<HealingStep>& steps);
 
 /// Repairs invalid solids and sheets (wires, pcurves, tolerances, orientation), sews loose faces into shells, makes
