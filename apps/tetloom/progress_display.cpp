@@ -141,8 +141,11 @@ void ProgressDisplay::draw() {
     progress.seconds = std::chrono::duration<double>(Clock::now() - stage_start_).count();
     begun = stages_begun_;
   }
-  const bool new_stage = begun != stages_drawn_;
+  // A stage that comes again in a further round is nothing new to a log.
+  const unsigned bit = 1u << static_cast<unsigned>(progress.stage);
+  const bool new_stage = begun != stages_drawn_ && (stages_announced_ & bit) == 0;
   stages_drawn_ = begun;
+  stages_announced_ |= bit;
   if (style_ == Style::Bar) {
     draw_bar(progress);
   } else {

@@ -64,6 +64,7 @@ class ProgressDisplay {
   bool finished_ = false;
   // Only used by the drawing thread.
   unsigned stages_drawn_ = 0;
+  unsigned stages_announced_ = 0;  // bits by Stage
   Clock::time_point last_line_;
   bool bar_visible_ = false;
   std::thread thread_;
