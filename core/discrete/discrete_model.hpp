@@ -10,6 +10,7 @@
 // What differs from other models:
 // - A face that is closed and smooth (a sphere) has no loops at all. A cylinder's side has two loops and no seam.
 // - A crease that fades out within a face is not kept, nor is an isolated peak such as the tip of a cone.
+// - Surfaces that touch in a single point do not know of each other there.
 // - An edge where a one-sided surface (Möbius strip) is cut open appears twice in its face, both times in the same
 //   direction.
 //
