@@ -1,4 +1,4 @@
-// Reading STEP, IGES and BREP files: names, colours, units, healing, imprinting, and every kind of bad input.
+// Reading STEP, IGES and BREP files: names, colours, units, healing, imprinting.
 #include <unistd.h>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -12,54 +12,19 @@
 #include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/model_checks.hpp"
+#include "tests/cad/scratch.hpp"
 
 using namespace tetloom;
 using test::Sample;
+using test::Scratch;
+using test::write_bytes;
 
 namespace {
-
-/// A folder for one test's files, removed at the end.
-class Scratch {
- public:
-  Scratch() {
-    static int counter = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("tetloom_read_cad_" + std::to_string(getpid()) + "_" + std::to_string(counter++));
-    std::filesystem::create_directories(path_);
-  }
-  ~Scratch() { std::filesystem::remove_all(path_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 ModelDocument read_sample(Sample sample, const char* name, const ReadOptions& options = {}) {
   const Scratch scratch;
   test::write_sample(sample, scratch / name);
   return read_model(scratch / name, options);
-}
-
-std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-ErrorCode code_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    CHECK_FALSE(error.diagnostic().message.empty());
-    return error.code();
-  }
-  FAIL("no error was thrown");
-  return ErrorCode::Internal;
 }
 
 double total_volume(const GeometricModel& model) {
@@ -79,28 +44,6 @@ bool has_warning(const ModelDocument& document, ErrorCode code) {
   for (const Diagnostic& warning : document.warnings)
     if (warning.code == code) return true;
   return false;
-}
-
-/// What a piece of code writes to standard output and standard error.
-std::string captured_output(const std::function<void()>& call) {
-  const Scratch scratch;
-  const std::string file = (scratch / "output").string();
-  std::fflush(nullptr);
-  const int out = dup(1), err = dup(2);
-  FILE* target = std::fopen(file.c_str(), "w");
-  dup2(fileno(target), 1);
-  dup2(fileno(target), 2);
-  try {
-    call();
-  } catch (const Error&) {  // the errors of bad files are tested elsewhere
-  }
-  std::fflush(nullptr);
-  dup2(out, 1);
-  dup2(err, 2);
-  close(out);
-  close(err);
-  std::fclose(target);
-  return read_bytes(file);
 }
 
 }  // namespace
@@ -361,133 +304,12 @@ TEST_CASE("edges and vertices that bound no face are left out with a warning") {
   CHECK(document.warnings.size() == 2);
 }
 
-TEST_CASE("missing files, directories, empty files and files of another kind are unreadable") {
-  const Scratch scratch;
-  for (const char* extension : {"step", "stp", "iges", "igs", "brep"}) {
-    INFO(extension);
-    const std::filesystem::path path = scratch / (std::string("file.") + extension).c_str();
-    CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
-    std::filesystem::create_directory(path);
-    CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
-    std::filesystem::remove(path);
-    write_bytes(path, "");
-    CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
-    write_bytes(path, "this is no geometry\n");
-    CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
-  }
-}
-
-TEST_CASE("a file under the extension of another format is unreadable") {
-  const Scratch scratch;
-  test::write_sample(Sample::Box, scratch / "box.step");
-  test::write_sample(Sample::Box, scratch / "box.igs");
-  test::write_sample(Sample::Box, scratch / "box.brep");
-  for (const char* content : {"box.step", "box.igs", "box.brep"}) {
-    for (const char* name : {"as.step", "as.igs", "as.brep"}) {
-      if (std::string(content).substr(4) == std::string(name).substr(3)) continue;
-      INFO(content << " " << name);
-      std::filesystem::copy_file(scratch / content, scratch / name, std::filesystem::copy_options::overwrite_existing);
-      CHECK(code_of([&] { read_model(scratch / name); }) == ErrorCode::InputUnreadable);
-    }
-  }
-}
-
-TEST_CASE("truncated files are unreadable wherever they are cut") {
-  const Scratch scratch;
-  for (const char* name : {"cut.step", "cut.igs", "cut.brep"}) {
-    test::write_sample(Sample::DrilledBox, scratch / name);
-    const std::string whole = read_bytes(scratch / name);
-    for (int i = 1; i < 40; ++i) {
-      const std::size_t length = whole.size() * static_cast<std::size_t>(i) / 40;
-      INFO(name << " cut after " << length << " of " << whole.size() << " bytes");
-      write_bytes(scratch / name, whole.substr(0, length));
-      CHECK(code_of([&] { read_model(scratch / name); }) == ErrorCode::InputUnreadable);
-    }
-  }
-}
-
-TEST_CASE("random bytes are unreadable") {
-  const Scratch scratch;
-  const unsigned seed = 20260101;
-  std::printf("random bytes: seed %u\n", seed);
-  std::mt19937 random(seed);
-  for (const char* name : {"noise.step", "noise.igs", "noise.brep"}) {
-    for (const char* head : {"", "ISO-10303-21;\n", "\nCASCADE Topology V1, (c) Matra-Datavision\n"}) {
-      std::string bytes = head;
-      for (int i = 0; i < 20000; ++i) bytes += static_cast<char>(random() & 255u);
-      write_bytes(scratch / name, bytes);
-      CHECK(code_of([&] { read_model(scratch / name); }) == ErrorCode::InputUnreadable);
-    }
-  }
-}
-
-TEST_CASE("damaged files give a model or an error, and never end the process") {
-  const Scratch scratch;
-  const unsigned seed = 20260102;
-  std::printf("damaged files: seed %u\n", seed);
-  std::mt19937 random(seed);
-  for (const char* name : {"damaged.step", "damaged.igs", "damaged.brep"}) {
-    test::write_sample(Sample::DrilledBox, scratch / name);
-    const std::string whole = read_bytes(scratch / name);
-    for (int round = 0; round < 60; ++round) {
-      std::string bytes = whole;
-      for (int i = 0; i < 1 + round % 8; ++i) bytes[random() % bytes.size()] = "0123456789-+.#$()*' \n"[random() % 21];
-      write_bytes(scratch / name, bytes);
-      try {
-        const ModelDocument document = read_model(scratch / name);
-        CHECK(document.model->topology().face_count() > 0);
-      } catch (const Error& error) {
-        CHECK_FALSE(error.diagnostic().message.empty());
-      }
-    }
-  }
-}
-
-TEST_CASE("files without a face are unsuitable") {
-  const Scratch scratch;
-  test::write_step_without_shape(scratch / "empty.step");
-  CHECK(code_of([&] { read_model(scratch / "empty.step"); }) == ErrorCode::InputUnsuitable);
-  CHECK(code_of([&] { read_sample(Sample::NoShape, "empty.brep"); }) == ErrorCode::InputUnsuitable);
-}
-
-TEST_CASE("unknown extensions and senseless angles are invalid arguments") {
-  CHECK(code_of([] { read_model("model.xyz"); }) == ErrorCode::InvalidArgument);
-  CHECK(code_of([] { read_model("model"); }) == ErrorCode::InvalidArgument);
-  for (const double angle : {0.0, -1.0, 4.0, std::nan("")}) {
-    ReadOptions options;
-    options.feature_angle = angle;
-    CHECK(code_of([&] { read_model("model.step", options); }) == ErrorCode::InvalidArgument);
-  }
-}
-
 TEST_CASE("facetted models are read through the same call") {
   const Scratch scratch;
   write_bytes(scratch / "tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
   const ModelDocument document = read_model(scratch / "tet.obj");
   CHECK(document.format == "OBJ");
   CHECK(document.model->topology().face_count() == 4);
-}
-
-TEST_CASE("a raised cancel token stops the reading") {
-  const Scratch scratch;
-  test::write_sample(Sample::DrilledBox, scratch / "box.step");
-  CancelToken token;
-  token.cancel();
-  CHECK(code_of([&] { read_model(scratch / "box.step", {}, &token); }) == ErrorCode::Cancelled);
-}
-
-TEST_CASE("reading prints nothing") {
-  const Scratch scratch;
-  for (const char* name : {"box.step", "box.igs", "box.brep"}) {
-    test::write_sample(Sample::DrilledBox, scratch / name);
-    CHECK(captured_output([&] { read_model(scratch / name); }).empty());
-    std::string bytes = read_bytes(scratch / name);
-    for (std::size_t i = bytes.size() / 3; i < bytes.size() / 3 + 40; ++i) bytes[i] = '9';
-    write_bytes(scratch / name, bytes);
-    CHECK(captured_output([&] { read_model(scratch / name); }).empty());
-  }
-  write_bytes(scratch / "junk.step", "ISO-10303-21; junk END-ISO-10303-21;");
-  CHECK(captured_output([&] { read_model(scratch / "junk.step"); }).empty());
 }
 
 TEST_CASE("several threads may read at once and get the same model") {

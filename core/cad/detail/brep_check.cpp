@@ -57,7 +57,7 @@ class Scanner {
     return *at_++;
   }
   void expect(std::string_view text) {
-    if (word() != text) fail("'" + std::string(text) + "' is missing");
+    if (word() != text) fail(std::string(text) + " is missing");
   }
   /// A table cannot have more entries than the file has bytes left.
   long table(std::string_view name) {
