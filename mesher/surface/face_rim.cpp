@@ -48,6 +48,7 @@ class RimTracer {
     }
     if (chain.size() < 2) return;
     join(chain, chain.front());
+    pull_to_vertices(chain);
     std::vector<std::uint32_t> ids;
     for (const TracedPoint& point : chain) ids.push_back(vertex(point));
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -69,6 +70,22 @@ class RimTracer {
     const bool jumps =
         std::abs(gap.u) > kJump * (box.hi.u - box.lo.u) || std::abs(gap.v) > kJump * (box.hi.v - box.lo.v);
     if (!jumps) chain.pop_back();
+  }
+
+  // A parameter curve may end far from its vertex, as far as the vertex' tolerance allows. Where that is not small
+  // against the pieces there, the vertex is placed where it lies, or the triangles at it would fold.
+  void pull_to_vertices(std::vector<TracedPoint>& chain) const {
+    constexpr double kNoticeable = 0.05;
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      if (chain[i].node >= topology_.vertex_count) continue;
+      const Vec3& point = rim_.point(chain[i].node);
+      const double before = distance(point, rim_.point(chain[(i + chain.size() - 1) % chain.size()].node));
+      const double after = distance(point, rim_.point(chain[(i + 1) % chain.size()].node));
+      const double gap = distance(point, geometry_.evaluate(chain[i].uv));
+      if (gap <= kNoticeable * std::max(before, after)) continue;
+      const SurfacePoint nearest = geometry_.closest_point(point, chain[i].uv);
+      if (nearest.distance < 0.5 * gap) chain[i].uv = nearest.uv;
+    }
   }
 
   std::uint32_t vertex(const TracedPoint& point) {
