@@ -43,7 +43,7 @@ class GapProbe {
 
   std::vector<SizeSource> run(std::uint32_t face, const Tessellation& facets, const TaskRunner& runner) const {
     std::vector<SizeSource> out;
-    const FacetRules rules{.global = targets_.global, .cap = HUGE_VAL, .longest = targets_.global};
+    const FacetRules rules{.global = targets_.global, .longest = targets_.global, .spread = 1.4, .finest = 2};
     const auto middle = [](const FacetCorner& a, const FacetCorner& b) {
       return FacetCorner{{}, 0.5 * (a.point + b.point)};
     };
