@@ -52,7 +52,9 @@ std::string render_bar(const StageProgress& progress, int width) {
   std::string tail = amounts(progress, "/");
   const std::string rate = rate_and_rest(progress);
   if (!rate.empty()) tail += "  " + rate;
-  if (progress.total == 0) tail += (tail.empty() ? "" : "  ") + whole_seconds(progress.seconds);
+  // Without a time left to show, the time gone shows that something happens.
+  const bool waiting = progress.done == 0 && progress.seconds >= 1;
+  if (progress.total == 0 || waiting) tail += (tail.empty() ? "" : "  ") + whole_seconds(progress.seconds);
   const int room = width - 1 - static_cast<int>(line.size() + tail.size()) - 2 - 2;
   if (progress.total > 0 && room >= kLeastBarWidth) {
     const int bar = std::min(room, kMostBarWidth);
@@ -72,7 +74,8 @@ std::string render_line(const StageProgress& progress) {
   const std::string rate = rate_and_rest(progress);
   if (progress.seconds > 0 && !amount.empty()) line += ": " + amount;
   if (!rate.empty()) line += ", " + rate;
-  if (progress.seconds > 0 && amount.empty()) line += ": " + whole_seconds(progress.seconds);
+  if (progress.seconds > 0 && progress.done == 0)
+    line += (amount.empty() ? ": " : ", ") + whole_seconds(progress.seconds);
   return line;
 }
 

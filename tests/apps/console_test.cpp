@@ -33,6 +33,11 @@ TEST_CASE("a stage of unknown length shows what is done and for how long") {
   CHECK(render_line({Stage::Faces, 12, 40, 2}) == "faces: 12 of 40, 6/s, 5.00 s left");
 }
 
+TEST_CASE("a stage whose first item takes long shows for how long") {
+  CHECK_THAT(render_bar({Stage::Volume, 0, 1, 12.3}, 80), Catch::EndsWith("0/1  12 s"));
+  CHECK(render_line({Stage::Volume, 0, 1, 12.3}) == "volume: 0 of 1, 12 s");
+}
+
 TEST_CASE("more done than announced does not overflow the bar") {
   CHECK_THAT(render_bar({Stage::Faces, 300, 100, 10}, 100), Catch::Contains("[" + std::string(40, '#') + "]"));
 }
