@@ -138,11 +138,28 @@ class FaceMesher {
     if (polygon.verdict != PolygonVerdict::Ok) return explain(polygon, rim, patch);
     patch.topology = std::move(polygon.triangulation);
     patch.has_poles = rim.repeats_nodes;
+    reserve_expected(patch);
     refine_frontal(patch, surface, keep_going_);
     sort_spatially(patch);
     optimize_patch(patch, surface, {}, keep_going_);
     split_taken_chords(patch, surface);
     extract(patch);
+  }
+
+  // Room for the vertices that the area calls for at the sizes on the rim.
+  static void reserve_expected(Patch& patch) {
+    double expected = 0;
+    for (std::uint32_t tri = 0; tri < patch.topology.slots(); ++tri) {
+      const auto [a, b, c] = patch.topology.triangle(tri);
+      const PatchVertex &va = patch.vertices[a], &vb = patch.vertices[b], &vc = patch.vertices[c];
+      const double size = (va.size + vb.size + vc.size) / 3;
+      expected += 0.5 * cross(vb.place.plane - va.place.plane, vc.place.plane - va.place.plane) / (size * size);
+    }
+    constexpr double kVerticesPerSquare = 1.1547005383792515, kMargin = 1.1, kMost = 5e6;
+    const auto vertices =
+        patch.vertices.size() + static_cast<std::size_t>(std::min(kMost, kMargin * kVerticesPerSquare * expected));
+    patch.vertices.reserve(vertices);
+    patch.topology.reserve(vertices);
   }
 
   void split_taken_chords(Patch& patch, const PatchSurface& surface) const {

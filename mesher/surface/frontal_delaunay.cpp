@@ -47,11 +47,14 @@ class FrontalRefiner {
  public:
   FrontalRefiner(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going)
       : patch_(patch), mesh_(patch.topology), surface_(surface), keep_going_(keep_going) {
-    metrics_.reserve(patch.vertices.size());
+    metrics_.reserve(patch.vertices.capacity());
     for (const PatchVertex& vertex : patch.vertices) metrics_.push_back(metric_of(vertex));
   }
 
   void run() {
+    stamp_.reserve(2 * patch_.vertices.capacity());
+    radius_.reserve(2 * patch_.vertices.capacity());
+    mark_.reserve(2 * patch_.vertices.capacity());
     radius_.resize(mesh_.slots());
     stamp_.assign(mesh_.slots(), 0);
     for (std::uint32_t tri = 0; tri < mesh_.slots(); ++tri) radius_[tri] = compute_radius(tri);

@@ -51,7 +51,9 @@ void sort_spatially(Patch& patch) {
   for (std::uint32_t v = rim; v < count; ++v) order.push_back({key(patch.vertices[v].place.plane), v});
   std::sort(order.begin(), order.end());
   std::vector<std::uint32_t> numbers(count);
-  std::vector<PatchVertex> vertices(patch.vertices.begin(), patch.vertices.begin() + rim);
+  std::vector<PatchVertex> vertices;
+  vertices.reserve(count);
+  vertices.assign(patch.vertices.begin(), patch.vertices.begin() + rim);
   for (std::uint32_t v = 0; v < rim; ++v) numbers[v] = v;
   for (const auto& [k, v] : order) {
     numbers[v] = static_cast<std::uint32_t>(vertices.size());
@@ -67,6 +69,7 @@ void sort_spatially(Patch& patch) {
   }
   std::sort(triangles.begin(), triangles.end());
   std::vector<std::uint32_t> triangle_order;
+  triangle_order.reserve(triangles.size());
   for (const auto& [k, tri] : triangles) triangle_order.push_back(tri);
   patch.topology.renumber(numbers, triangle_order);
 }

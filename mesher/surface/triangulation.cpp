@@ -38,6 +38,15 @@ Triangulation Triangulation::from_triangles(std::uint32_t vertex_count,
   return result;
 }
 
+void Triangulation::reserve(std::size_t vertices) {
+  const std::size_t half_edges = 3 * 2 * vertices;
+  vert_.reserve(half_edges);
+  twin_.reserve(half_edges);
+  fixed_.reserve(half_edges);
+  vert_to_half_edge_.reserve(vertices);
+  fan_at_.reserve(vertices);
+}
+
 std::uint32_t Triangulation::take_slot() {
   if (!free_.empty()) {
     const std::uint32_t tri = free_.back();
@@ -247,7 +256,7 @@ void Triangulation::renumber(std::span<const std::uint32_t> vertex_numbers,
   for (std::uint32_t i = 0; i < triangle_order.size(); ++i) moved[triangle_order[i]] = i;
   Triangulation result;
   result.vert_to_half_edge_.assign(vertex_count(), kNone);
-  result.vert_.reserve(3 * triangle_order.size());
+  result.reserve(triangle_order.size() / 2 + 1);
   for (const std::uint32_t tri : triangle_order) {
     for (std::uint32_t h = 3 * tri; h < 3 * tri + 3; ++h) {
       const std::uint32_t v = vertex_numbers[vert_[h]];

@@ -50,6 +50,9 @@ class Triangulation {
   static Triangulation from_triangles(std::uint32_t vertex_count,
                                       std::span<const std::array<std::uint32_t, 3>> triangles);
 
+  /// Room for that many vertices and the triangles between them, so that growing up to there copies nothing.
+  void reserve(std::size_t vertices);
+
   /// Adds a triangle without neighbours and returns it.
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void remove_triangle(std::uint32_t tri);
