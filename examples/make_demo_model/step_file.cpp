@@ -20,7 +20,7 @@
 namespace tetloom::demo {
 namespace {
 
-void add_part(const DemoPart& part, const Handle(TDocStd_Document) & document) {
+TDF_Label add_part(const DemoPart& part, const Handle(TDocStd_Document) & document) {
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   const Handle(XCAFDoc_ColorTool) colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
   const TDF_Label label = shapes->AddShape(part.shape, Standard_False);
@@ -31,6 +31,7 @@ void add_part(const DemoPart& part, const Handle(TDocStd_Document) & document) {
     TDataStd_Name::Set(face_label, face.name.c_str());
     colors->SetColor(face_label, face.color, XCAFDoc_ColorSurf);
   }
+  return label;
 }
 
 }  // namespace
@@ -47,13 +48,14 @@ void check_parts(const std::vector<DemoPart>& parts) {
 void write_step(const std::vector<DemoPart>& parts, const std::string& path) {
   Handle(TDocStd_Document) document;
   XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
-  for (const DemoPart& part : parts) add_part(part, document);
   STEPCAFControl_Writer writer;
   Interface_Static::SetCVal("write.step.unit", "MM");
   Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
   writer.SetNameMode(Standard_True);
   writer.SetColorMode(Standard_True);
-  bool written = writer.Transfer(document);
+  // One by one: the writer styles the shapes of one transfer in the order of their addresses.
+  bool written = true;
+  for (const DemoPart& part : parts) written = written && writer.Transfer(add_part(part, document));
   if (written) {
     // A fixed time stamp: the same model is the same file.
     APIHeaderSection_MakeHeader header(writer.ChangeWriter().Model());
