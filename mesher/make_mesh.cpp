@@ -66,8 +66,7 @@ class MeshRun {
     constexpr int kMostRounds = 6;
     for (int round = 0;; ++round) {
       Stopwatch watch;
-      result_.sizes = build_size_field(model_, options_.sizes, refinements, runner_, options_.max_memory);
-      if (round == 0) check_estimate();
+      make_sizes(refinements);
       result_.seconds.size_field += watch.lap();
       SurfaceMeshResult surface = mesh_surface(model_, result_.sizes, runner_);
       const std::vector<TriangleIntersection> hits = find_intersections(surface.mesh, complexes);
@@ -77,6 +76,17 @@ class MeshRun {
       if (round == kMostRounds) return judge_crossings(std::move(surface), hits);
       for (const TriangleIntersection& hit : hits) refine_at(hit, surface.mesh, refinements);
     }
+  }
+
+  // The first field also says whether the mesh will fit in memory.
+  void make_sizes(const std::vector<PointSize>& refinements) {
+    if (!refinements.empty()) {
+      result_.sizes = build_size_field(model_, options_.sizes, refinements, runner_, options_.max_memory);
+      return;
+    }
+    const SizedModel sized = build_and_estimate(model_, options_.sizes, refinements, runner_, options_.max_memory);
+    check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
+    result_.sizes = sized.sizes;
   }
 
   std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes) {
@@ -130,11 +140,6 @@ class MeshRun {
   void append(const std::vector<Diagnostic>& errors, const std::vector<Diagnostic>& warnings) {
     result_.errors.insert(result_.errors.end(), errors.begin(), errors.end());
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
-  }
-
-  void check_estimate() {
-    const MeshEstimate estimate = estimate_mesh(model_, result_.sizes, runner_);
-    check_memory(options_.surface_only ? surface_part(estimate) : estimate, options_.max_memory);
   }
 
   bool mesh_volume() {
