@@ -181,7 +181,8 @@ TopoDS_Shape inside_out_box() {
   TopoDS_Solid solid;
   BRep_Builder builder;
   builder.MakeSolid(solid);
-  for (TopoDS_Iterator shell(box()); shell.More(); shell.Next()) builder.Add(solid, shell.Value().Reversed());
+  const TopoDS_Shape body = box();
+  for (TopoDS_Iterator shell(body); shell.More(); shell.Next()) builder.Add(solid, shell.Value().Reversed());
   return solid;
 }
 
