@@ -1,6 +1,7 @@
 #pragma once
 // Facetted shapes and files of them, for the tests of the discrete model.
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
