@@ -1,5 +1,6 @@
 // Real CAD models from STEP, IGES or BREP file to a validated tetrahedral mesh, at two sizes, judged by tetloom's own
 // checks and by an independent script. Prints a table. Skipped with a message where the models are not there.
+#include <unistd.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -36,7 +37,7 @@ std::vector<fs::path> list_models() {
 // What shared/tools/quality.py says of the mesh, or an empty object where it cannot run.
 nlohmann::json ask_judge(const Mesh& mesh, double size) {
   if (!fs::exists(kJudge) || std::system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0) return {};
-  const fs::path folder = fs::temp_directory_path() / "tetloom_shared_models_test";
+  const fs::path folder = fs::temp_directory_path() / ("tetloom-shared-models-test-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   const fs::path file = folder / "mesh.msh", answer = folder / "answer.json";
   write_mesh(mesh, file);
