@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -63,22 +64,23 @@ void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
   // Blocks are handed out in order, one at a time: the sequence of estimated work that callers set up is kept.
   std::atomic<std::size_t> next{0};  // counts blocks taken by the lanes below; each block goes to the one that took it
   const auto lanes = std::min<std::size_t>(blocks, static_cast<std::size_t>(threads()));
-  state_->arena.execute([&] {
-    tbb::parallel_for(
-        std::size_t{0}, lanes,
-        [&](std::size_t) {
-          for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < blocks;) {
-            if (cancelled()) return;
-            try {
-              body(block * grain, std::min(count, (block + 1) * grain));
-            } catch (...) {
-              next.store(blocks, std::memory_order_relaxed);
-              throw;
-            }
-          }
-        },
-        tbb::simple_partitioner{});
-  });
+  // What a body throws is carried here and not by oneTBB, which allocates to do so and ends the process where it
+  // cannot.
+  std::vector<std::exception_ptr> thrown(lanes);
+  const auto run_lane = [&](std::size_t lane) {
+    for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < blocks;) {
+      if (cancelled()) return;
+      try {
+        body(block * grain, std::min(count, (block + 1) * grain));
+      } catch (...) {
+        thrown[lane] = std::current_exception();
+        next.store(blocks, std::memory_order_relaxed);
+      }
+    }
+  };
+  state_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, lanes, run_lane, tbb::simple_partitioner{}); });
+  for (const std::exception_ptr& error : thrown)
+    if (error) std::rethrow_exception(error);
   check_cancelled();
 }
 

@@ -1,6 +1,9 @@
 // The tetloom command: reads its arguments, runs the subcommand, turns the outcome into an exit status.
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <new>
 #include <string>
 
 #include "apps/tetloom/commands.hpp"
@@ -44,6 +47,26 @@ ExitStatus run(int argc, const char* const* argv) {
   }
 }
 
+/// Memory that is kept for the way out: an allocation that fails gives it back first, so that what is small and cannot
+/// fail gracefully (a task of oneTBB, the text of an error, the report) still finds some.
+class MemoryReserve {
+ public:
+  MemoryReserve() {
+    block_ = std::malloc(kBytes);
+    std::set_new_handler(&MemoryReserve::spend);
+  }
+
+ private:
+  static constexpr std::size_t kBytes = std::size_t{2} << 20;
+
+  static void spend() {
+    std::free(block_.exchange(nullptr));
+    throw std::bad_alloc();
+  }
+
+  static inline std::atomic<void*> block_{nullptr};  // whoever takes the pointer out frees it
+};
+
 }  // namespace
 }  // namespace tetloom::app
 
@@ -51,5 +74,6 @@ int main(int argc, char** argv) {
   // A reader that goes away and a limit on the size of files show up as errors of write(2), which are handled.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  const tetloom::app::MemoryReserve reserve;
   return static_cast<int>(tetloom::app::run(argc, argv));
 }

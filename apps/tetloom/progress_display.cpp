@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <new>
 
 #include "apps/tetloom/quantities.hpp"
 
@@ -125,7 +126,11 @@ void ProgressDisplay::run() {
     changed_.wait_for(lock, kRedrawInterval);
     if (stages_begun_ > 0 && !finished_) {
       lock.unlock();
-      draw();
+      try {
+        draw();
+      } catch (const std::bad_alloc&) {
+        // One picture less. The run says itself what it lacks memory for.
+      }
       lock.lock();
     }
   }

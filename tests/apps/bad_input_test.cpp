@@ -201,15 +201,17 @@ TEST_CASE("a worker that is killed, or is none, becomes an error") {
   check_failure(folder, demo_model("assembly"), 4, "worker_failed", {"--size", "4", "--worker", folder / "none"});
 }
 
-// Hidden: known to fail now and then. An allocation that fails while the volume stage starts its tasks can still end
-// the process with std::terminate; run it with the tag.
-TEST_CASE("memory that runs out is an error, not a crash", "[.][memory]") {
+TEST_CASE("memory that runs out, at whichever place, is an error and not a crash") {
   if (is_sanitized()) return;
-  const TestFolder folder;
-  ProcessOptions options;
-  options.in_child = [] {
-    const rlimit limit{rlim_t{320} << 20, rlim_t{320} << 20};
-    ::setrlimit(RLIMIT_AS, &limit);
-  };
-  check_failure(folder, demo_model("assembly"), 6, "out_of_memory", {"--size", "0.4", "--max-memory", "64G"}, options);
+  for (const rlim_t mebibytes : {200, 240, 280, 320, 360}) {
+    CAPTURE(mebibytes);
+    const TestFolder folder;
+    ProcessOptions options;
+    options.in_child = [mebibytes] {
+      const rlimit limit{mebibytes << 20, mebibytes << 20};
+      ::setrlimit(RLIMIT_AS, &limit);
+    };
+    check_failure(folder, demo_model("assembly"), 6, "out_of_memory", {"--size", "0.4", "--max-memory", "64G"},
+                  options);
+  }
 }
