@@ -1,0 +1,61 @@
+#pragma once
+// How parts talk: messages between parts, collectives between ranks, and which rank hosts which part.
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "threading/message.hpp"
+
+namespace tetloom {
+
+/// Carries the messages of a schedule and knows where parts live. Algorithms see parts and never which implementation
+/// they run on: ThreadCommunicator hosts all parts in this process, MpiCommunicator several parts per MPI rank.
+///
+/// Parts are dealt to ranks in blocks: part p of P lives on rank floor(p · ranks / P), so it is never moved by a change
+/// of the number of threads, and ranks without parts are allowed.
+///
+/// Laws: a message arrives exactly once, whole, with the bytes that were sent. Nothing is promised of the order of
+/// arrival; whoever needs an order sorts by sender. Sums of integers do not depend on ranks or timing; floating-point
+/// sums are not offered for that reason.
+class Communicator {
+ public:
+  /// Called for each message that arrives, from any thread, possibly from inside `send`. Must not throw.
+  using Receiver = std::function<void(Message&&)>;
+
+  virtual ~Communicator() = default;
+
+  virtual int rank() const = 0;
+  virtual int rank_count() const = 0;
+
+  /// Opens a run of messages: from here to `close`, what arrives for a part of this rank goes to `receiver`. All ranks
+  /// open together. A message that was sent by another rank before this one opened is kept and delivered.
+  virtual void open(Receiver receiver) = 0;
+  /// Thread-safe. Moves the bytes when the destination lives on this rank.
+  virtual void send(Message&& message, int destination_rank) = 0;
+  /// Waits until everything that was sent has left and closes the run. All ranks close together.
+  virtual void close() = 0;
+
+  /// Collectives: every rank calls them in the same order, by one thread at a time, outside of runs.
+  virtual void sum(std::span<std::int64_t> values) = 0;
+  virtual void max(std::span<double> values) = 0;
+  /// What each rank gave, by rank.
+  virtual std::vector<Bytes> all_gather(Bytes bytes) = 0;
+  /// Raised when a rank fails inside a run: the others' runs end with an Error too instead of waiting for ever.
+  virtual void announce_failure() = 0;
+  virtual bool failed_elsewhere() const = 0;
+
+  /// The rank that hosts part `part` of `part_count`.
+  int rank_of(PartId part, std::size_t part_count) const {
+    return static_cast<int>(std::uint64_t{part.value} * static_cast<std::uint64_t>(rank_count()) / part_count);
+  }
+  /// The parts that this rank hosts, ascending.
+  std::vector<PartId> parts_of_rank(std::size_t part_count) const;
+};
+
+/// All parts in this process.
+std::unique_ptr<Communicator> make_thread_communicator();
+
+}  // namespace tetloom
