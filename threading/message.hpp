@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -22,7 +23,7 @@ struct Message {
   Bytes bytes;
 };
 
-/// Puts trivially copyable values and arrays into a buffer.
+/// Puts trivially copyable values and arrays into a buffer, each at a multiple of 8 bytes.
 class MessageWriter {
  public:
   void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
@@ -30,27 +31,35 @@ class MessageWriter {
 
   template <class T>
   void put(const T& value) {
-    put_raw(std::span<const T>(&value, 1));
+    std::memcpy(make_room<T>(1).data(), &value, sizeof(T));
   }
   /// The length and then the values.
   template <class T>
   void put_array(std::span<const T> values) {
-    put(static_cast<std::uint64_t>(values.size()));
-    put_raw(values);
+    const std::span<T> room = put_room<T>(values.size());
+    if (!values.empty()) std::memcpy(room.data(), values.data(), values.size_bytes());
+  }
+  /// The length, and room for the values that the caller fills in before anything else is put.
+  template <class T>
+  std::span<T> put_room(std::size_t count) {
+    put(static_cast<std::uint64_t>(count));
+    return make_room<T>(count);
   }
   Bytes take() { return std::move(bytes_); }
 
  private:
   template <class T>
-  void put_raw(std::span<const T> values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto raw = std::as_bytes(values);
-    bytes_.insert(bytes_.end(), raw.begin(), raw.end());
+  std::span<T> make_room(std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);
+    const std::size_t before = bytes_.size();
+    bytes_.resize(before + (count * sizeof(T) + 7) / 8 * 8);
+    return {reinterpret_cast<T*>(bytes_.data() + before), count};
   }
   Bytes bytes_;
 };
 
 /// Takes out in the same order what a MessageWriter put in. Throws Error(Internal) when there is less than asked for.
+/// Pre: the bytes begin at a multiple of 8.
 class MessageReader {
  public:
   explicit MessageReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -59,22 +68,20 @@ class MessageReader {
   template <class T>
   T get() {
     T value;
-    get_raw(std::span<T>(&value, 1));
+    std::memcpy(&value, take<T>(1).data(), sizeof(T));
     return value;
+  }
+  /// The values where they lie; valid as long as the bytes are.
+  template <class T>
+  std::span<const T> get_view() {
+    const auto count = get<std::uint64_t>();
+    if (count > bytes_.size() / sizeof(T)) fail();
+    return take<T>(static_cast<std::size_t>(count));
   }
   template <class T>
   std::vector<T> get_array() {
-    std::vector<T> values(count_of<T>());
-    get_raw(std::span<T>(values));
-    return values;
-  }
-  /// The same into an array of the caller's, which has the room; returns how many there were.
-  template <class T>
-  std::size_t get_array_into(std::span<T> room) {
-    const std::size_t count = count_of<T>();
-    if (count > room.size()) fail();
-    get_raw(room.first(count));
-    return count;
+    const std::span<const T> view = get_view<T>();
+    return {view.begin(), view.end()};
   }
 
  private:
@@ -82,17 +89,13 @@ class MessageReader {
     throw Error(ErrorCode::Internal, "a message between parts is shorter than it says");
   }
   template <class T>
-  std::size_t count_of() {
-    const auto count = get<std::uint64_t>();
-    if (count > bytes_.size() / sizeof(T)) fail();
-    return static_cast<std::size_t>(count);
-  }
-  template <class T>
-  void get_raw(std::span<T> values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (values.size_bytes() > bytes_.size()) fail();
-    if (!values.empty()) std::memcpy(values.data(), bytes_.data(), values.size_bytes());
-    bytes_ = bytes_.subspan(values.size_bytes());
+  std::span<const T> take(std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);
+    const std::size_t padded = (count * sizeof(T) + 7) / 8 * 8;
+    if (padded > bytes_.size()) fail();
+    const std::span<const T> values(reinterpret_cast<const T*>(bytes_.data()), count);
+    bytes_ = bytes_.subspan(padded);
+    return values;
   }
   std::span<const std::byte> bytes_;
 };

@@ -1,0 +1,233 @@
+#include "core/part/adjacency.hpp"
+
+#include <algorithm>
+
+#include "core/base/error.hpp"
+
+namespace tetloom {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+CellPlace& neighbor(PartMesh& part, CellPlace face) {
+  return part.block(face.kind())
+      .to_neighbor[std::size_t{face.cell()} * shape_of(face.kind()).face_count + face.place()];
+}
+
+void check_limits(const PartMesh& part) {
+  for (const CellKind kind : kAllCellKinds) {
+    const std::size_t limit = kind == CellKind::Tet ? CellPlace::kMaxTets : CellPlace::kMaxOthers - 1;
+    if (part.block(kind).size() >= limit)
+      throw Error(ErrorCode::InputUnsuitable, "a part cannot hold so many cells of one kind; use more parts");
+  }
+}
+
+// Chains of faces that have not met their other side yet, by their lowest vertex. The heads stand in vert_to_place,
+// the links in to_neighbor of the chained faces themselves.
+class FaceMatcher {
+ public:
+  explicit FaceMatcher(PartMesh& part) : part_(part) {
+    part_.vert_to_place.clear();
+    part_.vert_to_place.resize(part_.vertex_count());
+  }
+
+  void add(CellPlace face) {
+    const FaceKey key = key_of_face(part_, face);
+    CellPlace* link = &part_.vert_to_place[key[0]];
+    const CellPlace head = *link;
+    for (CellPlace other = head; other.valid(); other = *link) {
+      CellPlace& next = neighbor(part_, other);
+      if (key_of_face(part_, other) == key) {
+        *link = next;
+        next = face;
+        neighbor(part_, face) = other;
+        return;
+      }
+      link = &next;
+    }
+    neighbor(part_, face) = head;
+    part_.vert_to_place[key[0]] = face;
+  }
+
+  // What is still chained has nothing behind it.
+  void finish() {
+    for (CellPlace& head : part_.vert_to_place) {
+      while (head.valid()) head = std::exchange(neighbor(part_, head), CellPlace());
+    }
+  }
+
+ private:
+  PartMesh& part_;
+};
+
+void match_faces(PartMesh& part) {
+  FaceMatcher matcher(part);
+  for (const CellKind kind : kAllCellKinds) {
+    CellBlock& block = part.block(kind);
+    const std::uint32_t faces = shape_of(kind).face_count;
+    block.to_neighbor.resize_for_overwrite(block.size() * faces);
+    for (std::uint32_t cell = 0; cell < block.size(); ++cell)
+      for (std::uint32_t face = 0; face < faces; ++face) matcher.add(CellPlace(kind, cell, face));
+  }
+  matcher.finish();
+}
+
+// Names the lowest corner at each vertex.
+void name_corners(PartMesh& part) {
+  for (const CellKind kind : kAllCellKinds) {
+    const CellBlock& block = part.block(kind);
+    const std::uint32_t n = shape_of(kind).vertex_count;
+    for (std::uint32_t cell = 0; cell < block.size(); ++cell) {
+      for (std::uint32_t i = 0; i < n; ++i) {
+        CellPlace& place = part.vert_to_place[block.to_vert[std::size_t{cell} * n + i]];
+        if (!place.valid()) place = CellPlace(kind, cell, i);
+      }
+    }
+  }
+}
+
+// Collects the corners at `vert` that are connected to those already in `ball` from index `from` on.
+void grow_ball(const PartMesh& part, std::uint32_t vert, std::size_t from, std::vector<CellPlace>& ball) {
+  for (std::size_t k = from; k < ball.size(); ++k) {
+    const CellPlace corner = ball[k];
+    const CellShape& shape = shape_of(corner.kind());
+    for (std::uint32_t f = 0; f < shape.face_count; ++f) {
+      const auto verts = shape.face[f].vertices();
+      if (std::find(verts.begin(), verts.end(), corner.place()) == verts.end()) continue;
+      const CellPlace behind = neighbor_of(part, CellPlace(corner.kind(), corner.cell(), f));
+      if (!behind.valid()) continue;
+      const CellId cell{behind.kind(), behind.cell()};
+      const auto cell_verts = vertices_of(part, cell);
+      const auto place =
+          static_cast<std::uint32_t>(std::find(cell_verts.begin(), cell_verts.end(), vert) - cell_verts.begin());
+      const CellPlace next(cell.kind, cell.index, place);
+      if (std::find(ball.begin() + static_cast<std::ptrdiff_t>(from), ball.end(), next) == ball.end())
+        ball.push_back(next);
+    }
+  }
+}
+
+// Only vertices on open faces can have cells in several groups. Their corners are collected from all cells, and those
+// that the first group does not reach get names of their own.
+void name_further_corners(PartMesh& part) {
+  part.further_places.clear();
+  std::vector<std::uint32_t> slot(part.vertex_count(), kNone);
+  std::vector<std::uint32_t> open;
+  for_each_open_face(part, [&](CellPlace face) {
+    for (const std::uint32_t v : vertices_of_face(part, face)) {
+      if (v == kNone || slot[v] != kNone) continue;
+      slot[v] = static_cast<std::uint32_t>(open.size());
+      open.push_back(v);
+    }
+  });
+  std::vector<std::uint32_t> first(open.size() + 1, 0);
+  const auto for_each_open_corner = [&](const auto& visit) {
+    for (const CellKind kind : kAllCellKinds) {
+      const auto& to_vert = part.block(kind).to_vert;
+      const std::uint32_t n = shape_of(kind).vertex_count;
+      for (std::size_t i = 0; i < to_vert.size(); ++i)
+        if (slot[to_vert[i]] != kNone)
+          visit(slot[to_vert[i]],
+                CellPlace(kind, static_cast<std::uint32_t>(i / n), static_cast<std::uint32_t>(i % n)));
+    }
+  };
+  for_each_open_corner([&](std::uint32_t s, CellPlace) { ++first[s + 1]; });
+  for (std::size_t s = 0; s < open.size(); ++s) first[s + 1] += first[s];
+  std::vector<CellPlace> corners(first.back());
+  std::vector<std::uint32_t> filled(first.begin(), first.end() - 1);
+  for_each_open_corner([&](std::uint32_t s, CellPlace corner) { corners[filled[s]++] = corner; });
+
+  std::vector<CellPlace> ball;
+  std::vector<FurtherPlace> further;
+  for (std::size_t s = 0; s < open.size(); ++s) {
+    ball.assign(1, part.vert_to_place[open[s]]);
+    grow_ball(part, open[s], 0, ball);
+    const std::size_t count = first[s + 1] - first[s];
+    for (std::uint32_t i = first[s]; ball.size() < count && i < first[s + 1]; ++i) {
+      if (std::find(ball.begin(), ball.end(), corners[i]) != ball.end()) continue;
+      further.push_back({open[s], corners[i]});
+      const std::size_t from = ball.size();
+      ball.push_back(corners[i]);
+      grow_ball(part, open[s], from, ball);
+    }
+  }
+  std::sort(further.begin(), further.end(), [](const FurtherPlace& a, const FurtherPlace& b) {
+    return a.vert != b.vert ? a.vert < b.vert : a.place < b.place;
+  });
+  part.further_places = GrowingArray<FurtherPlace>(std::span<const FurtherPlace>(further));
+}
+
+}  // namespace
+
+std::array<std::uint32_t, 4> vertices_of_face(const PartMesh& part, CellPlace face) {
+  const CellShape& shape = shape_of(face.kind());
+  const std::uint32_t* verts = part.block(face.kind()).to_vert.data() + std::size_t{face.cell()} * shape.vertex_count;
+  const LocalFace& local = shape.face[face.place()];
+  return {verts[local.vert[0]], verts[local.vert[1]], verts[local.vert[2]],
+          local.count == 4 ? verts[local.vert[3]] : kNone};
+}
+
+FaceKey key_of_face(const PartMesh& part, CellPlace face) {
+  FaceKey key = vertices_of_face(part, face);
+  if (key[0] > key[1]) std::swap(key[0], key[1]);
+  if (key[1] > key[2]) std::swap(key[1], key[2]);
+  if (key[0] > key[1]) std::swap(key[0], key[1]);
+  if (key[3] == kNone) return key;
+  if (key[2] > key[3]) std::swap(key[2], key[3]);
+  if (key[1] > key[2]) std::swap(key[1], key[2]);
+  if (key[0] > key[1]) std::swap(key[0], key[1]);
+  return key;
+}
+
+void connect_cells(PartMesh& part) {
+  check_limits(part);
+  match_faces(part);
+  name_corners(part);
+  name_further_corners(part);
+}
+
+std::span<const CellPlace> BallFinder::find_ball(std::uint32_t vert) {
+  ball_.clear();
+  if (!part_.vert_to_place[vert].valid()) return {};
+  ball_.push_back(part_.vert_to_place[vert]);
+  grow_ball(part_, vert, 0, ball_);
+  const auto further =
+      std::equal_range(part_.further_places.begin(), part_.further_places.end(), FurtherPlace{vert, {}},
+                       [](const FurtherPlace& a, const FurtherPlace& b) { return a.vert < b.vert; });
+  for (auto it = further.first; it != further.second; ++it) {
+    const std::size_t from = ball_.size();
+    ball_.push_back(it->place);
+    grow_ball(part_, vert, from, ball_);
+  }
+  return ball_;
+}
+
+std::span<const CellId> BallFinder::find_shell(std::uint32_t a, std::uint32_t b) {
+  shell_.clear();
+  for (const CellPlace corner : find_ball(a)) {
+    const CellId cell{corner.kind(), corner.cell()};
+    const auto verts = vertices_of(part_, cell);
+    for (const auto& edge : shape_of(cell.kind).edges()) {
+      const std::uint32_t p = verts[edge[0]], q = verts[edge[1]];
+      if ((p == a && q == b) || (p == b && q == a)) shell_.push_back(cell);
+    }
+  }
+  std::sort(shell_.begin(), shell_.end());
+  return shell_;
+}
+
+CellPlace BallFinder::find_face(std::span<const std::uint32_t> verts) {
+  FaceKey wanted{kNone, kNone, kNone, kNone};
+  std::copy(verts.begin(), verts.end(), wanted.begin());
+  std::sort(wanted.begin(), wanted.end());
+  CellPlace found;
+  for (const CellPlace corner : find_ball(wanted[0])) {
+    for (std::uint32_t f = 0; f < shape_of(corner.kind()).face_count; ++f) {
+      const CellPlace face(corner.kind(), corner.cell(), f);
+      if (face < found && key_of_face(part_, face) == wanted) found = face;
+    }
+  }
+  return found;
+}
+
+}  // namespace tetloom
