@@ -1,0 +1,88 @@
+#pragma once
+// Ranks as threads of this process, for tests of collective calls.
+#include <algorithm>
+#include <barrier>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "threading/communicator.hpp"
+
+namespace tetloom::test {
+
+/// Only the collectives work.
+class SimulatedRank : public Communicator {
+ public:
+  struct Board {
+    explicit Board(int ranks) : barrier(ranks), sums(ranks), maxima(ranks), given(ranks) {}
+    std::barrier<> barrier;
+    std::vector<std::span<std::int64_t>> sums;
+    std::vector<std::span<double>> maxima;
+    std::vector<Bytes> given;
+  };
+
+  SimulatedRank(Board& board, int rank) : board_(board), rank_(rank) {}
+  int rank() const override { return rank_; }
+  int rank_count() const override { return static_cast<int>(board_.given.size()); }
+  void open(Receiver) override {}
+  void send(Message&&, int) override {}
+  void close() override {}
+  void announce_failure() override {}
+  bool failed_elsewhere() const override { return false; }
+
+  void sum(std::span<std::int64_t> values) override {
+    combine(board_.sums, values, std::int64_t{0}, [](std::int64_t a, std::int64_t b) { return a + b; });
+  }
+  void max(std::span<double> values) override {
+    combine(board_.maxima, values, -std::numeric_limits<double>::infinity(),
+            [](double a, double b) { return std::max(a, b); });
+  }
+  std::vector<Bytes> all_gather(Bytes bytes) override {
+    board_.given[rank_] = std::move(bytes);
+    board_.barrier.arrive_and_wait();
+    auto all = board_.given;
+    board_.barrier.arrive_and_wait();
+    return all;
+  }
+
+ private:
+  template <class T, class Combine>
+  void combine(std::vector<std::span<T>>& board, std::span<T> values, T start, Combine combine) {
+    board[rank_] = values;
+    board_.barrier.arrive_and_wait();
+    std::vector<T> result(values.size(), start);
+    for (const std::span<T> one : board)
+      for (std::size_t i = 0; i < result.size(); ++i) result[i] = combine(result[i], one[i]);
+    board_.barrier.arrive_and_wait();
+    std::copy(result.begin(), result.end(), values.begin());
+    board_.barrier.arrive_and_wait();
+  }
+
+  Board& board_;
+  int rank_;
+};
+
+/// Runs body once for each rank, all at the same time. Rethrows what the lowest rank threw that threw anything; all
+/// ranks must throw alike, or the others wait for ever.
+inline void on_simulated_ranks(int ranks, const std::function<void(Communicator&)>& body) {
+  SimulatedRank::Board board(ranks);
+  std::vector<std::exception_ptr> thrown(ranks);
+  {
+    std::vector<std::jthread> threads;
+    for (int r = 0; r < ranks; ++r)
+      threads.emplace_back([&, r] {
+        SimulatedRank rank(board, r);
+        try {
+          body(rank);
+        } catch (...) {
+          thrown[r] = std::current_exception();
+        }
+      });
+  }
+  for (const std::exception_ptr& error : thrown)
+    if (error) std::rethrow_exception(error);
+}
+
+}  // namespace tetloom::test

@@ -1,0 +1,60 @@
+#include "threading/balance/hilbert_detail.hpp"
+
+#include <array>
+#include <bit>
+
+namespace tetloom::balance_detail {
+
+namespace {
+
+/// How the curve runs through one cube: the corner where it enters and the axis along which it leaves.
+struct Pose {
+  unsigned corner = 0, axis = 0;
+};
+
+constexpr unsigned rotate_left(unsigned v, unsigned by) { return ((v << by) | (v >> (3 - by))) & 7; }
+constexpr unsigned rotate_right(unsigned v, unsigned by) { return ((v >> by) | (v << (3 - by))) & 7; }
+constexpr unsigned gray(unsigned v) { return v ^ (v >> 1); }
+constexpr unsigned gray_rank(unsigned v) { return v ^ (v >> 1) ^ (v >> 2); }
+constexpr unsigned trailing_ones(unsigned v) { return static_cast<unsigned>(std::countr_one(v)); }
+
+/// The eighth of the cube with the corner bits `octant` comes as number `rank` and has the pose `inner`.
+struct Step {
+  unsigned rank;
+  Pose inner;
+};
+
+constexpr Step step(Pose pose, unsigned octant) {
+  const unsigned turn = (pose.axis + 1) % 3;
+  const unsigned rank = gray_rank(rotate_right(octant ^ pose.corner, turn));
+  const unsigned entry = rank == 0 ? 0 : gray((rank - 1) & ~1U);
+  const unsigned leaving = rank == 0 ? 0 : trailing_ones(rank % 2 == 0 ? rank - 1 : rank) % 3;
+  return {rank, {pose.corner ^ rotate_left(entry, turn), (pose.axis + leaving + 1) % 3}};
+}
+
+/// By 8 · pose + octant: 8 · inner pose + rank, a pose counted as 3 · corner + axis.
+constexpr auto kSteps = [] {
+  std::array<std::uint8_t, 24 * 8> table{};
+  for (unsigned pose = 0; pose < 24; ++pose)
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      const Step s = step({pose / 3, pose % 3}, octant);
+      table[8 * pose + octant] = static_cast<std::uint8_t>(8 * (3 * s.inner.corner + s.inner.axis) + s.rank);
+    }
+  return table;
+}();
+
+}  // namespace
+
+std::uint64_t hilbert_key(std::int64_t x, std::int64_t y, std::int64_t z) {
+  std::uint64_t key = 0;
+  unsigned pose = 0;  // times 8
+  for (int bit = kHilbertBits - 1; bit >= 0; --bit) {
+    const unsigned octant = static_cast<unsigned>((x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2);
+    const unsigned next = kSteps[pose + octant];
+    key = key << 3 | (next & 7);
+    pose = next & ~7U;
+  }
+  return key;
+}
+
+}  // namespace tetloom::balance_detail
