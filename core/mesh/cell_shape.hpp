@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace tetloom {
 
@@ -68,5 +69,32 @@ constexpr std::array<CellShape, kCellKinds> kCellShapes{{
 }};
 
 constexpr const CellShape& shape_of(CellKind kind) { return kCellShapes[static_cast<std::size_t>(kind)]; }
+
+/// "tet", "pyramid", "prism", "hex".
+constexpr std::string_view to_string(CellKind kind) {
+  constexpr std::array<std::string_view, kCellKinds> names{"tet", "pyramid", "prism", "hex"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+/// A vertex of a cell and the three that edges join to it, in the order in which a positive cell gives a positive tet:
+/// the sign of the Jacobian at that corner.
+using CellCorner = std::array<std::uint8_t, 4>;
+constexpr std::array<CellCorner, 1> kTetCorners{{{0, 1, 2, 3}}};
+constexpr std::array<CellCorner, 4> kPyramidCorners{{{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
+constexpr std::array<CellCorner, 6> kPrismCorners{
+    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}}};
+constexpr std::array<CellCorner, 8> kHexCorners{
+    {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}}};
+
+/// One corner for a tet; the four at the base for a pyramid, where those at the apex would add nothing.
+constexpr std::span<const CellCorner> corners_of(CellKind kind) {
+  switch (kind) {
+    case CellKind::Tet: return kTetCorners;
+    case CellKind::Pyramid: return kPyramidCorners;
+    case CellKind::Prism: return kPrismCorners;
+    case CellKind::Hex: return kHexCorners;
+  }
+  return {};
+}
 
 }  // namespace tetloom

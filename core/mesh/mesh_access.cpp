@@ -23,6 +23,18 @@ void require_indices(const Elements& elements, std::size_t entity_count, std::si
                                {i}});
 }
 
+void require_lengths(const std::vector<MeshField>& fields, std::size_t carriers, const char* what) {
+  for (const MeshField& field : fields) {
+    const bool fits = field.components > 0 && field.values.size() % static_cast<std::size_t>(field.components) == 0 &&
+                      field.values.size() / static_cast<std::size_t>(field.components) == carriers;
+    if (!fits)
+      throw Error(ErrorCode::InvalidArgument, "the field '" + field.name + "' has " +
+                                                  std::to_string(field.values.size()) + " numbers in tuples of " +
+                                                  std::to_string(field.components) + " for " +
+                                                  std::to_string(carriers) + " " + what);
+  }
+}
+
 }  // namespace
 
 void require_consistent(const Mesh& mesh) {
@@ -33,7 +45,56 @@ void require_consistent(const Mesh& mesh) {
                                                 std::to_string(mesh.point_to_entity.size()) + " entities for them");
   require_indices(mesh.edge_to_vert, mesh.edge_to_entity.size(), points, "edges");
   require_indices(mesh.tri_to_vert, mesh.tri_to_entity.size(), points, "triangles");
+  require_indices(mesh.quad_to_vert, mesh.quad_to_entity.size(), points, "quadrilaterals");
   require_indices(mesh.tet_to_vert, mesh.tet_to_entity.size(), points, "tets");
+  require_indices(mesh.pyramid_to_vert, mesh.pyramid_to_entity.size(), points, "pyramids");
+  require_indices(mesh.prism_to_vert, mesh.prism_to_entity.size(), points, "prisms");
+  require_indices(mesh.hex_to_vert, mesh.hex_to_entity.size(), points, "hexahedra");
+  require_lengths(mesh.point_fields, points, "points");
+  require_lengths(mesh.cell_fields, cell_count(mesh), "cells");
+}
+
+std::size_t cell_count(const Mesh& mesh, CellKind kind) {
+  switch (kind) {
+    case CellKind::Tet: return mesh.tet_to_vert.size();
+    case CellKind::Pyramid: return mesh.pyramid_to_vert.size();
+    case CellKind::Prism: return mesh.prism_to_vert.size();
+    case CellKind::Hex: return mesh.hex_to_vert.size();
+  }
+  return 0;
+}
+
+std::size_t cell_count(const Mesh& mesh) {
+  return mesh.tet_to_vert.size() + mesh.pyramid_to_vert.size() + mesh.prism_to_vert.size() + mesh.hex_to_vert.size();
+}
+
+CellRef cell_ref(const Mesh& mesh, std::size_t cell) {
+  for (const CellKind kind : kCellKinds) {
+    const std::size_t count = cell_count(mesh, kind);
+    if (cell < count || kind == CellKind::Hex) return {kind, cell};
+    cell -= count;
+  }
+  return {};
+}
+
+std::span<const std::uint32_t> vertices_of(const Mesh& mesh, CellRef cell) {
+  switch (cell.kind) {
+    case CellKind::Tet: return mesh.tet_to_vert[cell.index];
+    case CellKind::Pyramid: return mesh.pyramid_to_vert[cell.index];
+    case CellKind::Prism: return mesh.prism_to_vert[cell.index];
+    case CellKind::Hex: return mesh.hex_to_vert[cell.index];
+  }
+  return {};
+}
+
+std::uint32_t region_of(const Mesh& mesh, CellRef cell) {
+  switch (cell.kind) {
+    case CellKind::Tet: return mesh.tet_to_entity[cell.index];
+    case CellKind::Pyramid: return mesh.pyramid_to_entity[cell.index];
+    case CellKind::Prism: return mesh.prism_to_entity[cell.index];
+    case CellKind::Hex: return mesh.hex_to_entity[cell.index];
+  }
+  return ModelRegionId::kNone;
 }
 
 }  // namespace tetloom
