@@ -1,0 +1,93 @@
+#include <array>
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "core/mesh/cell_shape.hpp"
+#include "core/predicates/predicates.hpp"
+
+using namespace tetloom;
+
+namespace {
+
+/// Positive cells as mesh.hpp describes them.
+std::vector<Vec3> reference_cell(CellKind kind) {
+  switch (kind) {
+    case CellKind::Tet: return {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    case CellKind::Pyramid: return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}};
+    case CellKind::Prism: return {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};
+    case CellKind::Hex: return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  }
+  return {};
+}
+
+using Pair = std::pair<int, int>;
+
+}  // namespace
+
+TEST_CASE("every edge of a cell lies in two faces that run along it in opposite directions") {
+  for (const CellKind kind : kCellKinds) {
+    INFO(to_string(kind));
+    const CellShape& shape = shape_of(kind);
+    std::multiset<Pair> directed;
+    for (const CellFace& face : shape.faces())
+      for (std::size_t i = 0; i < face.size; ++i)
+        directed.insert({face.vertices[i], face.vertices[(i + 1) % face.size]});
+    CHECK(directed.size() == 2u * shape.edge_count);
+    std::set<Pair> edges;
+    for (const auto& edge : shape.edges()) {
+      CHECK(edges.insert(std::minmax<int>(edge[0], edge[1])).second);
+      CHECK(directed.count({edge[0], edge[1]}) == 1);
+      CHECK(directed.count({edge[1], edge[0]}) == 1);
+    }
+    CHECK(shape.vertex_count - shape.edge_count + shape.face_count == 2);
+  }
+}
+
+TEST_CASE("the faces of a cell turn counter-clockwise seen from outside") {
+  for (const CellKind kind : kCellKinds) {
+    INFO(to_string(kind));
+    const std::vector<Vec3> points = reference_cell(kind);
+    REQUIRE(points.size() == shape_of(kind).vertex_count);
+    for (const CellFace& face : shape_of(kind).faces()) {
+      std::set<int> on_face(face.cycle().begin(), face.cycle().end());
+      CHECK(on_face.size() == face.size);
+      for (int v = 0; v < static_cast<int>(points.size()); ++v) {
+        const int expected = on_face.contains(v) ? 0 : -1;
+        for (std::size_t i = 0; i < face.size; ++i)
+          CHECK(orient3d(points[face.vertices[i]], points[face.vertices[(i + 1) % face.size]],
+                         points[face.vertices[(i + 2) % face.size]], points[v]) == expected);
+      }
+    }
+  }
+}
+
+TEST_CASE("the corners of a cell follow its edges and are positive") {
+  for (const CellKind kind : kCellKinds) {
+    INFO(to_string(kind));
+    const std::vector<Vec3> points = reference_cell(kind);
+    std::set<Pair> edges;
+    for (const auto& [a, b] : shape_of(kind).edges()) edges.insert({a, b}), edges.insert({b, a});
+    std::set<int> tops;
+    for (const auto& [a, b, c, d] : shape_of(kind).corners()) {
+      CHECK(tops.insert(a).second);
+      for (const int end : {b, c, d}) CHECK(edges.contains({a, end}));
+      CHECK(orient3d(points[a], points[b], points[c], points[d]) == 1);
+    }
+    const std::size_t expected = kind == CellKind::Tet ? 1 : kind == CellKind::Pyramid ? 4 : points.size();
+    CHECK(tops.size() == expected);
+  }
+}
+
+TEST_CASE("a tet's faces lie opposite to their vertices, and its edges in opposite pairs") {
+  const CellShape& tet = shape_of(CellKind::Tet);
+  for (int f = 0; f < 4; ++f)
+    for (const int v : tet.faces()[f].cycle()) CHECK(v != f);
+  for (int k = 0; k < 6; ++k) {
+    const auto &a = tet.edges()[k], &b = tet.edges()[5 - k];
+    CHECK(std::set<int>{a[0], a[1], b[0], b[1]}.size() == 4);
+  }
+}
