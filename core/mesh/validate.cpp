@@ -1,8 +1,10 @@
 #include "core/mesh/validate.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate_detail.hpp"
 #include "core/predicates/predicates.hpp"
 
@@ -29,12 +31,14 @@ std::string_view to_string(ProblemKind kind) {
     case ProblemKind::ClassificationConflict: return "classification_conflict";
     case ProblemKind::EntityOutOfRange: return "entity_out_of_range";
     case ProblemKind::PartlyClassified: return "partly_classified";
+    case ProblemKind::FacesDoNotFit: return "faces_do_not_fit";
   }
   return "unknown";
 }
 
 std::string_view to_string(ElementKind kind) {
-  static constexpr std::array<std::string_view, 4> names{"point", "edge", "triangle", "tet"};
+  static constexpr std::array<std::string_view, 8> names{"point", "edge",    "triangle", "tet",
+                                                         "quad",  "pyramid", "prism",    "hex"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -51,26 +55,35 @@ std::string_view phrase(ProblemKind kind) {
     case ProblemKind::RepeatedVertex: return "% that use a point twice";
     case ProblemKind::DuplicateElement: return "% that repeat another one";
     case ProblemKind::NonPositiveVolume: return "% that are flat or inverted";
-    case ProblemKind::FaceUsedTooOften: return "faces shared by three or more tets";
-    case ProblemKind::OverlappingTets: return "faces with two tets on the same side";
-    case ProblemKind::BoundaryWithoutTriangle: return "boundary faces of tets without a triangle";
-    case ProblemKind::InterfaceWithoutTriangle: return "tet faces between regions without a triangle";
-    case ProblemKind::TriangleNotOnTets: return "% that are not a face of any tet";
-    case ProblemKind::OpenBoundary: return "open edges in the boundary of the tets";
+    case ProblemKind::FaceUsedTooOften: return "faces shared by three or more cells";
+    case ProblemKind::OverlappingTets: return "faces with two cells on the same side";
+    case ProblemKind::BoundaryWithoutTriangle: return "boundary faces of % without a triangle";
+    case ProblemKind::InterfaceWithoutTriangle: return "faces of % between regions without a triangle";
+    case ProblemKind::TriangleNotOnTets: return "% that are not a face of any cell";
+    case ProblemKind::OpenBoundary: return "open edges in the boundary of the cells";
     case ProblemKind::SidesDisagree: return "% with other regions beside them than their model face has";
-    case ProblemKind::FlippedTriangle: return "edges at which two triangles of a model face turn opposite ways";
+    case ProblemKind::FlippedTriangle: return "edges at which two % of a model face turn opposite ways";
     case ProblemKind::MissingEdge: return "places where model faces meet without a mesh edge";
-    case ProblemKind::EdgeNotOnTriangles: return "% between surface points that are not on any triangle";
+    case ProblemKind::EdgeNotOnTriangles: return "% between surface points that are not on the surface";
     case ProblemKind::ClassificationConflict: return "% that contradict the classification of points";
     case ProblemKind::EntityOutOfRange: return "% on model entities that are not there";
     case ProblemKind::PartlyClassified: return "% without a model entity while others have one";
+    case ProblemKind::FacesDoNotFit: return "faces of % with four points against triangles";
   }
   return "%";
 }
 
+std::string plural_of(ElementKind kind) {
+  return std::string(to_string(kind)) + (kind == ElementKind::Hex ? "es" : "s");
+}
+
 std::string message_for(const MeshProblem& problem) {
   std::string text(phrase(problem.kind));
-  if (text.front() == '%') text.replace(0, 1, std::string(to_string(problem.element)) + "s");
+  const std::size_t place = text.find('%');
+  if (place != std::string::npos) text.replace(place, 1, plural_of(problem.element));
+  const bool wants_surface =
+      problem.kind == ProblemKind::BoundaryWithoutTriangle || problem.kind == ProblemKind::InterfaceWithoutTriangle;
+  if (wants_surface && problem.element != ElementKind::Tet) text += " or quad";
   return text + ": " + std::to_string(problem.count);
 }
 
@@ -87,22 +100,46 @@ bool indices_in_range(const Elements& elements, ElementKind kind, std::size_t po
   return fine;
 }
 
+/// Calls visit(kind, x_to_vert, x_to_entity) for edges, surface elements and cells.
+template <class Visit>
+void for_each_element_kind(const Mesh& mesh, const Visit& visit) {
+  visit(ElementKind::Edge, mesh.edge_to_vert, mesh.edge_to_entity);
+  visit(ElementKind::Triangle, mesh.tri_to_vert, mesh.tri_to_entity);
+  visit(ElementKind::Quad, mesh.quad_to_vert, mesh.quad_to_entity);
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& entities) {
+    visit(detail::element_kind(kind), cells, entities);
+  });
+}
+
 bool arrays_fit(const Mesh& mesh, detail::ProblemLog& log) {
-  const auto check = [&](std::size_t elements, std::size_t entities, const char* what) {
+  const auto check = [&](std::size_t elements, std::size_t entities, const std::string& what) {
     if (elements == entities) return true;
     log.add_array(std::to_string(elements) + " " + what + " have " + std::to_string(entities) + " entities");
     return false;
   };
-  bool fine = check(mesh.edge_to_vert.size(), mesh.edge_to_entity.size(), "edges");
-  fine &= check(mesh.tri_to_vert.size(), mesh.tri_to_entity.size(), "triangles");
-  fine &= check(mesh.tet_to_vert.size(), mesh.tet_to_entity.size(), "tets");
+  bool fine = true;
+  for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto& entities) {
+    fine &= check(elements.size(), entities.size(), plural_of(kind));
+  });
   if (!mesh.point_to_entity.empty()) fine &= check(mesh.points.size(), mesh.point_to_entity.size(), "points");
   if (mesh.points.size() >= 0xffffffffu) log.add_array("the points are too many for 32-bit indices"), fine = false;
   if (!fine) return false;
-  fine &= indices_in_range(mesh.edge_to_vert, ElementKind::Edge, mesh.points.size(), log);
-  fine &= indices_in_range(mesh.tri_to_vert, ElementKind::Triangle, mesh.points.size(), log);
-  fine &= indices_in_range(mesh.tet_to_vert, ElementKind::Tet, mesh.points.size(), log);
+  for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
+    fine &= indices_in_range(elements, kind, mesh.points.size(), log);
+  });
   return fine;
+}
+
+void check_fields(const std::vector<MeshField>& fields, std::size_t carriers, const char* what,
+                  detail::ProblemLog& log) {
+  for (const MeshField& field : fields) {
+    const auto components = static_cast<std::size_t>(std::max(field.components, 0));
+    if (components > 0 && field.values.size() / components == carriers && field.values.size() % components == 0)
+      continue;
+    log.add_array("the field '" + field.name + "' has " + std::to_string(field.values.size()) +
+                  " numbers in tuples of " + std::to_string(field.components) + " for " + std::to_string(carriers) +
+                  " " + what);
+  }
 }
 
 template <std::size_t N>
@@ -119,19 +156,28 @@ void find_repeated_vertices(const Elements& elements, ElementKind kind, detail::
     if (repeats_vertex(elements[i])) log.add(ProblemKind::RepeatedVertex, kind, i);
 }
 
+/// `finite` says that all points of the mesh are, which saves looking at those of the cell.
+template <class Cell>
+bool is_positive(const Mesh& mesh, const CellShape& shape, const Cell& cell, bool finite) {
+  for (const std::uint32_t v : cell)
+    if (!finite && !is_finite(mesh.points[v])) return false;
+  for (const auto& [a, b, c, d] : shape.corners())
+    if (orient3d(mesh.points[cell[a]], mesh.points[cell[b]], mesh.points[cell[c]], mesh.points[cell[d]]) <= 0)
+      return false;
+  return true;
+}
+
 void validate_shapes(const Mesh& mesh, detail::ProblemLog& log) {
   bool finite = true;
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!is_finite(mesh.points[i])) log.add(ProblemKind::NonFinitePoint, ElementKind::Point, i), finite = false;
-  find_repeated_vertices(mesh.edge_to_vert, ElementKind::Edge, log);
-  find_repeated_vertices(mesh.tri_to_vert, ElementKind::Triangle, log);
-  find_repeated_vertices(mesh.tet_to_vert, ElementKind::Tet, log);
-  for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t) {
-    const auto [a, b, c, d] = mesh.tet_to_vert[t];
-    const Vec3 &pa = mesh.points[a], &pb = mesh.points[b], &pc = mesh.points[c], &pd = mesh.points[d];
-    const bool comparable = finite || (is_finite(pa) && is_finite(pb) && is_finite(pc) && is_finite(pd));
-    if (!comparable || orient3d(pa, pb, pc, pd) <= 0) log.add(ProblemKind::NonPositiveVolume, ElementKind::Tet, t);
-  }
+  for_each_element_kind(
+      mesh, [&](ElementKind kind, const auto& elements, const auto&) { find_repeated_vertices(elements, kind, log); });
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (!is_positive(mesh, shape_of(kind), cells[c], finite))
+        log.add(ProblemKind::NonPositiveVolume, detail::element_kind(kind), c);
+  });
 }
 
 /// Marks the points of the elements; counts the points that nothing uses.
@@ -139,12 +185,15 @@ detail::PointMarks mark_points(const Mesh& mesh, ValidationReport& report) {
   const std::size_t count = mesh.points.size();
   const std::vector<bool> none(count, false);
   detail::PointMarks marks{none, none, none};
-  for (const auto& element : mesh.edge_to_vert)
-    for (const std::uint32_t v : element) marks.used[v] = marks.on_edge[v] = true;
-  for (const auto& element : mesh.tri_to_vert)
-    for (const std::uint32_t v : element) marks.used[v] = marks.on_triangle[v] = true;
-  for (const auto& element : mesh.tet_to_vert)
-    for (const std::uint32_t v : element) marks.used[v] = true;
+  for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
+    const bool is_surface = kind == ElementKind::Triangle || kind == ElementKind::Quad;
+    for (const auto& element : elements)
+      for (const std::uint32_t v : element) {
+        marks.used[v] = true;
+        if (is_surface) marks.on_surface[v] = true;
+        if (kind == ElementKind::Edge) marks.on_edge[v] = true;
+      }
+  });
   for (std::size_t i = 0; i < count; ++i) {
     if (!marks.used[i]) ++report.unused_points;
     if (marks.used[i] && (mesh.point_to_entity.empty() || !mesh.point_to_entity[i].valid()))
@@ -185,6 +234,10 @@ std::optional<Vec3> ProblemLog::point_on(ElementKind element, std::uint64_t inde
     case ElementKind::Edge: return centre(mesh_.edge_to_vert[index]);
     case ElementKind::Triangle: return centre(mesh_.tri_to_vert[index]);
     case ElementKind::Tet: return centre(mesh_.tet_to_vert[index]);
+    case ElementKind::Quad: return centre(mesh_.quad_to_vert[index]);
+    case ElementKind::Pyramid: return centre(mesh_.pyramid_to_vert[index]);
+    case ElementKind::Prism: return centre(mesh_.prism_to_vert[index]);
+    case ElementKind::Hex: return centre(mesh_.hex_to_vert[index]);
   }
   return {};
 }
@@ -206,6 +259,8 @@ ValidationReport validate_mesh(const Mesh& mesh) {
     detail::validate_faces(mesh, log, report);
     detail::validate_surface_edges(mesh, marks, log, report);
     detail::validate_classification(mesh, marks, log);
+    check_fields(mesh.point_fields, mesh.points.size(), "points", log);
+    check_fields(mesh.cell_fields, cell_count(mesh), "cells", log);
   }
   report.problems = log.take();
   return report;

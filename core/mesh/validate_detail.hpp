@@ -1,12 +1,14 @@
 #pragma once
 // Private to core/mesh: how the parts of validate_mesh gather what they find.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/mesh/cell_shape.hpp"
 #include "core/mesh/validate.hpp"
 
 namespace tetloom::detail {
@@ -28,14 +30,20 @@ class ProblemLog {
 
 /// Which points the elements use.
 struct PointMarks {
-  std::vector<bool> used, on_triangle, on_edge;
+  std::vector<bool> used, on_surface, on_edge;
 };
 
-/// Tet faces against each other and against the triangles: pairing, sides, interfaces, watertightness.
+constexpr ElementKind element_kind(CellKind kind) {
+  constexpr std::array<ElementKind, 4> kinds{ElementKind::Tet, ElementKind::Pyramid, ElementKind::Prism,
+                                             ElementKind::Hex};
+  return kinds[static_cast<std::size_t>(kind)];
+}
+
+/// Faces of cells against each other and against the surface elements: pairing, sides, interfaces, watertightness.
 void validate_faces(const Mesh& mesh, ProblemLog& log, ValidationReport& report);
-/// Edges of the triangles: open and non-manifold ones, orientation, mesh edges where faces meet.
+/// Edges of the surface elements: open and non-manifold ones, orientation, mesh edges where faces meet.
 void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, ProblemLog& log, ValidationReport& report);
-/// Points, edges, triangles and tets against the entities that they are classified on.
+/// Points, edges, surface elements and cells against the entities that they are classified on.
 void validate_classification(const Mesh& mesh, const PointMarks& marks, ProblemLog& log);
 
 /// A directed edge filed under its ends in ascending order.

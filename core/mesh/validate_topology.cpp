@@ -1,175 +1,199 @@
 #include <utility>
 
 #include "core/mesh/incidence_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
 
-/// All elements that have the same three points as a face.
-struct FaceGroup {
-  std::array<std::uint32_t, 3> points;  // ascending
-  std::vector<FaceUse> tets, triangles;
+ElementKind kind_of(const FaceUse& use) {
+  if (use.owner() == FaceOwner::Triangle) return ElementKind::Triangle;
+  if (use.owner() == FaceOwner::Quad) return ElementKind::Quad;
+  return element_kind(use.cell().kind);
+}
 
-  FaceGroup(std::uint32_t low, std::span<const FaceUse> uses) : points{low, uses[0].mid, uses[0].high} {
-    for (const FaceUse& use : uses) (use.is_triangle() ? triangles : tets).push_back(use);
+void log_use(ProblemLog& log, ProblemKind problem, const FaceUse& use) {
+  log.add(problem, kind_of(use), use.element());
+}
+
+/// All elements that have the same points as a face.
+struct FaceGroup {
+  FacePoints points;
+  std::vector<FaceUse> cells, surfaces;
+
+  FaceGroup(const Mesh& mesh, std::span<const FaceUse> uses) : points(points_of(mesh, uses[0])) {
+    for (const FaceUse& use : uses) (use.is_surface() ? surfaces : cells).push_back(use);
   }
-  bool degenerate() const { return points[0] == points[1] || points[1] == points[2]; }
+  bool degenerate() const {
+    for (std::size_t i = 0; i + 1 < points.size; ++i)
+      for (std::size_t j = i + 1; j < points.size; ++j)
+        if (points.cycle[i] == points.cycle[j]) return true;
+    return false;
+  }
 };
 
-std::uint32_t region_of(const Mesh& mesh, const FaceUse& tet) { return mesh.tet_to_entity[tet.element()]; }
-std::uint32_t opposite_of(const Mesh& mesh, const FaceUse& tet) {
-  return mesh.tet_to_vert[tet.element()][tet.local_face()];
+std::uint32_t region_of(const Mesh& mesh, const FaceUse& use) { return tetloom::region_of(mesh, use.cell()); }
+
+/// A vertex of the cell that is not on the face.
+std::uint32_t vertex_off(const Mesh& mesh, const FaceUse& use) {
+  if (use.owner() == FaceOwner::Tet) return mesh.tet_to_vert[use.element()][use.local_face()];
+  const CellFace& face = shape_of(use.cell().kind).faces()[static_cast<std::size_t>(use.local_face())];
+  std::uint8_t v = 0;
+  while (std::find(face.cycle().begin(), face.cycle().end(), v) != face.cycle().end()) ++v;
+  return vertices_of(mesh, use.cell())[v];
 }
 
-/// Whether `uses` are those of nearly all faces: inside of a region, between two tets on different sides.
+/// Whether `uses` are those of nearly all faces: inside of a region, between two cells on different sides, which are
+/// not the same cell inside out.
 bool is_plain_interior(const Mesh& mesh, std::span<const FaceUse> uses) {
-  return uses.size() == 2 && !uses[0].is_triangle() && !uses[1].is_triangle() &&
-         uses[0].flipped() != uses[1].flipped() && region_of(mesh, uses[0]) == region_of(mesh, uses[1]) &&
-         opposite_of(mesh, uses[0]) != opposite_of(mesh, uses[1]);
+  if (uses.size() != 2 || uses[0].is_surface() || uses[1].is_surface() || uses[0].flipped() == uses[1].flipped() ||
+      region_of(mesh, uses[0]) != region_of(mesh, uses[1]))
+    return false;
+  const std::span<const std::uint32_t> other = vertices_of(mesh, uses[1].cell());
+  return std::find(other.begin(), other.end(), vertex_off(mesh, uses[0])) == other.end();
 }
 
-void check_tet_pairing(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
-  if (face.tets.size() < 2) return;
-  std::vector<std::pair<std::uint32_t, std::size_t>> apexes;
-  for (const FaceUse& tet : face.tets) apexes.emplace_back(opposite_of(mesh, tet), tet.element());
-  std::sort(apexes.begin(), apexes.end());
-  for (std::size_t i = 1; i < apexes.size(); ++i)
-    // Equal tets share all four faces: the one without their largest point stands for the pair.
-    if (apexes[i].first == apexes[i - 1].first && apexes[i].first > face.points[2])
-      log.add(ProblemKind::DuplicateElement, ElementKind::Tet, apexes[i].second);
-  if (face.tets.size() > 2) log.add(ProblemKind::FaceUsedTooOften, ElementKind::Tet, face.tets[2].element());
-  if (face.tets.size() == 2 && face.tets[0].flipped() == face.tets[1].flipped() && apexes[0].first != apexes[1].first)
-    log.add(ProblemKind::OverlappingTets, ElementKind::Tet, face.tets[1].element());
+/// A cell by its vertices in ascending order.
+struct CellKey {
+  FaceOwner owner = FaceOwner::Tet;
+  std::array<std::uint32_t, 8> vertices{};
+  std::size_t element = 0;
+  bool on_first_face = false;
+
+  CellKey(const Mesh& mesh, const FaceUse& use)
+      : owner(use.owner()), element(use.element()), on_first_face(use.local_face() == 0) {
+    const std::span<const std::uint32_t> of_cell = vertices_of(mesh, use.cell());
+    std::copy(of_cell.begin(), of_cell.end(), vertices.begin());
+    std::sort(vertices.begin(), vertices.begin() + static_cast<std::ptrdiff_t>(of_cell.size()));
+  }
+  bool same_points(const CellKey& b) const { return owner == b.owner && vertices == b.vertices; }
+  friend auto operator<=>(const CellKey&, const CellKey&) = default;
+};
+
+void check_cell_pairing(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
+  if (face.cells.size() < 2) return;
+  std::vector<CellKey> keys;
+  for (const FaceUse& use : face.cells) keys.emplace_back(mesh, use);
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    // Equal cells share all faces: the first one of the later cell stands for the pair.
+    if (keys[i].same_points(keys[i - 1]) && keys[i].on_first_face)
+      log.add(ProblemKind::DuplicateElement, element_kind(static_cast<CellKind>(keys[i].owner)), keys[i].element);
+  if (face.cells.size() > 2) log_use(log, ProblemKind::FaceUsedTooOften, face.cells[2]);
+  if (face.cells.size() == 2 && face.cells[0].flipped() == face.cells[1].flipped() && !keys[0].same_points(keys[1]))
+    log_use(log, ProblemKind::OverlappingTets, face.cells[1]);
 }
 
-/// The sides of the model face of triangle `t`, or null where they are unknown.
-const FaceSides* sides_of(const Mesh& mesh, std::size_t t) {
-  const std::uint32_t face = mesh.tri_to_entity[t];
+/// The sides of the model face of a surface element, or null where they are unknown.
+const FaceSides* sides_of(const Mesh& mesh, const FaceUse& use) {
+  const auto& entities = use.owner() == FaceOwner::Quad ? mesh.quad_to_entity : mesh.tri_to_entity;
+  const std::uint32_t face = entities[use.element()];
   return face < mesh.face_to_sides.size() ? &mesh.face_to_sides[face] : nullptr;
 }
 
-//   outward normal of the tet below      a tet whose outward orientation of the face is that of the triangle lies
-//        ^   ^ normal of the triangle    behind the triangle, one with the opposite orientation in front of it
+//   outward normal of the cell below     a cell whose outward orientation of the face is that of the surface element
+//        ^   ^ normal of the element     lies behind it, one with the opposite orientation in front of it
 //   -----|---|-----  face
-//       tet
+//       cell
 void check_sides(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
-  const FaceUse& triangle = face.triangles[0];
-  const FaceSides* sides = sides_of(mesh, triangle.element());
-  if (sides == nullptr || face.tets.size() > 2) return;
+  const FaceUse& surface = face.surfaces[0];
+  const FaceSides* sides = sides_of(mesh, surface);
+  if (sides == nullptr || face.cells.size() > 2) return;
   FaceSides found;
-  for (const FaceUse& tet : face.tets)
-    (tet.flipped() == triangle.flipped() ? found.back : found.front).value = region_of(mesh, tet);
-  if (found.front != sides->front || found.back != sides->back)
-    log.add(ProblemKind::SidesDisagree, ElementKind::Triangle, triangle.element());
+  for (const FaceUse& use : face.cells)
+    (use.flipped() == surface.flipped() ? found.back : found.front).value = region_of(mesh, use);
+  if (found.front != sides->front || found.back != sides->back) log_use(log, ProblemKind::SidesDisagree, surface);
 }
 
-void check_triangles(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
-  for (std::size_t i = 1; i < face.triangles.size(); ++i)
-    log.add(ProblemKind::DuplicateElement, ElementKind::Triangle, face.triangles[i].element());
-  if (face.triangles.empty() || mesh.tet_to_vert.empty()) return;
-  const std::size_t triangle = face.triangles[0].element();
-  if (!face.tets.empty()) return check_sides(mesh, face, log);
-  const FaceSides* sides = sides_of(mesh, triangle);
+void check_surfaces(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
+  for (std::size_t i = 1; i < face.surfaces.size(); ++i) log_use(log, ProblemKind::DuplicateElement, face.surfaces[i]);
+  if (face.surfaces.empty() || cell_count(mesh) == 0) return;
+  if (!face.cells.empty()) return check_sides(mesh, face, log);
+  const FaceSides* sides = sides_of(mesh, face.surfaces[0]);
   const bool is_sheet = sides != nullptr && !sides->front.valid() && !sides->back.valid();
-  if (!is_sheet) log.add(ProblemKind::TriangleNotOnTets, ElementKind::Triangle, triangle);
+  if (!is_sheet) log_use(log, ProblemKind::TriangleNotOnTets, face.surfaces[0]);
 }
 
-void count_boundary_edges(std::vector<EdgeUse>& uses, ProblemLog& log, ValidationReport& report) {
-  for_each_edge_group(uses, [&](std::span<const EdgeUse> group) {
-    if (group.size() > 2) ++report.nonmanifold_edges;
-    if (group.size() % 2 == 0) return;
-    ++report.open_edges;
-    log.add(ProblemKind::OpenBoundary, ElementKind::Tet, group[0].element());
-  });
-}
+/// The faces of single cells.
+class Boundary {
+ public:
+  Boundary(const Mesh& mesh, ProblemLog& log)
+      : mesh_(mesh), log_(log), has_quads_(cell_count(mesh) > mesh.tet_to_vert.size()) {}
 
-/// All triangles and mesh edges that join the same two points.
-struct SurfaceEdge {
-  std::size_t triangles = 0, mesh_edges = 0;
-  bool faces_differ = false;
-  const EdgeUse* first = nullptr;  // triangles
-  const EdgeUse* second = nullptr;
+  void add(const FaceGroup& face) {
+    const FaceUse& use = face.cells[0];
+    const auto& [size, cycle] = face.points;
+    const std::uint64_t element = use.element() * 4 + static_cast<std::uint64_t>(use.owner());
+    for (std::size_t i = 0; i < size; ++i) edges_.push_back(make_edge_use(cycle[i], cycle[(i + 1) % size], element));
+    if (size == 4) quads_.push_back(use);
+    if (size == 3 && has_quads_) triangles_.push_back(sorted({cycle[0], cycle[1], cycle[2]}));
+  }
 
-  SurfaceEdge(const Mesh& mesh, std::span<const EdgeUse> group) {
-    for (const EdgeUse& use : group) {
-      if (use.is_mesh_edge()) {
-        ++mesh_edges;
-        continue;
-      }
-      ++triangles;
-      if (first == nullptr) {
-        first = &use;
-      } else {
-        second = &use;
-        faces_differ |= mesh.tri_to_entity[use.element()] != mesh.tri_to_entity[first->element()];
-      }
+  void count_edges(ValidationReport& report) {
+    for_each_edge_group(edges_, [&](std::span<const EdgeUse> group) {
+      if (group.size() > 2) ++report.nonmanifold_edges;
+      if (group.size() % 2 == 0) return;
+      ++report.open_edges;
+      log_.add(ProblemKind::OpenBoundary, element_kind(static_cast<CellKind>(group[0].element() % 4)),
+               group[0].element() / 4);
+    });
+  }
+
+  //   d-----c   a face of four points fits only onto another one, not onto two triangles, although these close the
+  //   |   / |   gap as far as edges can tell
+  //   | /   |
+  //   a-----b
+  void find_misfits() {
+    std::sort(triangles_.begin(), triangles_.end());
+    for (const FaceUse& use : quads_) {
+      const auto [a, b, c, d] = points_of(mesh_, use).cycle;
+      for (const Triangle& half : {Triangle{a, b, c}, {a, c, d}, {a, b, d}, {b, c, d}})
+        if (std::binary_search(triangles_.begin(), triangles_.end(), sorted(half))) {
+          log_use(log_, ProblemKind::FacesDoNotFit, use);
+          break;
+        }
     }
   }
-};
 
-void check_surface_edge(const Mesh& mesh, const PointMarks& marks, std::span<const EdgeUse> group, ProblemLog& log) {
-  const SurfaceEdge edge(mesh, group);
-  std::size_t seen = 0;
-  for (const EdgeUse& use : group)
-    if (use.is_mesh_edge() && seen++ > 0) log.add(ProblemKind::DuplicateElement, ElementKind::Edge, use.element());
-  if (edge.triangles == 0) {
-    const bool on_surface = marks.on_triangle[group[0].low] && marks.on_triangle[group[0].high];
-    if (on_surface) log.add(ProblemKind::EdgeNotOnTriangles, ElementKind::Edge, group[0].element());
-    return;
+ private:
+  using Triangle = std::array<std::uint32_t, 3>;
+  static Triangle sorted(Triangle v) {
+    std::sort(v.begin(), v.end());
+    return v;
   }
-  const std::uint32_t face = mesh.tri_to_entity[edge.first->element()];
-  if (face == ModelFaceId::kNone) return;
-  if (edge.triangles == 2 && !edge.faces_differ && edge.first->reversed() == edge.second->reversed())
-    log.add(ProblemKind::FlippedTriangle, ElementKind::Triangle, edge.second->element());
-  if (edge.faces_differ && edge.mesh_edges == 0 && !mesh.edge_to_vert.empty())
-    log.add(ProblemKind::MissingEdge, ElementKind::Triangle, edge.first->element());
-}
+
+  const Mesh& mesh_;
+  ProblemLog& log_;
+  bool has_quads_;
+  std::vector<EdgeUse> edges_;
+  std::vector<Triangle> triangles_;
+  std::vector<FaceUse> quads_;
+};
 
 }  // namespace
 
 void validate_faces(const Mesh& mesh, ProblemLog& log, ValidationReport& report) {
-  std::vector<EdgeUse> boundary_edges;
-  const bool has_triangles = !mesh.tri_to_vert.empty();
-  for_each_face_group(mesh, [&](std::uint32_t low, std::span<const FaceUse> uses) {
+  Boundary boundary(mesh, log);
+  const bool has_surface = surface_count(mesh) > 0;
+  for_each_face_group(mesh, [&](std::uint32_t, std::span<const FaceUse> uses) {
     if (is_plain_interior(mesh, uses)) return;
-    const FaceGroup face(low, uses);
+    const FaceGroup face(mesh, uses);
     if (face.degenerate()) return;
-    check_tet_pairing(mesh, face, log);
-    check_triangles(mesh, face, log);
-    const bool lacks_triangle = has_triangles && face.triangles.empty();
-    if (face.tets.size() == 1) {
-      const std::size_t tet = face.tets[0].element();
-      const auto [a, b, c] = face.points;
+    check_cell_pairing(mesh, face, log);
+    check_surfaces(mesh, face, log);
+    const bool lacks_surface = has_surface && face.surfaces.empty();
+    if (face.cells.size() == 1) {
       ++report.boundary_faces;
-      if (lacks_triangle) log.add(ProblemKind::BoundaryWithoutTriangle, ElementKind::Tet, tet);
-      for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{a, c}})
-        boundary_edges.push_back(make_edge_use(from, to, tet));
-    } else if (face.tets.size() == 2 && region_of(mesh, face.tets[0]) != region_of(mesh, face.tets[1])) {
+      if (lacks_surface) log_use(log, ProblemKind::BoundaryWithoutTriangle, face.cells[0]);
+      boundary.add(face);
+    } else if (face.cells.size() == 2 && region_of(mesh, face.cells[0]) != region_of(mesh, face.cells[1])) {
       ++report.interface_faces;
-      if (lacks_triangle) log.add(ProblemKind::InterfaceWithoutTriangle, ElementKind::Tet, face.tets[0].element());
+      if (lacks_surface) log_use(log, ProblemKind::InterfaceWithoutTriangle, face.cells[0]);
     }
   });
-  count_boundary_edges(boundary_edges, log, report);
-}
-
-void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, ProblemLog& log, ValidationReport& report) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * mesh.tri_to_vert.size() + mesh.edge_to_vert.size());
-  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t from = mesh.tri_to_vert[t][i], to = mesh.tri_to_vert[t][(i + 1) % 3];
-      if (from != to) uses.push_back(make_edge_use(from, to, t));
-    }
-  for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e)
-    uses.push_back(make_edge_use(mesh.edge_to_vert[e][0], mesh.edge_to_vert[e][1], e, true));
-  for_each_edge_group(uses, [&](std::span<const EdgeUse> group) {
-    check_surface_edge(mesh, marks, group, log);
-    if (!mesh.tet_to_vert.empty()) return;
-    const SurfaceEdge edge(mesh, group);
-    report.open_edges += edge.triangles % 2;
-    report.nonmanifold_edges += edge.triangles > 2;
-  });
+  boundary.count_edges(report);
+  boundary.find_misfits();
 }
 
 }  // namespace tetloom::detail

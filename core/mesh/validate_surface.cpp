@@ -1,0 +1,90 @@
+#include "core/mesh/mesh_access.hpp"
+#include "core/mesh/validate_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+// Surface elements are numbered triangles first, then quadrilaterals.
+
+std::uint32_t surface_entity(const Mesh& mesh, std::size_t element) {
+  const std::size_t triangles = mesh.tri_to_entity.size();
+  return element < triangles ? mesh.tri_to_entity[element] : mesh.quad_to_entity[element - triangles];
+}
+
+void log_surface(const Mesh& mesh, ProblemLog& log, ProblemKind problem, std::size_t element) {
+  const std::size_t triangles = mesh.tri_to_entity.size();
+  if (element < triangles)
+    log.add(problem, ElementKind::Triangle, element);
+  else
+    log.add(problem, ElementKind::Quad, element - triangles);
+}
+
+/// All surface elements and mesh edges that join the same two points.
+struct SurfaceEdge {
+  std::size_t faces = 0, mesh_edges = 0;
+  bool faces_differ = false;
+  const EdgeUse* first = nullptr;  // surface elements
+  const EdgeUse* second = nullptr;
+
+  SurfaceEdge(const Mesh& mesh, std::span<const EdgeUse> group) {
+    for (const EdgeUse& use : group) {
+      if (use.is_mesh_edge()) {
+        ++mesh_edges;
+        continue;
+      }
+      ++faces;
+      if (first == nullptr) {
+        first = &use;
+      } else {
+        second = &use;
+        faces_differ |= surface_entity(mesh, use.element()) != surface_entity(mesh, first->element());
+      }
+    }
+  }
+};
+
+void check_surface_edge(const Mesh& mesh, const PointMarks& marks, std::span<const EdgeUse> group, ProblemLog& log) {
+  const SurfaceEdge edge(mesh, group);
+  std::size_t seen = 0;
+  for (const EdgeUse& use : group)
+    if (use.is_mesh_edge() && seen++ > 0) log.add(ProblemKind::DuplicateElement, ElementKind::Edge, use.element());
+  if (edge.faces == 0) {
+    const bool on_surface = marks.on_surface[group[0].low] && marks.on_surface[group[0].high];
+    if (on_surface) log.add(ProblemKind::EdgeNotOnTriangles, ElementKind::Edge, group[0].element());
+    return;
+  }
+  const std::uint32_t face = surface_entity(mesh, edge.first->element());
+  if (face == ModelFaceId::kNone) return;
+  if (edge.faces == 2 && !edge.faces_differ && edge.first->reversed() == edge.second->reversed())
+    log_surface(mesh, log, ProblemKind::FlippedTriangle, edge.second->element());
+  if (edge.faces_differ && edge.mesh_edges == 0 && !mesh.edge_to_vert.empty())
+    log_surface(mesh, log, ProblemKind::MissingEdge, edge.first->element());
+}
+
+}  // namespace
+
+void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, ProblemLog& log, ValidationReport& report) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(3 * mesh.tri_to_vert.size() + 4 * mesh.quad_to_vert.size() + mesh.edge_to_vert.size());
+  std::size_t number = 0;
+  for_each_surface_kind(mesh, [&](const auto& elements, const auto&) {
+    for (const auto& v : elements) {
+      for (std::size_t i = 0; i < v.size(); ++i) {
+        const std::uint32_t from = v[i], to = v[(i + 1) % v.size()];
+        if (from != to) uses.push_back(make_edge_use(from, to, number));
+      }
+      ++number;
+    }
+  });
+  for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e)
+    uses.push_back(make_edge_use(mesh.edge_to_vert[e][0], mesh.edge_to_vert[e][1], e, true));
+  for_each_edge_group(uses, [&](std::span<const EdgeUse> group) {
+    check_surface_edge(mesh, marks, group, log);
+    if (cell_count(mesh) > 0) return;
+    const SurfaceEdge edge(mesh, group);
+    report.open_edges += edge.faces % 2;
+    report.nonmanifold_edges += edge.faces > 2;
+  });
+}
+
+}  // namespace tetloom::detail
