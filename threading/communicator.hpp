@@ -22,7 +22,8 @@ namespace tetloom {
 /// sums are not offered for that reason.
 class Communicator {
  public:
-  /// Called for each message that arrives, from any thread, possibly from inside `send`. Must not throw.
+  /// Called for each message that arrives, from any thread, possibly from inside `send`. Must not throw. A message to
+  /// no part (`to` is not valid) says that the communicator is broken and that nothing more will come.
   using Receiver = std::function<void(Message&&)>;
 
   virtual ~Communicator() = default;
@@ -35,7 +36,8 @@ class Communicator {
   virtual void open(Receiver receiver) = 0;
   /// Thread-safe. Moves the bytes when the destination lives on this rank.
   virtual void send(Message&& message, int destination_rank) = 0;
-  /// Waits until everything that was sent has left and closes the run. All ranks close together.
+  /// Waits until everything that was sent in the run has arrived and closes it. All ranks close together. Afterwards
+  /// the receiver is called no more.
   virtual void close() = 0;
 
   /// Collectives: every rank calls them in the same order, by one thread at a time, outside of runs.

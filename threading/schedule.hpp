@@ -33,7 +33,7 @@ class PartTask {
   void send(PartId to, Bytes bytes);
   /// Throws Error(Cancelled) once the run is cancelled, or when another part or rank has failed.
   void check_cancelled() const;
-  /// The runner of the schedule, for loops inside a part.
+  /// For loops inside a part. While such a loop waits, its thread helps with this loop alone and begins no other step.
   const TaskRunner& runner() const;
   /// Whether this is the step that the calling thread is carrying out.
   bool is_current() const;
@@ -123,7 +123,8 @@ class Schedule {
   ~Schedule();
 
   std::span<const PartId> local_parts() const;
-  /// `uninterruptible`: cancellation waits for the end of the run.
+  /// All ranks run the same steps. `uninterruptible`: the host's cancel is not heard during the run, nor by the loops
+  /// of PartTask::runner(); whatever asks next after the run hears of it.
   void run(std::span<const Step> steps, bool uninterruptible = false);
 
  private:

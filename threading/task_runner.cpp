@@ -45,8 +45,11 @@ struct TaskRunner::State {
 TaskRunner::TaskRunner(int threads, Host host) {
   if (threads < 0) throw Error(ErrorCode::InvalidArgument, "the number of threads must not be negative");
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
-  state_ = std::make_unique<State>(count, std::move(host));
+  state_ = std::make_shared<State>(count, std::move(host));
 }
+
+TaskRunner::TaskRunner(std::shared_ptr<State> state, bool hears_cancel)
+    : state_(std::move(state)), hears_cancel_(hears_cancel) {}
 
 TaskRunner::~TaskRunner() = default;
 
@@ -78,7 +81,13 @@ void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
       }
     }
   };
-  state_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, lanes, run_lane, tbb::simple_partitioner{}); });
+  // A thread that waits for the end of a loop helps with this loop alone. It might otherwise begin something long, such
+  // as the step of another part, and begin a next one while it waits in there, until its stack is full.
+  const auto loop = [&] {
+    if (lanes == 1) return run_lane(0);
+    tbb::parallel_for(std::size_t{0}, lanes, run_lane, tbb::simple_partitioner{});
+  };
+  state_->arena.execute([&] { tbb::this_task_arena::isolate(loop); });
   for (const std::exception_ptr& error : thrown)
     if (error) std::rethrow_exception(error);
   check_cancelled();
@@ -91,6 +100,20 @@ void TaskRunner::for_each_largest_first(std::span<const double> work,
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return work[a] > work[b]; });
   for_each(order.size(), [&](std::size_t i) { body(order[i]); });
 }
+
+void TaskRunner::execute(const std::function<void()>& call) const {
+  std::exception_ptr thrown;
+  state_->arena.execute([&] {
+    try {
+      call();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+  });
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+TaskRunner TaskRunner::uninterruptible() const { return TaskRunner(state_, false); }
 
 void TaskRunner::begin_stage(Stage stage, std::uint64_t total) const {
   const std::lock_guard lock(state_->mutex);
@@ -107,6 +130,7 @@ void TaskRunner::advance(std::uint64_t amount, ModelEntity entity) const {
 }
 
 bool TaskRunner::cancelled() const {
+  if (!hears_cancel_) return false;
   return state_->refused.load(std::memory_order_relaxed) || (state_->host.cancel && state_->host.cancel->cancelled());
 }
 

@@ -46,8 +46,17 @@ class TaskRunner {
   void check_cancelled() const;
 
  private:
+  friend class Schedule;
   struct State;
-  std::unique_ptr<State> state_;
+  TaskRunner(std::shared_ptr<State> state, bool hears_cancel);
+
+  /// Carries out `call` on the calling thread as one of the runner's threads: what it hands to oneTBB stays with them.
+  void execute(const std::function<void()>& call) const;
+  /// The same threads and progress, deaf to the host's wish to stop.
+  TaskRunner uninterruptible() const;
+
+  std::shared_ptr<State> state_;
+  bool hears_cancel_ = true;
 };
 
 }  // namespace tetloom

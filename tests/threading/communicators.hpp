@@ -1,0 +1,7 @@
+#pragma once
+// The communicator that the tests of this executable are run on: threads in one, MPI in the other.
+#include <memory>
+
+#include "threading/communicator.hpp"
+
+std::unique_ptr<tetloom::Communicator> make_communicator();
