@@ -23,10 +23,10 @@ FacePoints points_of(const Mesh& mesh, const FaceUse& use) {
     const auto [a, b, c] = mesh.tri_to_vert[use.element()];
     return {3, {a, b, c, 0}};
   }
-  const CellFace& face = shape_of(use.cell().kind).faces()[static_cast<std::size_t>(use.local_face())];
+  const LocalFace& face = shape_of(use.cell().kind).faces()[static_cast<std::size_t>(use.local_face())];
   const std::span<const std::uint32_t> vertices = vertices_of(mesh, use.cell());
-  FacePoints points{face.size, {}};
-  for (std::size_t i = 0; i < face.size; ++i) points.cycle[i] = vertices[face.vertices[i]];
+  FacePoints points{face.count, {}};
+  for (std::size_t i = 0; i < face.count; ++i) points.cycle[i] = vertices[face.vert[i]];
   return points;
 }
 

@@ -136,8 +136,8 @@ void for_each_cell_face(const std::vector<Cell>& cells, const Body& body) {
   for (std::uint64_t c = 0; c < cells.size(); ++c) {
     const Cell& v = cells[c];
     for (std::uint64_t f = 0; f < shape.face_count; ++f) {
-      const auto& at = shape.face_table[f].vertices;
-      if (shape.face_table[f].size == 3)
+      const auto& at = shape.face[f].vert;
+      if (shape.face[f].count == 3)
         body(sorted_face(v[at[0]], v[at[1]], v[at[2]]), c * 256 + owner + f);
       else
         body(sorted_face(v[at[0]], v[at[1]], v[at[2]], v[at[3]]), c * 256 + 128 + owner + f);

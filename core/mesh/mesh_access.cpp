@@ -69,7 +69,7 @@ std::size_t cell_count(const Mesh& mesh) {
 }
 
 CellRef cell_ref(const Mesh& mesh, std::size_t cell) {
-  for (const CellKind kind : kCellKinds) {
+  for (const CellKind kind : kAllCellKinds) {
     const std::size_t count = cell_count(mesh, kind);
     if (cell < count || kind == CellKind::Hex) return {kind, cell};
     cell -= count;

@@ -158,10 +158,10 @@ void find_repeated_vertices(const Elements& elements, ElementKind kind, detail::
 
 /// `finite` says that all points of the mesh are, which saves looking at those of the cell.
 template <class Cell>
-bool is_positive(const Mesh& mesh, const CellShape& shape, const Cell& cell, bool finite) {
+bool is_positive(const Mesh& mesh, CellKind kind, const Cell& cell, bool finite) {
   for (const std::uint32_t v : cell)
     if (!finite && !is_finite(mesh.points[v])) return false;
-  for (const auto& [a, b, c, d] : shape.corners())
+  for (const auto& [a, b, c, d] : corners_of(kind))
     if (orient3d(mesh.points[cell[a]], mesh.points[cell[b]], mesh.points[cell[c]], mesh.points[cell[d]]) <= 0)
       return false;
   return true;
@@ -175,7 +175,7 @@ void validate_shapes(const Mesh& mesh, detail::ProblemLog& log) {
       mesh, [&](ElementKind kind, const auto& elements, const auto&) { find_repeated_vertices(elements, kind, log); });
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
     for (std::size_t c = 0; c < cells.size(); ++c)
-      if (!is_positive(mesh, shape_of(kind), cells[c], finite))
+      if (!is_positive(mesh, kind, cells[c], finite))
         log.add(ProblemKind::NonPositiveVolume, detail::element_kind(kind), c);
   });
 }

@@ -38,9 +38,9 @@ std::uint32_t region_of(const Mesh& mesh, const FaceUse& use) { return tetloom::
 /// A vertex of the cell that is not on the face.
 std::uint32_t vertex_off(const Mesh& mesh, const FaceUse& use) {
   if (use.owner() == FaceOwner::Tet) return mesh.tet_to_vert[use.element()][use.local_face()];
-  const CellFace& face = shape_of(use.cell().kind).faces()[static_cast<std::size_t>(use.local_face())];
+  const LocalFace& face = shape_of(use.cell().kind).faces()[static_cast<std::size_t>(use.local_face())];
   std::uint8_t v = 0;
-  while (std::find(face.cycle().begin(), face.cycle().end(), v) != face.cycle().end()) ++v;
+  while (std::find(face.vertices().begin(), face.vertices().end(), v) != face.vertices().end()) ++v;
   return vertices_of(mesh, use.cell())[v];
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("a box of all kinds of cells is valid, whether its points are moved or
     for (const bool two_regions : {false, true}) {
       const Mesh mesh = test::make_mixed_box(4, 3, 6, seed, two_regions);
       CHECK(messages(validate_mesh(mesh)) == "");
-      for (const CellKind kind : kCellKinds) CHECK(cell_count(mesh, kind) > 0);
+      for (const CellKind kind : kAllCellKinds) CHECK(cell_count(mesh, kind) > 0);
       CHECK(mesh.quad_to_vert.size() > 0);
       CHECK(entities_of(mesh, 0) == (two_regions ? 12 : 8));
       CHECK(validate_mesh(mesh).boundary_faces == surface_count(mesh) - validate_mesh(mesh).interface_faces);
@@ -65,7 +65,7 @@ TEST_CASE("an inverted corner of any kind of cell is found") {
         return std::string(to_string(problem.element)) + " " + std::to_string(problem.elements[0]);
     return std::string();
   };
-  for (const CellKind kind : kCellKinds) CHECK(turned(kind) == std::string(to_string(kind)) + " 2");
+  for (const CellKind kind : kAllCellKinds) CHECK(turned(kind) == std::string(to_string(kind)) + " 2");
 }
 
 TEST_CASE("a hex with a corner pushed in is found although its volume is positive") {

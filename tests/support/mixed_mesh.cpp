@@ -56,7 +56,7 @@ class BoxBuilder {
     for_each_cell_kind(mesh_, [&](CellKind kind, const auto& cells, auto& regions) {
       for (const auto& cell : cells) {
         regions.push_back(region(joined(cell)));
-        for (const CellFace& face : shape_of(kind).faces()) add_face(cell, face, regions.back());
+        for (const LocalFace& face : shape_of(kind).faces()) add_face(cell, face, regions.back());
       }
     });
     move_points();
@@ -95,9 +95,9 @@ class BoxBuilder {
   }
 
   template <class Cell>
-  void add_face(const Cell& cell, const CellFace& face, std::uint32_t region_of_cell) {
+  void add_face(const Cell& cell, const LocalFace& face, std::uint32_t region_of_cell) {
     std::vector<std::uint32_t> cycle;
-    for (const std::uint8_t v : face.cycle()) cycle.push_back(cell[v]);
+    for (const std::uint8_t v : face.vertices()) cycle.push_back(cell[v]);
     const Code c = joined(cycle);
     if (dimension(c) != 2) return;
     const std::uint32_t on = entity(c).index;
@@ -156,8 +156,8 @@ void add_tets(BoxBuilder& box, const Place& at) {
 
 void add_prisms(BoxBuilder& box, const Place& at) {
   const auto v = box.corners(at);
-  box.mesh().prism_to_vert.push_back({v[0], v[2], v[1], v[4], v[6], v[5]});
-  box.mesh().prism_to_vert.push_back({v[0], v[3], v[2], v[4], v[7], v[6]});
+  box.mesh().prism_to_vert.push_back({v[0], v[1], v[2], v[4], v[5], v[6]});
+  box.mesh().prism_to_vert.push_back({v[0], v[2], v[3], v[4], v[6], v[7]});
 }
 
 bool has_prisms_on_top(const Place& at) { return (at[0] + at[1]) % 3 == 2; }
@@ -168,10 +168,10 @@ void add_transition(BoxBuilder& box, const Place& at) {
   const auto add_triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     box.mesh().tet_to_vert.push_back({a, c, b, center});
   };
-  for (const CellFace& face : shape_of(CellKind::Hex).faces()) {
+  for (const LocalFace& face : shape_of(CellKind::Hex).faces()) {
     std::array<std::uint32_t, 4> cycle;
-    for (std::size_t i = 0; i < 4; ++i) cycle[i] = v[face.vertices[i]];
-    const bool on_top = face.vertices == std::array<std::uint8_t, 4>{4, 5, 6, 7};
+    for (std::size_t i = 0; i < 4; ++i) cycle[i] = v[face.vert[i]];
+    const bool on_top = face.vert == std::array<std::uint8_t, 4>{4, 5, 6, 7};
     if (on_top && !has_prisms_on_top(at)) {
       box.mesh().pyramid_to_vert.push_back({cycle[3], cycle[2], cycle[1], cycle[0], center});
       continue;

@@ -1,0 +1,46 @@
+#include "threading/exchange.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <tuple>
+
+namespace tetloom {
+namespace {
+
+// How many messages this rank will get.
+std::size_t count_incoming(Communicator& communicator, const std::vector<Message>& outgoing,
+                           const std::function<int(PartId)>& rank_of) {
+  std::vector<std::int64_t> to_rank(static_cast<std::size_t>(communicator.rank_count()), 0);
+  for (const Message& message : outgoing) ++to_rank[static_cast<std::size_t>(rank_of(message.to))];
+  communicator.sum(to_rank);
+  return static_cast<std::size_t>(to_rank[static_cast<std::size_t>(communicator.rank())]);
+}
+
+}  // namespace
+
+std::vector<Message> exchange(Communicator& communicator, std::vector<Message> outgoing,
+                              const std::function<int(PartId)>& rank_of) {
+  const std::size_t expected = count_incoming(communicator, outgoing, rank_of);
+  std::vector<Message> arrived;
+  arrived.reserve(expected);
+  std::mutex mutex;  // around `arrived`, which the communicator's own thread may fill
+  std::condition_variable changed;
+  communicator.open([&](Message&& message) {
+    const std::lock_guard lock(mutex);
+    arrived.push_back(std::move(message));
+    changed.notify_one();
+  });
+  for (Message& message : outgoing) communicator.send(std::move(message), rank_of(message.to));
+  {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return arrived.size() == expected; });
+  }
+  communicator.close();
+  std::sort(arrived.begin(), arrived.end(), [](const Message& a, const Message& b) {
+    return std::tie(a.to, a.from, a.step) < std::tie(b.to, b.from, b.step);
+  });
+  return arrived;
+}
+
+}  // namespace tetloom

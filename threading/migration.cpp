@@ -1,0 +1,116 @@
+#include "threading/migration.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "threading/exchange.hpp"
+#include "threading/packet_detail.hpp"
+
+namespace tetloom {
+namespace {
+
+using detail::PartPacker;
+
+struct Packing {
+  std::vector<Message> packets;
+  std::uint64_t cells_sent = 0;
+  bool disconnected = false;  // the neighbours of the part were dropped
+};
+
+// What the receivers compute anew takes memory that the packets need.
+void drop_adjacency(PartMesh& part) {
+  for (CellBlock& block : part.cells) block.to_neighbor.release();
+  part.vert_to_place.release();
+  part.further_places.release();
+}
+
+void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t part_count, const TaskRunner& runner,
+               Packing& packing) {
+  PartPacker packer(part, destinations, part_count);
+  destinations = {};
+  packing.disconnected = true;
+  drop_adjacency(part.mesh);
+  const std::vector<PartId>& receivers = packer.receivers();
+  packing.packets.resize(receivers.size());
+  const std::size_t grain =
+      std::max<std::size_t>(1, receivers.size() / (4 * static_cast<std::size_t>(runner.threads())));
+  runner.for_blocks(receivers.size(), grain, [&](std::size_t begin, std::size_t end) {
+    PartPacker::Scratch scratch;
+    for (std::size_t k = begin; k < end; ++k) packing.packets[k] = {self, receivers[k], 0, packer.pack(k, scratch)};
+  });
+  for (std::size_t k = 0; k < receivers.size(); ++k)
+    if (receivers[k] != self) packing.cells_sent += packer.cell_count(k);
+}
+
+void pack_all(PartitionedMesh& mesh, PerPart<Destinations>& destinations, std::size_t part_count,
+              const TaskRunner& runner, Trace* trace, PerPart<Packing>& packings) {
+  const std::vector<Step> steps{
+      {"migrate: pack",
+       [&](PartTask& task) {
+         pack_part(task.part(), mesh.parts[task], destinations[task], part_count, task.runner(), packings[task]);
+       },
+       {},
+       [&](PartId part) { return static_cast<double>(mesh.parts.at(part).mesh.cell_count()); }}};
+  try {
+    Schedule(*mesh.communicator, runner, mesh.part_count(), trace).run(steps);
+  } catch (...) {
+    for (const PartId part : mesh.local()) {
+      packings.at(part).packets = {};
+      if (packings.at(part).disconnected) connect_cells(mesh.parts.at(part).mesh);
+    }
+    throw;
+  }
+}
+
+MigrationFigures sum_figures(PartitionedMesh& mesh, const PerPart<Packing>& packings) {
+  std::array<std::int64_t, 2> sums{};
+  for (const PartId part : mesh.local()) {
+    sums[0] += static_cast<std::int64_t>(packings.at(part).cells_sent);
+    for (const Message& packet : packings.at(part).packets) sums[1] += static_cast<std::int64_t>(packet.bytes.size());
+  }
+  mesh.communicator->sum(sums);
+  return {static_cast<std::uint64_t>(sums[0]), static_cast<std::uint64_t>(sums[1])};
+}
+
+void unpack_all(PartitionedMesh& mesh, std::vector<Message> arrived, const TaskRunner& runner, Trace* trace) {
+  PerPart<std::vector<Message>> packets(mesh.part_count(), mesh.local());
+  PerPart<double> work(mesh.part_count(), mesh.local());
+  for (Message& message : arrived) {
+    work.at(message.to) += static_cast<double>(message.bytes.size());
+    packets.at(message.to).push_back(std::move(message));
+  }
+  const std::vector<Step> steps{{"migrate: unpack",
+                                 [&](PartTask& task) {
+                                   mesh.parts[task].mesh = detail::unpack_part(packets[task], mesh);
+                                   packets[task] = {};
+                                 },
+                                 {},
+                                 [&](PartId part) { return work.at(part); }}};
+  Schedule(*mesh.communicator, runner, mesh.part_count(), trace).run(steps, true);
+}
+
+}  // namespace
+
+MigrationFigures migrate(PartitionedMesh& mesh, PerPart<Destinations> destinations, std::size_t part_count,
+                         const TaskRunner& runner, Trace* trace) {
+  if (part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
+  PerPart<Packing> packings(mesh.part_count(), mesh.local());
+  pack_all(mesh, destinations, part_count, runner, trace, packings);
+
+  // From here on the packets are the mesh.
+  const MigrationFigures figures = sum_figures(mesh, packings);
+  std::vector<Message> outgoing;
+  for (const PartId part : mesh.local())
+    std::move(packings.at(part).packets.begin(), packings.at(part).packets.end(), std::back_inserter(outgoing));
+  Communicator& communicator = *mesh.communicator;
+  mesh.parts = PerPart<Part>(part_count, communicator.parts_of_rank(part_count));
+  unpack_all(
+      mesh,
+      exchange(communicator, std::move(outgoing), [&](PartId part) { return communicator.rank_of(part, part_count); }),
+      runner, trace);
+  link_parts(mesh, runner, trace);
+  return figures;
+}
+
+}  // namespace tetloom

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "threading/packet_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// A packet's arrays where they lie.
+struct PacketView {
+  std::array<std::span<const std::uint32_t>, kCellKinds> cell_verts, cell_regions;
+  std::array<std::vector<std::span<const double>>, kCellKinds> cell_values;
+  std::span<const Vec3> points;
+  std::span<const PackedEntity> vert_entities;
+  std::span<const std::uint64_t> globals;
+  std::span<const std::uint8_t> shared;
+  std::vector<std::span<const double>> vert_values;
+  std::array<std::span<const std::uint32_t>, 3> boundary_verts, boundary_entities;
+  std::vector<PartEntity> entities;
+};
+
+std::string get_text(MessageReader& reader) {
+  const auto view = reader.get_view<char>();
+  return {view.begin(), view.end()};
+}
+
+PartEntity get_entity(MessageReader& reader) {
+  PartEntity entity;
+  entity.entity = reader.get<PackedEntity>().unpack();
+  entity.attributes.name = get_text(reader);
+  const bool has_color = reader.get<bool>();
+  const Color color = reader.get<Color>();
+  if (has_color) entity.attributes.color = color;
+  entity.attributes.layer = get_text(reader);
+  entity.attributes.tolerance = reader.get<double>();
+  entity.sides = reader.get<FaceSides>();
+  return entity;
+}
+
+PacketView view_packet(const Bytes& bytes, const PartitionedMesh& mesh) {
+  MessageReader reader(bytes);
+  PacketView view;
+  for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
+    view.cell_verts[kind] = reader.get_view<std::uint32_t>();
+    view.cell_regions[kind] = reader.get_view<std::uint32_t>();
+    for (std::size_t f = 0; f < mesh.cell_fields.size(); ++f)
+      view.cell_values[kind].push_back(reader.get_view<double>());
+  }
+  view.points = reader.get_view<Vec3>();
+  view.vert_entities = reader.get_view<PackedEntity>();
+  view.globals = reader.get_view<std::uint64_t>();
+  view.shared = reader.get_view<std::uint8_t>();
+  for (std::size_t f = 0; f < mesh.vertex_fields.size(); ++f) view.vert_values.push_back(reader.get_view<double>());
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    view.boundary_verts[kind] = reader.get_view<std::uint32_t>();
+    view.boundary_entities[kind] = reader.get_view<std::uint32_t>();
+  }
+  const auto count = reader.get<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count; ++i) view.entities.push_back(get_entity(reader));
+  return view;
+}
+
+struct KeyHash {
+  std::size_t operator()(const FaceKey& key) const {
+    std::uint64_t hash = 0;
+    for (const std::uint32_t v : key) hash = (hash ^ v) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(hash ^ hash >> 32);
+  }
+};
+
+class PartBuilder {
+ public:
+  PartBuilder(const PartitionedMesh& mesh, bool several) : several_(several) {
+    for (const FieldInfo& info : mesh.vertex_fields) part_.vertex_fields.push_back({info.name, info.components, {}});
+    for (const FieldInfo& info : mesh.cell_fields) part_.cell_fields.push_back({info.name, info.components, {}});
+  }
+
+  void reserve(std::span<const PacketView> packets) {
+    std::size_t verts = 0;
+    std::array<std::size_t, kCellKinds> cells{};
+    for (const PacketView& packet : packets) {
+      verts += packet.points.size();
+      for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] += packet.cell_regions[kind].size();
+    }
+    part_.points.reserve(verts);
+    part_.vert_to_entity.reserve(verts);
+    part_.vert_to_global.reserve(verts);
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
+      part_.cells[kind].to_vert.reserve(cells[kind] * shape_of(kAllCellKinds[kind]).vertex_count);
+      part_.cells[kind].to_region.reserve(cells[kind]);
+    }
+  }
+
+  void add(const PacketView& packet) {
+    add_vertices(packet);
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) add_cells(packet, kind);
+    for (std::size_t kind = 0; kind < 3; ++kind) add_boundary(packet, kind);
+    part_.entities.insert(part_.entities.end(), packet.entities.begin(), packet.entities.end());
+  }
+
+  PartMesh take() {
+    std::stable_sort(part_.entities.begin(), part_.entities.end(),
+                     [](const PartEntity& a, const PartEntity& b) { return a.entity < b.entity; });
+    const auto same = [](const PartEntity& a, const PartEntity& b) { return a.entity == b.entity; };
+    part_.entities.erase(std::unique(part_.entities.begin(), part_.entities.end(), same), part_.entities.end());
+    part_.points.shrink_to_fit();
+    part_.vert_to_entity.shrink_to_fit();
+    part_.vert_to_global.shrink_to_fit();
+    return std::move(part_);
+  }
+
+ private:
+  // Only vertices that lay on a part boundary can come from several senders.
+  void add_vertices(const PacketView& packet) {
+    local_.resize(packet.points.size());
+    for (std::size_t i = 0; i < local_.size(); ++i) {
+      if (several_ && packet.shared[i] != 0) {
+        const auto next = static_cast<std::uint32_t>(part_.vertex_count());
+        const auto [it, is_new] = shared_.try_emplace(packet.globals[i], next);
+        local_[i] = it->second;
+        if (!is_new) continue;
+      } else {
+        local_[i] = static_cast<std::uint32_t>(part_.vertex_count());
+      }
+      part_.points.push_back(packet.points[i]);
+      part_.vert_to_entity.push_back(packet.vert_entities[i]);
+      part_.vert_to_global.push_back(packet.globals[i]);
+      for (std::size_t f = 0; f < part_.vertex_fields.size(); ++f) {
+        VertexField& field = part_.vertex_fields[f];
+        const auto n = static_cast<std::size_t>(field.components);
+        field.values.append(packet.vert_values[f].subspan(i * n, n));
+      }
+    }
+  }
+
+  void add_cells(const PacketView& packet, std::size_t kind) {
+    CellBlock& block = part_.cells[kind];
+    const std::size_t before = block.to_vert.size();
+    block.to_vert.resize_for_overwrite(before + packet.cell_verts[kind].size());
+    std::uint32_t* out = block.to_vert.data() + before;
+    for (const std::uint32_t v : packet.cell_verts[kind]) *out++ = local_[v];
+    block.to_region.append(packet.cell_regions[kind]);
+    for (std::size_t f = 0; f < part_.cell_fields.size(); ++f)
+      part_.cell_fields[f].values[kind].append(packet.cell_values[kind][f]);
+  }
+
+  void add_boundary(const PacketView& packet, std::size_t kind) {
+    BoundaryBlock& block = part_.boundary[kind];
+    const std::size_t n = kBoundaryVertexCount[kind];
+    for (std::size_t i = 0; i < packet.boundary_entities[kind].size(); ++i) {
+      std::array<std::uint32_t, 4> verts{};
+      bool shared = several_;
+      for (std::size_t j = 0; j < n; ++j) {
+        const std::uint32_t v = packet.boundary_verts[kind][i * n + j];
+        verts[j] = local_[v];
+        shared = shared && packet.shared[v] != 0;
+      }
+      if (shared && !is_new_element(std::span(verts).first(n))) continue;
+      block.to_vert.append(std::span<const std::uint32_t>(verts).first(n));
+      block.to_entity.push_back(packet.boundary_entities[kind][i]);
+    }
+  }
+
+  bool is_new_element(std::span<const std::uint32_t> verts) {
+    FaceKey key{kNone, kNone, kNone, kNone};
+    std::copy(verts.begin(), verts.end(), key.begin());
+    std::sort(key.begin(), key.end());
+    return elements_.insert(key).second;
+  }
+
+  const bool several_;  // packets
+  PartMesh part_;
+  std::vector<std::uint32_t> local_;                         // of the vertices of the packet at hand
+  std::unordered_map<std::uint64_t, std::uint32_t> shared_;  // local vertex by global id; never walked through
+  std::unordered_set<FaceKey, KeyHash> elements_;            // on old part boundaries; never walked through
+};
+
+}  // namespace
+
+PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh) {
+  std::vector<PacketView> views;
+  for (const Message& packet : packets) views.push_back(view_packet(packet.bytes, mesh));
+  PartBuilder builder(mesh, packets.size() > 1);
+  builder.reserve(views);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    builder.add(views[i]);
+    packets[i].bytes = {};
+  }
+  PartMesh part = builder.take();
+  connect_cells(part);
+  return part;
+}
+
+}  // namespace tetloom::detail

@@ -1,0 +1,21 @@
+#pragma once
+// In which parts a vertex lives, found without knowing anything but global ids.
+#include <cstdint>
+#include <vector>
+
+#include "threading/partitioned_mesh.hpp"
+
+namespace tetloom::detail {
+
+/// The shared vertices of one part, ascending by global id, each with the other parts that have it, ascending.
+struct Residence {
+  std::vector<std::uint32_t> verts;
+  std::vector<std::uint32_t> first;  ///< one longer than `verts`
+  std::vector<PartId> parts;
+};
+
+/// A collective call. Vertices on open faces are sent to the home of their global id, which answers with the parts
+/// that named the same id; the homes of one rank are buckets of ids, each sorted by a task of its own.
+PerPart<Residence> find_residence(const PartitionedMesh& mesh, const TaskRunner& runner);
+
+}  // namespace tetloom::detail
