@@ -33,7 +33,7 @@ say "4/4 Drawing the meshes"
 
 cat <<TEXT
 
-Done. In $PWD/$out:
+Done. In $(realpath "$out"):
   machined_part.step   the CAD model: a bracket with fillets, holes, a pocket and a B-spline top face
   machined_part.vtu    its mesh; open it with ParaView, or: $bin/tetloom info $out/machined_part.vtu
   machined_part.png    the mesh, cut open: CAD faces in their own colours (the orange face is the B-spline top, the
