@@ -30,6 +30,7 @@ std::string get_text(MessageReader& reader) {
 PartEntity get_entity(MessageReader& reader) {
   PartEntity entity;
   entity.entity = reader.get<PackedEntity>().unpack();
+  entity.has_attributes = reader.get<bool>();
   entity.attributes.name = get_text(reader);
   const bool has_color = reader.get<bool>();
   const Color color = reader.get<Color>();

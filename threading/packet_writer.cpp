@@ -14,6 +14,7 @@ void put_text(MessageWriter& writer, const std::string& text) {
 
 void put_entity(MessageWriter& writer, const PartEntity& entity) {
   writer.put(PackedEntity(entity.entity));
+  writer.put(entity.has_attributes);
   put_text(writer, entity.attributes.name);
   writer.put(entity.attributes.color.has_value());
   writer.put(entity.attributes.color.value_or(Color{}));

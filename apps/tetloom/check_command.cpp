@@ -76,7 +76,7 @@ void check_mesh(const CheckCommand& command, Run& run) {
   if (is_measurable(validation)) {
     run.begin(Stage::Check);
     report.quality = compute_quality(mesh);
-    report.counts.regions = report.quality->tets.regions.size();
+    report.counts.regions = report.quality->cells.regions.size();
     report.digest = mesh_digest(mesh);
   }
   run.set_text(render_mesh(mesh, report) + verdict(validation, mesh));

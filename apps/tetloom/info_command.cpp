@@ -22,7 +22,7 @@ void describe_mesh(const InfoCommand& command, Run& run) {
   run.begin(Stage::Check);
   report.quality = compute_quality(mesh);
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(),
-                   report.quality->tets.regions.size()};
+                   report.quality->cells.regions.size()};
   report.entities = mesh.entities;
   report.digest = mesh_digest(mesh);
   report.extra["mesh"] = mesh_json(mesh, report);

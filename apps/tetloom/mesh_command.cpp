@@ -23,7 +23,7 @@ void note_result(const MeshResult& result, RunReport& report) {
 void measure(const MeshResult& result, RunReport& report) {
   if (result.mesh.points.empty()) return;
   report.quality = compute_quality(result.mesh, &result.sizes);
-  report.counts.regions = report.quality->tets.regions.size();
+  report.counts.regions = report.quality->cells.regions.size();
   report.digest = mesh_digest(result.mesh);
 }
 

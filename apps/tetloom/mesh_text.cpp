@@ -38,7 +38,7 @@ std::string tag_text(std::uint32_t index) { return index == ModelFaceId::kNone ?
 Json tag_json(std::uint32_t index) { return index == ModelFaceId::kNone ? Json(nullptr) : Json(index + 1); }
 
 std::string region_table(const RunReport& report) {
-  const std::vector<RegionQuality>& regions = report.quality->tets.regions;
+  const std::vector<RegionQuality>& regions = report.quality->cells.regions;
   if (regions.empty()) return {};
   std::vector<std::vector<std::string>> rows;
   for (const RegionQuality& region : regions) {
@@ -75,7 +75,7 @@ nlohmann::ordered_json mesh_json(const Mesh& mesh, const RunReport& report) {
   Json json = {{"edges", mesh.edge_to_vert.size()}, {"regions", Json::array()}, {"faces", Json::array()}};
   if (!box.empty()) json["bounding_box"] = {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}};
   if (!report.quality) return json;
-  for (const RegionQuality& region : report.quality->tets.regions) {
+  for (const RegionQuality& region : report.quality->cells.regions) {
     json["regions"].push_back({{"id", tag_json(region.region)},
                                {"name", name_of(report, 3, region.region)},
                                {"tets", region.tets},

@@ -5,7 +5,6 @@
 #include <bit>
 #include <vector>
 
-#include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/siphash_detail.hpp"
 
@@ -17,7 +16,7 @@ using detail::siphash128;
 
 // The key names the scheme, so that a later version cannot be taken for this one; its second half keeps kinds apart.
 constexpr std::uint64_t kScheme = 0x317473656769646d;  // "mdigest1"
-enum class Kind : std::uint64_t { Point, Edge, Triangle, Tet, Whole };
+enum class Kind : std::uint64_t { Point, Edge, Triangle, Tet, Whole, Quad, Pyramid, Prism, Hex };
 constexpr std::uint64_t key_of(Kind kind) { return static_cast<std::uint64_t>(kind); }
 
 std::uint64_t coordinate_bits(double x) { return std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x); }
@@ -31,25 +30,93 @@ Hash128 hash_point(const Vec3& x, const ModelEntity& entity) {
 }
 
 template <std::size_t N>
-Hash128 hash_elements(const std::vector<std::array<std::uint32_t, N>>& elements,
-                      const std::vector<std::uint32_t>& entities, const std::vector<std::uint64_t>& point_hash,
-                      Kind kind) {
-  Hash128 sum;
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    std::array<std::uint64_t, N + 1> words;
-    for (std::size_t i = 0; i < N; ++i) words[i] = point_hash[elements[e][i]];
-    bool odd = false, twins = false;
-    for (std::size_t i = 1; i < N; ++i)
-      for (std::size_t j = i; j > 0 && words[j] <= words[j - 1]; --j) {
-        twins |= words[j] == words[j - 1];
-        if (words[j] == words[j - 1]) break;
-        std::swap(words[j], words[j - 1]);
-        odd = !odd;
-      }
-    // Points that cannot be told apart leave the orientation without a meaning.
-    words[N] = (static_cast<std::uint64_t>(entities[e]) << 1) | (odd && !twins ? 1u : 0u);
-    sum += siphash128(words, kScheme, key_of(kind));
+using Vertices = std::array<std::uint32_t, N>;
+using PointHashes = std::vector<std::uint64_t>;
+
+/// Of an edge, a triangle or a tet: over its points in ascending order and its orientation.
+template <std::size_t N>
+Hash128 hash_simplex(const Vertices<N>& element, std::uint32_t entity, const PointHashes& point_hash, Kind kind) {
+  std::array<std::uint64_t, N + 1> words;
+  for (std::size_t i = 0; i < N; ++i) words[i] = point_hash[element[i]];
+  bool odd = false, twins = false;
+  for (std::size_t i = 1; i < N; ++i)
+    for (std::size_t j = i; j > 0 && words[j] <= words[j - 1]; --j) {
+      twins |= words[j] == words[j - 1];
+      if (words[j] == words[j - 1]) break;
+      std::swap(words[j], words[j - 1]);
+      odd = !odd;
+    }
+  // Points that cannot be told apart leave the orientation without a meaning.
+  words[N] = (static_cast<std::uint64_t>(entity) << 1) | (odd && !twins ? 1u : 0u);
+  return siphash128(words, kScheme, key_of(kind));
+}
+
+template <std::size_t N>
+using Turn = std::array<std::uint8_t, N>;
+
+/// All `Count` numberings of an element that two rotations lead to.
+template <std::size_t Count, std::size_t N>
+constexpr std::array<Turn<N>, Count> all_turns(const Turn<N>& first, const Turn<N>& second) {
+  std::array<Turn<N>, Count> turns{};
+  std::size_t found = 1;
+  for (std::size_t i = 0; i < N; ++i) turns[0][i] = static_cast<std::uint8_t>(i);
+  for (std::size_t t = 0; t < found; ++t)
+    for (const Turn<N>& rotation : {first, second}) {
+      Turn<N> next{};
+      for (std::size_t i = 0; i < N; ++i) next[i] = turns[t][rotation[i]];
+      bool known = false;
+      for (std::size_t k = 0; k < found; ++k) known |= turns[k] == next;
+      if (!known) turns[found++] = next;
+    }
+  return turns;
+}
+
+constexpr Turn<4> kQuadTurn{1, 2, 3, 0};
+constexpr Turn<5> kPyramidTurn{1, 2, 3, 0, 4};
+constexpr auto kQuadTurns = all_turns<4>(kQuadTurn, kQuadTurn);
+constexpr auto kPyramidTurns = all_turns<4>(kPyramidTurn, kPyramidTurn);
+constexpr auto kPrismTurns = all_turns<6>(Turn<6>{1, 2, 0, 4, 5, 3}, Turn<6>{3, 5, 4, 0, 2, 1});
+constexpr auto kHexTurns = all_turns<24>(Turn<8>{1, 2, 3, 0, 5, 6, 7, 4}, Turn<8>{4, 5, 1, 0, 7, 6, 2, 3});
+
+/// Of any other element: over its points in that of its numberings which gives the smallest sequence.
+template <std::size_t N, std::size_t Count>
+Hash128 hash_turned(const Vertices<N>& element, std::uint32_t entity, const PointHashes& point_hash,
+                    const std::array<Turn<N>, Count>& turns, Kind kind) {
+  std::array<std::uint64_t, N + 1> best, words;
+  for (std::size_t t = 0; t < Count; ++t) {
+    for (std::size_t i = 0; i < N; ++i) words[i] = point_hash[element[turns[t][i]]];
+    words[N] = entity;
+    if (t == 0 || words < best) best = words;
   }
+  return siphash128(best, kScheme, key_of(kind));
+}
+
+Hash128 hash_cell(const Vertices<4>& v, std::uint32_t region, const PointHashes& hashes) {
+  return hash_simplex(v, region, hashes, Kind::Tet);
+}
+Hash128 hash_cell(const Vertices<5>& v, std::uint32_t region, const PointHashes& hashes) {
+  return hash_turned(v, region, hashes, kPyramidTurns, Kind::Pyramid);
+}
+Hash128 hash_cell(const Vertices<6>& v, std::uint32_t region, const PointHashes& hashes) {
+  return hash_turned(v, region, hashes, kPrismTurns, Kind::Prism);
+}
+Hash128 hash_cell(const Vertices<8>& v, std::uint32_t region, const PointHashes& hashes) {
+  return hash_turned(v, region, hashes, kHexTurns, Kind::Hex);
+}
+
+/// Calls visit(kind, hash) for all cells, in the order of cell fields.
+template <class Visit>
+void for_each_cell_hash(const Mesh& mesh, const PointHashes& point_hash, const Visit& visit) {
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
+    for (std::size_t c = 0; c < cells.size(); ++c) visit(kind, hash_cell(cells[c], regions[c], point_hash));
+  });
+}
+
+/// The sum of hash(element, entity) over all elements.
+template <class Elements, class Hash>
+Hash128 sum_of(const Elements& elements, const std::vector<std::uint32_t>& entities, const Hash& hash) {
+  Hash128 sum;
+  for (std::size_t e = 0; e < elements.size(); ++e) sum += hash(elements[e], entities[e]);
   return sum;
 }
 
@@ -61,33 +128,97 @@ std::string to_hex(const Hash128& hash) {
   return text;
 }
 
+/// The hashes of all points; their sum goes to `sum`.
+PointHashes hash_points(const Mesh& mesh, Hash128& sum) {
+  PointHashes point_hash(mesh.points.size());
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    const Hash128 hash = hash_point(mesh.points[i], entity_of_point(mesh, i));
+    point_hash[i] = hash.low;
+    sum += hash;
+  }
+  return point_hash;
+}
+
+constexpr std::uint64_t kFieldScheme = 0x3174736567696466;  // "fdigest1"
+enum class FieldKind : std::uint64_t { Name, Point, Cell, Whole };
+
+Hash128 hash_name(const std::string& name) {
+  std::vector<std::uint64_t> words(name.size() / 8 + 1);
+  for (std::size_t i = 0; i < name.size(); ++i)
+    words[i / 8] |= static_cast<std::uint64_t>(static_cast<unsigned char>(name[i])) << (8 * (i % 8));
+  words.push_back(name.size());
+  return siphash128(words, kFieldScheme, static_cast<std::uint64_t>(FieldKind::Name));
+}
+
+/// Hashes the tuples of a field, together with its name and what they hang on.
+class FieldHash {
+ public:
+  FieldHash(const MeshField& field, FieldKind kind) : field_(field), kind_(kind) {
+    const Hash128 name = hash_name(field.name);
+    words_ = {name.low, name.high, static_cast<std::uint64_t>(field.components), 0, 0};
+    words_.resize(5 + static_cast<std::size_t>(field.components));
+  }
+  Hash128 of_tuple(std::size_t i, const Hash128& carrier) {
+    words_[3] = carrier.low;
+    words_[4] = carrier.high;
+    const auto components = static_cast<std::size_t>(field_.components);
+    for (std::size_t c = 0; c < components; ++c) words_[5 + c] = coordinate_bits(field_.values[i * components + c]);
+    return siphash128(words_, kFieldScheme, static_cast<std::uint64_t>(kind_));
+  }
+
+ private:
+  const MeshField& field_;
+  FieldKind kind_;
+  std::vector<std::uint64_t> words_;
+};
+
 }  // namespace
 
 std::string mesh_digest(const Mesh& mesh) {
   require_consistent(mesh);
-  std::vector<std::uint64_t> point_hash(mesh.points.size());
-  std::array<Hash128, 4> sums;
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const Hash128 hash = hash_point(mesh.points[i], entity_of_point(mesh, i));
-    point_hash[i] = hash.low;
-    sums[0] += hash;
+  Hash128 point_sum;
+  const PointHashes hashes = hash_points(mesh, point_sum);
+  const auto simplex = [&](Kind kind) {
+    return [&hashes, kind](const auto& element, std::uint32_t entity) {
+      return hash_simplex(element, entity, hashes, kind);
+    };
+  };
+  const Hash128 edge_sum = sum_of(mesh.edge_to_vert, mesh.edge_to_entity, simplex(Kind::Edge));
+  const Hash128 triangle_sum = sum_of(mesh.tri_to_vert, mesh.tri_to_entity, simplex(Kind::Triangle));
+  const Hash128 quad_sum = sum_of(mesh.quad_to_vert, mesh.quad_to_entity, [&](const auto& quad, std::uint32_t entity) {
+    return hash_turned(quad, entity, hashes, kQuadTurns, Kind::Quad);
+  });
+  std::array<Hash128, kCellKinds> cell_sums;
+  for_each_cell_hash(mesh, hashes,
+                     [&](CellKind kind, const Hash128& hash) { cell_sums[static_cast<std::size_t>(kind)] += hash; });
+  std::vector<std::uint64_t> words{mesh.points.size(), mesh.edge_to_vert.size(), mesh.tri_to_vert.size(),
+                                   mesh.tet_to_vert.size()};
+  const auto add = [&](const Hash128& sum) { words.insert(words.end(), {sum.low, sum.high}); };
+  for (const Hash128& sum : {point_sum, edge_sum, triangle_sum, cell_sums[0]}) add(sum);
+  if (!mesh.quad_to_vert.empty() || cell_count(mesh) > mesh.tet_to_vert.size()) {
+    words.insert(words.end(), {mesh.quad_to_vert.size(), mesh.pyramid_to_vert.size(), mesh.prism_to_vert.size(),
+                               mesh.hex_to_vert.size()});
+    for (const Hash128& sum : {quad_sum, cell_sums[1], cell_sums[2], cell_sums[3]}) add(sum);
   }
-  sums[1] = hash_elements(mesh.edge_to_vert, mesh.edge_to_entity, point_hash, Kind::Edge);
-  sums[2] = hash_elements(mesh.tri_to_vert, mesh.tri_to_entity, point_hash, Kind::Triangle);
-  sums[3] = hash_elements(mesh.tet_to_vert, mesh.tet_to_entity, point_hash, Kind::Tet);
-  const std::array<std::uint64_t, 12> words{mesh.points.size(),
-                                            mesh.edge_to_vert.size(),
-                                            mesh.tri_to_vert.size(),
-                                            mesh.tet_to_vert.size(),
-                                            sums[0].low,
-                                            sums[0].high,
-                                            sums[1].low,
-                                            sums[1].high,
-                                            sums[2].low,
-                                            sums[2].high,
-                                            sums[3].low,
-                                            sums[3].high};
   return to_hex(siphash128(words, kScheme, key_of(Kind::Whole)));
+}
+
+std::string field_digest(const Mesh& mesh) {
+  require_consistent(mesh);
+  Hash128 point_sum, cell_sum, unused;
+  const PointHashes hashes = hash_points(mesh, unused);
+  for (const MeshField& field : mesh.point_fields) {
+    FieldHash hash(field, FieldKind::Point);
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) point_sum += hash.of_tuple(i, {hashes[i], 0});
+  }
+  for (const MeshField& field : mesh.cell_fields) {
+    FieldHash hash(field, FieldKind::Cell);
+    std::size_t i = 0;
+    for_each_cell_hash(mesh, hashes, [&](CellKind, const Hash128& cell) { cell_sum += hash.of_tuple(i++, cell); });
+  }
+  const std::array<std::uint64_t, 6> words{
+      mesh.point_fields.size(), mesh.cell_fields.size(), point_sum.low, point_sum.high, cell_sum.low, cell_sum.high};
+  return to_hex(siphash128(words, kFieldScheme, static_cast<std::uint64_t>(FieldKind::Whole)));
 }
 
 }  // namespace tetloom

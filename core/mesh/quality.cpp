@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -35,9 +36,10 @@ class Sum {
 template <class Entry>
 class PerEntity {
  public:
-  explicit PerEntity(std::span<const std::uint32_t> element_to_entity) {
-    for (const std::uint32_t entity : element_to_entity)
-      if (keys_.empty() || keys_.back() != entity) keys_.push_back(entity);
+  explicit PerEntity(std::initializer_list<std::span<const std::uint32_t>> element_to_entity) {
+    for (const std::span<const std::uint32_t> entities : element_to_entity)
+      for (const std::uint32_t entity : entities)
+        if (keys_.empty() || keys_.back() != entity) keys_.push_back(entity);
     std::sort(keys_.begin(), keys_.end());
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
     entries_.resize(keys_.size());
@@ -155,17 +157,72 @@ std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes) {
   return point_size;
 }
 
+double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return dot(cross(b - a, c - a), d - a) / 6;
+}
+
+/// The signed volume of a cell. Between two triangles that share a diagonal and the two that share the other one, a
+/// bilinear face lies in the middle.
+double cell_volume(const std::vector<Vec3>& points, std::span<const std::uint32_t> cell, CellKind kind) {
+  const Vec3& o = points[cell[0]];
+  if (kind == CellKind::Tet) return tet_volume(o, points[cell[1]], points[cell[2]], points[cell[3]]);
+  double volume = 0;
+  for (const LocalFace& face : shape_of(kind).faces()) {
+    const auto at = [&](std::size_t i) -> const Vec3& { return points[cell[face.vert[i]]]; };
+    if (face.count == 3)
+      volume += tet_volume(o, at(0), at(1), at(2));
+    else
+      volume += 0.5 * (tet_volume(o, at(0), at(1), at(2)) + tet_volume(o, at(0), at(2), at(3)) +
+                       tet_volume(o, at(0), at(1), at(3)) + tet_volume(o, at(1), at(2), at(3)));
+  }
+  return volume;
+}
+
+/// The volume is not finite when a coordinate is not, and the predicate wants finite ones.
+bool is_inverted(const std::vector<Vec3>& points, std::span<const std::uint32_t> cell, CellKind kind, double volume) {
+  if (!std::isfinite(volume)) return true;
+  for (const auto& [a, b, c, d] : corners_of(kind))
+    if (orient3d(points[cell[a]], points[cell[b]], points[cell[c]], points[cell[d]]) <= 0) return true;
+  return false;
+}
+
 struct RegionSums {
-  std::size_t tets = 0;
+  std::size_t tets = 0, cells = 0;
   Sum volume;
 };
+
+CellQuality measure_cells(const Mesh& mesh, std::size_t inverted_tets) {
+  CellQuality result;
+  result.inverted = inverted_tets;
+  result.count = cell_count(mesh);
+  if (result.count == 0) return result;
+  PerEntity<RegionSums> regions({mesh.tet_to_entity, mesh.pyramid_to_entity, mesh.prism_to_entity, mesh.hex_to_entity});
+  Sum total;
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& entities) {
+    result.counts[static_cast<std::size_t>(kind)] = cells.size();
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const double volume = cell_volume(mesh.points, cells[c], kind);
+      total.add(volume);
+      RegionSums& region = regions.at(entities[c]);
+      ++region.cells;
+      region.tets += kind == CellKind::Tet;
+      region.volume.add(volume);
+      if (kind != CellKind::Tet) result.inverted += is_inverted(mesh.points, cells[c], kind, volume);
+    }
+  });
+  result.volume = total.value();
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const RegionSums& region = regions.entry(i);
+    result.regions.push_back({regions.key(i), region.tets, region.cells, region.volume.value()});
+  }
+  return result;
+}
 
 TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size) {
   TetQuality result;
   result.count = mesh.tet_to_vert.size();
   if (result.count == 0) return result;
   const DihedralBins bins;
-  PerEntity<RegionSums> regions(mesh.tet_to_entity);
   std::vector<float> ratios(result.count);
   Sum volume, ratio_sum;
   double largest_cosine = -1;
@@ -180,9 +237,6 @@ TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size)
     ratio_sum.add(ratio);
     ++result.mean_ratio_histogram[bin_of<10>(ratio)];
     volume.add(shape.volume);
-    RegionSums& region = regions.at(mesh.tet_to_entity[t]);
-    ++region.tets;
-    region.volume.add(shape.volume);
     if (inverted) {
       ++result.inverted;
       continue;
@@ -197,8 +251,6 @@ TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size)
   result.mean_ratio_p1 = quantile(ratios, 0.01);
   result.mean_ratio_mean = ratio_sum.value() / static_cast<double>(result.count);
   result.volume = volume.value();
-  for (std::size_t i = 0; i < regions.size(); ++i)
-    result.regions.push_back({regions.key(i), regions.entry(i).tets, regions.entry(i).volume.value()});
   result.edges = measure_edges(mesh.tet_to_vert, mesh.points, point_size);
   return result;
 }
@@ -229,7 +281,7 @@ TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& p
   TriangleQuality result;
   result.count = mesh.tri_to_vert.size();
   if (result.count == 0) return result;
-  PerEntity<FaceSums> faces(mesh.tri_to_entity);
+  PerEntity<FaceSums> faces({mesh.tri_to_entity});
   std::vector<float> shapes(result.count);
   Sum area, shape_sum;
   double min_angle = std::numbers::pi;
@@ -262,7 +314,8 @@ TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& p
 QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes) {
   require_consistent(mesh);
   const std::vector<double> point_size = sizes_at_points(mesh, sizes);
-  return {measure_tets(mesh, point_size), measure_triangles(mesh, point_size)};
+  const TetQuality tets = measure_tets(mesh, point_size);
+  return {measure_cells(mesh, tets.inverted), tets, measure_triangles(mesh, point_size)};
 }
 
 }  // namespace tetloom

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/mesh/cell_shape.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
 
@@ -19,9 +20,19 @@ struct EdgeConformity {
 };
 
 struct RegionQuality {
-  std::uint32_t region = 0;  ///< index of the model region; Id::kNone for unclassified tets
+  std::uint32_t region = 0;  ///< index of the model region; Id::kNone for unclassified cells
   std::size_t tets = 0;
-  double volume = 0;
+  std::size_t cells = 0;  ///< of all kinds, tets as well
+  double volume = 0;      ///< of all of them
+};
+
+/// Cells of all kinds together.
+struct CellQuality {
+  std::array<std::size_t, kCellKinds> counts{};  ///< by CellKind
+  std::size_t count = 0;                         ///< of all kinds
+  std::size_t inverted = 0;                      ///< cells that are not positive at all corners (exact sign)
+  double volume = 0;                             ///< sum of signed volumes; faces of four points are bilinear
+  std::vector<RegionQuality> regions;            ///< ascending by region
 };
 
 struct TetQuality {
@@ -31,12 +42,11 @@ struct TetQuality {
   double mean_ratio_min = 0;    ///< mean ratio: 12 (3V)^(2/3) / sum of squared edges; 1 regular, 0 flat or inverted
   double mean_ratio_p1 = 0;     ///< first percentile, interpolated linearly
   double mean_ratio_mean = 0;
-  double volume = 0;                                   ///< sum of signed volumes
+  double volume = 0;                                   ///< sum of signed volumes of the tets alone
   std::array<std::size_t, 10> mean_ratio_histogram{};  ///< bins of width 0.1; 1 falls into the last
   std::array<std::size_t, 18>
       dihedral_histogram{};  ///< six angles of every tet that is not inverted, bins of 10 degrees
   EdgeConformity edges;
-  std::vector<RegionQuality> regions;  ///< ascending by region
 };
 
 struct FaceQuality {
@@ -59,11 +69,13 @@ struct TriangleQuality {
 
 /// All fields of a kind of element that the mesh does not have are zero.
 struct QualityReport {
+  CellQuality cells;
   TetQuality tets;
   TriangleQuality triangles;
 };
 
-/// Measures `mesh`. `sizes` may be null: then only lengths are measured, not their ratio to a size.
+/// Measures `mesh`: shapes and edges of tets and triangles, and how many cells of any kind there are and how much space
+/// they fill. `sizes` may be null: then only lengths are measured, not their ratio to a size.
 /// Pre: indices lie in range and arrays have matching lengths (see `validate_mesh`); orientation and classification
 /// may be anything. Throws Error(InvalidArgument) otherwise.
 /// Complexity: linear; one size query per point; about 4 bytes per tet, 16 per point and 128 MiB of working memory.

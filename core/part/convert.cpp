@@ -107,7 +107,8 @@ class PartMaker {
       for (std::uint32_t i = 0; i < count; ++i) {
         PartEntity& entity = part_.entities.emplace_back();
         entity.entity = ModelEntity(dim, i);
-        if (i < attributes.size()) entity.attributes = attributes[i];
+        entity.has_attributes = i < attributes.size();
+        if (entity.has_attributes) entity.attributes = attributes[i];
         if (dim == 2 && i < mesh_.face_to_sides.size()) entity.sides = mesh_.face_to_sides[i];
       }
     }
@@ -214,9 +215,11 @@ class MeshMaker {
   }
 
   void add_entity(const PartEntity& entity) {
-    auto& attributes = mesh_.entities[entity.entity.dim];
-    if (attributes.size() <= entity.entity.index) attributes.resize(entity.entity.index + 1);
-    attributes[entity.entity.index] = entity.attributes;
+    if (entity.has_attributes) {
+      auto& attributes = mesh_.entities[entity.entity.dim];
+      if (attributes.size() <= entity.entity.index) attributes.resize(entity.entity.index + 1);
+      attributes[entity.entity.index] = entity.attributes;
+    }
     if (entity.entity.dim != 2 || (!entity.sides.front.valid() && !entity.sides.back.valid())) return;
     if (mesh_.face_to_sides.size() <= entity.entity.index) mesh_.face_to_sides.resize(entity.entity.index + 1);
     mesh_.face_to_sides[entity.entity.index] = entity.sides;

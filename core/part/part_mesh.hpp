@@ -101,8 +101,9 @@ struct FurtherPlace {
 /// What a part knows of a model entity that its mesh is classified on.
 struct PartEntity {
   ModelEntity entity;
+  bool has_attributes = false;  ///< false: the mesh knows nothing of it but, for a face, its sides
   EntityAttributes attributes;
-  FaceSides sides;  ///< of faces
+  FaceSides sides;
 };
 
 /// Struct of arrays. 36 bytes per tet and 40 per vertex, beside user fields and the boundary.

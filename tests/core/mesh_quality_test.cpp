@@ -91,9 +91,9 @@ TEST_CASE("edges are counted once each, and regions and faces have their own sum
   const QualityReport report = compute_quality(mesh, &sizes);
   CHECK(report.tets.edges.edges == brute_force_edges(mesh));
   CHECK(report.tets.volume == Approx(6 * 3 * 4 * 0.125));
-  REQUIRE(report.tets.regions.size() == 2);
-  CHECK(report.tets.regions[0].volume == Approx(3 * 3 * 4 * 0.125));
-  CHECK(report.tets.regions[1].tets == 3 * 3 * 4 * 6);
+  REQUIRE(report.cells.regions.size() == 2);
+  CHECK(report.cells.regions[0].volume == Approx(3 * 3 * 4 * 0.125));
+  CHECK(report.cells.regions[1].tets == 3 * 3 * 4 * 6);
   REQUIRE(report.triangles.faces.size() == mesh.face_to_sides.size());
   double area = 0;
   for (const FaceQuality& face : report.triangles.faces) {

@@ -47,8 +47,8 @@ TEST_CASE("solids are filled, with every tet in its region and every triangle on
   CHECK(result.errors.empty());
   CHECK(validate_mesh(result.mesh).problems.empty());
   const QualityReport quality = compute_quality(result.mesh, &result.sizes);
-  REQUIRE(quality.tets.regions.size() == 3);
-  CHECK(quality.tets.regions[0].volume == Approx(1));
+  REQUIRE(quality.cells.regions.size() == 3);
+  CHECK(quality.cells.regions[0].volume == Approx(1));
   CHECK(quality.tets.volume == Approx(result.model_volume).epsilon(0.01));
   CHECK(quality.tets.inverted == 0);
   CHECK(result.mesh.entities[3].size() == 3);
