@@ -32,6 +32,7 @@ MAY_INCLUDE = {
 # (what, headers that belong to it, files that may include them)
 ADAPTERS = [
     ("oneTBB", re.compile(r"^(tbb|oneapi)/"), re.compile(r"^threading/")),
+    ("Scotch", re.compile(r"^scotch\.h$"), re.compile(r"^threading/balance/scotch_partitioner\.cpp$")),
     ("OpenCASCADE", re.compile(r"\.hxx$"),
      re.compile(r"^core/cad/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^examples/make_demo_model/|^tests/(cad|support)/")),
     ("OpenMesh", re.compile(r"^OpenMesh/"),
