@@ -1,0 +1,272 @@
+// The claim: with 2 threads tetloom deals a mesh of 20 million tets to 16 parts at 3 million tets a second or more, 1.7
+// times as fast as with one, within 1.5 times the memory of the mesh; parts differ by 3 % at most and cut no more than
+// 1.1 times the faces that Scotch cuts; and 64 parts become 16,384. Each run is a process of its own.
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bench/support/child_process.hpp"
+#include "bench/support/commit.hpp"
+#include "bench/support/lattice_part.hpp"
+#include "bench/support/machine.hpp"
+#include "threading/balance/balance.hpp"
+#include "threading/balance/partition_figures.hpp"
+#include "threading/validate_parts.hpp"
+
+namespace tetloom::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string solid = "bracket";
+  double tets = 20e6, peer_tets = 2e6;
+  std::vector<int> threads{1, 2};
+  int runs = 3;
+  bool quick = false, no_peer = false;
+  std::string json_path, trace_path;
+  std::string measure;  ///< a task, when this process is one of the measured ones
+};
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// From here on the peak of resident memory is counted anew.
+void reset_peak() {
+  std::ofstream file("/proc/self/clear_refs");
+  file << 5;
+}
+
+/// Global ids are the vertices' own, so that the parts link up at home.
+PartitionedMesh make_mesh_in_one_part(Communicator& communicator, const std::string& solid, double tets) {
+  PartitionedMesh mesh(communicator, 1);
+  mesh.parts.at(PartId(0)).mesh = make_lattice_part(solid, tets);
+  return mesh;
+}
+
+void split(PartitionedMesh& mesh, std::size_t part_count, const TaskRunner& runner) {
+  migrate(mesh, compute_destinations(mesh, {part_count, PartitionMethod::Rcb, {}, 0.03, true}, runner), part_count,
+          runner);
+}
+
+std::size_t memory_of_all(const PartitionedMesh& mesh) {
+  std::size_t bytes = 0;
+  for (const PartId part : mesh.local()) bytes += memory_of(mesh.parts.at(part).mesh);
+  return bytes;
+}
+
+/// Cut faces and balance, from the parts as they are.
+nlohmann::json describe_parts(const PartitionedMesh& mesh) {
+  std::size_t cut = 0, most = 0, total = 0, neighbors = 0, most_verts = 0, verts = 0;
+  for (const PartId part : mesh.local()) {
+    const Part& one = mesh.parts.at(part);
+    cut += one.boundary.faces.size();
+    neighbors += one.boundary.neighbors.size();
+    most = std::max(most, one.mesh.cell_count());
+    total += one.mesh.cell_count();
+    most_verts = std::max(most_verts, one.mesh.vertex_count());
+    verts += one.mesh.vertex_count();
+  }
+  const auto count = static_cast<double>(mesh.part_count());
+  return {{"cut_faces", cut / 2},
+          {"imbalance", static_cast<double>(most) * count / static_cast<double>(total) - 1},
+          {"vertex_imbalance", static_cast<double>(most_verts) * count / static_cast<double>(verts) - 1},
+          {"neighbors", static_cast<double>(neighbors) / count},
+          {"tets", total}};
+}
+
+/// One measured run: `from` parts become `to`.
+nlohmann::json measure(const nlohmann::json& task) {
+  const auto from = task.at("from").get<std::size_t>(), to = task.at("to").get<std::size_t>();
+  const auto communicator = make_thread_communicator();
+  PartitionedMesh mesh = make_mesh_in_one_part(*communicator, task.at("solid"), task.at("tets"));
+  if (from > 1) split(mesh, from, TaskRunner(0));
+  const TaskRunner runner(task.at("threads").get<int>());
+  const std::size_t mesh_bytes = memory_of_all(mesh);
+  reset_peak();
+  const double before = static_cast<double>(resident_bytes());
+  Trace trace;
+  const auto start = Clock::now();
+  PerPart<Destinations> destinations = compute_destinations(mesh, {to, PartitionMethod::Rcb, {}, 0.03, true}, runner);
+  const double deal_seconds = seconds_since(start);
+  const MigrationFigures moved = migrate(mesh, std::move(destinations), to, runner, &trace);
+  const double seconds = seconds_since(start);
+  const double peak = static_cast<double>(peak_resident_bytes()) - before + static_cast<double>(mesh_bytes);
+  nlohmann::json result = describe_parts(mesh);
+  result["seconds"] = seconds;
+  result["deal_seconds"] = deal_seconds;
+  result["bytes_sent"] = moved.bytes_sent;
+  result["mesh_bytes"] = mesh_bytes;
+  result["peak_bytes"] = peak;
+  if (task.contains("trace")) trace.write(task.at("trace").get<std::string>());
+  if (task.value("validate", false)) result["valid"] = validate_parts(mesh, TaskRunner(0)).valid();
+  return result;
+}
+
+class Bench {
+ public:
+  explicit Bench(const Options& options) : options_(options), program_(fs::read_symlink("/proc/self/exe")) {}
+
+  void run() {
+    print_heading();
+    std::printf("%-14s %10s %7s %7s %4s %8s %8s %9s %7s %7s %7s %9s %7s %9s\n", "solid", "tets", "from", "to", "thr",
+                "s", "deal s", "M tets/s", "B/tet", "x mesh", "GB sent", "cut", "imbal%", "neighb.");
+    const std::vector<std::pair<std::size_t, std::size_t>> cases =
+        options_.quick ? std::vector<std::pair<std::size_t, std::size_t>>{{1, 16}, {8, 64}}
+                       : std::vector<std::pair<std::size_t, std::size_t>>{{1, 16}, {64, 16384}};
+    for (const auto& [from, to] : cases) measure_case(from, to);
+    if (!options_.no_peer) compare_cuts();
+    if (!options_.json_path.empty()) std::ofstream(options_.json_path) << report_.dump(2) << '\n';
+  }
+
+ private:
+  void print_heading() const {
+    const Machine machine = describe_machine();
+    std::printf(
+        "partition_speed, commit %s\n%s, %d cores, %.1f GiB, %s\n%d runs each in alternation, the median "
+        "counts; load before %.2f\n\n",
+        kCommit, machine.processor.c_str(), machine.cores, static_cast<double>(machine.memory) / (1 << 30),
+        machine.system.c_str(), options_.runs, load_average());
+    std::fflush(stdout);
+  }
+
+  nlohmann::json run_apart(const nlohmann::json& task) const {
+    const ChildResult child = run_child({program_, "--measure", task.dump()});
+    if (child.exit_status != 0) throw std::runtime_error("a measured run failed: " + child.output);
+    return nlohmann::json::parse(child.output);
+  }
+
+  void measure_case(std::size_t from, std::size_t to) {
+    std::vector<std::vector<nlohmann::json>> results(options_.threads.size());
+    for (int run = 0; run < options_.runs; ++run) {
+      for (std::size_t i = 0; i < results.size(); ++i) {
+        nlohmann::json task{{"solid", options_.solid},
+                            {"tets", options_.tets},
+                            {"from", from},
+                            {"to", to},
+                            {"threads", options_.threads[i]}};
+        if (run == 0) task["validate"] = true;
+        if (!options_.trace_path.empty()) task["trace"] = options_.trace_path;
+        results[i].push_back(run_apart(task));
+        if (run == 0 && !results[i][0].at("valid").get<bool>()) throw std::runtime_error("the parts are not valid");
+      }
+    }
+    double first_seconds = 0;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      std::sort(results[i].begin(), results[i].end(), [](const auto& a, const auto& b) {
+        return a.at("seconds").template get<double>() < b.at("seconds").template get<double>();
+      });
+      const nlohmann::json& median = results[i][results[i].size() / 2];
+      print_line(from, to, options_.threads[i], median);
+      const double seconds = median.at("seconds");
+      if (i == 0) first_seconds = seconds;
+      report_.push_back({{"from", from}, {"to", to}, {"threads", options_.threads[i]}, {"median", median}});
+      if (i > 0)
+        std::printf("%zu -> %zu parts, %d -> %d threads: x %.2f (asked of 1 -> 16 with 2: 1.70)\n", from, to,
+                    options_.threads[0], options_.threads[i], first_seconds / seconds);
+    }
+    std::fflush(stdout);
+  }
+
+  void print_line(std::size_t from, std::size_t to, int threads, const nlohmann::json& r) const {
+    const double tets = r.at("tets"), seconds = r.at("seconds"), peak = r.at("peak_bytes");
+    std::printf("%-14s %10.0f %7zu %7zu %4d %8.2f %8.2f %9.2f %7.1f %7.2f %7.2f %9d %7.2f %9.1f\n",
+                options_.solid.c_str(), tets, from, to, threads, seconds, r.at("deal_seconds").get<double>(),
+                1e-6 * tets / seconds, peak / tets, peak / r.at("mesh_bytes").get<double>(),
+                1e-9 * r.at("bytes_sent").get<double>(), r.at("cut_faces").get<int>(),
+                100 * r.at("imbalance").get<double>(), r.at("neighbors").get<double>());
+  }
+
+  /// Cuts of the same meshes by Scotch, in this process, and by mpmetis where it is installed.
+  void compare_cuts() {
+    std::printf("\n%-14s %10s %9s %9s %7s %9s %7s\n", "solid", "tets", "tetloom", "Scotch", "ratio", "mpmetis",
+                "ratio");
+    for (const char* solid : {"ball", "drilled-block", "bracket"}) {
+      const auto communicator = make_thread_communicator();
+      const PartitionedMesh mesh = make_mesh_in_one_part(*communicator, solid, options_.peer_tets);
+      const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
+      const double own = cut_of(mesh, PartitionMethod::Rcb), scotch = cut_of(mesh, PartitionMethod::Scotch);
+      const double metis = cut_of_metis(part);
+      std::printf("%-14s %10zu %9.0f %9.0f %7.3f %9.0f %7.3f\n", solid, part.cell_count(), own, scotch, own / scotch,
+                  metis, metis > 0 ? own / metis : 0);
+      std::fflush(stdout);
+      report_.push_back({{"solid", solid}, {"cut", own}, {"cut_scotch", scotch}, {"cut_mpmetis", metis}});
+    }
+  }
+
+  static double cut_of(const PartitionedMesh& mesh, PartitionMethod method) {
+    const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
+    PerPart<Destinations> destinations = compute_destinations(mesh, {16, method, {}, 0.03, true}, TaskRunner(0));
+    const Destinations& targets = destinations.at(PartId(0));
+    const auto& neighbors = part.block(CellKind::Tet).to_neighbor;
+    std::size_t cut = 0;
+    for (std::size_t i = 0; i < neighbors.size(); ++i)
+      cut += neighbors[i].valid() && targets[neighbors[i].cell()] != targets[i / 4] ? 1 : 0;
+    return static_cast<double>(cut / 2);
+  }
+
+  static double cut_of_metis(const PartMesh& part) {
+    std::string folder = (fs::temp_directory_path() / "tetloom-bench-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+    const std::string file = folder + "/mesh";
+    {
+      std::ofstream out(file);
+      const auto& verts = part.block(CellKind::Tet).to_vert;
+      out << verts.size() / 4 << '\n';
+      for (std::size_t i = 0; i < verts.size(); ++i) out << verts[i] + 1 << (i % 4 == 3 ? '\n' : ' ');
+    }
+    const ChildResult child = run_child({"mpmetis", "-gtype=dual", "-ncommon=3", file, "16"});
+    fs::remove_all(folder);
+    const std::size_t at = child.output.find("Edgecut:");
+    return at == std::string::npos ? 0 : std::stod(child.output.substr(at + 8));
+  }
+
+  Options options_;
+  std::string program_;
+  nlohmann::json report_ = nlohmann::json::array();
+};
+
+}  // namespace
+}  // namespace tetloom::bench
+
+int main(int argc, char** argv) {
+  using namespace tetloom::bench;
+  Options options;
+  CLI::App app("Measures how fast, how small and how well a mesh is dealt to parts.");
+  app.add_option("--solid", options.solid, "ball, drilled-block or bracket")->capture_default_str();
+  app.add_option("--tets", options.tets, "about how many tets")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--peer-tets", options.peer_tets, "about how many tets where cuts are compared with others'")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "numbers of threads")->delimiter(',')->capture_default_str();
+  app.add_option("--runs", options.runs, "of each case")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--json", options.json_path, "where to write all figures");
+  app.add_option("--trace", options.trace_path, "where to write the tasks of the last run, for a trace viewer");
+  app.add_flag("--no-peer", options.no_peer, "do not compare cuts");
+  app.add_flag("--quick", options.quick, "a small case once, to see that the bench runs");
+  app.add_option("--measure", options.measure, "")->group("");
+  CLI11_PARSE(app, argc, argv);
+  if (options.quick) {
+    options.tets = options.peer_tets = 50e3;
+    options.runs = 1;
+  }
+  try {
+    if (!options.measure.empty()) {
+      std::printf("%s\n", measure(nlohmann::json::parse(options.measure)).dump().c_str());
+    } else {
+      Bench(options).run();
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "partition_speed: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,202 @@
+#include "threading/balance/balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "threading/balance/graph_partitioners.hpp"
+#include "threading/balance/part_boundaries.hpp"
+#include "threading/balance/partitioners.hpp"
+
+namespace tetloom {
+namespace {
+
+// Weights of tets in the smoothing of boundaries, relative to the greatest one.
+constexpr double kWeightUnits = 1 << 20;
+
+// What the partitioners see of one part.
+struct PartItems {
+  std::vector<Point3f> points;
+  std::vector<double> weights;
+  double total = 0;
+};
+
+template <class Visit>
+void for_each_block(const PartMesh& part, const Visit& visit) {
+  std::size_t begin = 0;
+  for (const CellKind kind : kAllCellKinds) {
+    visit(kind, begin);
+    begin += part.block(kind).size();
+  }
+}
+
+std::vector<Point3f> compute_centroids(const PartMesh& part, const TaskRunner& runner) {
+  std::vector<Point3f> points(part.cell_count());
+  for_each_block(part, [&](CellKind kind, std::size_t begin) {
+    const std::size_t n = shape_of(kind).vertex_count;
+    const double share = 1.0 / static_cast<double>(n);
+    const std::uint32_t* verts = part.block(kind).to_vert.data();
+    runner.for_blocks(part.block(kind).size(), std::size_t{1} << 16, [&](std::size_t first, std::size_t last) {
+      for (std::size_t cell = first; cell < last; ++cell) {
+        Vec3 sum{};
+        for (std::size_t i = 0; i < n; ++i) sum = sum + part.points[verts[cell * n + i]];
+        points[begin + cell] = {static_cast<float>(share * sum.x), static_cast<float>(share * sum.y),
+                                static_cast<float>(share * sum.z)};
+      }
+    });
+  });
+  return points;
+}
+
+std::vector<double> read_weights(const PartMesh& part, const std::string& name) {
+  std::vector<double> weights;
+  const auto field = std::find_if(part.cell_fields.begin(), part.cell_fields.end(),
+                                  [&](const CellField& candidate) { return candidate.name == name; });
+  for (const auto& values : field->values) weights.insert(weights.end(), values.begin(), values.end());
+  return weights;
+}
+
+void check_options(const PartitionedMesh& mesh, const BalanceOptions& options) {
+  if (options.part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
+  if (options.weights.empty()) return;
+  const auto field = std::find_if(mesh.cell_fields.begin(), mesh.cell_fields.end(),
+                                  [&](const FieldInfo& info) { return info.name == options.weights; });
+  if (field == mesh.cell_fields.end())
+    throw Error(ErrorCode::InvalidArgument,
+                "the mesh has no cell field '" + options.weights + "' to take weights from");
+  if (field->components != 1)
+    throw Error(ErrorCode::InvalidArgument, "the field '" + options.weights + "' has more than one value per cell");
+}
+
+// Whether parts can be cut on their own: they make a whole number of targets each, and are in balance.
+bool can_split_locally(const PartitionedMesh& mesh, const BalanceOptions& options, const PerPart<PartItems>& items) {
+  if (options.part_count % mesh.part_count() != 0) return false;
+  double heaviest = 0;
+  std::int64_t total = 0, cells = 0;
+  for (const PartId part : mesh.local()) {
+    heaviest = std::max(heaviest, items.at(part).total);
+    cells += static_cast<std::int64_t>(items.at(part).points.size());
+  }
+  // Weights are summed in units of 2^-20 of the greatest part's, so that the sum does not depend on ranks.
+  std::array<double, 1> greatest{heaviest};
+  mesh.communicator->max(greatest);
+  for (const PartId part : mesh.local()) total += std::llround(items.at(part).total / greatest[0] * kWeightUnits);
+  std::array<std::int64_t, 1> sum{total};
+  mesh.communicator->sum(sum);
+  const double mean = static_cast<double>(sum[0]) / static_cast<double>(mesh.part_count());
+  return kWeightUnits <= (1 + options.imbalance) * mean;
+}
+
+std::vector<std::int64_t> integer_weights(std::span<const double> weights) {
+  if (weights.empty()) return {};
+  const double greatest = *std::max_element(weights.begin(), weights.end());
+  std::vector<std::int64_t> result(weights.size());
+  std::transform(weights.begin(), weights.end(), result.begin(), [&](double weight) {
+    return std::max<std::int64_t>(1, std::llround(weight / greatest * kWeightUnits));
+  });
+  return result;
+}
+
+// Tets have codes tet · 4 + face in CellPlace, and the lack of a neighbour is the same there.
+std::span<const std::uint32_t> neighbor_codes(const PartMesh& part) {
+  const auto& places = part.block(CellKind::Tet).to_neighbor;
+  static_assert(sizeof(CellPlace) == sizeof(std::uint32_t));
+  return {reinterpret_cast<const std::uint32_t*>(places.data()), places.size()};
+}
+
+void smooth(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
+            Destinations& targets, const TaskRunner& runner) {
+  if (range.count == 1 || part.block(CellKind::Tet).size() != part.cell_count()) return;
+  for (std::uint32_t& target : targets) target -= range.first;
+  const std::vector<std::int64_t> integers = integer_weights(weights);
+  SmoothingOptions options;
+  options.imbalance = imbalance;
+  smooth_part_boundaries({neighbor_codes(part), integers, targets, range.count}, runner, options);
+  for (std::uint32_t& target : targets) target += range.first;
+}
+
+void partition_by_scotch(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
+                         Destinations& targets) {
+  std::array<std::uint32_t, kCellKinds> begin_of{};
+  for_each_block(part, [&](CellKind kind, std::size_t begin) {
+    begin_of[static_cast<std::size_t>(kind)] = static_cast<std::uint32_t>(begin);
+  });
+  std::vector<std::uint64_t> first{0};
+  std::vector<std::uint32_t> neighbours;
+  for (const CellKind kind : kAllCellKinds) {
+    const std::size_t faces = shape_of(kind).face_count;
+    for (std::size_t cell = 0; cell < part.block(kind).size(); ++cell) {
+      for (std::size_t face = 0; face < faces; ++face) {
+        const CellPlace behind = part.block(kind).to_neighbor[cell * faces + face];
+        if (behind.valid()) neighbours.push_back(begin_of[static_cast<std::size_t>(behind.kind())] + behind.cell());
+      }
+      first.push_back(neighbours.size());
+    }
+  }
+  const std::vector<std::int64_t> integers = integer_weights(weights);
+  partition_scotch({first, neighbours, integers}, range.count, imbalance, targets);
+  for (std::uint32_t& target : targets) target += range.first;
+}
+
+}  // namespace
+
+std::string_view to_string(PartitionMethod method) {
+  switch (method) {
+    case PartitionMethod::Rcb: return "rcb";
+    case PartitionMethod::Sfc: return "sfc";
+    default: return "scotch";
+  }
+}
+
+PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const BalanceOptions& options,
+                                           const TaskRunner& runner) {
+  check_options(mesh, options);
+  const auto local = mesh.local();
+  PerPart<PartItems> items(mesh.part_count(), local);
+  PerPart<Destinations> destinations(mesh.part_count(), local);
+  runner.for_each(local.size(), [&](std::size_t i) {
+    const PartMesh& part = mesh.parts.at(local[i]).mesh;
+    PartItems& own = items.at(local[i]);
+    own.points = compute_centroids(part, runner);
+    if (!options.weights.empty()) own.weights = read_weights(part, options.weights);
+    own.total = own.weights.empty() ? static_cast<double>(own.points.size())
+                                    : std::accumulate(own.weights.begin(), own.weights.end(), 0.0);
+    destinations.at(local[i]).resize(own.points.size());
+  });
+
+  const bool split = can_split_locally(mesh, options, items);
+  const auto factor = static_cast<std::uint32_t>(split ? options.part_count / mesh.part_count() : options.part_count);
+  std::vector<ItemBlock> blocks;
+  std::vector<TargetRange> ranges;
+  for (const PartId part : local) {
+    blocks.push_back({items.at(part).points, items.at(part).weights, destinations.at(part)});
+    ranges.push_back({split ? part.value * factor : 0, factor});
+  }
+  const auto part_count = static_cast<std::uint32_t>(options.part_count);
+  if (options.method == PartitionMethod::Scotch && split) {
+    runner.for_each(local.size(), [&](std::size_t i) {
+      if (items.at(local[i]).points.empty()) return;
+      partition_by_scotch(mesh.parts.at(local[i]).mesh, items.at(local[i]).weights, ranges[i], options.imbalance,
+                          destinations.at(local[i]));
+    });
+  } else if (options.method == PartitionMethod::Scotch) {
+    throw Error(ErrorCode::InvalidArgument,
+                "scotch cuts each part on its own, so the number of parts must be a multiple of the present one, and "
+                "the parts in balance; use rcb or sfc, or gather the mesh in one part first");
+  } else if (options.method == PartitionMethod::Sfc) {
+    split ? split_blocks_sfc(blocks, ranges, runner) : partition_sfc(blocks, part_count, *mesh.communicator, runner);
+  } else {
+    split ? split_blocks_rcb(blocks, ranges, runner) : partition_rcb(blocks, part_count, *mesh.communicator, runner);
+  }
+
+  if (options.method == PartitionMethod::Rcb && options.smooth && split) {
+    runner.for_each(local.size(), [&](std::size_t i) {
+      items.at(local[i]).points = {};
+      smooth(mesh.parts.at(local[i]).mesh, items.at(local[i]).weights, ranges[i], options.imbalance,
+             destinations.at(local[i]), runner);
+    });
+  }
+  return destinations;
+}
+
+}  // namespace tetloom
