@@ -29,6 +29,7 @@ class PartPacker {
 
  private:
   struct BoundaryIndex;
+  class PacketWriter;
 
   void sort_by_destination(const Destinations& destinations, std::size_t part_count);
 

@@ -151,113 +151,153 @@ void PartPacker::sort_by_destination(const Destinations& destinations, std::size
   for (std::uint32_t cell = 0; cell < destinations.size(); ++cell) order_[filled[destinations[cell]]++] = cell;
 }
 
-Bytes PartPacker::pack(std::size_t k, Scratch& scratch) const {
-  const PartMesh& part = part_.mesh;
-  const std::span<const std::uint32_t> order(order_.data() + first_[k], cell_count(k));
-  if (scratch.local.empty()) {
-    scratch.local.assign(part.vertex_count(), kNone);
-    scratch.taken.assign(part.boundary[0].size() + part.boundary[1].size() + part.boundary[2].size(), false);
+// Writes one packet: cells, then the vertices that they use, then boundary elements and model entities.
+class PartPacker::PacketWriter {
+ public:
+  PacketWriter(const PartPacker& packer, Scratch& scratch)
+      : part_(packer.part_.mesh), shared_(packer.shared_), index_(*packer.index_), scratch_(scratch) {
+    if (scratch_.local.size() == part_.vertex_count()) return;
+    scratch_.local.assign(part_.vertex_count(), kNone);
+    scratch_.taken.assign(part_.boundary[0].size() + part_.boundary[1].size() + part_.boundary[2].size(), false);
   }
-  EntitySet entities;
-  MessageWriter writer;
-  writer.reserve(order.size() * 40 + 4096);
-  std::size_t begin = 0;
-  std::size_t kind_begin = 0;
-  for (const CellKind kind : kAllCellKinds) {
-    const CellBlock& block = part.block(kind);
+  // The scratch is clean again for the next packet.
+  ~PacketWriter() {
+    for (const std::uint32_t v : scratch_.verts) scratch_.local[v] = kNone;
+    for (const std::uint32_t element : scratch_.boundary) scratch_.taken[element] = false;
+    scratch_.verts.clear();
+    scratch_.boundary.clear();
+  }
+  PacketWriter(const PacketWriter&) = delete;
+  PacketWriter& operator=(const PacketWriter&) = delete;
+
+  // Pre: cells ascend.
+  Bytes write(std::span<const std::uint32_t> cells) {
+    writer_.reserve(cells.size() * kBytesPerCell + 4096);
+    std::uint32_t begin = 0;
+    for (const CellKind kind : kAllCellKinds) {
+      const auto end = begin + static_cast<std::uint32_t>(part_.block(kind).size());
+      const auto count = std::lower_bound(cells.begin(), cells.end(), end) - cells.begin();
+      put_cells(kind, begin, cells.first(static_cast<std::size_t>(count)));
+      cells = cells.subspan(static_cast<std::size_t>(count));
+      begin = end;
+    }
+    put_vertices();
+    put_boundary();
+    put_entities();
+    return writer_.take();
+  }
+
+ private:
+  // Room for a tet and its share of vertices; what is reserved and not used takes no memory.
+  static constexpr std::size_t kBytesPerCell = 40;
+
+  void put_cells(CellKind kind, std::uint32_t begin, std::span<const std::uint32_t> cells) {
+    const CellBlock& block = part_.block(kind);
     const CellShape& shape = shape_of(kind);
-    const auto is_before = [&](std::uint32_t cell) { return cell < kind_begin + block.size(); };
-    const std::size_t count =
-        static_cast<std::size_t>(
-            std::partition_point(order.begin() + static_cast<std::ptrdiff_t>(begin), order.end(), is_before) -
-            order.begin()) -
-        begin;
-    const auto cells = order.subspan(begin, count);
-    std::uint32_t* out = writer.put_room<std::uint32_t>(count * shape.vertex_count).data();
+    std::uint32_t* out = writer_.put_room<std::uint32_t>(cells.size() * shape.vertex_count).data();
     for (const std::uint32_t cell : cells) {
-      const std::uint32_t* verts = block.to_vert.data() + (cell - kind_begin) * shape.vertex_count;
-      for (std::uint32_t i = 0; i < shape.vertex_count; ++i) {
-        std::uint32_t& local = scratch.local[verts[i]];
-        if (local == kNone) {
-          local = static_cast<std::uint32_t>(scratch.verts.size());
-          scratch.verts.push_back(verts[i]);
-        }
-        *out++ = local;
-      }
-      for_each_boundary_element_of(*index_, shape, verts, [&](std::uint32_t element) {
-        if (scratch.taken[element]) return;
-        scratch.taken[element] = true;
-        scratch.boundary.push_back(element);
-      });
+      const std::uint32_t* verts = block.to_vert.data() + std::size_t{cell - begin} * shape.vertex_count;
+      for (std::uint32_t i = 0; i < shape.vertex_count; ++i) *out++ = number_of(verts[i]);
+      for_each_boundary_element_of(index_, shape, verts, [&](std::uint32_t element) { take_element(element); });
     }
-    const std::span<std::uint32_t> regions = writer.put_room<std::uint32_t>(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      regions[i] = block.to_region[cells[i] - kind_begin];
-      entities.add(pack_entity(3, regions[i]));
+    const std::span<std::uint32_t> regions = writer_.put_room<std::uint32_t>(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      regions[i] = block.to_region[cells[i] - begin];
+      entities_.add(pack_entity(3, regions[i]));
     }
-    for (const CellField& field : part.cell_fields) {
+    for (const CellField& field : part_.cell_fields) {
       const auto n = static_cast<std::size_t>(field.components);
       const auto& values = field.values[static_cast<std::size_t>(kind)];
-      double* room = writer.put_room<double>(count * n).data();
-      for (const std::uint32_t cell : cells) room = std::copy_n(values.data() + (cell - kind_begin) * n, n, room);
+      double* room = writer_.put_room<double>(cells.size() * n).data();
+      for (const std::uint32_t cell : cells) room = std::copy_n(values.data() + (cell - begin) * n, n, room);
     }
-    begin += count;
-    kind_begin += block.size();
   }
 
-  const auto gather = [&]<class T>(const GrowingArray<T>& values) {
-    T* room = writer.put_room<T>(scratch.verts.size()).data();
-    for (const std::uint32_t v : scratch.verts) *room++ = values[v];
-  };
-  gather(part.points);
-  gather(part.vert_to_entity);
-  gather(part.vert_to_global);
-  std::uint8_t* shared = writer.put_room<std::uint8_t>(scratch.verts.size()).data();
-  for (const std::uint32_t v : scratch.verts) {
-    *shared++ = shared_[v];
-    entities.add(part.vert_to_entity[v]);
-  }
-  for (const VertexField& field : part.vertex_fields) {
-    const auto n = static_cast<std::size_t>(field.components);
-    double* room = writer.put_room<double>(scratch.verts.size() * n).data();
-    for (const std::uint32_t v : scratch.verts) room = std::copy_n(field.values.data() + v * n, n, room);
+  std::uint32_t number_of(std::uint32_t vert) {
+    std::uint32_t& number = scratch_.local[vert];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(scratch_.verts.size());
+      scratch_.verts.push_back(vert);
+    }
+    return number;
   }
 
-  std::sort(scratch.boundary.begin(), scratch.boundary.end());
-  begin = 0;
-  kind_begin = 0;
-  for (std::size_t kind = 0; kind < part.boundary.size(); ++kind) {
-    const BoundaryBlock& block = part.boundary[kind];
-    std::size_t end = begin;
-    while (end < scratch.boundary.size() && scratch.boundary[end] < kind_begin + block.size()) ++end;
+  void take_element(std::uint32_t element) {
+    if (scratch_.taken[element]) return;
+    scratch_.taken[element] = true;
+    scratch_.boundary.push_back(element);
+  }
+
+  void put_vertices() {
+    gather(part_.points);
+    gather(part_.vert_to_entity);
+    gather(part_.vert_to_global);
+    std::uint8_t* shared = writer_.put_room<std::uint8_t>(scratch_.verts.size()).data();
+    for (const std::uint32_t v : scratch_.verts) {
+      *shared++ = shared_[v];
+      entities_.add(part_.vert_to_entity[v]);
+    }
+    for (const VertexField& field : part_.vertex_fields) {
+      const auto n = static_cast<std::size_t>(field.components);
+      double* room = writer_.put_room<double>(scratch_.verts.size() * n).data();
+      for (const std::uint32_t v : scratch_.verts) room = std::copy_n(field.values.data() + v * n, n, room);
+    }
+  }
+
+  template <class T>
+  void gather(const GrowingArray<T>& values) {
+    T* room = writer_.put_room<T>(scratch_.verts.size()).data();
+    for (const std::uint32_t v : scratch_.verts) *room++ = values[v];
+  }
+
+  void put_boundary() {
+    std::sort(scratch_.boundary.begin(), scratch_.boundary.end());
+    std::span<const std::uint32_t> elements(scratch_.boundary);
+    std::uint32_t begin = 0;
+    for (std::size_t kind = 0; kind < part_.boundary.size(); ++kind) {
+      const auto end = begin + static_cast<std::uint32_t>(part_.boundary[kind].size());
+      const auto count = std::lower_bound(elements.begin(), elements.end(), end) - elements.begin();
+      put_elements(kind, begin, elements.first(static_cast<std::size_t>(count)));
+      elements = elements.subspan(static_cast<std::size_t>(count));
+      begin = end;
+    }
+  }
+
+  void put_elements(std::size_t kind, std::uint32_t begin, std::span<const std::uint32_t> elements) {
+    const BoundaryBlock& block = part_.boundary[kind];
     const std::uint32_t n = kBoundaryVertexCount[kind];
-    std::uint32_t* out = writer.put_room<std::uint32_t>((end - begin) * n).data();
-    for (std::size_t i = begin; i < end; ++i)
+    std::uint32_t* out = writer_.put_room<std::uint32_t>(elements.size() * n).data();
+    for (const std::uint32_t element : elements)
       for (std::uint32_t j = 0; j < n; ++j)
-        *out++ = scratch.local[block.to_vert[(scratch.boundary[i] - kind_begin) * n + j]];
-    const auto indices = writer.put_room<std::uint32_t>(end - begin);
-    for (std::size_t i = begin; i < end; ++i) {
-      indices[i - begin] = block.to_entity[scratch.boundary[i] - kind_begin];
-      entities.add(pack_entity(kind == 0 ? 1 : 2, indices[i - begin]));
+        *out++ = scratch_.local[block.to_vert[std::size_t{element - begin} * n + j]];
+    std::uint32_t* entity = writer_.put_room<std::uint32_t>(elements.size()).data();
+    for (const std::uint32_t element : elements) {
+      *entity = block.to_entity[element - begin];
+      entities_.add(pack_entity(kind == 0 ? 1 : 2, *entity++));
     }
-    begin = end;
-    kind_begin += block.size();
   }
 
-  std::vector<const PartEntity*> known;
-  for (const PackedEntity entity : entities.sorted()) {
-    const auto it = std::lower_bound(part.entities.begin(), part.entities.end(), entity.unpack(),
-                                     [](const PartEntity& a, ModelEntity b) { return a.entity < b; });
-    if (it != part.entities.end() && it->entity == entity.unpack()) known.push_back(&*it);
+  void put_entities() {
+    std::vector<const PartEntity*> known;
+    for (const PackedEntity entity : entities_.sorted()) {
+      const auto it = std::lower_bound(part_.entities.begin(), part_.entities.end(), entity.unpack(),
+                                       [](const PartEntity& a, ModelEntity b) { return a.entity < b; });
+      if (it != part_.entities.end() && it->entity == entity.unpack()) known.push_back(&*it);
+    }
+    writer_.put(static_cast<std::uint64_t>(known.size()));
+    for (const PartEntity* entity : known) put_entity(writer_, *entity);
   }
-  writer.put(static_cast<std::uint64_t>(known.size()));
-  for (const PartEntity* entity : known) put_entity(writer, *entity);
 
-  for (const std::uint32_t v : scratch.verts) scratch.local[v] = kNone;
-  for (const std::uint32_t element : scratch.boundary) scratch.taken[element] = false;
-  scratch.verts.clear();
-  scratch.boundary.clear();
-  return writer.take();
+  const PartMesh& part_;
+  const std::vector<bool>& shared_;
+  const BoundaryIndex& index_;
+  Scratch& scratch_;
+  MessageWriter writer_;
+  EntitySet entities_;
+};
+
+Bytes PartPacker::pack(std::size_t k, Scratch& scratch) const {
+  return PacketWriter(*this, scratch).write(std::span(order_).subspan(first_[k], cell_count(k)));
 }
 
 }  // namespace tetloom::detail
