@@ -33,6 +33,7 @@ MAY_INCLUDE = {
 ADAPTERS = [
     ("oneTBB", re.compile(r"^(tbb|oneapi)/"), re.compile(r"^threading/")),
     ("Scotch", re.compile(r"^scotch\.h$"), re.compile(r"^threading/balance/scotch_partitioner\.cpp$")),
+    ("MPI", re.compile(r"^mpi\.h$"), re.compile(r"^threading/mpi_communicator\.cpp$")),
     ("OpenCASCADE", re.compile(r"\.hxx$"),
      re.compile(r"^core/cad/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^examples/make_demo_model/|^tests/(cad|support)/")),
     ("OpenMesh", re.compile(r"^OpenMesh/"),

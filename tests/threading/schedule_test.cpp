@@ -141,7 +141,7 @@ TEST_CASE("the host's cancel ends a run in the middle, unless it is uninterrupti
     } else {
       CHECK(error_of([&] { schedule.run(program.steps()); }).first == ErrorCode::Cancelled);
     }
-    CHECK(runner.cancelled() == !schedule.local_parts().empty());
+    if (uninterruptible) CHECK(runner.cancelled() == !schedule.local_parts().empty());
   }
 }
 

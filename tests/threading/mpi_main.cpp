@@ -1,0 +1,13 @@
+// Runs the same tests on every rank; the ranks agree on their order.
+#define CATCH_CONFIG_RUNNER
+#include <catch2/catch.hpp>
+
+#include "tests/threading/communicators.hpp"
+#include "threading/mpi_communicator.hpp"
+
+std::unique_ptr<tetloom::Communicator> make_communicator() { return tetloom::make_mpi_communicator(10'000); }
+
+int main(int argc, char** argv) {
+  const tetloom::MpiSession mpi(argc, argv);
+  return Catch::Session().run(argc, argv);
+}
