@@ -1,6 +1,7 @@
 #pragma once
 // Private to core/io: one reader and one writer per format, and what they share.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -42,6 +43,45 @@ inline std::uint32_t stored_index(std::uint64_t index) {
   return index < 0xffffffffu ? static_cast<std::uint32_t>(index) : 0xffffffffu;
 }
 
+/// The kinds of elements that a Mesh holds, in the order in which files have them.
+enum class Block : std::uint8_t { Edge, Triangle, Quad, Tet, Pyramid, Prism, Hex };
+inline constexpr std::size_t kBlocks = 7;
+
+constexpr int dimension_of(Block block) { return block == Block::Edge ? 1 : block <= Block::Quad ? 2 : 3; }
+/// Pre: dimension_of(block) == 3.
+constexpr std::size_t cell_kind_of(Block block) { return static_cast<std::size_t>(block) - 3; }
+
+/// Calls visit(block, x_to_vert, x_to_entity) for all blocks. `AnyMesh` is Mesh or const Mesh.
+template <class AnyMesh, class Visit>
+void for_each_block(AnyMesh& mesh, const Visit& visit) {
+  visit(Block::Edge, mesh.edge_to_vert, mesh.edge_to_entity);
+  visit(Block::Triangle, mesh.tri_to_vert, mesh.tri_to_entity);
+  visit(Block::Quad, mesh.quad_to_vert, mesh.quad_to_entity);
+  visit(Block::Tet, mesh.tet_to_vert, mesh.tet_to_entity);
+  visit(Block::Pyramid, mesh.pyramid_to_vert, mesh.pyramid_to_entity);
+  visit(Block::Prism, mesh.prism_to_vert, mesh.prism_to_entity);
+  visit(Block::Hex, mesh.hex_to_vert, mesh.hex_to_entity);
+}
+
+/// Calls visit(x_to_vert, x_to_entity) for one of them.
+template <class AnyMesh, class Visit>
+void visit_block(AnyMesh& mesh, Block block, const Visit& visit) {
+  for_each_block(mesh, [&](Block each, auto& elements, auto& entities) {
+    if (each == block) visit(elements, entities);
+  });
+}
+
+/// The field of that name; null where there is none.
+inline MeshField* find_field(std::vector<MeshField>& fields, std::string_view name) {
+  for (MeshField& field : fields)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+/// Gmsh's types of elements, by Block, and that of points.
+inline constexpr std::array<std::int32_t, kBlocks> kMshTypes{1, 2, 3, 4, 7, 6, 5};
+inline constexpr std::int32_t kMshPoint = 15;
+
 /// Model vertices that a file names.
 struct Corner {
   std::uint32_t point = 0;
@@ -58,11 +98,11 @@ void check_read_mesh(const InputFile& file, const Mesh& mesh);
 /// Throws Error(InputUnsuitable) for elements that a Mesh cannot hold.
 [[noreturn]] void refuse_elements(const InputFile& file, const std::string& kind);
 
-/// Puts `elements` in the order of `ids` where those are a permutation of consecutive numbers; else leaves the order
-/// of the file.
+/// Puts `elements` and `ids` in the order of `ids` where those are a permutation of consecutive numbers; else leaves
+/// the order of the file.
 template <class Element>
 void restore_order(std::vector<Element>& elements, std::vector<std::uint32_t>& entities,
-                   const std::vector<std::uint64_t>& ids) {
+                   std::vector<std::uint64_t>& ids) {
   if (std::is_sorted(ids.begin(), ids.end()) || ids.empty()) return;
   const auto [low, high] = std::minmax_element(ids.begin(), ids.end());
   const std::uint64_t first = *low;
@@ -80,6 +120,7 @@ void restore_order(std::vector<Element>& elements, std::vector<std::uint32_t>& e
   }
   elements.swap(ordered);
   entities.swap(ordered_entities);
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = first + i;
 }
 
 }  // namespace tetloom::detail

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
+#include <utility>
 
 #include "core/io/formats_detail.hpp"
 
@@ -29,25 +31,25 @@ struct MeditContent {
   }
 };
 
-/// The elements of a Mesh that a keyword stands for, reached without knowing their number of points.
-template <class Read>
-bool read_supported(Mesh& mesh, std::string_view keyword, const Read& read) {
-  if (keyword == "Edges") return read(mesh.edge_to_vert, mesh.edge_to_entity), true;
-  if (keyword == "Triangles") return read(mesh.tri_to_vert, mesh.tri_to_entity), true;
-  if (keyword == "Tetrahedra") return read(mesh.tet_to_vert, mesh.tet_to_entity), true;
-  return false;
+std::optional<Block> block_of(std::string_view keyword) {
+  static constexpr std::array<std::pair<std::string_view, Block>, 8> known{{{"Edges", Block::Edge},
+                                                                            {"Triangles", Block::Triangle},
+                                                                            {"Quadrilaterals", Block::Quad},
+                                                                            {"Tetrahedra", Block::Tet},
+                                                                            {"Pyramids", Block::Pyramid},
+                                                                            {"Prisms", Block::Prism},
+                                                                            {"Hexahedra", Block::Hex},
+                                                                            {"Hexaedra", Block::Hex}}};
+  for (const auto& [name, block] : known)
+    if (name == keyword) return block;
+  return {};
 }
 
+/// Elements of higher order are named like EdgesP2, TetrahedraP3 or QuadrilateralsQ2.
 bool is_unsupported_element(std::string_view keyword) {
-  for (const std::string_view name : {"Quadrilaterals", "Hexahedra", "Hexaedra", "Prisms", "Pyramids"})
-    if (keyword == name) return true;
-  // Elements of higher order are named like EdgesP2, TetrahedraP3 or QuadrilateralsQ2.
-  for (const std::string_view name :
-       {"Edges", "Triangles", "Tetrahedra", "Quadrilaterals", "Hexahedra", "Prisms", "Pyramids"})
-    if (keyword.size() == name.size() + 2 && keyword.starts_with(name) &&
-        (keyword[name.size()] == 'P' || keyword[name.size()] == 'Q'))
-      return true;
-  return false;
+  if (keyword.size() < 3) return false;
+  const std::string_view ending = keyword.substr(keyword.size() - 2);
+  return (ending.front() == 'P' || ending.front() == 'Q') && block_of(keyword.substr(0, keyword.size() - 2));
 }
 
 class MeditText {
@@ -93,9 +95,8 @@ class MeditText {
         content_.corner_points.push_back(stored_index(cursor_.parse<std::uint64_t>() - 1));
     } else if (is_unsupported_element(keyword)) {
       if (read_count(2) > 0) refuse_elements(file_, std::string(keyword));
-    } else {
-      read_supported(content_.mesh, keyword,
-                     [&](auto& elements, auto& entities) { read_elements(elements, entities); });
+    } else if (const std::optional<Block> block = block_of(keyword)) {
+      visit_block(content_.mesh, *block, [&](auto& elements, auto& entities) { read_elements(elements, entities); });
     }
   }
 
@@ -224,9 +225,8 @@ class MeditBinary {
       for (std::uint64_t i = 0; i < count; ++i) content_.corner_points.push_back(read_index());
     } else if (is_unsupported_element(keyword)) {
       if (read_count(1, 0) > 0) refuse_elements(file_, std::string(keyword));
-    } else {
-      read_supported(content_.mesh, keyword,
-                     [&](auto& elements, auto& entities) { read_elements(elements, entities); });
+    } else if (const std::optional<Block> block = block_of(keyword)) {
+      visit_block(content_.mesh, *block, [&](auto& elements, auto& entities) { read_elements(elements, entities); });
     }
   }
 

@@ -1,5 +1,6 @@
 // MEDIT meshes (Frey, INRIA RT-0253, 2001; binary as in libMeshb): references are tags, model vertices are corners and
-// required vertices. Every other point is classified by the elements around it when it is read back.
+// required vertices. Every other point is classified by the elements around it when it is read back. Prisms and the
+// other cells have the order of a Mesh. Fields, which MEDIT keeps in files of their own, are left out.
 #include <array>
 #include <limits>
 
@@ -15,11 +16,28 @@ enum class MeditKeyword : std::int32_t {
   Vertices = 4,
   Edges = 5,
   Triangles = 6,
+  Quadrilaterals = 7,
   Tetrahedra = 8,
+  Prisms = 9,
+  Hexahedra = 10,
   Corners = 13,
   RequiredVertices = 15,
+  Pyramids = 49,
   End = 54
 };
+
+struct MeditName {
+  const char* text;
+  MeditKeyword code;
+};
+/// By Block.
+constexpr std::array<MeditName, kBlocks> kElementKeywords{{{"Edges\n", MeditKeyword::Edges},
+                                                           {"Triangles\n", MeditKeyword::Triangles},
+                                                           {"Quadrilaterals\n", MeditKeyword::Quadrilaterals},
+                                                           {"Tetrahedra\n", MeditKeyword::Tetrahedra},
+                                                           {"Pyramids\n", MeditKeyword::Pyramids},
+                                                           {"Prisms\n", MeditKeyword::Prisms},
+                                                           {"Hexahedra\n", MeditKeyword::Hexahedra}}};
 
 /// Points on model vertices, 0-based.
 std::vector<std::uint32_t> find_corners(const Mesh& mesh) {
@@ -52,14 +70,13 @@ void print_elements(AtomicFile& file, const char* keyword, const std::vector<Ele
 class MeditRecords {
  public:
   MeditRecords(AtomicFile& file, const Mesh& mesh, std::size_t corner_count) : file_(file) {
-    std::uint64_t largest = mesh.points.size();
-    for (const auto* entities : {&mesh.edge_to_entity, &mesh.tri_to_entity, &mesh.tet_to_entity}) {
-      largest = std::max<std::uint64_t>(largest, entities->size());
-      for (const std::uint32_t index : *entities) largest = std::max<std::uint64_t>(largest, tag_of_index(index));
-    }
+    std::uint64_t largest = mesh.points.size(), integers = mesh.points.size() + 2 * corner_count;
+    for_each_block(mesh, [&](Block, const auto& elements, const auto& entities) {
+      largest = std::max<std::uint64_t>(largest, entities.size());
+      for (const std::uint32_t index : entities) largest = std::max<std::uint64_t>(largest, tag_of_index(index));
+      if (!elements.empty()) integers += (elements[0].size() + 1) * elements.size();
+    });
     for (std::size_t i = 0; i < mesh.points.size(); ++i) largest = std::max<std::uint64_t>(largest, point_tag(mesh, i));
-    const std::uint64_t integers = mesh.points.size() + 2 * corner_count + 3 * mesh.edge_to_vert.size() +
-                                   4 * mesh.tri_to_vert.size() + 5 * mesh.tet_to_vert.size();
     const std::uint64_t bytes = 24 * mesh.points.size() + 4 * integers + 1000;
     constexpr std::uint64_t kLargest32 = std::numeric_limits<std::int32_t>::max();
     version_ = largest > kLargest32 ? 4 : bytes > kLargest32 ? 3 : 2;
@@ -118,9 +135,9 @@ void write_medit_text(const Mesh& mesh, AtomicFile& file) {
     file.print(corners.size()), file.print('\n');
     for (const std::uint32_t corner : corners) file.print(std::uint64_t{corner} + 1), file.print('\n');
   }
-  print_elements(file, "Edges\n", mesh.edge_to_vert, mesh.edge_to_entity);
-  print_elements(file, "Triangles\n", mesh.tri_to_vert, mesh.tri_to_entity);
-  print_elements(file, "Tetrahedra\n", mesh.tet_to_vert, mesh.tet_to_entity);
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
+    print_elements(file, kElementKeywords[static_cast<std::size_t>(block)].text, elements, entities);
+  });
   file.write("End\n");
 }
 
@@ -142,9 +159,9 @@ void write_medit_binary(const Mesh& mesh, AtomicFile& file) {
     records.section(keyword, corners.size(), records.integer_bytes());
     for (const std::uint32_t corner : corners) records.integer(std::uint64_t{corner} + 1);
   }
-  records.elements(MeditKeyword::Edges, mesh.edge_to_vert, mesh.edge_to_entity);
-  records.elements(MeditKeyword::Triangles, mesh.tri_to_vert, mesh.tri_to_entity);
-  records.elements(MeditKeyword::Tetrahedra, mesh.tet_to_vert, mesh.tet_to_entity);
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
+    records.elements(kElementKeywords[static_cast<std::size_t>(block)].code, elements, entities);
+  });
   file.put(MeditKeyword::End);
   records.position(0);
 }

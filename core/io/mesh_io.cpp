@@ -39,6 +39,17 @@ const Format& format_of(const std::filesystem::path& path) {
   return *format;
 }
 
+void require_names(const std::vector<MeshField>& fields) {
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string& name = fields[i].name;
+    const bool printable = std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= ' '; });
+    if (name.empty() || !printable)
+      throw Error(ErrorCode::InvalidArgument, "a field has no name, or one with control characters");
+    for (std::size_t j = 0; j < i; ++j)
+      if (fields[j].name == name) throw Error(ErrorCode::InvalidArgument, "two fields have the name '" + name + "'");
+  }
+}
+
 }  // namespace
 
 bool is_mesh_extension(const std::filesystem::path& path) { return find_format(path) != nullptr; }
@@ -54,6 +65,8 @@ std::string known_mesh_extensions() {
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel) {
   const Format& format = format_of(path);
   require_consistent(mesh);
+  require_names(mesh.point_fields);
+  require_names(mesh.cell_fields);
   if (format.write == detail::write_stl && mesh.tri_to_vert.empty())
     throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");
   AtomicFile file(path, cancel);
@@ -73,6 +86,9 @@ Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try
 
 namespace detail {
 namespace {
+
+constexpr std::array<const char*, kBlocks> kBlockNames{"edge",    "triangle", "quadrilateral", "tet",
+                                                       "pyramid", "prism",    "hexahedron"};
 
 /// Overwrites the classification of the points of `elements`: with their entity, or with none where two differ.
 template <class Element>
@@ -102,8 +118,12 @@ void check_indices(const InputFile& file, const Elements& elements, std::size_t 
 
 void classify_points(Mesh& mesh, std::span<const Corner> corners) {
   mesh.point_to_entity.assign(mesh.points.size(), {});
-  classify_on(mesh.tet_to_vert, mesh.tet_to_entity, 3, mesh.point_to_entity);
-  classify_on(mesh.tri_to_vert, mesh.tri_to_entity, 2, mesh.point_to_entity);
+  for_each_cell_kind(mesh, [&](CellKind, const auto& cells, const auto& entities) {
+    classify_on(cells, entities, 3, mesh.point_to_entity);
+  });
+  for_each_surface_kind(mesh, [&](const auto& elements, const auto& entities) {
+    classify_on(elements, entities, 2, mesh.point_to_entity);
+  });
   classify_on(mesh.edge_to_vert, mesh.edge_to_entity, 1, mesh.point_to_entity);
   for (const Corner& corner : corners) mesh.point_to_entity[corner.point] = {0, corner.index};
   for (ModelEntity& entity : mesh.point_to_entity)
@@ -112,16 +132,17 @@ void classify_points(Mesh& mesh, std::span<const Corner> corners) {
 
 void check_read_mesh(const InputFile& file, const Mesh& mesh) {
   if (mesh.points.empty()) file.fail(ErrorCode::InputUnsuitable, "the file has no points");
-  if (mesh.edge_to_vert.empty() && mesh.tri_to_vert.empty() && mesh.tet_to_vert.empty())
-    file.fail(ErrorCode::InputUnsuitable, "the file has no edges, triangles or tets");
-  check_indices(file, mesh.edge_to_vert, mesh.points.size(), "edge");
-  check_indices(file, mesh.tri_to_vert, mesh.points.size(), "triangle");
-  check_indices(file, mesh.tet_to_vert, mesh.points.size(), "tet");
+  if (mesh.edge_to_vert.empty() && surface_count(mesh) + cell_count(mesh) == 0)
+    file.fail(ErrorCode::InputUnsuitable, "the file has no edges, triangles or cells");
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
+    check_indices(file, elements, mesh.points.size(), kBlockNames[static_cast<std::size_t>(block)]);
+  });
 }
 
 void refuse_elements(const InputFile& file, const std::string& kind) {
-  file.fail(ErrorCode::InputUnsuitable,
-            "the file has elements of the type " + kind + "; only points, edges, triangles and tets are supported");
+  file.fail(ErrorCode::InputUnsuitable, "the file has elements of the type " + kind +
+                                            "; only points, edges, triangles, quadrilaterals, tets, pyramids, prisms "
+                                            "and hexahedra with straight edges are supported");
 }
 
 }  // namespace detail

@@ -2,9 +2,15 @@
 // Reading and writing meshes. The format follows from the file's extension, in upper or lower case:
 //
 //   .vtu           VTK XML unstructured grid; holds everything that a Mesh holds
-//   .msh           Gmsh 4.1, binary when written; holds classification, names (up to 255 bytes) and face sides
-//   .mesh, .meshb  MEDIT, text or binary; holds the entity of every element; points are classified from those
+//   .msh           Gmsh 4.1, binary when written; holds classification, names (up to 255 bytes), face sides and fields
+//                  (as views; Gmsh itself shows those of 1, 3 and 9 components)
+//   .mesh, .meshb  MEDIT, text or binary; holds the entity of every element, but no fields; points are classified from
+//                  the elements
 //   .stl           triangles alone, in single precision
+//
+// What a format cannot hold is left out. In .vtu, the names entity_dim and entity_tag, and region on cells, belong to
+// the classification: arrays under them are no fields, nor is the array of a file from elsewhere that stands in for
+// entity_tag (see README.md). Values of fields are read from any type of number and written as 64-bit reals.
 //
 // In all formats an entity is written as its tag (index + 1), and 0 stands for an unknown one.
 #include <filesystem>
@@ -26,23 +32,26 @@ std::string known_mesh_extensions();
 
 /// Writes `mesh` to `path`, completely or not at all (see AtomicFile). What it writes, `read_mesh` reads back the same,
 /// as far as the format holds it; numbers are kept bit for bit in all formats but .stl.
-/// Errors: InvalidArgument (unknown extension; array lengths or indices of the mesh do not fit; .stl without triangles;
-/// a tag beyond the 31 bits that .msh and old .meshb readers allow), OutputFailed with the system's reason, Cancelled.
-/// Thread safety: may be called by several threads, for different paths.
+/// Errors: InvalidArgument (unknown extension; array lengths or indices of the mesh do not fit; fields without a name,
+/// with the same one, or in .vtu with one of the classification's; .stl without triangles; a tag beyond the 31 bits
+/// that .msh and old .meshb readers allow), OutputFailed with the system's reason, Cancelled. Thread safety: may be
+/// called by several threads, for different paths.
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel = nullptr);
 
-/// Reads tets, triangles, edges and points from `path`. Understands, beside what `write_mesh` makes: VTU as text,
-/// base64 or raw, compressed by zlib or not, of any byte order and number of pieces; MSH 4.1 and 2.2 as text and 4.1
-/// as binary; MEDIT text and binary versions 1 to 4 of either byte order, with any keywords; STL as text or binary.
-/// Elements without an entity get the index Id::kNone, points without one an invalid ModelEntity. Where a file has
-/// entities for elements only, points are classified on the lowest-dimensional elements that use them, as far as those
-/// agree. Vertices that an STL file repeats become one point.
+/// Reads cells, quadrilaterals, triangles, edges, points and fields from `path`. Understands, beside what `write_mesh`
+/// makes: VTU as text, base64 or raw, compressed by zlib or not, of any byte order and number of pieces; MSH 4.1
+/// and 2.2 as text and 4.1 as binary; MEDIT text and binary versions 1 to 4 of either byte order, with any keywords;
+/// STL as text or binary. Elements without an entity get the index Id::kNone, points without one an invalid
+/// ModelEntity. Where a file has entities for elements only, points are classified on the lowest-dimensional elements
+/// that use them, as far as those agree. Of fields on elements those on cells are kept; where an .msh file has no value
+/// for a point or a cell, that is NaN, and of several time steps it is the first that counts. Vertices that an STL file
+/// repeats become one point.
 ///
 /// Errors: InvalidArgument (unknown extension); InputUnreadable with the place in the file (missing, no regular file,
-/// empty, truncated, of another format, indices out of range); InputUnsuitable (elements of another kind, which it
-/// names, or a variant of a format that is not supported); OutOfMemory; Cancelled. Nothing is allocated on the word of
-/// a count in the file that the size of the file does not back.
-/// Thread safety: may be called from any thread.
+/// empty, truncated, of another format, indices out of range, fields of another length than what they hang on);
+/// InputUnsuitable (elements of another kind, which it names, or a variant of a format that is not supported);
+/// OutOfMemory; Cancelled. Nothing is allocated on the word of a count in the file that the size of the file does not
+/// back. Thread safety: may be called from any thread.
 Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel = nullptr);
 
 }  // namespace tetloom

@@ -4,9 +4,11 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <optional>
 #include <type_traits>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/msh_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -15,81 +17,20 @@ constexpr std::size_t kItemsBetweenLooks = std::size_t{1} << 20;
 /// Entities with larger tags get no names and no sides, since their tables are indexed by tag.
 constexpr std::int32_t kLargestNamedTag = 1'000'000;
 
-/// The numbers of a section, which look the same in both forms of the format.
-class MshNumbers {
- public:
-  MshNumbers(Cursor& cursor, bool binary) : cursor_(cursor), binary_(binary) {}
-  std::int32_t integer() { return binary_ ? cursor_.read<std::int32_t>() : cursor_.parse<std::int32_t>(); }
-  std::uint64_t size() { return binary_ ? cursor_.read<std::uint64_t>() : cursor_.parse<std::uint64_t>(); }
-  double real() { return binary_ ? cursor_.read<double>() : cursor_.parse<double>(); }
-  Vec3 point() {
-    const double x = real(), y = real(), z = real();
-    return {x, y, z};
-  }
-  /// A size of that many items, each of the given numbers, that the rest of the file can hold.
-  std::uint64_t count(std::size_t integers, std::size_t sizes_and_reals) {
-    const std::uint64_t value = size();
-    expect(value, integers, sizes_and_reals);
-    return value;
-  }
-  void expect(std::uint64_t count, std::size_t integers, std::size_t sizes_and_reals) const {
-    cursor_.expect(count, binary_ ? 4 * integers + 8 * sizes_and_reals : 2 * (integers + sizes_and_reals));
-  }
-  const char* at() const { return cursor_.at(); }
-
- private:
-  Cursor& cursor_;
-  bool binary_;
-};
-
-/// From the node tags of a file, which may have gaps and any order, to point indices.
-class NodeTags {
- public:
-  /// Puts points into the ascending order of their tags.
-  void finish(const InputFile& file, std::vector<std::uint64_t>&& tags, std::vector<Vec3>& points,
-              std::vector<ModelEntity>& entities) {
-    tags_ = std::move(tags);
-    if (!std::is_sorted(tags_.begin(), tags_.end())) sort(points, entities);
-    if (std::adjacent_find(tags_.begin(), tags_.end()) != tags_.end())
-      file.fail(ErrorCode::InputUnreadable, "two nodes have the same tag");
-  }
-  std::uint32_t find(std::uint64_t tag) const {
-    if (tags_.empty() || tag < tags_.front() || tag > tags_.back()) return 0xffffffffu;
-    if (tags_.back() - tags_.front() == tags_.size() - 1) return static_cast<std::uint32_t>(tag - tags_.front());
-    const auto place = std::lower_bound(tags_.begin(), tags_.end(), tag);
-    return *place == tag ? static_cast<std::uint32_t>(place - tags_.begin()) : 0xffffffffu;
-  }
-
- private:
-  void sort(std::vector<Vec3>& points, std::vector<ModelEntity>& entities) {
-    std::vector<std::uint32_t> order(tags_.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return tags_[a] < tags_[b]; });
-    const auto permute = [&](auto& array) {
-      auto old = std::move(array);
-      array.resize(old.size());
-      for (std::size_t i = 0; i < order.size(); ++i) array[i] = old[order[i]];
-    };
-    permute(tags_);
-    permute(points);
-    permute(entities);
-  }
-  std::vector<std::uint64_t> tags_;  // ascending
-};
-
 /// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
 std::string describe_type(std::int32_t type) {
-  static const std::map<std::int32_t, const char*> names{{3, "quadrangle"},
-                                                         {5, "hexahedron"},
-                                                         {6, "prism"},
-                                                         {7, "pyramid"},
-                                                         {8, "second-order line"},
+  static const std::map<std::int32_t, const char*> names{{8, "second-order line"},
                                                          {9, "second-order triangle"},
                                                          {10, "second-order quadrangle"},
                                                          {11, "second-order tetrahedron"}};
   const auto found = names.find(type);
   return found == names.end() ? "Gmsh type " + std::to_string(type)
                               : std::string(found->second) + " (Gmsh type " + std::to_string(type) + ")";
+}
+
+std::optional<Block> block_of(std::int32_t type) {
+  const auto* found = std::find(kMshTypes.begin(), kMshTypes.end(), type);
+  return found == kMshTypes.end() ? std::nullopt : std::optional(static_cast<Block>(found - kMshTypes.begin()));
 }
 
 class MshReader {
@@ -110,6 +51,7 @@ class MshReader {
       if (section == "Entities") read_entities();
       if (section == "Nodes") old_ ? read_old_nodes() : read_nodes();
       if (section == "Elements") old_ ? read_old_elements() : read_elements();
+      if (section == "NodeData" || section == "ElementData") views_.read_section(cursor_, binary_, section);
       end_section(section);
     }
     if (!has_elements_) file_.fail_at_line("the file ends without elements", cursor_.at());
@@ -258,13 +200,11 @@ class MshReader {
       const std::uint32_t index = index_of_tag(numbers.integer());
       const std::int32_t type = numbers.integer();
       const std::uint64_t count = numbers.size();
-      if (type == 1)
-        read_block(numbers, count, index, mesh_.edge_to_vert, mesh_.edge_to_entity, element_tags_[1]);
-      else if (type == 2)
-        read_block(numbers, count, index, mesh_.tri_to_vert, mesh_.tri_to_entity, element_tags_[2]);
-      else if (type == 4)
-        read_block(numbers, count, index, mesh_.tet_to_vert, mesh_.tet_to_entity, element_tags_[3]);
-      else if (type == 15)
+      if (const std::optional<Block> of_type = block_of(type))
+        visit_block(mesh_, *of_type, [&](auto& elements, auto& entities) {
+          read_block(numbers, count, index, elements, entities, element_tags_[static_cast<std::size_t>(*of_type)]);
+        });
+      else if (type == kMshPoint)
         for (std::uint64_t i = 0; i < count; ++i) numbers.size(), numbers.size();
       else
         refuse_elements(file_, describe_type(type));
@@ -306,19 +246,19 @@ class MshReader {
       if (i == 0) group = value;
       if (i == 1) tag = value;
     }
-    const auto add = [&](auto& elements, auto& entities, int dim) {
+    const std::optional<Block> block = block_of(type);
+    const auto add = [&](auto& elements, auto& entities) {
       typename std::remove_reference_t<decltype(elements)>::value_type element;
       for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
       elements.push_back(element);
       entities.push_back(index_of_tag(tag));
-      element_tags_[dim].push_back(id);
+      element_tags_[static_cast<std::size_t>(*block)].push_back(id);
+      const int dim = dimension_of(*block);
       add_to_group(dim, tag, group);
       largest_tag_[dim] = std::max(largest_tag_[dim], tag);
     };
-    if (type == 1) return add(mesh_.edge_to_vert, mesh_.edge_to_entity, 1);
-    if (type == 2) return add(mesh_.tri_to_vert, mesh_.tri_to_entity, 2);
-    if (type == 4) return add(mesh_.tet_to_vert, mesh_.tet_to_entity, 3);
-    if (type != 15) refuse_elements(file_, describe_type(type));
+    if (block) return visit_block(mesh_, *block, add);
+    if (type != kMshPoint) refuse_elements(file_, describe_type(type));
     corners_.push_back({nodes_.find(numbers.size()), index_of_tag(tag)});
     add_to_group(0, tag, group);
     largest_tag_[0] = std::max(largest_tag_[0], tag);
@@ -351,9 +291,10 @@ class MshReader {
       if (corner.point >= mesh_.points.size())
         file_.fail(ErrorCode::InputUnreadable, "a point element refers to a node that is not there");
     if (old_) classify_points(mesh_, corners_);
-    restore_order(mesh_.edge_to_vert, mesh_.edge_to_entity, element_tags_[1]);
-    restore_order(mesh_.tri_to_vert, mesh_.tri_to_entity, element_tags_[2]);
-    restore_order(mesh_.tet_to_vert, mesh_.tet_to_entity, element_tags_[3]);
+    for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
+      restore_order(elements, entities, element_tags_[static_cast<std::size_t>(block)]);
+    });
+    views_.add_fields(mesh_, nodes_, element_tags_);
     set_names();
     set_sides();
     return std::move(mesh_);
@@ -365,7 +306,8 @@ class MshReader {
   Mesh mesh_;
   NodeTags nodes_;
   std::vector<std::uint64_t> tags_;
-  std::array<std::vector<std::uint64_t>, 4> element_tags_;
+  std::array<std::vector<std::uint64_t>, kBlocks> element_tags_;
+  MshViews views_{file_};
   std::vector<Corner> corners_;
   std::map<std::pair<int, std::int32_t>, std::string> group_names_, entity_names_;
   std::array<std::int32_t, 4> largest_tag_{};

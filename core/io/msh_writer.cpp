@@ -1,6 +1,7 @@
 // Gmsh 4.1, binary (Gmsh reference manual, "MSH file format"). Node and element tags follow the order of the mesh, so
 // that it comes back although the format wants blocks by entity. Every entity is a physical group of its own tag,
-// which carries its name; the sides of faces are the signed bounding surfaces of the volumes.
+// which carries its name; the sides of faces are the signed bounding surfaces of the volumes. Fields are views with one
+// time step.
 #include <array>
 #include <limits>
 #include <map>
@@ -58,13 +59,12 @@ std::int32_t checked_tag(std::uint32_t index) {
 class MshWriter {
  public:
   MshWriter(const Mesh& mesh, AtomicFile& file) : mesh_(mesh), file_(file) {
-    top_dimension_ = !mesh.tet_to_vert.empty() ? 3 : !mesh.tri_to_vert.empty() ? 2 : 1;
+    top_dimension_ = cell_count(mesh) > 0 ? 3 : surface_count(mesh) > 0 ? 2 : 1;
     for (int dim = 0; dim < 4; ++dim)
       points_[dim] = make_blocks(mesh.points.size(), [&](std::size_t i) { return point_tag(i, dim); });
-    elements_[0] = points_[0];
-    elements_[1] = element_blocks(mesh.edge_to_entity);
-    elements_[2] = element_blocks(mesh.tri_to_entity);
-    elements_[3] = element_blocks(mesh.tet_to_entity);
+    for_each_block(mesh, [&](Block block, const auto&, const auto& entities) {
+      elements_[static_cast<std::size_t>(block)] = element_blocks(entities);
+    });
     find_entities();
   }
 
@@ -77,6 +77,9 @@ class MshWriter {
     write_entities();
     write_nodes();
     write_elements();
+    for (const MeshField& field : mesh_.point_fields) write_data("NodeData", field, 1, mesh_.points.size());
+    for (const MeshField& field : mesh_.cell_fields)
+      write_data("ElementData", field, 1 + mesh_.edge_to_vert.size() + surface_count(mesh_), cell_count(mesh_));
   }
 
  private:
@@ -98,8 +101,9 @@ class MshWriter {
   }
 
   template <class Element>
-  void add_boxes(int dim, const std::vector<Element>& elements) {
-    const TagBlocks& blocks = elements_[dim];
+  void add_boxes(Block block, const std::vector<Element>& elements) {
+    const int dim = dimension_of(block);
+    const TagBlocks& blocks = elements_[static_cast<std::size_t>(block)];
     for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
       Box3& box = entities_[dim][blocks.tags[b]].box;
       for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i)
@@ -114,9 +118,7 @@ class MshWriter {
         for (std::size_t i = points_[dim].begin[b]; i < points_[dim].begin[b + 1]; ++i)
           box.add(mesh_.points[points_[dim].order[i]]);
       }
-    add_boxes(1, mesh_.edge_to_vert);
-    add_boxes(2, mesh_.tri_to_vert);
-    add_boxes(3, mesh_.tet_to_vert);
+    for_each_block(mesh_, [&](Block block, const auto& elements, const auto&) { add_boxes(block, elements); });
     for (const auto& [tag, face] : entities_[2]) {
       if (tag == 0 || static_cast<std::size_t>(tag) > mesh_.face_to_sides.size()) continue;
       const FaceSides& sides = mesh_.face_to_sides[static_cast<std::size_t>(tag) - 1];
@@ -131,11 +133,13 @@ class MshWriter {
     entity.box.add(box);
   }
 
-  /// The name as the format can hold it: in one line, without quotes, not longer than Gmsh reads.
   std::string name_of(int dim, std::int32_t tag) const {
     const std::vector<EntityAttributes>& table = mesh_.entities[dim];
     if (tag == 0 || static_cast<std::size_t>(tag) > table.size()) return {};
-    std::string name = table[static_cast<std::size_t>(tag) - 1].name;
+    return printable(table[static_cast<std::size_t>(tag) - 1].name);
+  }
+  /// A name as the format can hold it: in one line, without quotes, not longer than Gmsh reads.
+  static std::string printable(std::string name) {
     for (char& c : name)
       if (c == '"')
         c = '\'';
@@ -201,10 +205,10 @@ class MshWriter {
     file_.write("\n$EndNodes\n");
   }
 
-  /// The elements of dimension `dim`, numbered from `first_tag` on in the order of the mesh, or of the file for points.
+  /// Elements of one type, numbered from `first_tag` on in the order of the mesh, or of the file for points.
   template <class VerticesOf>
-  void write_blocks(std::int32_t dim, std::int32_t type, std::uint64_t first_tag, const VerticesOf& vertices_of) {
-    const TagBlocks& blocks = elements_[dim];
+  void write_blocks(const TagBlocks& blocks, std::int32_t dim, std::int32_t type, std::uint64_t first_tag,
+                    const VerticesOf& vertices_of) {
     for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
       for (const std::int32_t x : {dim, blocks.tags[b], type}) file_.put(x);
       file_.put(std::uint64_t{blocks.begin[b + 1] - blocks.begin[b]});
@@ -216,32 +220,51 @@ class MshWriter {
   }
 
   void write_elements() {
-    const std::uint64_t edges = mesh_.edge_to_vert.size(), triangles = mesh_.tri_to_vert.size(),
-                        tets = mesh_.tet_to_vert.size(), vertices = elements_[0].order.size();
-    std::uint64_t blocks = 0;
-    for (const TagBlocks& of_dim : elements_) blocks += of_dim.tags.size();
-    const std::uint64_t total = edges + triangles + tets + vertices;
+    std::uint64_t blocks = points_[0].tags.size(), elements = 0;
+    for (const TagBlocks& of_type : elements_) blocks += of_type.tags.size(), elements += of_type.order.size();
+    const std::uint64_t total = elements + points_[0].order.size();
     file_.write("$Elements\n");
     for (const std::uint64_t x : {blocks, total, std::uint64_t{1}, total}) file_.put(x);
-    write_blocks(0, 15, 1 + edges + triangles + tets, [](std::uint32_t i) { return std::array{i}; });
-    write_blocks(1, 1, 1, [&](std::uint32_t i) { return mesh_.edge_to_vert[i]; });
-    write_blocks(2, 2, 1 + edges, [&](std::uint32_t i) { return mesh_.tri_to_vert[i]; });
-    write_blocks(3, 4, 1 + edges + triangles, [&](std::uint32_t i) { return mesh_.tet_to_vert[i]; });
+    write_blocks(points_[0], 0, kMshPoint, 1 + elements, [](std::uint32_t i) { return std::array{i}; });
+    std::uint64_t first_tag = 1;
+    for_each_block(mesh_, [&](Block block, const auto& of_type, const auto&) {
+      const auto index = static_cast<std::size_t>(block);
+      write_blocks(elements_[index], dimension_of(block), kMshTypes[index], first_tag,
+                   [&](std::uint32_t i) { return of_type[i]; });
+      first_tag += of_type.size();
+    });
     file_.write("\n$EndElements\n");
+  }
+
+  /// A field on nodes or elements with consecutive tags, as a view with a single time step.
+  void write_data(const std::string& section, const MeshField& field, std::uint64_t first_tag, std::uint64_t count) {
+    if (first_tag + count > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()))
+      throw Error(ErrorCode::InvalidArgument, "the mesh is too large for fields in an MSH file");
+    file_.write("$" + section + "\n1\n\"" + printable(field.name) + "\"\n1\n0\n3\n0\n" +
+                std::to_string(field.components) + "\n" + std::to_string(count) + "\n");
+    const auto components = static_cast<std::size_t>(field.components);
+    for (std::size_t i = 0; i < count; ++i) {
+      file_.put(static_cast<std::int32_t>(first_tag + i));
+      file_.write(field.values.data() + i * components, components * sizeof(double));
+    }
+    file_.write("\n$End" + section + "\n");
   }
 
   const Mesh& mesh_;
   AtomicFile& file_;
   int top_dimension_;
-  std::array<TagBlocks, 4> points_, elements_;
+  std::array<TagBlocks, 4> points_;
+  std::array<TagBlocks, kBlocks> elements_;
   std::array<std::map<std::int32_t, Entity>, 4> entities_;
 };
 
 }  // namespace
 
 void write_msh(const Mesh& mesh, AtomicFile& file) {
-  if (mesh.tet_to_vert.size() > 0xffffffffu || mesh.tri_to_vert.size() > 0xffffffffu)
-    throw Error(ErrorCode::InvalidArgument, "the mesh has too many elements for one MSH file");
+  for_each_block(mesh, [](Block, const auto& elements, const auto&) {
+    if (elements.size() > 0xffffffffu)
+      throw Error(ErrorCode::InvalidArgument, "the mesh has too many elements for one MSH file");
+  });
   MshWriter(mesh, file).write();
 }
 

@@ -9,15 +9,35 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/input_detail.hpp"
+#include "core/io/formats_detail.hpp"
 
 namespace tetloom::detail {
 
 /// VTK's numbers for the types of cells.
-inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkTetra = 10;
+inline constexpr std::uint8_t kVtkVertex = 1;
+inline constexpr std::array<std::uint8_t, kBlocks> kVtkTypes{3, 5, 9, 10, 14, 13, 12};  ///< by Block
+
+/// VTK_WEDGE turns the other way than the prism of a Mesh. Goes both ways.
+template <std::size_t N>
+constexpr std::array<std::uint32_t, N> turned_for_vtk(const std::array<std::uint32_t, N>& v) {
+  return v;
+}
+constexpr std::array<std::uint32_t, 6> turned_for_vtk(const std::array<std::uint32_t, 6>& v) {
+  return {v[0], v[2], v[1], v[3], v[5], v[4]};
+}
 
 /// Names of the arrays with the entities of points and cells.
 inline constexpr std::string_view kEntityDim = "entity_dim", kEntityTag = "entity_tag";
+/// The array with the region of each cell, for viewers; 0 for edges and surface elements.
+inline constexpr std::string_view kRegion = "region";
+/// Whether an array of that name is no field.
+constexpr bool is_classification(std::string_view name, bool of_points) {
+  return name == kEntityDim || name == kEntityTag || (!of_points && name == kRegion);
+}
+
+/// Text as it stands in an XML attribute, and back. Character references beyond ASCII are left as they are.
+std::string xml_escaped(std::string_view text);
+std::string xml_unescaped(std::string_view text);
 /// What the arrays with the attributes of model entities start with.
 inline constexpr std::array<std::string_view, 4> kEntityKinds{"vertex", "edge", "face", "region"};
 

@@ -5,6 +5,7 @@
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/vtu_detail.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -15,11 +16,7 @@ std::string describe_cell(std::int64_t type) {
                                                          {6, "triangle strip"},
                                                          {7, "polygon"},
                                                          {8, "pixel"},
-                                                         {9, "quadrilateral"},
                                                          {11, "voxel"},
-                                                         {12, "hexahedron"},
-                                                         {13, "wedge"},
-                                                         {14, "pyramid"},
                                                          {21, "quadratic edge"},
                                                          {22, "quadratic triangle"},
                                                          {24, "quadratic tetrahedron"},
@@ -33,6 +30,21 @@ std::string describe_cell(std::int64_t type) {
 /// Names under which writers of meshes keep what comes nearest to a model entity, best first.
 constexpr std::array<std::string_view, 7> kTagNames{kEntityTag, "gmsh:geometrical", "medit:ref",  "CellEntityIds",
                                                     "region",   "material",         "MaterialIDs"};
+
+constexpr std::array<std::int64_t, kBlocks> kCorners{2, 3, 4, 4, 5, 6, 8};  // by Block
+constexpr std::size_t kMostComponents = 1'000'000;
+
+std::optional<Block> block_of(std::int64_t type) {
+  const auto* found = std::find(kVtkTypes.begin(), kVtkTypes.end(), type);
+  return found == kVtkTypes.end() ? std::nullopt : std::optional(static_cast<Block>(found - kVtkTypes.begin()));
+}
+
+/// A field as it grows piece by piece. Cells may come in any order of their kinds, so each kind has its own values.
+struct GrowingField {
+  std::string name;
+  std::size_t components = 1;
+  std::array<std::vector<double>, kCellKinds> values;  ///< those on points are all in the first
+};
 
 class VtuReader {
  public:
@@ -50,6 +62,7 @@ class VtuReader {
     if (const XmlElement* fields = child(*grid, "FieldData")) read_attributes(*fields);
     for (const std::size_t index : grid->children)
       if (document_[index].name == "Piece") read_piece(document_[index]);
+    finish_fields();
     if (points_are_classified_) return std::move(mesh_);
     check_read_mesh(file_, mesh_);
     classify_points(mesh_, corners_);
@@ -61,6 +74,7 @@ class VtuReader {
   struct Piece {
     VtuArray types, offsets, connectivity;
     std::optional<VtuArray> tags;
+    std::string_view tag_name;
     std::uint32_t first_point = 0;
   };
 
@@ -113,14 +127,24 @@ class VtuReader {
     read_points(piece, points);
     if (cells == 0) return;
     const XmlElement* section = child(piece, "Cells");
-    Piece content{need(section, "types"), need(section, "offsets"), need(section, "connectivity"), {}, first_point};
+    Piece content{need(section, "types"), need(section, "offsets"), need(section, "connectivity"), {}, {}, first_point};
     expect_size(content.types, cells, "cell types");
     expect_size(content.offsets, cells, "cell offsets");
     for (const std::string_view name : kTagNames) {
       if (content.tags) break;
       content.tags = find_tags(child(piece, "CellData"), name, cells);
+      content.tag_name = name;
     }
     add_cells(content, cells);
+    const XmlElement* data = child(piece, "CellData");
+    if (!has_cell_fields_)
+      begin_fields(data, false, content.tags ? content.tag_name : std::string_view(), cell_fields_);
+    has_cell_fields_ = true;
+    grow_fields(data, cells, cell_fields_, [&](std::size_t i) -> std::optional<std::size_t> {
+      const std::optional<Block> block = block_of(content.types.integer(i));
+      if (!block || dimension_of(*block) < 3) return {};
+      return cell_kind_of(*block);
+    });
   }
 
   void read_points(const XmlElement& piece, std::size_t count) {
@@ -131,20 +155,22 @@ class VtuReader {
     if (count >= 0xffffffffu - mesh_.points.size())
       file_.fail(ErrorCode::InputUnsuitable, "the file has too many points");
     expect_size(numbers, 3 * count, "points");
+    const std::size_t first_point = mesh_.points.size();
     mesh_.points.reserve(mesh_.points.size() + count);
     for (std::size_t i = 0; i < count; ++i)
       mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
     mesh_.point_to_entity.resize(mesh_.points.size());
     const XmlElement* data = child(piece, "PointData");
+    if (first_point == 0) begin_fields(data, true, {}, point_fields_);
+    grow_fields(data, count, point_fields_, [](std::size_t) { return std::optional(std::size_t{0}); });
     const std::optional<VtuArray> dims = find_tags(data, kEntityDim, count), tags = find_tags(data, kEntityTag, count);
     if (!dims || !tags) return;
     points_are_classified_ = true;
-    const std::size_t first = mesh_.points.size() - count;
     for (std::size_t i = 0; i < count; ++i) {
       const std::int64_t dim = dims->integer(i);
       const std::uint32_t index = index_of_tag(tags->integer(i));
       if (dim >= 0 && dim <= 3 && index != ModelFaceId::kNone)
-        mesh_.point_to_entity[first + i] = {static_cast<int>(dim), index};
+        mesh_.point_to_entity[first_point + i] = {static_cast<int>(dim), index};
     }
   }
 
@@ -154,16 +180,17 @@ class VtuReader {
     for (std::size_t i = 0; i < cells; ++i) {
       const std::int64_t end = piece.offsets.integer(i);
       const std::int64_t type = piece.types.integer(i);
-      const std::int64_t corners = type == kVtkVertex ? 1 : type == kVtkLine ? 2 : type == kVtkTriangle ? 3 : 4;
-      if (corners == 4 && type != kVtkTetra) refuse_elements(file_, describe_cell(type));
+      const std::optional<Block> block = block_of(type);
+      if (!block && type != kVtkVertex) refuse_elements(file_, describe_cell(type));
+      const std::int64_t corners = block ? kCorners[static_cast<std::size_t>(*block)] : 1;
       if (end < begin || static_cast<std::uint64_t>(end) > piece.connectivity.size() || end - begin != corners)
         file_.fail(ErrorCode::InputUnreadable, "cell " + std::to_string(i) + " has the wrong number of points");
       const std::uint32_t index = piece.tags ? index_of_tag(piece.tags->integer(i)) : ModelFaceId::kNone;
       const auto at = static_cast<std::size_t>(begin);
-      if (type == kVtkLine) add(piece, at, index, mesh_.edge_to_vert, mesh_.edge_to_entity);
-      if (type == kVtkTriangle) add(piece, at, index, mesh_.tri_to_vert, mesh_.tri_to_entity);
-      if (type == kVtkTetra) add(piece, at, index, mesh_.tet_to_vert, mesh_.tet_to_entity);
-      if (type == kVtkVertex) corners_.push_back({vertex(piece, at), index});
+      if (block)
+        visit_block(mesh_, *block, [&](auto& elements, auto& entities) { add(piece, at, index, elements, entities); });
+      else
+        corners_.push_back({vertex(piece, at), index});
       begin = end;
     }
   }
@@ -172,13 +199,75 @@ class VtuReader {
   void reserve_cells(const Piece& piece, std::size_t cells) {
     std::array<std::size_t, 256> counts{};
     for (std::size_t i = 0; i < cells; ++i) ++counts[static_cast<std::uint8_t>(piece.types.integer(i))];
-    const auto reserve = [](auto& elements, auto& entities, std::size_t count) {
+    for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
+      const std::size_t count = counts[kVtkTypes[static_cast<std::size_t>(block)]];
       elements.reserve(elements.size() + count);
       entities.reserve(entities.size() + count);
-    };
-    reserve(mesh_.edge_to_vert, mesh_.edge_to_entity, counts[kVtkLine]);
-    reserve(mesh_.tri_to_vert, mesh_.tri_to_entity, counts[kVtkTriangle]);
-    reserve(mesh_.tet_to_vert, mesh_.tet_to_entity, counts[kVtkTetra]);
+    });
+  }
+
+  std::size_t components_of(const XmlElement& array) const {
+    const std::string_view digits = array.attribute("NumberOfComponents");
+    if (digits.empty()) return 1;
+    std::size_t value = 0;
+    const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (result.ec != std::errc() || value < 1 || value > kMostComponents)
+      file_.fail_at_line("an array with the number of components '" + std::string(digits.substr(0, 20)) + "'",
+                         array.name.data());
+    return value;
+  }
+
+  /// Takes the names of the fields from the arrays of the first piece.
+  void begin_fields(const XmlElement* section, bool of_points, std::string_view tag_name,
+                    std::vector<GrowingField>& fields) const {
+    if (section == nullptr) return;
+    for (const std::size_t index : section->children) {
+      const XmlElement& array = document_[index];
+      const std::string_view name = array.attribute("Name");
+      const bool numeric = array.name == "DataArray" && scalar_type(array.attribute("type")).has_value();
+      if (!numeric || name.empty() || name == tag_name || is_classification(name, of_points)) continue;
+      const std::string plain = xml_unescaped(name);
+      const bool known = std::any_of(fields.begin(), fields.end(), [&](const auto& f) { return f.name == plain; });
+      if (!known) fields.push_back({plain, components_of(array), {}});
+    }
+  }
+
+  const XmlElement* array_of(const XmlElement* section, const GrowingField& field) const {
+    if (section == nullptr) return nullptr;
+    for (const std::size_t index : section->children)
+      if (document_[index].name == "DataArray" && xml_unescaped(document_[index].attribute("Name")) == field.name)
+        return &document_[index];
+    return nullptr;
+  }
+
+  /// Adds the values of a piece. `place_of(i)` is the number among `values` where tuple i goes, none to leave it out.
+  template <class PlaceOf>
+  void grow_fields(const XmlElement* section, std::size_t tuples, std::vector<GrowingField>& fields,
+                   const PlaceOf& place_of) {
+    for (GrowingField& field : fields) {
+      const XmlElement* array = array_of(section, field);
+      if (array == nullptr || components_of(*array) != field.components)
+        file_.fail(ErrorCode::InputUnreadable, "the pieces do not agree on the array '" + field.name + "'");
+      const VtuArray numbers = decoder_.decode(*array);
+      expect_size(numbers, tuples * field.components, ("the field '" + field.name + "'").c_str());
+      for (std::size_t i = 0; i < tuples; ++i)
+        if (const std::optional<std::size_t> place = place_of(i))
+          for (std::size_t c = 0; c < field.components; ++c)
+            field.values[*place].push_back(numbers.real(i * field.components + c));
+    }
+  }
+
+  /// Fields on cells that the file has for edges and surface elements alone are left out.
+  void finish_fields() {
+    for (GrowingField& field : point_fields_)
+      mesh_.point_fields.push_back({field.name, static_cast<int>(field.components), std::move(field.values[0])});
+    if (cell_count(mesh_) == 0) return;
+    for (GrowingField& field : cell_fields_) {
+      std::vector<double>& all = field.values[0];
+      for (std::size_t kind = 1; kind < kCellKinds; ++kind)
+        all.insert(all.end(), field.values[kind].begin(), field.values[kind].end());
+      mesh_.cell_fields.push_back({field.name, static_cast<int>(field.components), std::move(all)});
+    }
   }
 
   std::uint32_t vertex(const Piece& piece, std::size_t at) const {
@@ -195,7 +284,7 @@ class VtuReader {
            std::vector<std::uint32_t>& entities) {
     Element element;
     for (std::size_t i = 0; i < element.size(); ++i) element[i] = vertex(piece, at + i);
-    elements.push_back(element);
+    elements.push_back(turned_for_vtk(element));
     entities.push_back(index);
   }
 
@@ -247,7 +336,8 @@ class VtuReader {
   VtuDecoder decoder_;
   Mesh mesh_;
   std::vector<Corner> corners_;
-  bool points_are_classified_ = false;
+  std::vector<GrowingField> point_fields_, cell_fields_;
+  bool points_are_classified_ = false, has_cell_fields_ = false;
 };
 
 }  // namespace

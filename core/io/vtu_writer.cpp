@@ -1,5 +1,6 @@
 // VTK XML unstructured grid, raw appended data with 64-bit sizes, as "VTK XML Formats" (docs.vtk.org) describes it.
-// Cells are edges, triangles and tets, in this order and each in the order of the mesh.
+// Cells are edges, triangles, quadrilaterals, tets, pyramids, wedges and hexahedra, in this order and each in the order
+// of the mesh. Fields on cells are NaN at edges and surface elements.
 #include <functional>
 #include <limits>
 
@@ -22,14 +23,15 @@ struct DataArray {
 
 class VtuWriter {
  public:
-  VtuWriter(const Mesh& mesh, AtomicFile& file)
-      : mesh_(mesh),
-        file_(file),
-        cells_(mesh.edge_to_vert.size() + mesh.tri_to_vert.size() + mesh.tet_to_vert.size()),
-        corners_(2 * mesh.edge_to_vert.size() + 3 * mesh.tri_to_vert.size() + 4 * mesh.tet_to_vert.size()) {
+  VtuWriter(const Mesh& mesh, AtomicFile& file) : mesh_(mesh), file_(file) {
+    for_each_block(mesh, [&](Block, const auto& elements, const auto&) {
+      cells_ += elements.size();
+      if (!elements.empty()) corners_ += elements.size() * elements[0].size();
+    });
     add_attributes();
     add_point_data();
     add_cell_data();
+    add_fields();
     add("Points", "Points", "Float64", 3, mesh.points.size(), 8,
         [this] { file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(Vec3)); });
     constexpr std::size_t kLargest32 = std::numeric_limits<std::int32_t>::max();
@@ -114,40 +116,59 @@ class VtuWriter {
   }
 
   void add_cell_data() {
-    add("CellData", std::string(kEntityDim), "Int8", 1, cells_, 1,
-        [this] { put_per_cell([](int dim, std::uint32_t) { return static_cast<std::int8_t>(dim); }); });
+    add("CellData", std::string(kEntityDim), "Int8", 1, cells_, 1, [this] {
+      put_per_cell([](Block block, std::uint32_t) { return static_cast<std::int8_t>(dimension_of(block)); });
+    });
     add("CellData", std::string(kEntityTag), "UInt32", 1, cells_, 4,
-        [this] { put_per_cell([](int, std::uint32_t entity) { return tag_of_index(entity); }); });
-    add("CellData", "region", "UInt32", 1, cells_, 4,
-        [this] { put_per_cell([](int dim, std::uint32_t entity) { return dim == 3 ? tag_of_index(entity) : 0u; }); });
+        [this] { put_per_cell([](Block, std::uint32_t entity) { return tag_of_index(entity); }); });
+    add("CellData", std::string(kRegion), "UInt32", 1, cells_, 4, [this] {
+      put_per_cell(
+          [](Block block, std::uint32_t entity) { return dimension_of(block) == 3 ? tag_of_index(entity) : 0u; });
+    });
   }
+
+  void add_fields() {
+    for (const MeshField& field : mesh_.point_fields)
+      add_field("PointData", field, mesh_.points.size(), [this, &field] { put_values(field); });
+    for (const MeshField& field : mesh_.cell_fields)
+      add_field("CellData", field, cells_, [this, &field] {
+        const std::size_t others = mesh_.edge_to_vert.size() + surface_count(mesh_);
+        for (std::size_t i = 0; i < others * static_cast<std::size_t>(field.components); ++i)
+          file_.put(std::numeric_limits<double>::quiet_NaN());
+        put_values(field);
+      });
+  }
+  void add_field(const char* section, const MeshField& field, std::size_t tuples, std::function<void()> write) {
+    if (is_classification(field.name, section == std::string_view("PointData")))
+      throw Error(ErrorCode::InvalidArgument,
+                  "a field has the name '" + field.name + "', under which VTU files keep the classification");
+    add(section, field.name, "Float64", static_cast<std::size_t>(field.components), tuples, 8, std::move(write));
+  }
+  void put_values(const MeshField& field) { file_.write(field.values.data(), field.values.size() * sizeof(double)); }
 
   template <class Value>
   void put_per_cell(const Value& value) {
-    for (const std::uint32_t entity : mesh_.edge_to_entity) file_.put(value(1, entity));
-    for (const std::uint32_t entity : mesh_.tri_to_entity) file_.put(value(2, entity));
-    for (const std::uint32_t entity : mesh_.tet_to_entity) file_.put(value(3, entity));
+    for_each_block(mesh_, [&](Block block, const auto&, const auto& entities) {
+      for (const std::uint32_t entity : entities) file_.put(value(block, entity));
+    });
   }
 
   template <class Index>
   void add_cells(const char* type) {
     add("Cells", "connectivity", type, 1, corners_, sizeof(Index), [this] {
-      const auto put_all = [this](const auto& elements) {
+      for_each_block(mesh_, [this](Block, const auto& elements, const auto&) {
         for (const auto& element : elements)
-          for (const std::uint32_t v : element) file_.put(static_cast<Index>(v));
-      };
-      put_all(mesh_.edge_to_vert);
-      put_all(mesh_.tri_to_vert);
-      put_all(mesh_.tet_to_vert);
+          for (const std::uint32_t v : turned_for_vtk(element)) file_.put(static_cast<Index>(v));
+      });
     });
     add("Cells", "offsets", type, 1, cells_, sizeof(Index), [this] {
       Index end = 0;
-      put_per_cell([&](int dim, std::uint32_t) { return end = static_cast<Index>(end + dim + 1); });
+      for_each_block(mesh_, [&](Block, const auto& elements, const auto&) {
+        for (const auto& element : elements) file_.put(end = static_cast<Index>(end + element.size()));
+      });
     });
     add("Cells", "types", "UInt8", 1, cells_, 1, [this] {
-      put_per_cell([](int dim, std::uint32_t) {
-        return static_cast<std::uint8_t>(dim == 1 ? kVtkLine : dim == 2 ? kVtkTriangle : kVtkTetra);
-      });
+      put_per_cell([](Block block, std::uint32_t) { return kVtkTypes[static_cast<std::size_t>(block)]; });
     });
   }
 
@@ -168,7 +189,7 @@ class VtuWriter {
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
       const DataArray& array = arrays_[i];
       if (array.section != section) continue;
-      lines += "        <DataArray type=\"" + std::string(array.type) + "\" Name=\"" + array.name + "\"";
+      lines += "        <DataArray type=\"" + std::string(array.type) + "\" Name=\"" + xml_escaped(array.name) + "\"";
       lines += " NumberOfComponents=\"" + std::to_string(array.components) + "\"";
       if (section == "FieldData") lines += " NumberOfTuples=\"" + std::to_string(array.tuples) + "\"";
       lines += " format=\"appended\" offset=\"" + std::to_string(offsets[i]) + "\"/>\n";
@@ -179,7 +200,7 @@ class VtuWriter {
 
   const Mesh& mesh_;
   AtomicFile& file_;
-  std::size_t cells_, corners_;
+  std::size_t cells_ = 0, corners_ = 0;
   std::vector<DataArray> arrays_;
 };
 

@@ -1,4 +1,7 @@
-// As much of XML as VTK files use: elements with attributes and text, comments and declarations, no entities.
+// As much of XML as VTK files use: elements with attributes and text, comments and declarations; entities only where
+// a reader asks for them.
+#include <algorithm>
+
 #include "core/io/vtu_detail.hpp"
 
 namespace tetloom::detail {
@@ -97,7 +100,44 @@ class XmlParser {
   std::vector<XmlElement> elements_;
 };
 
+struct XmlEntity {
+  char character;
+  std::string_view text;
+};
+constexpr std::array<XmlEntity, 8> kEntities{{{'&', "&amp;"},
+                                              {'<', "&lt;"},
+                                              {'>', "&gt;"},
+                                              {'"', "&quot;"},
+                                              {'\'', "&apos;"},
+                                              {'\'', "&#39;"},
+                                              {'"', "&#34;"},
+                                              {'&', "&#38;"}}};
+
 }  // namespace
+
+std::string xml_escaped(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto* found =
+        std::find_if(kEntities.begin(), kEntities.end(), [&](const XmlEntity& e) { return e.character == c; });
+    if (found == kEntities.end())
+      escaped += c;
+    else
+      escaped += found->text;
+  }
+  return escaped;
+}
+
+std::string xml_unescaped(std::string_view text) {
+  std::string plain;
+  while (!text.empty()) {
+    const auto* found =
+        std::find_if(kEntities.begin(), kEntities.end(), [&](const XmlEntity& e) { return text.starts_with(e.text); });
+    plain += found == kEntities.end() ? text.front() : found->character;
+    text.remove_prefix(found == kEntities.end() ? 1 : found->text.size());
+  }
+  return plain;
+}
 
 std::vector<XmlElement> parse_xml(const InputFile& file) { return XmlParser(file).parse(); }
 

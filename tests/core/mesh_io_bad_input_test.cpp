@@ -221,8 +221,8 @@ TEST_CASE("elements that a mesh cannot hold are refused by name") {
     CHECK(error.code == ErrorCode::InputUnsuitable);
     CHECK_THAT(error.message, Catch::Contains(name));
   };
-  refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nHexahedra\n1\n1 2 3 4 5 6 7 8 0\nEnd\n"),
-         "Hexahedra");
+  refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nHexahedraQ2\n1\n1 2 3 4 5 6 7 8 0\nEnd\n"),
+         "HexahedraQ2");
   refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nTetrahedraP2\n1\n1 2 3\nEnd\n"), "TetrahedraP2");
   refuse(error_for(".msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Elements\n1 1 1 1\n3 1 11 1\n1 2\n$EndElements\n"),
          "second-order tetrahedron");
@@ -233,8 +233,8 @@ TEST_CASE("elements that a mesh cannot hold are refused by name") {
                 "NumberOfCells=\"1\"><Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0</DataArray></Points>"
                 "<Cells><DataArray type=\"Int32\" Name=\"connectivity\">0</DataArray>"
                 "<DataArray type=\"Int32\" Name=\"offsets\">1</DataArray>"
-                "<DataArray type=\"UInt8\" Name=\"types\">12</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"),
-      "hexahedron");
+                "<DataArray type=\"UInt8\" Name=\"types\">11</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"),
+      "voxel");
   refuse(error_for(".vtu", "<VTKFile type=\"PolyData\"></VTKFile>"), "PolyData");
   refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 0 0 0\nEnd\n"), "no edges");
 }

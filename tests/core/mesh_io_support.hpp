@@ -2,6 +2,7 @@
 // Comparing meshes field by field, and a scratch folder, for the tests of core/io.
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -103,6 +104,24 @@ inline void check_same_elements(const Mesh& a, const Mesh& b) {
   CHECK(a.tri_to_entity == b.tri_to_entity);
   CHECK(a.tet_to_vert == b.tet_to_vert);
   CHECK(a.tet_to_entity == b.tet_to_entity);
+  CHECK(a.quad_to_vert == b.quad_to_vert);
+  CHECK(a.quad_to_entity == b.quad_to_entity);
+  CHECK(a.pyramid_to_vert == b.pyramid_to_vert);
+  CHECK(a.pyramid_to_entity == b.pyramid_to_entity);
+  CHECK(a.prism_to_vert == b.prism_to_vert);
+  CHECK(a.prism_to_entity == b.prism_to_entity);
+  CHECK(a.hex_to_vert == b.hex_to_vert);
+  CHECK(a.hex_to_entity == b.hex_to_entity);
+}
+
+/// Bit for bit, so that NaN equals itself.
+inline bool same_fields(const std::vector<MeshField>& a, const std::vector<MeshField>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const MeshField& x, const MeshField& y) {
+    return x.name == y.name && x.components == y.components &&
+           std::equal(x.values.begin(), x.values.end(), y.values.begin(), y.values.end(), [](double p, double q) {
+             return std::bit_cast<std::uint64_t>(p) == std::bit_cast<std::uint64_t>(q);
+           });
+  });
 }
 
 /// Whether a command runs and succeeds; its output goes to `log`.

@@ -1,7 +1,17 @@
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
+#include <numeric>
+#include <random>
 #include <set>
+#include <string>
+#include <tuple>
+#include <vector>
 
+#include "core/base/error.hpp"
+#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/quality.hpp"
 #include "core/mesh/validate.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
@@ -21,6 +31,70 @@ std::size_t entities_of(const Mesh& mesh, int dim) {
   for (const ModelEntity& entity : mesh.point_to_entity)
     if (entity.dim == dim) seen.insert(entity.index);
   return seen.size();
+}
+
+template <class Array>
+void reorder(Array& array, const std::vector<std::size_t>& order, std::size_t first = 0, std::size_t width = 1) {
+  const Array old = array;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t c = 0; c < width; ++c) array[(first + i) * width + c] = old[(first + order[i]) * width + c];
+}
+
+std::vector<std::size_t> random_order(std::size_t size, std::mt19937& random) {
+  std::vector<std::size_t> order(size);
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), random);
+  return order;
+}
+
+/// The same cell in another of its numberings.
+template <class Cell>
+void turn(Cell& v) {
+  const Cell o = v;
+  if constexpr (std::tuple_size_v<Cell> == 4) v = {o[1], o[0], o[3], o[2]};
+  if constexpr (std::tuple_size_v<Cell> == 5) v = {o[2], o[3], o[0], o[1], o[4]};
+  if constexpr (std::tuple_size_v<Cell> == 6) v = {o[5], o[4], o[3], o[2], o[1], o[0]};
+  if constexpr (std::tuple_size_v<Cell> == 8) v = {o[5], o[1], o[0], o[4], o[6], o[2], o[3], o[7]};
+}
+
+/// The same mesh and fields with points and cells renumbered, and cells and quadrilaterals turned.
+Mesh shuffled(Mesh mesh, unsigned seed) {
+  std::mt19937 random(seed);
+  const std::vector<std::size_t> order = random_order(mesh.points.size(), random);
+  std::vector<std::uint32_t> place(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  reorder(mesh.points, order);
+  reorder(mesh.point_to_entity, order);
+  for (MeshField& f : mesh.point_fields) reorder(f.values, order, 0, static_cast<std::size_t>(f.components));
+  const auto renumber = [&](auto& elements) {
+    for (auto& element : elements)
+      for (auto& v : element) v = place[v];
+  };
+  renumber(mesh.edge_to_vert);
+  for_each_surface_kind(mesh, [&](auto& elements, auto&) { renumber(elements); });
+  for (auto& quad : mesh.quad_to_vert) std::rotate(quad.begin(), quad.begin() + random() % 4, quad.end());
+  std::size_t first = 0;
+  for_each_cell_kind(mesh, [&](CellKind, auto& cells, auto& regions) {
+    renumber(cells);
+    for (auto& cell : cells) turn(cell);
+    const std::vector<std::size_t> of_kind = random_order(cells.size(), random);
+    reorder(cells, of_kind);
+    reorder(regions, of_kind);
+    for (MeshField& f : mesh.cell_fields) reorder(f.values, of_kind, first, static_cast<std::size_t>(f.components));
+    first += cells.size();
+  });
+  return mesh;
+}
+
+Mesh with_fields() {
+  Mesh mesh = test::make_mixed_box(4, 3, 5, 9, true);
+  MeshField on_points{"p", 2, std::vector<double>(2 * mesh.points.size())};
+  MeshField on_cells{"c", 3, std::vector<double>(3 * cell_count(mesh))};
+  std::iota(on_points.values.begin(), on_points.values.end(), 0.5);
+  std::iota(on_cells.values.begin(), on_cells.values.end(), -7.25);
+  mesh.point_fields = {on_points};
+  mesh.cell_fields = {on_cells, {"d", 1, std::vector<double>(cell_count(mesh), 4)}};
+  return mesh;
 }
 
 }  // namespace
@@ -132,4 +206,80 @@ TEST_CASE("fields of the wrong length are named and end nothing else") {
   REQUIRE(report.problems.size() == 2);
   CHECK(report.problems[0].kind == ProblemKind::ArrayLength);
   CHECK(report.boundary_faces > 0);
+}
+
+TEST_CASE("digests of all kinds of cells and of fields do not depend on numbering") {
+  const Mesh mesh = with_fields();
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    INFO("seed " << seed);
+    const Mesh other = shuffled(mesh, seed);
+    REQUIRE(messages(validate_mesh(other)) == "");
+    CHECK(mesh_digest(other) == mesh_digest(mesh));
+    CHECK(field_digest(other) == field_digest(mesh));
+  }
+  Mesh swapped = mesh;
+  std::swap(swapped.cell_fields[0], swapped.cell_fields[1]);
+  CHECK(field_digest(swapped) == field_digest(mesh));
+}
+
+TEST_CASE("every change of a cell or a quadrilateral changes the digest, fields do not") {
+  const Mesh mesh = with_fields();
+  std::set<std::string> digests{mesh_digest(mesh)};
+  const auto changed = [&](const auto& change) {
+    Mesh other = mesh;
+    other.cell_fields.clear();
+    change(other);
+    return digests.insert(mesh_digest(other)).second;
+  };
+  CHECK_FALSE(changed([](Mesh& m) { m.point_fields.clear(); }));
+  CHECK(changed([](Mesh& m) { std::swap(m.quad_to_vert[1][0], m.quad_to_vert[1][2]); }));
+  CHECK(changed([](Mesh& m) { std::swap(m.quad_to_vert[1][0], m.quad_to_vert[1][1]); }));
+  CHECK(changed([](Mesh& m) { m.quad_to_entity[1] += 1; }));
+  CHECK(changed([](Mesh& m) { std::swap(m.hex_to_vert[1][0], m.hex_to_vert[1][1]); }));
+  CHECK(changed([](Mesh& m) { m.hex_to_entity[1] ^= 1; }));
+  CHECK(changed([](Mesh& m) { std::swap(m.prism_to_vert[1][0], m.prism_to_vert[1][1]); }));
+  CHECK(changed([](Mesh& m) { m.prism_to_entity[1] ^= 1; }));
+  CHECK(changed([](Mesh& m) { std::swap(m.pyramid_to_vert[1][0], m.pyramid_to_vert[1][1]); }));
+  CHECK(changed([](Mesh& m) { m.pyramid_to_vert.pop_back(), m.pyramid_to_entity.pop_back(); }));
+}
+
+TEST_CASE("every change of a value, a name or what a value hangs on changes the digest of the fields") {
+  const Mesh mesh = with_fields();
+  std::set<std::string> digests{field_digest(mesh), field_digest(Mesh{})};
+  const auto changed = [&](const auto& change) {
+    Mesh other = mesh;
+    change(other);
+    return digests.insert(field_digest(other)).second;
+  };
+  CHECK(changed([](Mesh& m) { m.point_fields[0].values[9] += 1; }));
+  CHECK(changed([](Mesh& m) { std::swap(m.point_fields[0].values[0], m.point_fields[0].values[2]); }));
+  CHECK(changed([](Mesh& m) { std::swap(m.cell_fields[0].values[0], m.cell_fields[0].values[1]); }));
+  CHECK(changed([](Mesh& m) { m.cell_fields[0].name = "cc"; }));
+  CHECK(changed([](Mesh& m) { m.cell_fields.pop_back(); }));
+  CHECK(changed([](Mesh& m) { m.points[3].x += 1; }));
+  CHECK_FALSE(changed([](Mesh& m) { std::swap(m.cell_fields[1].values[0], m.cell_fields[1].values[1]); }));
+  CHECK_THROWS_AS(changed([](Mesh& m) { m.cell_fields[0].values.pop_back(); }), Error);
+}
+
+TEST_CASE("the volume of a mesh is that of all its cells, region by region") {
+  for (const unsigned seed : {0u, 5u}) {
+    const QualityReport report = compute_quality(test::make_mixed_box(4, 3, 5, seed, true));
+    CHECK(report.cells.volume == Approx(4 * 3 * 5));
+    CHECK(report.tets.volume < report.cells.volume);
+    CHECK(report.cells.inverted == 0);
+    REQUIRE(report.cells.regions.size() == 2);
+    for (const RegionQuality& region : report.cells.regions) {
+      CHECK(region.volume == Approx(2 * 3 * 5));
+      CHECK(region.cells > region.tets);
+    }
+  }
+}
+
+TEST_CASE("cells with a corner of no positive volume are counted") {
+  Mesh mesh = test::make_mixed_box(3, 3, 4);
+  std::swap(mesh.hex_to_vert[0][0], mesh.hex_to_vert[0][1]);
+  std::swap(mesh.tet_to_vert[0][0], mesh.tet_to_vert[0][1]);
+  const QualityReport report = compute_quality(mesh);
+  CHECK(report.cells.inverted == 2);
+  CHECK(report.tets.inverted == 1);
 }

@@ -1,0 +1,106 @@
+#pragma once
+// Private to core/io: the numbers of MSH files, their node tags, and the views in them.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/io/formats_detail.hpp"
+
+namespace tetloom::detail {
+
+/// The numbers of a section, which look the same in both forms of the format.
+class MshNumbers {
+ public:
+  MshNumbers(Cursor& cursor, bool binary) : cursor_(cursor), binary_(binary) {}
+  std::int32_t integer() { return binary_ ? cursor_.read<std::int32_t>() : cursor_.parse<std::int32_t>(); }
+  std::uint64_t size() { return binary_ ? cursor_.read<std::uint64_t>() : cursor_.parse<std::uint64_t>(); }
+  double real() { return binary_ ? cursor_.read<double>() : cursor_.parse<double>(); }
+  Vec3 point() {
+    const double x = real(), y = real(), z = real();
+    return {x, y, z};
+  }
+  /// A size of that many items, each of the given numbers, that the rest of the file can hold.
+  std::uint64_t count(std::size_t integers, std::size_t sizes_and_reals) {
+    const std::uint64_t value = size();
+    expect(value, integers, sizes_and_reals);
+    return value;
+  }
+  void expect(std::uint64_t count, std::size_t integers, std::size_t sizes_and_reals) const {
+    cursor_.expect(count, binary_ ? 4 * integers + 8 * sizes_and_reals : 2 * (integers + sizes_and_reals));
+  }
+  const char* at() const { return cursor_.at(); }
+
+ private:
+  Cursor& cursor_;
+  bool binary_;
+};
+
+/// From the node tags of a file, which may have gaps and any order, to point indices.
+class NodeTags {
+ public:
+  /// Puts points into the ascending order of their tags.
+  void finish(const InputFile& file, std::vector<std::uint64_t>&& tags, std::vector<Vec3>& points,
+              std::vector<ModelEntity>& entities) {
+    tags_ = std::move(tags);
+    if (!std::is_sorted(tags_.begin(), tags_.end())) sort(points, entities);
+    if (std::adjacent_find(tags_.begin(), tags_.end()) != tags_.end())
+      file.fail(ErrorCode::InputUnreadable, "two nodes have the same tag");
+  }
+  std::uint32_t find(std::uint64_t tag) const {
+    if (tags_.empty() || tag < tags_.front() || tag > tags_.back()) return 0xffffffffu;
+    if (tags_.back() - tags_.front() == tags_.size() - 1) return static_cast<std::uint32_t>(tag - tags_.front());
+    const auto place = std::lower_bound(tags_.begin(), tags_.end(), tag);
+    return *place == tag ? static_cast<std::uint32_t>(place - tags_.begin()) : 0xffffffffu;
+  }
+
+ private:
+  void sort(std::vector<Vec3>& points, std::vector<ModelEntity>& entities) {
+    std::vector<std::uint32_t> order(tags_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return tags_[a] < tags_[b]; });
+    const auto permute = [&](auto& array) {
+      auto old = std::move(array);
+      array.resize(old.size());
+      for (std::size_t i = 0; i < order.size(); ++i) array[i] = old[order[i]];
+    };
+    permute(tags_);
+    permute(points);
+    permute(entities);
+  }
+  std::vector<std::uint64_t> tags_;  // ascending
+};
+
+/// The head of a section of data, and where its tags and values follow.
+struct MshView {
+  std::string name;
+  bool on_nodes = false, binary = false;
+  std::int64_t step = 0;
+  std::size_t components = 1;
+  std::uint64_t count = 0;
+  Cursor numbers;
+};
+
+/// The sections NodeData and ElementData, whose tags have a meaning only once all the rest has been read.
+class MshViews {
+ public:
+  explicit MshViews(const InputFile& file) : file_(file) {}
+
+  /// Reads the head of a section and remembers where its numbers are; goes behind those of a binary file.
+  void read_section(Cursor& cursor, bool binary, std::string_view section);
+
+  /// Makes fields of the sections, in their order: one for each name, from the first of its time steps, NaN where the
+  /// file has no value. Element data are fields where there is one for a cell at all. Throws InputUnreadable for
+  /// unknown nodes, and where a small file asks for fields of an enormous size. `element_tags` are by Block.
+  void add_fields(Mesh& mesh, const NodeTags& nodes,
+                  const std::array<std::vector<std::uint64_t>, kBlocks>& element_tags) const;
+
+ private:
+  const InputFile& file_;
+  std::vector<MshView> views_;
+};
+
+}  // namespace tetloom::detail
