@@ -5,6 +5,7 @@
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/mesh/digest.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate.hpp"
 
 namespace tetloom::app {
@@ -55,7 +56,7 @@ std::string verdict(const ValidationReport& validation, const Mesh& mesh) {
     return "The mesh is NOT valid: " + std::to_string(validation.problems.size()) +
            (validation.problems.size() == 1 ? " kind of problem" : " kinds of problems") + ", see above.\n";
   }
-  if (!mesh.tet_to_vert.empty()) return "The mesh is valid.\n";
+  if (cell_count(mesh) > 0) return "The mesh is valid.\n";
   return validation.open_edges == 0
              ? "The surface is valid and closed.\n"
              : "The surface is valid; it is open at " + format_count(validation.open_edges) + " edges.\n";
@@ -79,6 +80,7 @@ void check_mesh(const CheckCommand& command, Run& run) {
     report.counts.regions = report.quality->cells.regions.size();
     report.digest = mesh_digest(mesh);
   }
+  report.extra["mesh"] = mesh_json(mesh, report);
   run.set_text(render_mesh(mesh, report) + verdict(validation, mesh));
 }
 

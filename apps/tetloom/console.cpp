@@ -47,7 +47,7 @@ std::string size_row(const EdgeConformity& edges) {
 }
 
 std::string volume_row(const RunReport& report) {
-  const double mesh = report.quality->tets.volume;
+  const double mesh = report.quality->cells.volume;
   if (!report.model_volume || !(*report.model_volume > 0)) return row("volume", format_number(mesh));
   const double off = (mesh - *report.model_volume) / *report.model_volume;
   return row("volume", format_number(mesh) + ", the model's is " + format_number(*report.model_volume) + " (" +
@@ -110,7 +110,11 @@ std::string render_quality(const RunReport& report) {
   if (quality.tets.count + quality.triangles.count > 0) {
     text += size_row(quality.tets.count > 0 ? quality.tets.edges : quality.triangles.edges);
   }
-  if (quality.tets.count > 0) text += volume_row(report);
+  const CellQuality& cells = quality.cells;
+  if (cells.inverted > quality.tets.inverted)
+    text +=
+        row("", plural(cells.inverted - quality.tets.inverted, "other cell") + " with a corner of no positive volume");
+  if (cells.count > 0) text += volume_row(report);
   return text;
 }
 

@@ -7,11 +7,13 @@
 
 namespace tetloom::app {
 
-/// Counts, bounding box, regions, faces and quality, with `report.quality` where that is known.
+/// Counts of all kinds of elements, bounding box, names of fields, regions, faces and quality, with `report.quality`
+/// where that is known.
 std::string render_mesh(const Mesh& mesh, const RunReport& report);
 
-/// The same as JSON: {"bounding_box", "regions": [{"id", "name", "tets", "volume"}], "faces": [{"id", "name",
-/// "triangles", "area", "min_angle_deg"}], "edges", …}.
+/// The same as JSON: {"bounding_box", "regions": [{"id", "name", "tets", "cells", "volume"}], "faces": [{"id", "name",
+/// "triangles", "area", "min_angle_deg"}], "edges", "quadrilaterals", "pyramids", "prisms", "hexahedra",
+/// "point_fields": [{"name", "components"}], "cell_fields": […]}.
 nlohmann::ordered_json mesh_json(const Mesh& mesh, const RunReport& report);
 
 }  // namespace tetloom::app

@@ -69,7 +69,7 @@ Json quality_json(const RunReport& report) {
 
 Json volume_json(const RunReport& report) {
   Json json = {{"mesh", nullptr}, {"model", nullptr}};
-  if (report.quality && report.quality->tets.count > 0) json["mesh"] = report.quality->tets.volume;
+  if (report.quality && report.quality->cells.count > 0) json["mesh"] = report.quality->cells.volume;
   if (report.model_volume) json["model"] = *report.model_volume;
   return json;
 }

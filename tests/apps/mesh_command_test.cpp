@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <regex>
 
+#include "core/io/mesh_io.hpp"
+#include "core/mesh/mesh_access.hpp"
 #include "tests/apps/command_process.hpp"
+#include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom::test;
 
@@ -213,4 +216,25 @@ TEST_CASE("help goes to standard output and is no error") {
   CHECK(version.status == 0);
   CHECK(std::regex_match(version.out, std::regex("tetloom [0-9]+\\.[0-9]+\\.[0-9]+\\n")));
   CHECK(run_tetloom({}).status == 2);
+}
+
+TEST_CASE("check and info describe a mesh of all kinds of cells and its fields") {
+  const TestFolder folder;
+  tetloom::Mesh mesh = make_mixed_box(3, 3, 4);
+  mesh.point_fields = {{"heat", 1, std::vector<double>(mesh.points.size())}};
+  mesh.cell_fields = {{"flow", 3, std::vector<double>(3 * tetloom::cell_count(mesh))}};
+  tetloom::write_mesh(mesh, folder / "mixed.vtu");
+  for (const char* command : {"check", "info"}) {
+    CAPTURE(command);
+    const ProcessResult result = run_tetloom({command, folder / "mixed.vtu", "--report", folder / "report.json"});
+    CAPTURE(result.err);
+    REQUIRE(result.status == 0);
+    CHECK_THAT(result.out, Catch::Contains(std::to_string(mesh.prism_to_vert.size()) + " prisms"));
+    CHECK_THAT(result.out, Catch::Contains("heat on points") && Catch::Contains("flow on cells, 3 components"));
+    const nlohmann::json report = read_json(folder / "report.json");
+    CHECK(report["volume"]["mesh"].get<double>() == Approx(36));
+    CHECK(report["mesh"]["hexahedra"] == mesh.hex_to_vert.size());
+    CHECK(report["mesh"]["cell_fields"][0]["name"] == "flow");
+    CHECK(report["mesh"]["regions"][0]["cells"] == tetloom::cell_count(mesh));
+  }
 }
