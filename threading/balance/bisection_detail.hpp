@@ -54,10 +54,11 @@ std::array<ItemSet, 2> halves(const ItemSet& set);
 
 /// `Keys` gives keys and plans cuts:
 ///   std::span<const std::uint64_t> highest() const;
-///   void plan(std::span<ItemSet> sets);                       // sets low and high, or leaves the whole range
-///   void split(std::span<const ItemSet> sets);                // after a level, with the cuts that were found
-///   std::uint64_t first(std::size_t set, std::uint32_t block, std::size_t item) const;
-///   std::uint64_t component(std::size_t set, std::uint32_t block, std::size_t item, std::uint32_t component) const;
+///   void plan(std::span<ItemSet> sets);         // may set low and high to where it expects the cut
+///   void split(std::span<const ItemSet> sets);  // after a level, with the cuts that were found
+///   Reader reader(std::uint32_t block) const;   // a copy of all that a loop over a block needs:
+///     std::uint64_t first(std::size_t set, std::size_t item) const;
+///     std::uint64_t component(std::size_t set, std::size_t item, std::uint32_t component) const;
 template <class Keys>
 class Bisection {
  public:
@@ -109,25 +110,28 @@ class Bisection {
 
   void add_chunk(std::span<const ItemSet> sets, std::span<const std::uint32_t> slot, std::uint64_t bins,
                  std::span<std::int64_t> histogram, const Chunk& chunk) const {
-    const ItemBlock& block = items_.blocks()[chunk.block];
+    const ItemBlock block = items_.blocks()[chunk.block];
+    const auto keys = keys_.reader(chunk.block);
+    const Frame frame = items_.frame();
+    const std::uint32_t* set_of = set_of_.data();
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const std::uint32_t s = set_of_[block.targets[i] - range_.first];
+      const std::uint32_t s = set_of[block.targets[i] - range_.first];
       if (s == kNoSet || slot[s] == kNoSet) continue;
       const Search& search = sets[s].search;
-      std::uint64_t key = keys_.first(s, chunk.block, i);
+      std::uint64_t key = keys.first(s, i);
       if (search.component > 0) {
-        if (compare(search, search.component, s, chunk.block, i) != 0) continue;
-        key = keys_.component(s, chunk.block, i, search.component);
+        if (compare(keys, search, search.component, s, i) != 0) continue;
+        key = keys.component(s, i, search.component);
       }
       const std::uint64_t bin = key < search.low ? 0 : std::min((key - search.low) >> search.shift, bins) + 1;
-      histogram[slot[s] * (bins + 2) + bin] += items_.weight_of(block, i);
+      histogram[slot[s] * (bins + 2) + bin] += frame.weight_of(block, i);
     }
   }
 
   /// The item's key against that of the cut, in the first `count` components: -1, 0, 1.
-  int compare(const Search& search, std::uint32_t count, std::size_t set, std::uint32_t block, std::size_t i) const {
+  static int compare(const auto& keys, const Search& search, std::uint32_t count, std::size_t set, std::size_t i) {
     for (std::uint32_t c = 0; c < count; ++c) {
-      const std::uint64_t key = c == 0 ? keys_.first(set, block, i) : keys_.component(set, block, i, c);
+      const std::uint64_t key = c == 0 ? keys.first(set, i) : keys.component(set, i, c);
       if (key != search.at[c]) return key < search.at[c] ? -1 : 1;
     }
     return 0;
@@ -135,14 +139,16 @@ class Bisection {
 
   void apply_cuts(std::span<const ItemSet> sets) const {
     items_.for_chunks(items_.lanes(0), [&](std::size_t, const Chunk& chunk) {
-      const ItemBlock& block = items_.blocks()[chunk.block];
+      const std::span<std::uint32_t> targets = items_.blocks()[chunk.block].targets;
+      const auto keys = keys_.reader(chunk.block);
+      const std::uint32_t* set_of = set_of_.data();
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        const std::uint32_t s = set_of_[block.targets[i] - range_.first];
+        const std::uint32_t s = set_of[targets[i] - range_.first];
         if (s == kNoSet) continue;
         const Search& search = sets[s].search;
-        const bool right = search.component == 0 ? keys_.first(s, chunk.block, i) >= search.at[0]
-                                                 : compare(search, search.component + 1, s, chunk.block, i) >= 0;
-        block.targets[i] += right ? sets[s].left_count() : 0;
+        const bool right = search.component == 0 ? keys.first(s, i) >= search.at[0]
+                                                 : compare(keys, search, search.component + 1, s, i) >= 0;
+        targets[i] += right ? sets[s].left_count() : 0;
       }
     });
   }

@@ -11,13 +11,13 @@
 namespace tetloom::balance_detail {
 
 /// The normal of a plane, in whole numbers from -1 to 1.
-using Normal = std::array<std::int8_t, 3>;
+using Normal = std::array<std::int64_t, 3>;
 
-constexpr std::uint64_t kHighestHeight = (std::uint64_t{1} << (Items::kPlaceBits + 3)) - 1;
+constexpr std::uint64_t kHighestHeight = (std::uint64_t{1} << (Frame::kPlaceBits + 3)) - 1;
 
 /// Where a place lies along a normal; never negative.
 inline std::uint64_t height(const Normal& n, const std::array<std::int64_t, 3>& place) {
-  constexpr std::int64_t lift = std::int64_t{1} << (Items::kPlaceBits + 2);
+  constexpr std::int64_t lift = std::int64_t{1} << (Frame::kPlaceBits + 2);
   return static_cast<std::uint64_t>(n[0] * place[0] + n[1] * place[1] + n[2] * place[2] + lift);
 }
 
@@ -42,6 +42,7 @@ class PlaneChooser {
   using Box = std::array<std::array<std::uint64_t, 2>, 3>;
 
   void draw(const Items& items);
+  void measure_costs(const Items& items, std::uint64_t mask);
   std::vector<std::array<std::uint64_t, 2>> find_ranges(std::span<const ItemSet> sets) const;
   std::vector<std::int64_t> count_bins(std::span<const ItemSet> sets,
                                        std::span<const std::array<std::uint64_t, 2>> ranges) const;
@@ -54,6 +55,7 @@ class PlaneChooser {
   const Items& items_;
   TargetRange range_;
   std::span<const Normal> normals_;
+  std::vector<double> costs_;                 // by normal: faces cut per area and density
   std::vector<std::vector<Sample>> samples_;  // by chunk of work
   std::vector<std::uint32_t> set_of_;         // by label - range_.first
   std::vector<Box> boxes_;                    // by label - range_.first

@@ -55,6 +55,7 @@ void measure_weights(std::span<const double> weights, Extent& extent) {
 
 bool has_fitting_arrays(const ItemBlock& block) {
   return block.targets.size() == block.points.size() &&
+         (block.neighbours.empty() || block.neighbours.size() == 4 * block.points.size()) &&
          (block.weights.empty() || block.weights.size() == block.points.size());
 }
 
@@ -93,24 +94,24 @@ void Items::find_extent() {
                 "items to be dealt to parts need finite places, positive finite weights and arrays of one length");
   double longest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_[axis] = -all.minus_low(axis);
-    longest = std::max(longest, all.high(axis) - low_[axis]);
+    frame_.low[axis] = -all.minus_low(axis);
+    longest = std::max(longest, all.high(axis) - frame_.low[axis]);
   }
   int exponent = 0;
   std::frexp(longest, &exponent);
-  scale_ = longest > 0 && std::isfinite(longest) ? std::ldexp(1.0, kPlaceBits - exponent) : 0;
-  weighted_ = all.weighted() > 0;
-  weight_scale_ = std::ldexp(1.0, 20) / std::max(all.weight(), 1e-290);  // the quotient must stay finite
+  frame_.scale = longest > 0 && std::isfinite(longest) ? std::ldexp(1.0, Frame::kPlaceBits - exponent) : 0;
+  frame_.weighted = all.weighted() > 0;
+  frame_.weight_scale = std::ldexp(1.0, 20) / std::max(all.weight(), 1e-290);  // the quotient must stay finite
 }
 
 void Items::add_up() {
   const auto sums = sum_over_items(2, [&](std::span<std::int64_t> sum, const Chunk& chunk) {
     sum[0] += static_cast<std::int64_t>(chunk.end - chunk.begin);
-    if (!weighted_) return;
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) sum[1] += weight_of(blocks_[chunk.block], i);
+    if (!frame_.weighted) return;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) sum[1] += frame_.weight_of(blocks_[chunk.block], i);
   });
   count_ = sums[0];
-  weight_ = weighted_ ? sums[1] : sums[0];
+  weight_ = frame_.weighted ? sums[1] : sums[0];
 }
 
 std::size_t Items::lanes(std::size_t bytes) const {

@@ -32,31 +32,45 @@ struct Chunk {
   std::size_t begin, end;
 };
 
+/// How places and weights become integers. Loops keep a copy, which no store to an array can be taken to change.
+struct Frame {
+  static constexpr int kPlaceBits = 30;
+
+  std::array<double, 3> low{};
+  double scale = 1;
+  double weight_scale = 1;
+  bool weighted = false;
+
+  std::int64_t weight_of(const ItemBlock& block, std::size_t i) const {
+    return weighted ? round_weight(block.weights.empty() ? 1 : block.weights[i]) : 1;
+  }
+  /// In [0, 2^30) along each axis, on one scale for all three.
+  std::array<std::int64_t, 3> place_of(const Point3f& p) const {
+    return {static_cast<std::int64_t>((static_cast<double>(p.x) - low[0]) * scale),
+            static_cast<std::int64_t>((static_cast<double>(p.y) - low[1]) * scale),
+            static_cast<std::int64_t>((static_cast<double>(p.z) - low[2]) * scale)};
+  }
+
+ private:
+  std::int64_t round_weight(double w) const {
+    const auto multiple = static_cast<std::int64_t>(w * weight_scale + 0.5);
+    return multiple > 1 ? multiple : 1;
+  }
+};
+
 /// All items of a run: where they lie, how places and weights become integers, and how loops over them are cut.
 class Items {
  public:
-  static constexpr int kPlaceBits = 30;
-
   /// Checks the input. Errors: InvalidArgument, on all ranks alike.
   Items(std::span<const ItemBlock> blocks, Collectives collectives, const TaskRunner& runner);
 
   std::span<const ItemBlock> blocks() const { return blocks_; }
+  const Frame& frame() const { return frame_; }
   const TaskRunner& runner() const { return *runner_; }
   const Collectives& collectives() const { return collectives_; }
   std::int64_t count() const { return count_; }    ///< on all ranks
   std::int64_t weight() const { return weight_; }  ///< of all items, in multiples
 
-  std::int64_t weight_of(const ItemBlock& block, std::size_t i) const {
-    if (!weighted_) return 1;
-    if (block.weights.empty()) return round_weight(1);
-    return round_weight(block.weights[i]);
-  }
-  /// In [0, 2^30) along each axis, on one scale for all three.
-  std::array<std::int64_t, 3> place_of(const Point3f& p) const {
-    return {static_cast<std::int64_t>((static_cast<double>(p.x) - low_[0]) * scale_),
-            static_cast<std::int64_t>((static_cast<double>(p.y) - low_[1]) * scale_),
-            static_cast<std::int64_t>((static_cast<double>(p.z) - low_[2]) * scale_)};
-  }
   /// How many lanes a loop should have that keeps `bytes` per lane.
   std::size_t lanes(std::size_t bytes) const;
   /// body(lane, chunk) for all chunks; those of one lane run one after another.
@@ -66,10 +80,6 @@ class Items {
                                            const std::function<void(std::span<std::int64_t>, const Chunk&)>& add) const;
 
  private:
-  std::int64_t round_weight(double w) const {
-    const auto multiple = static_cast<std::int64_t>(w * weight_scale_ + 0.5);
-    return multiple > 1 ? multiple : 1;
-  }
   void find_extent();
   void add_up();
 
@@ -77,10 +87,7 @@ class Items {
   Collectives collectives_;
   const TaskRunner* runner_;
   std::vector<Chunk> chunks_;
-  std::array<double, 3> low_{};
-  double scale_ = 1;
-  double weight_scale_ = 1;
-  bool weighted_ = false;
+  Frame frame_;
   std::int64_t count_ = 0, weight_ = 0;
 };
 

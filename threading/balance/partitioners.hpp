@@ -18,6 +18,9 @@ struct ItemBlock {
   std::span<const Point3f> points;   ///< finite
   std::span<const double> weights;   ///< positive and finite, one per point; empty: 1 each
   std::span<std::uint32_t> targets;  ///< out, one per point
+  /// Optional, for tets: 4 codes per item, neighbour · 4 + its face, 0xffffffff for none in this block. Lets planes be
+  /// compared by the faces that they cut.
+  std::span<const std::uint32_t> neighbours = {};
 };
 
 /// The targets first, first + 1, … first + count - 1.
@@ -34,10 +37,13 @@ enum class CutPlanes {
 
 /// Weighted recursive bisection by planes: a set of items bound for k targets is cut so that floor(k/2) of k shares of
 /// its weight lie on one side. Of the planes that do so the one is taken that cuts the smallest estimated area, which
-/// is the density of items along its normal where it lies. `part_count` need not be a power of two.
+/// is the density of items along its normal where it lies. Where neighbours are given, it is also multiplied by how far
+/// apart neighbours lie along that normal, which gives cut faces: in a lattice some directions cost more than others.
+/// `part_count` need not be a power of two.
 ///
 /// Laws: the target of an item is a function of the multiset of all items (place, weight); blocks, ranks and threads
-/// do not matter. Items at the same place get the same target; places closer than 2^-30 of the longest extent are the
+/// do not matter (with neighbours, the faces that blocks know may decide between planes that cost nearly the same).
+/// Items at the same place get the same target; places closer than 2^-30 of the longest extent are the
 /// same. With weights 1 and different places each cut is off by less than 1/8192 of its set or one item.
 /// Weights are rounded to multiples of 2^-20 of the greatest one (at least one multiple), so sums are exact.
 /// Where there are fewer places than targets some targets stay without items.

@@ -20,16 +20,25 @@ class PlaneKeys {
   void plan(std::span<ItemSet> sets) { normals_ = chooser_.choose(sets); }
   void split(std::span<const ItemSet> sets) { chooser_.split(sets, normals_); }
 
-  std::uint64_t first(std::size_t set, std::uint32_t block, std::size_t item) const {
-    return height(normals_[set], items_.place_of(items_.blocks()[block].points[item]));
-  }
-  std::uint64_t component(std::size_t, std::uint32_t block, std::size_t item, std::uint32_t component) const {
-    return static_cast<std::uint64_t>(items_.place_of(items_.blocks()[block].points[item])[component - 1]);
+  struct Reader {
+    Frame frame;
+    const Point3f* points;
+    const std::array<std::int64_t, 3>* normals;
+
+    std::uint64_t first(std::size_t set, std::size_t item) const {
+      return height(normals[set], frame.place_of(points[item]));
+    }
+    std::uint64_t component(std::size_t, std::size_t item, std::uint32_t component) const {
+      return static_cast<std::uint64_t>(frame.place_of(points[item])[component - 1]);
+    }
+  };
+  Reader reader(std::uint32_t block) const {
+    return {items_.frame(), items_.blocks()[block].points.data(), normals_.data()};
   }
 
  private:
-  static constexpr std::array<std::uint64_t, 4> kHighest{kHighestHeight, (1U << Items::kPlaceBits) - 1,
-                                                         (1U << Items::kPlaceBits) - 1, (1U << Items::kPlaceBits) - 1};
+  static constexpr std::array<std::uint64_t, 4> kHighest{kHighestHeight, (1U << Frame::kPlaceBits) - 1,
+                                                         (1U << Frame::kPlaceBits) - 1, (1U << Frame::kPlaceBits) - 1};
   const Items& items_;
   PlaneChooser chooser_;
   TargetRange range_;

@@ -16,7 +16,7 @@ class CurveKeys {
     for (std::size_t b = 0; b < keys_.size(); ++b) keys_[b].resize(items.blocks()[b].points.size());
     items.for_chunks(items.lanes(0), [&](std::size_t, const Chunk& chunk) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        const auto place = items.place_of(items.blocks()[chunk.block].points[i]);
+        const auto place = items.frame().place_of(items.blocks()[chunk.block].points[i]);
         keys_[chunk.block][i] = hilbert_key(place[0] >> kDropped, place[1] >> kDropped, place[2] >> kDropped);
       }
     });
@@ -25,13 +25,15 @@ class CurveKeys {
   std::span<const std::uint64_t> highest() const { return kHighest; }
   void plan(std::span<ItemSet>) {}
   void split(std::span<const ItemSet>) {}
-  std::uint64_t first(std::size_t, std::uint32_t block, std::size_t item) const { return keys_[block][item]; }
-  std::uint64_t component(std::size_t, std::uint32_t block, std::size_t item, std::uint32_t) const {
-    return keys_[block][item];
-  }
+  struct Reader {
+    const std::uint64_t* keys;
+    std::uint64_t first(std::size_t, std::size_t item) const { return keys[item]; }
+    std::uint64_t component(std::size_t, std::size_t item, std::uint32_t) const { return keys[item]; }
+  };
+  Reader reader(std::uint32_t block) const { return {keys_[block].data()}; }
 
  private:
-  static constexpr int kDropped = Items::kPlaceBits - kHilbertBits;
+  static constexpr int kDropped = Frame::kPlaceBits - kHilbertBits;
   static constexpr std::array<std::uint64_t, 1> kHighest{(std::uint64_t{1} << (3 * kHilbertBits)) - 1};
   std::vector<std::vector<std::uint64_t>> keys_;
 };
