@@ -26,8 +26,8 @@ constexpr std::array<Normal, 13> kNormals{{{1, 0, 0},
 constexpr std::size_t kBins = 256;
 /// The density is taken over this many bins on each side of the cut: more than the planes of a lattice lie apart.
 constexpr std::size_t kReach = 8;
-/// Found by trial on three jittered Kuhn lattices, as was the square root below: smoothing evens out part of what planes
-/// cut in excess, and oblique planes leave pieces that are worse to cut further.
+/// Found by trial on three jittered Kuhn lattices, as was the square root below: smoothing evens out part of what
+/// planes cut in excess, and oblique planes leave pieces that are worse to cut further.
 constexpr double kObliqueHandicap = 1.15;
 constexpr std::size_t kMaxSets = 512;
 constexpr std::size_t kMaxSetsOblique = 64;
