@@ -29,6 +29,6 @@ configure_package_config_file(cmake/tetloomConfig.cmake.in ${PROJECT_BINARY_DIR}
                               NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/tetloomConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/tetloomConfig.cmake ${PROJECT_BINARY_DIR}/tetloomConfigVersion.cmake
-              cmake/FindScotch.cmake
+              cmake/FindScotch.cmake cmake/FindZoltan.cmake
         DESTINATION ${tetloom_package_dir})
 install(EXPORT tetloomTargets NAMESPACE tetloom:: DESTINATION ${tetloom_package_dir})

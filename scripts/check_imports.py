@@ -33,7 +33,9 @@ MAY_INCLUDE = {
 ADAPTERS = [
     ("oneTBB", re.compile(r"^(tbb|oneapi)/"), re.compile(r"^threading/")),
     ("Scotch", re.compile(r"^scotch\.h$"), re.compile(r"^threading/balance/scotch_partitioner\.cpp$")),
-    ("MPI", re.compile(r"^mpi\.h$"), re.compile(r"^threading/mpi_communicator\.cpp$")),
+    ("Zoltan", re.compile(r"^zoltan\.h$"), re.compile(r"^threading/balance/zoltan_partitioner\.cpp$")),
+    ("MPI", re.compile(r"^mpi\.h$"),
+     re.compile(r"^threading/(mpi_.*|balance/zoltan_partitioner)\.cpp$|^tests/threading/.*\.cpp$")),
     ("OpenCASCADE", re.compile(r"\.hxx$"),
      re.compile(r"^core/cad/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^examples/make_demo_model/|^tests/(cad|support)/")),
     ("OpenMesh", re.compile(r"^OpenMesh/"),

@@ -14,7 +14,8 @@ declare -A packages=(
   [build]="g++ cmake ninja-build ccache
     libocct-data-exchange-dev libocct-foundation-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev
     libocct-ocaf-dev libocct-visualization-dev libfontconfig-dev
-    libtbb-dev libopenmpi-dev openmpi-bin libscotch-dev libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev
+    libtbb-dev libscotch-dev libtrilinos-zoltan-dev libopenmpi-dev openmpi-bin
+    libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev
     libcli11-dev nlohmann-json3-dev catch2 libbenchmark-dev"
   [check]="git python3 clang-format-14 clang-tidy-14"
   [picture]="python3 python3-numpy python3-meshio python3-pil"
