@@ -9,7 +9,7 @@ namespace tetloom {
 
 /// The tets of one block and where each is bound for.
 struct TargetedTets {
-  std::span<const std::uint32_t> neighbours;  ///< 4 per tet: neighbour · 4 + its face, kNoNeighbour outside
+  std::span<const std::uint32_t> neighbours;  ///< 4 per tet: neighbour · 4 + its face (not checked), or kNoNeighbour
   std::span<const std::int64_t> weights;      ///< positive, one per tet; empty: 1 each
   std::span<std::uint32_t> targets;           ///< in and out, below part_count
   std::uint32_t part_count = 1;
@@ -18,7 +18,7 @@ struct TargetedTets {
 };
 
 struct SmoothingOptions {
-  double imbalance = 0.03;  ///< no target gets heavier than (1 + imbalance) times the mean, unless it was before
+  double imbalance = 0.03;  ///< bound on a target's weight: (1 + imbalance) times the mean
   int layers = 3;           ///< tets this many faces away from a boundary may still cross it
   int sweeps = 1;           ///< how often all boundaries are visited
   int passes = 3;           ///< at most, of one visit
@@ -28,9 +28,10 @@ struct SmoothingOptions {
 /// Moves tets between the two targets of each boundary so that fewer faces lie between different targets. Boundaries
 /// that share no target are worked on at the same time; each sees what is settled of the others.
 ///
-/// Laws: the number of cut faces never grows; a target above the bound never grows. The result depends on the input
-/// alone, not on threads. Work after one scan of all tets is proportional to the tets within `layers` of a boundary.
-/// Errors: InvalidArgument for arrays of different lengths, targets out of range, weights that are not positive.
+/// Laws: the number of cut faces never grows; a target grows above the bound only by what a heavier one gives it, so
+/// the greatest weight does not. The result depends on the input alone, not on threads. Work after one scan of all tets
+/// is proportional to the tets within `layers` of a boundary. Errors: InvalidArgument for arrays of different lengths,
+/// targets out of range, weights that are not positive.
 ///
 /// After Fiduccia & Mattheyses 1982, between two targets at a time and confined to a band as in Chevalier & Pellegrini
 /// 2006. Departure: a pass ends early when it has gone without gain for long.
