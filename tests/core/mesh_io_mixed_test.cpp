@@ -220,3 +220,32 @@ TEST_CASE("fields that make no file are refused before one is begun") {
   twice.cell_fields.push_back(twice.cell_fields[0]);
   refuse(twice);
 }
+
+TEST_CASE("damaged files of mixed meshes with fields are refused with a reason, or hold some mesh") {
+  const ScratchFolder folder;
+  Mesh mesh = test::make_mixed_box(1, 1, 4);
+  mesh.point_fields = {{"p", 2, std::vector<double>(2 * mesh.points.size(), 0.5)}};
+  mesh.cell_fields = {{"c", 1, std::vector<double>(cell_count(mesh), 1)}};
+  std::mt19937 random(5);
+  for (const char* extension : {".vtu", ".msh", ".mesh", ".meshb"}) {
+    const auto path = folder / test::joined("a", extension);
+    write_mesh(mesh, path);
+    const std::string good = test::file_content(path);
+    for (int i = 0; i < 400; ++i) {
+      INFO(extension << " " << i);
+      std::string bad = good;
+      if (i % 2 == 0)
+        bad.resize(1 + random() % (bad.size() - 1));
+      else
+        for (int k = 0; k < 3; ++k) bad[random() % bad.size()] = static_cast<char>(random());
+      test::write_file(path, bad);
+      try {
+        const Mesh read = read_mesh(path);
+        CHECK(field_digest(read).size() == 32);
+      } catch (const Error& error) {
+        const bool expected = error.code() == ErrorCode::InputUnreadable || error.code() == ErrorCode::InputUnsuitable;
+        CHECK((expected && !error.diagnostic().message.empty()));
+      }
+    }
+  }
+}
