@@ -18,6 +18,8 @@
 #include "bench/support/commit.hpp"
 #include "bench/support/lattice_part.hpp"
 #include "bench/support/machine.hpp"
+#include "core/io/mesh_io.hpp"
+#include "core/part/convert.hpp"
 #include "threading/balance/balance.hpp"
 #include "threading/balance/partition_figures.hpp"
 #include "threading/validate_parts.hpp"
@@ -31,9 +33,10 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string solid = "bracket";
   double tets = 20e6, peer_tets = 2e6;
+  std::vector<std::string> peer_solids{"ball", "drilled-block", "bracket"};
   std::vector<int> threads{1, 2};
   int runs = 3;
-  bool quick = false, no_peer = false;
+  bool quick = false, no_peer = false, only_peer = false;
   std::string json_path, trace_path;
   std::string measure;  ///< a task, when this process is one of the measured ones
 };
@@ -49,7 +52,8 @@ void reset_peak() {
 /// Global ids are the vertices' own, so that the parts link up at home.
 PartitionedMesh make_mesh_in_one_part(Communicator& communicator, const std::string& solid, double tets) {
   PartitionedMesh mesh(communicator, 1);
-  mesh.parts.at(PartId(0)).mesh = make_lattice_part(solid, tets);
+  const bool is_file = fs::exists(solid);
+  mesh.parts.at(PartId(0)).mesh = is_file ? make_part(read_mesh(solid)) : make_lattice_part(solid, tets);
   return mesh;
 }
 
@@ -123,7 +127,8 @@ class Bench {
     const std::vector<std::pair<std::size_t, std::size_t>> cases =
         options_.quick ? std::vector<std::pair<std::size_t, std::size_t>>{{1, 16}, {8, 64}}
                        : std::vector<std::pair<std::size_t, std::size_t>>{{1, 16}, {64, 16384}};
-    for (const auto& [from, to] : cases) measure_case(from, to);
+    if (!options_.only_peer)
+      for (const auto& [from, to] : cases) measure_case(from, to);
     if (!options_.no_peer) compare_cuts();
     if (!options_.json_path.empty()) std::ofstream(options_.json_path) << report_.dump(2) << '\n';
   }
@@ -190,14 +195,14 @@ class Bench {
   void compare_cuts() {
     std::printf("\n%-14s %10s %9s %9s %7s %9s %7s\n", "solid", "tets", "tetloom", "Scotch", "ratio", "mpmetis",
                 "ratio");
-    for (const char* solid : {"ball", "drilled-block", "bracket"}) {
+    for (const std::string& solid : options_.peer_solids) {
       const auto communicator = make_thread_communicator();
       const PartitionedMesh mesh = make_mesh_in_one_part(*communicator, solid, options_.peer_tets);
       const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
       const double own = cut_of(mesh, PartitionMethod::Rcb), scotch = cut_of(mesh, PartitionMethod::Scotch);
       const double metis = cut_of_metis(part);
-      std::printf("%-14s %10zu %9.0f %9.0f %7.3f %9.0f %7.3f\n", solid, part.cell_count(), own, scotch, own / scotch,
-                  metis, metis > 0 ? own / metis : 0);
+      std::printf("%-14s %10zu %9.0f %9.0f %7.3f %9.0f %7.3f\n", fs::path(solid).stem().string().substr(0, 14).c_str(),
+                  part.cell_count(), own, scotch, own / scotch, metis, metis > 0 ? own / metis : 0);
       std::fflush(stdout);
       report_.push_back({{"solid", solid}, {"cut", own}, {"cut_scotch", scotch}, {"cut_mpmetis", metis}});
     }
@@ -247,6 +252,10 @@ int main(int argc, char** argv) {
   app.add_option("--peer-tets", options.peer_tets, "about how many tets where cuts are compared with others'")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--peer-solids", options.peer_solids, "solids or mesh files where cuts are compared")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_flag("--only-peer", options.only_peer, "compare cuts, and measure no speed");
   app.add_option("--threads", options.threads, "numbers of threads")->delimiter(',')->capture_default_str();
   app.add_option("--runs", options.runs, "of each case")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--json", options.json_path, "where to write all figures");

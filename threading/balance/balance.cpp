@@ -104,9 +104,11 @@ std::span<const std::uint32_t> neighbor_codes(const PartMesh& part) {
   return {reinterpret_cast<const std::uint32_t*>(places.data()), places.size()};
 }
 
+bool has_tets_alone(const PartMesh& part) { return part.block(CellKind::Tet).size() == part.cell_count(); }
+
 void smooth(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
             Destinations& targets, const TaskRunner& runner) {
-  if (range.count == 1 || part.block(CellKind::Tet).size() != part.cell_count()) return;
+  if (range.count == 1 || !has_tets_alone(part)) return;
   for (std::uint32_t& target : targets) target -= range.first;
   const std::vector<std::int64_t> integers = integer_weights(weights);
   SmoothingOptions options;
@@ -169,7 +171,12 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
   std::vector<ItemBlock> blocks;
   std::vector<TargetRange> ranges;
   for (const PartId part : local) {
-    blocks.push_back({items.at(part).points, items.at(part).weights, destinations.at(part)});
+    const PartMesh& part_mesh = mesh.parts.at(part).mesh;
+    ItemBlock& block = blocks.emplace_back();
+    block.points = items.at(part).points;
+    block.weights = items.at(part).weights;
+    block.targets = destinations.at(part);
+    if (has_tets_alone(part_mesh)) block.neighbours = neighbor_codes(part_mesh);
     ranges.push_back({split ? part.value * factor : 0, factor});
   }
   const auto part_count = static_cast<std::uint32_t>(options.part_count);

@@ -10,6 +10,7 @@ struct CellGraph {
   std::span<const std::uint64_t> first;       ///< cells + 1 offsets into `neighbours`
   std::span<const std::uint32_t> neighbours;  ///< cells
   std::span<const std::int64_t> weights;      ///< positive, one per cell; empty: 1 each
+  std::span<const std::int64_t> links = {};   ///< positive, how many faces each neighbour stands for; empty: 1 each
 };
 
 /// Cuts a graph into `part_count` parts with few edges between them, none heavier than (1 + imbalance) of the mean as

@@ -71,11 +71,14 @@ void check_graph(const CellGraph& graph, std::uint32_t part_count, double imbala
   const auto bad = [](const char* what) { throw Error(ErrorCode::InvalidArgument, what); };
   const std::size_t cells = graph.first.empty() ? 0 : graph.first.size() - 1;
   if (graph.first.empty() || graph.first.back() != graph.neighbours.size() || targets != cells ||
-      (!graph.weights.empty() && graph.weights.size() != cells))
+      (!graph.weights.empty() && graph.weights.size() != cells) ||
+      (!graph.links.empty() && graph.links.size() != graph.neighbours.size()))
     bad("a graph of cells has arrays that do not fit");
   if (part_count == 0 || part_count > kMost || !(imbalance >= 0)) bad("there must be parts, and a bound on imbalance");
   if (graph.neighbours.size() >= kMost || cells >= kMost) bad("the graph is too large for Scotch's integers");
-  if (std::ranges::any_of(graph.weights, [](std::int64_t w) { return w <= 0; })) bad("weights must be positive");
+  const auto not_positive = [](std::int64_t weight) { return weight <= 0; };
+  if (std::ranges::any_of(graph.weights, not_positive) || std::ranges::any_of(graph.links, not_positive))
+    bad("weights must be positive");
   if (std::ranges::any_of(graph.neighbours, [&](std::uint32_t n) { return n >= cells; }))
     bad("a graph of cells names a cell that it does not have");
 }
@@ -113,13 +116,15 @@ void partition_scotch(const CellGraph& graph, std::uint32_t part_count, double i
   std::vector<SCOTCH_Num> first(graph.first.begin(), graph.first.end());
   std::vector<SCOTCH_Num> neighbours(graph.neighbours.begin(), graph.neighbours.end());
   const std::vector<SCOTCH_Num> weights = small_weights(graph.weights);
+  const std::vector<SCOTCH_Num> links = small_weights(graph.links);
   std::vector<SCOTCH_Num> parts(targets.size());
   Context context;
   prepare(context);
   Graph plain, bound;
   Strategy strategy;
   check(SCOTCH_graphBuild(plain.get(), 0, cells, first.data(), nullptr, weights.empty() ? nullptr : weights.data(),
-                          nullptr, static_cast<SCOTCH_Num>(neighbours.size()), neighbours.data(), nullptr),
+                          nullptr, static_cast<SCOTCH_Num>(neighbours.size()), neighbours.data(),
+                          links.empty() ? nullptr : links.data()),
         "take the graph");
   check(SCOTCH_contextBindGraph(context.get(), plain.get(), bound.get()), "bind the graph");
   const auto count = static_cast<SCOTCH_Num>(part_count);
