@@ -10,8 +10,6 @@
 namespace tetloom {
 namespace {
 
-using detail::PartPacker;
-
 struct Packing {
   std::vector<Message> packets;
   std::uint64_t cells_sent = 0;
@@ -27,20 +25,24 @@ void drop_adjacency(PartMesh& part) {
 
 void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t part_count, const TaskRunner& runner,
                Packing& packing) {
-  PartPacker packer(part, destinations, part_count);
+  if (destinations.size() != part.mesh.cell_count())
+    throw Error(ErrorCode::InvalidArgument, "a list of destinations is not as long as its part has cells");
+  const detail::SortedCells cells = detail::sort_by_destination(destinations, part_count);
+  const detail::CellPacker packer(part);
   destinations = {};
   packing.disconnected = true;
   drop_adjacency(part.mesh);
-  const std::vector<PartId>& receivers = packer.receivers();
+  const std::vector<PartId>& receivers = cells.receivers;
   packing.packets.resize(receivers.size());
-  const std::size_t grain =
-      std::max<std::size_t>(1, receivers.size() / (4 * static_cast<std::size_t>(runner.threads())));
-  runner.for_blocks(receivers.size(), grain, [&](std::size_t begin, std::size_t end) {
-    PartPacker::Scratch scratch;
-    for (std::size_t k = begin; k < end; ++k) packing.packets[k] = {self, receivers[k], 0, packer.pack(k, scratch)};
-  });
+  const std::size_t lanes = 4 * static_cast<std::size_t>(runner.threads());
+  runner.for_blocks(receivers.size(), std::max<std::size_t>(1, receivers.size() / lanes),
+                    [&](std::size_t begin, std::size_t end) {
+                      detail::CellPacker::Scratch scratch;
+                      for (std::size_t k = begin; k < end; ++k)
+                        packing.packets[k] = {self, receivers[k], 0, packer.pack(cells.of(k), scratch)};
+                    });
   for (std::size_t k = 0; k < receivers.size(); ++k)
-    if (receivers[k] != self) packing.cells_sent += packer.cell_count(k);
+    if (receivers[k] != self) packing.cells_sent += cells.of(k).size();
 }
 
 void pack_all(PartitionedMesh& mesh, PerPart<Destinations>& destinations, std::size_t part_count,

@@ -8,41 +8,54 @@
 
 namespace tetloom::detail {
 
-/// Makes the packets of one part. What is needed of the part beside its arrays is computed once and read by the
-/// packers of all destinations, which may run side by side.
-class PartPacker {
+/// Makes packets of cells of one part. What is needed of the part beside its arrays is computed once; packets can then
+/// be made side by side, each lane with a scratch of its own.
+class CellPacker {
  public:
-  PartPacker(const Part& part, const Destinations& destinations, std::size_t part_count);
+  /// `part` must outlive the packer; its adjacency is not needed.
+  explicit CellPacker(const Part& part);
 
-  /// The parts that get something, ascending.
-  const std::vector<PartId>& receivers() const { return receivers_; }
-  /// The number of cells for receivers()[k].
-  std::size_t cell_count(std::size_t k) const { return first_[k + 1] - first_[k]; }
-  /// Working memory of a packer, for any number of packets one after the other.
+  /// Working memory, for any number of packets one after the other.
   struct Scratch {
     std::vector<std::uint32_t> local;     ///< number in the packet of a vertex of the part
     std::vector<std::uint32_t> verts;     ///< those numbered, in order
     std::vector<bool> taken;              ///< boundary elements in the packet
     std::vector<std::uint32_t> boundary;  ///< those, by kind
   };
-  Bytes pack(std::size_t k, Scratch& scratch) const;
+  /// Pre: `cells` ascends; cells of all kinds are numbered one after the other. `verts` (may be null) gets the part's
+  /// vertices in the order in which the packet has them.
+  Bytes pack(std::span<const std::uint32_t> cells, Scratch& scratch, std::vector<std::uint32_t>* verts = nullptr) const;
 
  private:
   struct BoundaryIndex;
   class PacketWriter;
 
-  void sort_by_destination(const Destinations& destinations, std::size_t part_count);
-
   const Part& part_;
-  std::vector<PartId> receivers_;
-  std::vector<std::uint32_t> first_;  // of the cells of each receiver in order_
-  std::vector<std::uint32_t> order_;  // all cells, by receiver
   std::shared_ptr<const BoundaryIndex> index_;
   std::vector<bool> shared_;  // vertices on the part boundary
 };
 
+/// All cells of a part by destination.
+struct SortedCells {
+  std::vector<PartId> receivers;     ///< the parts that get something, ascending
+  std::vector<std::uint32_t> first;  ///< of the cells of each in `cells`; one longer
+  std::vector<std::uint32_t> cells;  ///< ascending for each
+  std::span<const std::uint32_t> of(std::size_t k) const {
+    return std::span(cells).subspan(first[k], first[k + 1] - first[k]);
+  }
+};
+
+/// Throws Error(InvalidArgument) for a destination that is not below `part_count`.
+SortedCells sort_by_destination(const Destinations& destinations, std::size_t part_count);
+
 /// Makes a part of packets, which must be ascending by sender; frees each once it has been read. The fields are those
 /// of `mesh`.
 PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh);
+
+/// `part` with the cells of `packets` added behind its own, whose numbers stay. Vertices and boundary elements that it
+/// has on its part boundary, or gets from several senders, are there once. Nothing is connected yet. `locals` gets, per
+/// packet, the numbers in the result of the packet's vertices.
+PartMesh extend_part(const Part& part, std::vector<Message>& packets, const PartitionedMesh& mesh,
+                     std::vector<std::vector<std::uint32_t>>& locals);
 
 }  // namespace tetloom::detail

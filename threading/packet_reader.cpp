@@ -74,9 +74,20 @@ struct KeyHash {
 
 class PartBuilder {
  public:
-  PartBuilder(const PartitionedMesh& mesh, bool several) : several_(several) {
+  // A part of packets alone. Where there is one, all its vertices are new.
+  PartBuilder(const PartitionedMesh& mesh, bool several) : merge_(several ? Merge::OnPartBoundaries : Merge::Nothing) {
     for (const FieldInfo& info : mesh.vertex_fields) part_.vertex_fields.push_back({info.name, info.components, {}});
     for (const FieldInfo& info : mesh.cell_fields) part_.cell_fields.push_back({info.name, info.components, {}});
+  }
+
+  // A part that packets are added to.
+  explicit PartBuilder(const Part& part) : merge_(Merge::Everything), part_(part.mesh) {
+    for (const std::uint32_t v : part.boundary.vertices.entities) shared_.emplace(part_.vert_to_global[v], v);
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      const std::size_t n = kBoundaryVertexCount[kind];
+      const auto verts = part_.boundary[kind].to_vert.span();
+      for (std::size_t i = 0; i < verts.size(); i += n) is_new_element(verts.subspan(i, n));
+    }
   }
 
   void reserve(std::span<const PacketView> packets) {
@@ -102,6 +113,8 @@ class PartBuilder {
     part_.entities.insert(part_.entities.end(), packet.entities.begin(), packet.entities.end());
   }
 
+  std::vector<std::uint32_t> locals() const { return local_; }
+
   PartMesh take() {
     std::stable_sort(part_.entities.begin(), part_.entities.end(),
                      [](const PartEntity& a, const PartEntity& b) { return a.entity < b.entity; });
@@ -114,11 +127,17 @@ class PartBuilder {
   }
 
  private:
-  // Only vertices that lay on a part boundary can come from several senders.
+  // Which vertices may be there already: none, those that lay on a part boundary before, or any.
+  enum class Merge { Nothing, OnPartBoundaries, Everything };
+
+  bool may_be_known(const PacketView& packet, std::size_t vert) const {
+    return merge_ == Merge::Everything || (merge_ == Merge::OnPartBoundaries && packet.shared[vert] != 0);
+  }
+
   void add_vertices(const PacketView& packet) {
     local_.resize(packet.points.size());
     for (std::size_t i = 0; i < local_.size(); ++i) {
-      if (several_ && packet.shared[i] != 0) {
+      if (may_be_known(packet, i)) {
         const auto next = static_cast<std::uint32_t>(part_.vertex_count());
         const auto [it, is_new] = shared_.try_emplace(packet.globals[i], next);
         local_[i] = it->second;
@@ -153,13 +172,13 @@ class PartBuilder {
     const std::size_t n = kBoundaryVertexCount[kind];
     for (std::size_t i = 0; i < packet.boundary_entities[kind].size(); ++i) {
       std::array<std::uint32_t, 4> verts{};
-      bool shared = several_;
+      bool known = true;
       for (std::size_t j = 0; j < n; ++j) {
         const std::uint32_t v = packet.boundary_verts[kind][i * n + j];
         verts[j] = local_[v];
-        shared = shared && packet.shared[v] != 0;
+        known = known && may_be_known(packet, v);
       }
-      if (shared && !is_new_element(std::span(verts).first(n))) continue;
+      if (known && !is_new_element(std::span(verts).first(n))) continue;
       block.to_vert.append(std::span<const std::uint32_t>(verts).first(n));
       block.to_entity.push_back(packet.boundary_entities[kind][i]);
     }
@@ -172,7 +191,7 @@ class PartBuilder {
     return elements_.insert(key).second;
   }
 
-  const bool several_;  // packets
+  const Merge merge_;
   PartMesh part_;
   std::vector<std::uint32_t> local_;                         // of the vertices of the packet at hand
   std::unordered_map<std::uint64_t, std::uint32_t> shared_;  // local vertex by global id; never walked through
@@ -193,6 +212,17 @@ PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh)
   PartMesh part = builder.take();
   connect_cells(part);
   return part;
+}
+
+PartMesh extend_part(const Part& part, std::vector<Message>& packets, const PartitionedMesh& mesh,
+                     std::vector<std::vector<std::uint32_t>>& locals) {
+  PartBuilder builder(part);
+  for (Message& packet : packets) {
+    builder.add(view_packet(packet.bytes, mesh));
+    locals.push_back(builder.locals());
+    packet.bytes = {};
+  }
+  return builder.take();
 }
 
 }  // namespace tetloom::detail

@@ -50,7 +50,7 @@ PackedEntity pack_entity(int dim, std::uint32_t index) {
 }  // namespace
 
 // Boundary elements by their lowest vertex. Elements of all kinds are numbered one after the other.
-struct PartPacker::BoundaryIndex {
+struct CellPacker::BoundaryIndex {
   explicit BoundaryIndex(const PartMesh& part) : first(part.vertex_count() + 1, 0), used(part.vertex_count(), false) {
     const auto for_each_element = [&](const auto& visit) {
       std::uint32_t number = 0;
@@ -122,39 +122,36 @@ void for_each_boundary_element_of(const Index& index, const CellShape& shape, co
 
 }  // namespace
 
-PartPacker::PartPacker(const Part& part, const Destinations& destinations, std::size_t part_count) : part_(part) {
-  if (destinations.size() != part.mesh.cell_count())
-    throw Error(ErrorCode::InvalidArgument, "a list of destinations is not as long as its part has cells");
-  sort_by_destination(destinations, part_count);
-  index_ = std::make_shared<const BoundaryIndex>(part.mesh);
-  shared_.assign(part.mesh.vertex_count(), false);
+CellPacker::CellPacker(const Part& part)
+    : part_(part), index_(std::make_shared<const BoundaryIndex>(part.mesh)), shared_(part.mesh.vertex_count(), false) {
   for (const std::uint32_t v : part.boundary.vertices.entities) shared_[v] = true;
 }
 
-void PartPacker::sort_by_destination(const Destinations& destinations, std::size_t part_count) {
-  std::vector<std::uint32_t> counts(part_count, 0);
+SortedCells sort_by_destination(const Destinations& destinations, std::size_t part_count) {
+  std::vector<std::uint32_t> counts(part_count, 0), filled(part_count, 0);
   for (const std::uint32_t part : destinations) {
     if (part >= part_count) throw Error(ErrorCode::InvalidArgument, "a cell's destination is not one of the parts");
     ++counts[part];
   }
-  std::vector<std::uint32_t> filled(part_count, 0);
+  SortedCells sorted;
   std::uint32_t begin = 0;
   for (std::size_t part = 0; part < part_count; ++part) {
     if (counts[part] == 0) continue;
-    receivers_.push_back(PartId(part));
-    first_.push_back(begin);
+    sorted.receivers.push_back(PartId(part));
+    sorted.first.push_back(begin);
     filled[part] = begin;
     begin += counts[part];
   }
-  first_.push_back(begin);
-  order_.resize(destinations.size());
-  for (std::uint32_t cell = 0; cell < destinations.size(); ++cell) order_[filled[destinations[cell]]++] = cell;
+  sorted.first.push_back(begin);
+  sorted.cells.resize(destinations.size());
+  for (std::uint32_t cell = 0; cell < destinations.size(); ++cell) sorted.cells[filled[destinations[cell]]++] = cell;
+  return sorted;
 }
 
 // Writes one packet: cells, then the vertices that they use, then boundary elements and model entities.
-class PartPacker::PacketWriter {
+class CellPacker::PacketWriter {
  public:
-  PacketWriter(const PartPacker& packer, Scratch& scratch)
+  PacketWriter(const CellPacker& packer, Scratch& scratch)
       : part_(packer.part_.mesh), shared_(packer.shared_), index_(*packer.index_), scratch_(scratch) {
     if (scratch_.local.size() == part_.vertex_count()) return;
     scratch_.local.assign(part_.vertex_count(), kNone);
@@ -296,8 +293,12 @@ class PartPacker::PacketWriter {
   EntitySet entities_;
 };
 
-Bytes PartPacker::pack(std::size_t k, Scratch& scratch) const {
-  return PacketWriter(*this, scratch).write(std::span(order_).subspan(first_[k], cell_count(k)));
+Bytes CellPacker::pack(std::span<const std::uint32_t> cells, Scratch& scratch,
+                       std::vector<std::uint32_t>* verts) const {
+  PacketWriter writer(*this, scratch);
+  Bytes bytes = writer.write(cells);
+  if (verts != nullptr) *verts = scratch.verts;
+  return bytes;
 }
 
 }  // namespace tetloom::detail
