@@ -52,6 +52,9 @@ SortedCells sort_by_destination(const Destinations& destinations, std::size_t pa
 /// of `mesh`.
 PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh);
 
+/// How many cells of each kind a packet holds.
+std::array<std::size_t, kCellKinds> count_cells(const Bytes& packet, const PartitionedMesh& mesh);
+
 /// `part` with the cells of `packets` added behind its own, whose numbers stay. Vertices and boundary elements that it
 /// has on its part boundary, or gets from several senders, are there once. Nothing is connected yet. `locals` gets, per
 /// packet, the numbers in the result of the packet's vertices.

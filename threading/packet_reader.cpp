@@ -214,6 +214,13 @@ PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh)
   return part;
 }
 
+std::array<std::size_t, kCellKinds> count_cells(const Bytes& packet, const PartitionedMesh& mesh) {
+  const PacketView view = view_packet(packet, mesh);
+  std::array<std::size_t, kCellKinds> counts{};
+  for (std::size_t kind = 0; kind < kCellKinds; ++kind) counts[kind] = view.cell_regions[kind].size();
+  return counts;
+}
+
 PartMesh extend_part(const Part& part, std::vector<Message>& packets, const PartitionedMesh& mesh,
                      std::vector<std::vector<std::uint32_t>>& locals) {
   PartBuilder builder(part);
