@@ -1,7 +1,6 @@
 #include "threading/exchange.hpp"
 
 #include <algorithm>
-#include <condition_variable>
 #include <mutex>
 #include <tuple>
 
@@ -21,21 +20,14 @@ std::size_t count_incoming(Communicator& communicator, const std::vector<Message
 
 std::vector<Message> exchange(Communicator& communicator, std::vector<Message> outgoing,
                               const std::function<int(PartId)>& rank_of) {
-  const std::size_t expected = count_incoming(communicator, outgoing, rank_of);
   std::vector<Message> arrived;
-  arrived.reserve(expected);
+  arrived.reserve(count_incoming(communicator, outgoing, rank_of));
   std::mutex mutex;  // around `arrived`, which the communicator's own thread may fill
-  std::condition_variable changed;
   communicator.open([&](Message&& message) {
     const std::lock_guard lock(mutex);
-    arrived.push_back(std::move(message));
-    changed.notify_one();
+    if (message.to.valid()) arrived.push_back(std::move(message));
   });
   for (Message& message : outgoing) communicator.send(std::move(message), rank_of(message.to));
-  {
-    std::unique_lock lock(mutex);
-    changed.wait(lock, [&] { return arrived.size() == expected; });
-  }
   communicator.close();
   std::sort(arrived.begin(), arrived.end(), [](const Message& a, const Message& b) {
     return std::tie(a.to, a.from, a.step) < std::tie(b.to, b.from, b.step);

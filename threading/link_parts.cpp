@@ -270,9 +270,10 @@ class PartLinker {
 }  // namespace
 
 void link_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trace* trace) {
-  PerPart<Residence> residence = detail::find_residence(mesh, runner);
+  const TaskRunner deaf_runner = runner.uninterruptible();
+  PerPart<Residence> residence = detail::find_residence(mesh, deaf_runner);
   PerPart<PartLinker> linkers(mesh.part_count(), mesh.local());
-  runner.for_each(mesh.local().size(), [&](std::size_t i) {
+  deaf_runner.for_each(mesh.local().size(), [&](std::size_t i) {
     const PartId part = mesh.local()[i];
     linkers.at(part).begin(mesh.parts.at(part).mesh, std::move(residence.at(part)));
   });

@@ -44,6 +44,8 @@ class TaskRunner {
   bool cancelled() const;
   /// Throws Error(Cancelled) when cancelled. Bodies longer than a few milliseconds call it now and then.
   void check_cancelled() const;
+  /// The same threads and progress, deaf to the host's wish to stop: for what must not be torn apart.
+  TaskRunner uninterruptible() const;
 
  private:
   friend class Schedule;
@@ -52,9 +54,6 @@ class TaskRunner {
 
   /// Carries out `call` on the calling thread as one of the runner's threads: what it hands to oneTBB stays with them.
   void execute(const std::function<void()>& call) const;
-  /// The same threads and progress, deaf to the host's wish to stop.
-  TaskRunner uninterruptible() const;
-
   std::shared_ptr<State> state_;
   bool hears_cancel_ = true;
 };

@@ -256,8 +256,9 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
   mesh.communicator->sum(sums);
 
   if (sums[1] == 0) {
-    const PerPart<detail::Residence> residence = detail::find_residence(mesh, runner);
-    runner.for_each(local.size(), [&](std::size_t i) {
+    const TaskRunner deaf_runner = runner.uninterruptible();  // no rank may leave before the others
+    const PerPart<detail::Residence> residence = detail::find_residence(mesh, deaf_runner);
+    deaf_runner.for_each(local.size(), [&](std::size_t i) {
       validators[i].check_globals();
       validators[i].check_residence(residence.at(local[i]));
       validators[i].check_open_faces(sums[0] > 0);
