@@ -5,3 +5,6 @@
 #include "threading/communicator.hpp"
 
 std::unique_ptr<tetloom::Communicator> make_communicator();
+
+/// How many random meshes to try: fewer where messages take their time.
+unsigned migration_seeds();

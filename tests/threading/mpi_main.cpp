@@ -2,10 +2,13 @@
 #define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
 
+#include "tests/support/sanitized.hpp"
 #include "tests/threading/communicators.hpp"
 #include "threading/mpi_communicator.hpp"
 
 std::unique_ptr<tetloom::Communicator> make_communicator() { return tetloom::make_mpi_communicator(10'000); }
+
+unsigned migration_seeds() { return tetloom::test::kSanitized ? 10 : 200; }
 
 int main(int argc, char** argv) {
   const tetloom::MpiSession mpi(argc, argv);
