@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,10 @@ class Communicator {
   /// Raised when a rank fails inside a run: the others' runs end with an Error too instead of waiting for ever.
   virtual void announce_failure() = 0;
   virtual bool failed_elsewhere() const = 0;
+
+  /// What MPI_Comm_c2f says of the communicator's own MPI communicator, for libraries that need one; nothing where the
+  /// ranks are not MPI's.
+  virtual std::optional<int> mpi_handle() const { return {}; }
 
   /// The rank that hosts part `part` of `part_count`.
   int rank_of(PartId part, std::size_t part_count) const {

@@ -70,6 +70,7 @@ class MpiCommunicator : public Communicator {
 
   int rank() const override { return rank_; }
   int rank_count() const override { return rank_count_; }
+  std::optional<int> mpi_handle() const override { return static_cast<int>(MPI_Comm_c2f(comm_)); }
 
   void open(Receiver receiver) override;
   void send(Message&& message, int destination_rank) override;

@@ -7,6 +7,7 @@
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
+#include "threading/balance/spread_graph_detail.hpp"
 
 namespace tetloom {
 namespace {
@@ -68,6 +69,18 @@ void check_options(const PartitionedMesh& mesh, const BalanceOptions& options) {
     throw Error(ErrorCode::InvalidArgument, "the field '" + options.weights + "' has more than one value per cell");
 }
 
+// On all ranks where one rank has a bad weight.
+void check_weights(const PartitionedMesh& mesh, const PerPart<PartItems>& items) {
+  std::array<std::int64_t, 1> bad{};
+  for (const PartId part : mesh.local())
+    bad[0] += std::count_if(items.at(part).weights.begin(), items.at(part).weights.end(),
+                            [](double weight) { return !(weight > 0) || !std::isfinite(weight); });
+  mesh.communicator->sum(bad);
+  if (bad[0] > 0)
+    throw Error(ErrorCode::InvalidArgument,
+                std::to_string(bad[0]) + " cells have a weight that is not a positive number");
+}
+
 // Whether parts can be cut on their own: they make a whole number of targets each, and are in balance.
 bool can_split_locally(const PartitionedMesh& mesh, const BalanceOptions& options, const PerPart<PartItems>& items) {
   if (options.part_count % mesh.part_count() != 0) return false;
@@ -87,9 +100,11 @@ bool can_split_locally(const PartitionedMesh& mesh, const BalanceOptions& option
   return kWeightUnits <= (1 + options.imbalance) * mean;
 }
 
-std::vector<std::int64_t> integer_weights(std::span<const double> weights) {
-  if (weights.empty()) return {};
-  const double greatest = *std::max_element(weights.begin(), weights.end());
+double greatest_of(std::span<const double> weights) {
+  return weights.empty() ? 0 : *std::max_element(weights.begin(), weights.end());
+}
+
+std::vector<std::int64_t> integer_weights(std::span<const double> weights, double greatest) {
   std::vector<std::int64_t> result(weights.size());
   std::transform(weights.begin(), weights.end(), result.begin(), [&](double weight) {
     return std::max<std::int64_t>(1, std::llround(weight / greatest * kWeightUnits));
@@ -110,7 +125,7 @@ void smooth(const PartMesh& part, std::span<const double> weights, TargetRange r
             Destinations& targets, const TaskRunner& runner) {
   if (range.count == 1 || !has_tets_alone(part)) return;
   for (std::uint32_t& target : targets) target -= range.first;
-  const std::vector<std::int64_t> integers = integer_weights(weights);
+  const std::vector<std::int64_t> integers = integer_weights(weights, greatest_of(weights));
   SmoothingOptions options;
   options.imbalance = imbalance;
   smooth_part_boundaries({neighbor_codes(part), integers, targets, range.count}, runner, options);
@@ -135,7 +150,7 @@ void partition_by_scotch(const PartMesh& part, std::span<const double> weights, 
       first.push_back(neighbours.size());
     }
   }
-  const std::vector<std::int64_t> integers = integer_weights(weights);
+  const std::vector<std::int64_t> integers = integer_weights(weights, greatest_of(weights));
   partition_scotch({first, neighbours, integers}, range.count, imbalance, targets);
   for (std::uint32_t& target : targets) target += range.first;
 }
@@ -166,6 +181,7 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
     destinations.at(local[i]).resize(own.points.size());
   });
 
+  check_weights(mesh, items);
   const bool split = can_split_locally(mesh, options, items);
   const auto factor = static_cast<std::uint32_t>(split ? options.part_count / mesh.part_count() : options.part_count);
   std::vector<ItemBlock> blocks;
@@ -187,9 +203,12 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
                           destinations.at(local[i]));
     });
   } else if (options.method == PartitionMethod::Scotch) {
-    throw Error(ErrorCode::InvalidArgument,
-                "scotch cuts each part on its own, so the number of parts must be a multiple of the present one, and "
-                "the parts in balance; use rcb or sfc, or gather the mesh in one part first");
+    PerPart<std::vector<std::int64_t>> weights(mesh.part_count(), local);
+    std::array<double, 1> greatest{};
+    for (const PartId part : local) greatest[0] = std::max(greatest[0], greatest_of(items.at(part).weights));
+    mesh.communicator->max(greatest);
+    for (const PartId part : local) weights.at(part) = integer_weights(items.at(part).weights, greatest[0]);
+    balance_detail::partition_spread_graph(mesh, weights, part_count, options.imbalance, destinations, runner);
   } else if (options.method == PartitionMethod::Sfc) {
     split ? split_blocks_sfc(blocks, ranges, runner) : partition_sfc(blocks, part_count, *mesh.communicator, runner);
   } else {

@@ -11,7 +11,7 @@ namespace tetloom {
 enum class PartitionMethod {
   Rcb,    ///< recursive bisection by planes; part boundaries are smoothed then
   Sfc,    ///< along a Hilbert curve
-  Scotch  ///< graph partitioning by Scotch, of each part on its own where there are several
+  Scotch  ///< graph partitioning: by Scotch, or by Zoltan where parts that are dealt anew lie on several ranks
 };
 
 std::string_view to_string(PartitionMethod method);
