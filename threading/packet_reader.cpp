@@ -123,6 +123,13 @@ class PartBuilder {
     part_.points.shrink_to_fit();
     part_.vert_to_entity.shrink_to_fit();
     part_.vert_to_global.shrink_to_fit();
+    for (VertexField& field : part_.vertex_fields) field.values.shrink_to_fit();
+    for (CellField& field : part_.cell_fields)
+      for (auto& values : field.values) values.shrink_to_fit();
+    for (BoundaryBlock& block : part_.boundary) {
+      block.to_vert.shrink_to_fit();
+      block.to_entity.shrink_to_fit();
+    }
     return std::move(part_);
   }
 

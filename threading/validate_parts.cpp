@@ -75,6 +75,25 @@ class PartValidator {
   }
 
   // Pre: check_arrays.
+  void check_adjacency() {
+    for (const CellKind kind : kAllCellKinds) {
+      const std::uint32_t faces = shape_of(kind).face_count;
+      const auto count = static_cast<std::uint32_t>(mesh_.block(kind).size() * faces);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const CellPlace face(kind, i / faces, i % faces), behind = neighbor_of(mesh_, face);
+        if (!behind.valid()) continue;
+        if (!is_face(behind) || neighbor_of(mesh_, behind) != face ||
+            key_of_face(mesh_, behind) != key_of_face(mesh_, face))
+          add("cells do not name each other as neighbours", point_of(face));
+      }
+    }
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+      if (!is_corner(mesh_.vert_to_place[v], v)) add("a vertex names a corner that is not its own", mesh_.points[v]);
+    for (const FurtherPlace& further : mesh_.further_places)
+      if (!is_corner(further.place, further.vert)) add("a vertex names a corner that is not its own", {});
+  }
+
+  // Pre: check_arrays.
   void check_residence(const detail::Residence& residence) {
     const auto& shared = part_.boundary.vertices;
     std::vector<std::uint32_t> slot(mesh_.vertex_count(), kNone);
@@ -181,6 +200,12 @@ class PartValidator {
     return face.valid() && face.cell() < mesh_.block(face.kind()).size() &&
            face.place() < shape_of(face.kind()).face_count;
   }
+  bool is_corner(CellPlace place, std::uint32_t vert) const {
+    if (!place.valid() || place.cell() >= mesh_.block(place.kind()).size()) return false;
+    const std::uint32_t n = shape_of(place.kind()).vertex_count;
+    return place.place() < n &&
+           mesh_.block(place.kind()).to_vert[std::size_t{place.cell()} * n + place.place()] == vert;
+  }
   Vec3 point_of(CellPlace face) const { return mesh_.points[vertices_of_face(mesh_, face)[0]]; }
 
   Claim claim_of(std::span<const std::uint32_t> verts) const {
@@ -260,6 +285,7 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
     const PerPart<detail::Residence> residence = detail::find_residence(mesh, deaf_runner);
     deaf_runner.for_each(local.size(), [&](std::size_t i) {
       validators[i].check_globals();
+      validators[i].check_adjacency();
       validators[i].check_residence(residence.at(local[i]));
       validators[i].check_open_faces(sums[0] > 0);
     });

@@ -23,7 +23,8 @@ struct PartsReport {
   bool valid() const { return total == 0; }
 };
 
-/// Checks that arrays fit together; that global ids are distinct within a part; that the copies listed for every shared
+/// Checks that arrays fit together; that neighbours inside a part name each other at the same face, and vertices name
+/// corners of their own; that global ids are distinct within a part; that the copies listed for every shared
 /// vertex are exactly the parts that have its global id; that links of vertices, edges and faces name each other from
 /// both sides, and agree in global ids, coordinates and classification; that every face without a cell behind it is
 /// either shared with exactly one part, where nothing is behind it either, or, in meshes with boundary elements, a

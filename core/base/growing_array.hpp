@@ -76,8 +76,9 @@ class GrowingArray {
   /// New values are copies of `value`.
   void resize(std::size_t count, const T& value = T{}) {
     const std::size_t before = size_;
+    const T copy = value;  // may lie in this array
     resize_for_overwrite(count);
-    if (count > before) std::fill(data_ + before, data_ + count, value);
+    if (count > before) std::fill(data_ + before, data_ + count, copy);
   }
   /// New values hold anything.
   void resize_for_overwrite(std::size_t count) {
