@@ -10,12 +10,14 @@
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/input_detail.hpp"
+#include "core/io/mesh_piece.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace tetloom::detail {
 
 // Pre of all writers: require_consistent(mesh).
 void write_vtu(const Mesh& mesh, AtomicFile& file);
+void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file);
 void write_msh(const Mesh& mesh, AtomicFile& file);
 void write_medit_text(const Mesh& mesh, AtomicFile& file);
 void write_medit_binary(const Mesh& mesh, AtomicFile& file);
@@ -26,6 +28,7 @@ inline constexpr std::string_view kMshSignature = "tetloom: signed boundaries of
 
 // The readers leave checking indices and array lengths to finish_mesh.
 Mesh read_vtu(const InputFile& file);
+MeshPiece read_vtu_piece(const InputFile& file);
 Mesh read_msh(const InputFile& file);
 Mesh read_medit_text(const InputFile& file);
 Mesh read_medit_binary(const InputFile& file);

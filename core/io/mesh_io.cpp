@@ -6,6 +6,7 @@
 #include <new>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom {
@@ -80,6 +81,31 @@ Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try
   Mesh mesh = format.read(file);
   detail::check_read_mesh(file, mesh);
   return mesh;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+void write_mesh_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, const std::filesystem::path& path,
+                      const CancelToken* cancel) {
+  require_consistent(mesh);
+  require_names(mesh.point_fields);
+  require_names(mesh.cell_fields);
+  const bool fits = global_ids.size() == mesh.points.size() &&
+                    std::all_of(global_ids.begin(), global_ids.end(), [](std::uint64_t id) { return id >> 63 == 0; });
+  if (!fits) throw Error(ErrorCode::InvalidArgument, "a piece needs one global id below 2^63 for each point");
+  for (const MeshField& field : mesh.point_fields)
+    if (field.name == detail::kGlobalId)
+      throw Error(ErrorCode::InvalidArgument, "a field on points has the name 'global_id', which pieces use themselves");
+  AtomicFile file(path, cancel);
+  detail::write_vtu_piece(mesh, global_ids, file);
+  file.commit();
+}
+
+MeshPiece read_mesh_piece(const std::filesystem::path& path, const CancelToken* cancel) try {
+  const detail::InputFile file(path, cancel);
+  MeshPiece piece = detail::read_vtu_piece(file);
+  if (!piece.mesh.points.empty()) detail::check_read_mesh(file, piece.mesh);
+  return piece;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
 }

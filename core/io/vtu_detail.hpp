@@ -35,6 +35,14 @@ constexpr bool is_classification(std::string_view name, bool of_points) {
   return name == kEntityDim || name == kEntityTag || (!of_points && name == kRegion);
 }
 
+/// The array with the global ids of the points of a piece. Fields are written as Float64, so the type tells them apart.
+inline constexpr std::string_view kGlobalId = "global_id";
+constexpr bool is_global_id(std::string_view name, std::string_view type) {
+  return name == kGlobalId && type == "UInt64";
+}
+/// How many numbers a field may have for each point or cell.
+inline constexpr std::size_t kMostVtuComponents = 1'000'000;
+
 /// Text as it stands in an XML attribute, and back. Character references beyond ASCII are left as they are.
 std::string xml_escaped(std::string_view text);
 std::string xml_unescaped(std::string_view text);

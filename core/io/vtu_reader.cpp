@@ -32,7 +32,6 @@ constexpr std::array<std::string_view, 7> kTagNames{kEntityTag, "gmsh:geometrica
                                                     "region",   "material",         "MaterialIDs"};
 
 constexpr std::array<std::int64_t, kBlocks> kCorners{2, 3, 4, 4, 5, 6, 8};  // by Block
-constexpr std::size_t kMostComponents = 1'000'000;
 
 std::optional<Block> block_of(std::int64_t type) {
   const auto* found = std::find(kVtkTypes.begin(), kVtkTypes.end(), type);
@@ -48,7 +47,8 @@ struct GrowingField {
 
 class VtuReader {
  public:
-  explicit VtuReader(const InputFile& file) : file_(file), document_(parse_xml(file)), decoder_(file, document_) {}
+  explicit VtuReader(const InputFile& file, std::vector<std::uint64_t>* global_ids = nullptr)
+      : file_(file), document_(parse_xml(file)), decoder_(file, document_), global_ids_(global_ids) {}
 
   Mesh read() {
     const XmlElement& root = document_.front();
@@ -63,7 +63,7 @@ class VtuReader {
     for (const std::size_t index : grid->children)
       if (document_[index].name == "Piece") read_piece(document_[index]);
     finish_fields();
-    if (points_are_classified_) return std::move(mesh_);
+    if (points_are_classified_ || (global_ids_ != nullptr && mesh_.points.empty())) return std::move(mesh_);
     check_read_mesh(file_, mesh_);
     classify_points(mesh_, corners_);
     return std::move(mesh_);
@@ -161,6 +161,7 @@ class VtuReader {
       mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
     mesh_.point_to_entity.resize(mesh_.points.size());
     const XmlElement* data = child(piece, "PointData");
+    if (global_ids_ != nullptr) read_global_ids(data, count);
     if (first_point == 0) begin_fields(data, true, {}, point_fields_);
     grow_fields(data, count, point_fields_, [](std::size_t) { return std::optional(std::size_t{0}); });
     const std::optional<VtuArray> dims = find_tags(data, kEntityDim, count), tags = find_tags(data, kEntityTag, count);
@@ -171,6 +172,19 @@ class VtuReader {
       const std::uint32_t index = index_of_tag(tags->integer(i));
       if (dim >= 0 && dim <= 3 && index != ModelFaceId::kNone)
         mesh_.point_to_entity[first_point + i] = {static_cast<int>(dim), index};
+    }
+  }
+
+  void read_global_ids(const XmlElement* data, std::size_t count) {
+    const XmlElement* array = array_named(data, kGlobalId);
+    if (array == nullptr || !is_global_id(kGlobalId, array->attribute("type")))
+      file_.fail(ErrorCode::InputUnsuitable, "the points have no array 'global_id' of the type UInt64");
+    const VtuArray ids = decoder_.decode(*array);
+    expect_size(ids, count, "global ids");
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int64_t id = ids.integer(i);
+      if (id < 0) file_.fail(ErrorCode::InputUnreadable, "a global id is not below 2^63");
+      global_ids_->push_back(static_cast<std::uint64_t>(id));
     }
   }
 
@@ -211,7 +225,7 @@ class VtuReader {
     if (digits.empty()) return 1;
     std::size_t value = 0;
     const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (result.ec != std::errc() || value < 1 || value > kMostComponents)
+    if (result.ec != std::errc() || value < 1 || value > kMostVtuComponents)
       file_.fail_at_line("an array with the number of components '" + std::string(digits.substr(0, 20)) + "'",
                          array.name.data());
     return value;
@@ -226,6 +240,7 @@ class VtuReader {
       const std::string_view name = array.attribute("Name");
       const bool numeric = array.name == "DataArray" && scalar_type(array.attribute("type")).has_value();
       if (!numeric || name.empty() || name == tag_name || is_classification(name, of_points)) continue;
+      if (of_points && is_global_id(name, array.attribute("type"))) continue;
       const std::string plain = xml_unescaped(name);
       const bool known = std::any_of(fields.begin(), fields.end(), [&](const auto& f) { return f.name == plain; });
       if (!known) fields.push_back({plain, components_of(array), {}});
@@ -334,6 +349,7 @@ class VtuReader {
   const InputFile& file_;
   std::vector<XmlElement> document_;
   VtuDecoder decoder_;
+  std::vector<std::uint64_t>* global_ids_;  // null: they are not asked for
   Mesh mesh_;
   std::vector<Corner> corners_;
   std::vector<GrowingField> point_fields_, cell_fields_;
@@ -343,5 +359,11 @@ class VtuReader {
 }  // namespace
 
 Mesh read_vtu(const InputFile& file) { return VtuReader(file).read(); }
+
+MeshPiece read_vtu_piece(const InputFile& file) {
+  MeshPiece piece;
+  piece.mesh = VtuReader(file, &piece.global_ids).read();
+  return piece;
+}
 
 }  // namespace tetloom::detail

@@ -23,13 +23,17 @@ struct DataArray {
 
 class VtuWriter {
  public:
-  VtuWriter(const Mesh& mesh, AtomicFile& file) : mesh_(mesh), file_(file) {
+  VtuWriter(const Mesh& mesh, AtomicFile& file, const std::span<const std::uint64_t>* global_ids = nullptr)
+      : mesh_(mesh), file_(file) {
     for_each_block(mesh, [&](Block, const auto& elements, const auto&) {
       cells_ += elements.size();
       if (!elements.empty()) corners_ += elements.size() * elements[0].size();
     });
     add_attributes();
     add_point_data();
+    if (global_ids != nullptr)
+      add("PointData", std::string(kGlobalId), "UInt64", 1, global_ids->size(), 8,
+          [this, ids = *global_ids] { file_.write(ids.data(), ids.size_bytes()); });
     add_cell_data();
     add_fields();
     add("Points", "Points", "Float64", 3, mesh.points.size(), 8,
@@ -207,5 +211,9 @@ class VtuWriter {
 }  // namespace
 
 void write_vtu(const Mesh& mesh, AtomicFile& file) { VtuWriter(mesh, file).write(); }
+
+void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file) {
+  VtuWriter(mesh, file, &global_ids).write();
+}
 
 }  // namespace tetloom::detail

@@ -30,7 +30,8 @@ std::span<const T> view(const std::vector<T>& values) {
 
 class PartMaker {
  public:
-  explicit PartMaker(const Mesh& mesh) : mesh_(mesh) {}
+  /// Without `global_ids`, those are the indices of the points.
+  PartMaker(const Mesh& mesh, std::span<const std::uint64_t> global_ids) : mesh_(mesh), global_ids_(global_ids) {}
 
   PartMesh make() {
     require_consistent(mesh_);
@@ -70,7 +71,7 @@ class PartMaker {
       if (local_[i] == kNone) continue;
       part_.points.push_back(mesh_.points[i]);
       part_.vert_to_entity.push_back(PackedEntity(entity_of_point(mesh_, i)));
-      part_.vert_to_global.push_back(i);
+      part_.vert_to_global.push_back(global_ids_.empty() ? i : global_ids_[i]);
     }
   }
 
@@ -146,9 +147,43 @@ class PartMaker {
   }
 
   const Mesh& mesh_;
+  const std::span<const std::uint64_t> global_ids_;
   PartMesh part_;
   std::vector<std::uint32_t> local_;
 };
+
+void require_distinct(const Mesh& mesh, std::span<const std::uint64_t> global_ids) {
+  std::vector<std::uint32_t> order(global_ids.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return global_ids[a] < global_ids[b]; });
+  const auto twice = std::adjacent_find(order.begin(), order.end(),
+                                        [&](auto a, auto b) { return global_ids[a] == global_ids[b]; });
+  if (twice == order.end()) return;
+  Diagnostic diagnostic{ErrorCode::InputUnsuitable, {}, {}, mesh.points[*twice], {}};
+  diagnostic.message = "two points have the global id " + std::to_string(global_ids[*twice]);
+  throw Error(std::move(diagnostic));
+}
+
+// Tables by index have entries for entities that this piece knows nothing of; another piece does, and must be heard.
+void drop_unknown_entities(PartMesh& part) {
+  std::vector<ModelEntity> used;
+  ModelEntity last;
+  const auto note = [&](ModelEntity entity) {
+    if (entity != last) used.push_back(last = entity);
+  };
+  for (const PackedEntity entity : part.vert_to_entity) note(entity.unpack());
+  for (const CellBlock& block : part.cells)
+    for (const std::uint32_t region : block.to_region) note({3, region});
+  for (std::size_t kind = 0; kind < part.boundary.size(); ++kind)
+    for (const std::uint32_t entity : part.boundary[kind].to_entity) note({kind == 0 ? 1 : 2, entity});
+  std::sort(used.begin(), used.end());
+  std::erase_if(part.entities, [&](const PartEntity& entity) {
+    const EntityAttributes& attributes = entity.attributes;
+    const bool blank = attributes.name.empty() && attributes.layer.empty() && !attributes.color &&
+                       attributes.tolerance == 0 && !entity.sides.front.valid() && !entity.sides.back.valid();
+    return blank && !std::binary_search(used.begin(), used.end(), entity.entity);
+  });
+}
 
 class MeshMaker {
  public:
@@ -232,7 +267,16 @@ class MeshMaker {
 
 }  // namespace
 
-PartMesh make_part(const Mesh& mesh) { return PartMaker(mesh).make(); }
+PartMesh make_part(const Mesh& mesh) { return PartMaker(mesh, {}).make(); }
+
+PartMesh make_part(const Mesh& mesh, std::span<const std::uint64_t> global_ids) {
+  if (global_ids.size() != mesh.points.size())
+    throw Error(ErrorCode::InvalidArgument, "a piece of a mesh needs one global id for each point");
+  require_distinct(mesh, global_ids);
+  PartMesh part = PartMaker(mesh, global_ids).make();
+  drop_unknown_entities(part);
+  return part;
+}
 
 Mesh make_mesh(const PartMesh& part) { return MeshMaker(part).make(); }
 

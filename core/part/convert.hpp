@@ -1,5 +1,8 @@
 #pragma once
 // Between a mesh in one piece, as it is read, written and validated, and the mesh of a part.
+#include <cstdint>
+#include <span>
+
 #include "core/mesh/mesh.hpp"
 #include "core/part/part_mesh.hpp"
 
@@ -11,6 +14,11 @@ namespace tetloom {
 /// Errors: InvalidArgument (array lengths, indices); InputUnsuitable when `mesh` has no volume cells, when a triangle,
 /// quadrilateral or edge belongs to no cell (the element and a point are named), or when it is too large for a part.
 PartMesh make_part(const Mesh& mesh);
+
+/// The same for a piece of a larger mesh: vertices have the given global ids, one for each point of `mesh`, and only
+/// those model entities are kept that the piece lies on or that have attributes or sides. Errors: also InvalidArgument
+/// when there are too few or too many ids, and InputUnsuitable when two points have the same one.
+PartMesh make_part(const Mesh& mesh, std::span<const std::uint64_t> global_ids);
 
 /// The mesh of a part on its own. Points stand by global id, elements as in the part.
 Mesh make_mesh(const PartMesh& part);

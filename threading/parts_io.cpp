@@ -1,0 +1,41 @@
+#include "threading/parts_io.hpp"
+
+#include <cctype>
+
+#include "core/io/mesh_io.hpp"
+#include "threading/agreement.hpp"
+#include "threading/parts_io_detail.hpp"
+#include "threading/whole_mesh.hpp"
+
+namespace tetloom {
+namespace {
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+}  // namespace
+
+bool is_piece_list(const std::filesystem::path& path) { return extension_of(path) == ".pvtu"; }
+
+bool is_writable_parts_format(const std::filesystem::path& path) { return is_piece_list(path); }
+
+void write_parts(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
+                 const CancelToken* cancel) {
+  if (!is_writable_parts_format(path))
+    throw Error(ErrorCode::InvalidArgument,
+                "'" + path.string() + "' is no partitioned file by its extension; known are .msh, .pvtu");
+  detail::write_pieces(mesh, path, runner, cancel);
+}
+
+PartitionedMesh read_parts(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
+                           const CancelToken* cancel) {
+  if (is_piece_list(path)) return detail::read_pieces(path, communicator, runner, cancel);
+  Mesh mesh;
+  run_on_first(communicator, [&] { mesh = read_mesh(path, cancel); });
+  return distribute_mesh(mesh, communicator);
+}
+
+}  // namespace tetloom

@@ -1,0 +1,12 @@
+#pragma once
+// Private to threading: one reader and one writer per format.
+#include "threading/parts_io.hpp"
+
+namespace tetloom::detail {
+
+void write_pieces(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
+                  const CancelToken* cancel);
+PartitionedMesh read_pieces(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
+                            const CancelToken* cancel);
+
+}  // namespace tetloom::detail
