@@ -54,7 +54,9 @@ std::optional<Diagnostic> failure_of(const std::function<void()>& work) {
   return std::nullopt;
 }
 
-void run_on_all(Communicator& communicator, const std::function<void()>& work) { agree(communicator, failure_of(work)); }
+void run_on_all(Communicator& communicator, const std::function<void()>& work) {
+  agree(communicator, failure_of(work));
+}
 
 void run_on_first(Communicator& communicator, const std::function<void()>& work) {
   agree(communicator, communicator.rank() == 0 ? failure_of(work) : std::nullopt);

@@ -80,12 +80,10 @@ PartsFigures measure_parts(const PartitionedMesh& mesh, const std::string& weigh
   std::array<std::int64_t, 1> shared_faces{};
   for (const PartId id : mesh.local()) {
     const Part& part = mesh.parts.at(id);
-    const std::array<std::int64_t, kColumns> row{static_cast<std::int64_t>(part.mesh.cell_count()),
-                                                 static_cast<std::int64_t>(part.mesh.vertex_count()),
-                                                 static_cast<std::int64_t>(part.boundary.vertices.size()),
-                                                 count_face_neighbours(part),
-                                                 std::bit_cast<std::int64_t>(weight_of(part.mesh, weights)),
-                                                 count_owned_vertices(id, part)};
+    const std::array<std::int64_t, kColumns> row{
+        static_cast<std::int64_t>(part.mesh.cell_count()),          static_cast<std::int64_t>(part.mesh.vertex_count()),
+        static_cast<std::int64_t>(part.boundary.vertices.size()),   count_face_neighbours(part),
+        std::bit_cast<std::int64_t>(weight_of(part.mesh, weights)), count_owned_vertices(id, part)};
     std::copy(row.begin(), row.end(), values.begin() + static_cast<std::ptrdiff_t>(kColumns * id.value));
     shared_faces[0] += static_cast<std::int64_t>(part.boundary.faces.size());
   }

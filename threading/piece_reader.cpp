@@ -88,7 +88,8 @@ class PieceReader {
     std::set<std::string> names;
     for (const PieceList::Piece& piece : list_.pieces)
       if (!names.insert(piece.source).second)
-        throw Error(ErrorCode::InputUnreadable, "'" + path_.string() + "': the piece '" + piece.source + "' is listed twice");
+        throw Error(ErrorCode::InputUnreadable,
+                    "'" + path_.string() + "': the piece '" + piece.source + "' is listed twice");
   }
 
   // Ranks on machines of their own may see another state of the file.
@@ -105,8 +106,8 @@ class PieceReader {
     run_on_all(communicator_, [&] {
       runner_.for_each(local.size(), [&](std::size_t i) {
         const std::filesystem::path file = file_of(local[i].value);
-        failures[i] = failure_of(
-            [&] { mesh.parts.at(local[i]).mesh = read_piece(list_, local[i].value, file, cancel_); });
+        failures[i] =
+            failure_of([&] { mesh.parts.at(local[i]).mesh = read_piece(list_, local[i].value, file, cancel_); });
         if (failures[i]) failures[i] = in_file(file, std::move(*failures[i]));
         runner_.advance();
       });
@@ -124,8 +125,9 @@ class PieceReader {
       if (shown == nullptr || (!shown->point && problem.point)) shown = &problem;
     if (shown != nullptr) {
       failure = Diagnostic{ErrorCode::InputUnsuitable, {}, {}, shown->point, {}};
-      failure->message = "'" + file_of(shown->part.value).string() + "' does not fit the other pieces: " +
-                         shown->message + (shown->count > 1 ? " (" + std::to_string(shown->count) + " times)" : "");
+      failure->message = "'" + file_of(shown->part.value).string() +
+                         "' does not fit the other pieces: " + shown->message +
+                         (shown->count > 1 ? " (" + std::to_string(shown->count) + " times)" : "");
     }
     agree(communicator_, failure);
   }
@@ -137,8 +139,9 @@ class PieceReader {
     if (found == list_.totals) return;
     throw Error(ErrorCode::InputUnsuitable,
                 "'" + path_.string() + "': the pieces have " + std::to_string(found.points) + " points and " +
-                    std::to_string(found.cut_faces) + " faces between them, but " + std::to_string(list_.totals.points) +
-                    " and " + std::to_string(list_.totals.cut_faces) + " by the list: they do not belong together");
+                    std::to_string(found.cut_faces) + " faces between them, but " +
+                    std::to_string(list_.totals.points) + " and " + std::to_string(list_.totals.cut_faces) +
+                    " by the list: they do not belong together");
   }
 
   const std::filesystem::path path_;

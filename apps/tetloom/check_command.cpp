@@ -1,12 +1,15 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
 #include "apps/tetloom/mesh_text.hpp"
+#include "apps/tetloom/parts_input.hpp"
+#include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -62,11 +65,9 @@ std::string verdict(const ValidationReport& validation, const Mesh& mesh) {
              : "The surface is valid; it is open at " + format_count(validation.open_edges) + " edges.\n";
 }
 
-void check_mesh(const CheckCommand& command, Run& run) {
+/// `parts_text` describes the parts, where the mesh has some.
+void check_whole(const Mesh& mesh, const std::string& parts_text, Run& run) {
   RunReport& report = run.report();
-  run.begin(Stage::Read);
-  Mesh mesh;
-  report.seconds.read = timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
   report.entities = mesh.entities;
 
@@ -81,14 +82,27 @@ void check_mesh(const CheckCommand& command, Run& run) {
     report.digest = mesh_digest(mesh);
   }
   report.extra["mesh"] = mesh_json(mesh, report);
-  run.set_text(render_mesh(mesh, report) + verdict(validation, mesh));
+  run.set_text(render_mesh(mesh, report) + parts_text + verdict(validation, mesh));
+}
+
+void check_mesh(const CheckCommand& command, Run& run) {
+  run.begin(Stage::Read);
+  Mesh mesh;
+  run.report().seconds.read =
+      timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
+  check_whole(mesh, {}, run);
 }
 
 }  // namespace
 
-ExitStatus run_check(const CheckCommand& command) {
-  Run run({.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet});
-  return run.execute([&](Run& r) { check_mesh(command, r); });
+ExitStatus run_check(const CheckCommand& command, Communicator& communicator) {
+  Run run(
+      {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
+  return run.execute([&](Run& r) {
+    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r))
+      return run_on_first(communicator, [&] { check_whole(whole->mesh, render_parts(whole->figures), r); });
+    run_on_first(communicator, [&] { check_mesh(command, r); });
+  });
 }
 
 }  // namespace tetloom::app

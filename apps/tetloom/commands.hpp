@@ -2,11 +2,14 @@
 // The subcommands. Each runs to its end, prints, writes its report and says how it ended.
 #include "apps/tetloom/exit_status.hpp"
 #include "apps/tetloom/options.hpp"
+#include "threading/communicator.hpp"
 
 namespace tetloom::app {
 
 ExitStatus run_mesh(const MeshCommand& command);
-ExitStatus run_info(const InfoCommand& command);
-ExitStatus run_check(const CheckCommand& command);
+/// The others are collective calls.
+ExitStatus run_info(const InfoCommand& command, Communicator& communicator);
+ExitStatus run_check(const CheckCommand& command, Communicator& communicator);
+ExitStatus run_partition(const PartitionCommand& command, Communicator& communicator);
 
 }  // namespace tetloom::app

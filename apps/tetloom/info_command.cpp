@@ -1,9 +1,12 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/mesh_text.hpp"
 #include "apps/tetloom/model_text.hpp"
+#include "apps/tetloom/parts_input.hpp"
+#include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/mesh/digest.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -15,10 +18,9 @@ bool is_mesh_file(const std::filesystem::path& path) {
   return is_mesh_extension(path) && extension != ".stl";
 }
 
-void describe_mesh(const InfoCommand& command, Run& run) {
+/// `parts_text` describes the parts, where the mesh has some.
+void describe_whole(const Mesh& mesh, const std::string& parts_text, Run& run) {
   RunReport& report = run.report();
-  Mesh mesh;
-  report.seconds.read = timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
   run.begin(Stage::Check);
   report.quality = compute_quality(mesh);
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(),
@@ -26,7 +28,14 @@ void describe_mesh(const InfoCommand& command, Run& run) {
   report.entities = mesh.entities;
   report.digest = mesh_digest(mesh);
   report.extra["mesh"] = mesh_json(mesh, report);
-  run.set_text(render_mesh(mesh, report));
+  run.set_text(render_mesh(mesh, report) + parts_text);
+}
+
+void describe_mesh(const InfoCommand& command, Run& run) {
+  Mesh mesh;
+  run.report().seconds.read =
+      timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
+  describe_whole(mesh, {}, run);
 }
 
 void describe_model(const InfoCommand& command, Run& run) {
@@ -43,11 +52,16 @@ void describe_model(const InfoCommand& command, Run& run) {
 
 }  // namespace
 
-ExitStatus run_info(const InfoCommand& command) {
-  Run run({.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet});
+ExitStatus run_info(const InfoCommand& command, Communicator& communicator) {
+  Run run(
+      {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
   return run.execute([&](Run& r) {
-    r.begin(Stage::Read);
-    is_mesh_file(command.input) ? describe_mesh(command, r) : describe_model(command, r);
+    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r))
+      return run_on_first(communicator, [&] { describe_whole(whole->mesh, render_parts(whole->figures), r); });
+    run_on_first(communicator, [&] {
+      r.begin(Stage::Read);
+      is_mesh_file(command.input) ? describe_mesh(command, r) : describe_model(command, r);
+    });
   });
 }
 

@@ -100,7 +100,7 @@ void remove_temporaries_of(const std::filesystem::path& target) {
     const std::string name = entry->path().filename().string();
     if (name.starts_with(begin) && name.ends_with(".tmp")) {
       std::error_code ignored;
-      std::filesystem::remove(entry->path(), ignored);
+      std::filesystem::remove_all(entry->path(), ignored);
     }
   }
 }

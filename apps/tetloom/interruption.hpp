@@ -34,8 +34,8 @@ class Interruption {
   std::thread watcher_;
 };
 
-/// Removes the temporaries that AtomicFile made in this process for `target`. For a process that is about to end
-/// while another thread still writes.
+/// Removes the temporaries that AtomicFile and AtomicFolder made in this process for `target`. For a process that is
+/// about to end while another thread still writes.
 void remove_temporaries_of(const std::filesystem::path& target);
 
 }  // namespace tetloom::app

@@ -9,6 +9,7 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
 #include "apps/tetloom/options.hpp"
+#include "apps/tetloom/ranks.hpp"
 #include "apps/tetloom/report.hpp"
 
 namespace tetloom::app {
@@ -28,19 +29,30 @@ void report_usage_error(const std::string& message, int argc, const char* const*
 }
 
 struct Dispatch {
+  int& argc;
+  char**& argv;
+
   ExitStatus operator()(const MeshCommand& command) const { return run_mesh(command); }
-  ExitStatus operator()(const InfoCommand& command) const { return run_info(command); }
-  ExitStatus operator()(const CheckCommand& command) const { return run_check(command); }
+  ExitStatus operator()(const InfoCommand& command) const {
+    return run_info(command, Ranks(argc, argv).communicator());
+  }
+  ExitStatus operator()(const CheckCommand& command) const {
+    return run_check(command, Ranks(argc, argv).communicator());
+  }
+  ExitStatus operator()(const PartitionCommand& command) const {
+    return run_partition(command, Ranks(argc, argv).communicator());
+  }
   ExitStatus operator()(const Printout& printout) const {
-    print(stdout, printout.text);
+    if (is_first_process()) print(stdout, printout.text);
     return ExitStatus::Done;
   }
 };
 
-ExitStatus run(int argc, const char* const* argv) {
+ExitStatus run(int& argc, char**& argv) {
   try {
-    return std::visit(Dispatch{}, parse_command_line(argc, argv));
+    return std::visit(Dispatch{argc, argv}, parse_command_line(argc, argv));
   } catch (const UsageError& error) {
+    if (!is_first_process()) return ExitStatus::WrongUsage;
     print(stderr, std::string("tetloom: ") + error.what() + "\nTry 'tetloom --help' or 'tetloom mesh --help'.\n");
     report_usage_error(error.what(), argc, argv);
     return ExitStatus::WrongUsage;

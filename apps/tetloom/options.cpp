@@ -8,6 +8,7 @@
 
 #include "apps/tetloom/quantities.hpp"
 #include "core/io/mesh_io.hpp"
+#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -37,6 +38,7 @@ Examples:
   tetloom info part.step
   tetloom mesh part.step -o part.vtu
   tetloom check part.vtu
+  tetloom partition part.vtu --parts 64 -o part64.pvtu
 'tetloom mesh --help' tells more.)";
 
 /// Values of `mesh` as they come from the command line, before they are judged.
@@ -45,6 +47,12 @@ struct RawMeshOptions {
   std::optional<int> threads, parts;
   std::string input, output, sizes_file, report, worker, max_memory;
   bool surface_only = false, imprint = false, no_heal = false, quiet = false;
+};
+
+struct RawPartition {
+  std::string input, output, report, weights, method = "rcb";
+  std::optional<int> parts, threads;
+  bool quiet = false;
 };
 
 struct RawInspection {
@@ -208,6 +216,59 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   return mesh;
 }
 
+PartitionMethod method_named(const std::string& name) {
+  for (const PartitionMethod method : {PartitionMethod::Rcb, PartitionMethod::Sfc, PartitionMethod::Scotch})
+    if (name == to_string(method)) return method;
+  throw UsageError("--method must be rcb, sfc or scotch, not '" + name + "'");
+}
+
+/// Whether `path` lies in the folder of pieces that belongs to the list `output`.
+bool lies_in_pieces(const std::filesystem::path& path, const std::filesystem::path& output) {
+  return is_piece_list(output) && same_file(path.parent_path(), output.parent_path() / output.stem());
+}
+
+PartitionCommand make_partition_command(const RawPartition& raw) {
+  PartitionCommand command;
+  command.input = raw.input;
+  command.output = raw.output;
+  command.report = raw.report;
+  command.quiet = raw.quiet;
+  require(!command.input.empty(), "MESH must not be empty");
+  require(is_writable_parts_format(command.output), "cannot tell the format of the output '" + command.output.string() +
+                                                        "' from its extension; known are .msh, .pvtu");
+  require(!same_file(command.input, command.output) && !lies_in_pieces(command.input, command.output),
+          "the output would replace the input");
+  require(!same_file(command.input, command.report), "the report would replace the input");
+  require(!same_file(command.output, command.report) && !lies_in_pieces(command.report, command.output),
+          "the report would replace the output");
+  command.threads = count_between("--threads", raw.threads, kMostThreads);
+  command.balance.part_count = static_cast<std::size_t>(count_between("--parts", raw.parts, kMostParts));
+  command.balance.method = method_named(raw.method);
+  command.balance.weights = raw.weights;
+  return command;
+}
+
+CLI::App* add_partition_command(CLI::App& app, RawPartition& raw) {
+  CLI::App* partition =
+      app.add_subcommand("partition", "Deal the cells of a mesh to parts, or of parts to other parts");
+  partition->add_option("MESH", raw.input, "A mesh, or a partitioned mesh (.pvtu, .msh)")->required();
+  partition->add_option("--parts", raw.parts, "How many parts")->required()->type_name("N");
+  partition
+      ->add_option(
+          "--method", raw.method,
+          "rcb: cut by planes, then smoothed (default); sfc: along a curve; scotch: fewest faces between parts")
+      ->type_name("rcb|sfc|scotch");
+  partition->add_option("--weights", raw.weights, "Balance a field on cells instead of their number")
+      ->type_name("FIELD");
+  partition->add_option("-o,--output", raw.output, "The parts: .pvtu (a file per part) or .msh (one file)")
+      ->required()
+      ->type_name("OUT");
+  partition->add_option("--threads", raw.threads, "Default: all cores; the parts do not depend on it")->type_name("T");
+  partition->add_option("--report", raw.report, "Write a report, for failures too")->type_name("R.json");
+  partition->add_flag("--quiet", raw.quiet, "Print errors only");
+  return partition;
+}
+
 CLI::App* add_inspection(CLI::App& app, const char* name, const char* description, RawInspection& raw) {
   CLI::App* command = app.add_subcommand(name, description);
   command->add_option("FILE", raw.input, "A model or a mesh")->required();
@@ -238,11 +299,13 @@ Command parse_command_line(int argc, const char* const* argv) {
   app.footer(kMainExamples);
   RawMeshOptions raw_mesh;
   RawInspection raw_info, raw_check;
+  RawPartition raw_partition;
   const CLI::App* mesh = add_mesh_command(app, raw_mesh);
   CLI::App* info = add_inspection(app, "info", "Describe a model or a mesh", raw_info);
   add_reading_options(*info, raw_info);
   add_inspection(app, "check", "Validate any mesh and measure its quality; exit status 4 when it is not valid",
                  raw_check);
+  const CLI::App* partition = add_partition_command(app, raw_partition);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
   try {
     app.parse(argc, argv);
@@ -252,6 +315,7 @@ Command parse_command_line(int argc, const char* const* argv) {
     return Printout{out.str()};
   }
   if (mesh->parsed()) return make_mesh_command(raw_mesh);
+  if (partition->parsed()) return make_partition_command(raw_partition);
   if (info->parsed()) {
     check_inspection(raw_info);
     const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle)};

@@ -8,6 +8,7 @@
 
 #include "core/cad/read_model.hpp"
 #include "mesher/mesher.hpp"
+#include "threading/balance/balance.hpp"
 
 namespace tetloom::app {
 
@@ -34,12 +35,21 @@ struct CheckCommand {
   bool quiet = false;
 };
 
+struct PartitionCommand {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::filesystem::path report;  ///< empty: none
+  BalanceOptions balance;
+  int threads = 0;  ///< 0: all cores
+  bool quiet = false;
+};
+
 /// Text for standard output and nothing else to do: help or the version.
 struct Printout {
   std::string text;
 };
 
-using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, Printout>;
+using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, PartitionCommand, Printout>;
 
 /// A command line that cannot be carried out; what() is for a person.
 class UsageError : public std::runtime_error {

@@ -5,13 +5,14 @@
 
 #include "apps/tetloom/console.hpp"
 #include "core/io/atomic_file.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom::app {
 
 Run::Run(RunSetup setup)
     : setup_(std::move(setup)),
       report_(fresh_report()),
-      display_(stderr, ProgressDisplay::style_for(stderr, setup_.quiet)),
+      display_(stderr, ProgressDisplay::style_for(stderr, setup_.quiet || !speaks())),
       interruption_([this] { leave(); }) {}
 
 RunReport Run::fresh_report() const {
@@ -35,20 +36,34 @@ void Run::begin(Stage stage) {
   display_.update({stage, {}, 0, 0});
 }
 
+void Run::begin_together(Stage stage) {
+  if (setup_.ranks == nullptr) return begin(stage);
+  run_on_all(*setup_.ranks, [&] { begin(stage); });
+}
+
 ExitStatus Run::execute(const std::function<void(Run&)>& body) {
   carry_out(body);
   display_.finish();
+  if (!speaks()) return report_.status;
   print_diagnostics();
   write_report_file();
   if (!setup_.quiet) print(stdout, text_);
   return report_.status;
 }
 
+// A place where nothing can be written is found before the work, not after it.
+void Run::probe_outputs() const {
+  if (!setup_.output.empty()) AtomicFile probe(setup_.output);
+  if (!setup_.report.empty()) AtomicFile probe(setup_.report);
+}
+
 void Run::carry_out(const std::function<void(Run&)>& body) {
   try {
-    // A place where nothing can be written is found before the work, not after it.
-    if (!setup_.output.empty()) AtomicFile probe(setup_.output);
-    if (!setup_.report.empty()) AtomicFile probe(setup_.report);
+    if (setup_.ranks != nullptr) {
+      run_on_first(*setup_.ranks, [&] { probe_outputs(); });
+    } else {
+      probe_outputs();
+    }
     body(*this);
   } catch (const Error& error) {
     add_failure(report_, error.diagnostic());
@@ -84,7 +99,7 @@ void Run::write_report_file() {
 // changing right now is used.
 void Run::leave() {
   if (!setup_.output.empty()) remove_temporaries_of(setup_.output);
-  if (!setup_.report.empty()) {
+  if (!setup_.report.empty() && speaks()) {
     remove_temporaries_of(setup_.report);
     RunReport report = fresh_report();
     report.start = report_.start;
@@ -96,7 +111,7 @@ void Run::leave() {
     }
   }
   display_.finish();
-  print(stderr, "tetloom: cancelled\n");
+  if (speaks()) print(stderr, "tetloom: cancelled\n");
 }
 
 }  // namespace tetloom::app

@@ -8,6 +8,7 @@
 #include "apps/tetloom/interruption.hpp"
 #include "apps/tetloom/progress_display.hpp"
 #include "apps/tetloom/report.hpp"
+#include "threading/communicator.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::app {
@@ -19,6 +20,7 @@ struct RunSetup {
   bool quiet = false;
   int threads = 1;
   int parts = 1;
+  Communicator* ranks = nullptr;  ///< those that run together; null: this process alone. The first speaks and writes.
 };
 
 class Run {
@@ -31,6 +33,8 @@ class Run {
   Host host();
   /// Shows that a stage of the command itself begins; throws Error(Cancelled) after Ctrl-C.
   void begin(Stage stage);
+  /// The same on all ranks, or cancelled on all of them. A collective call.
+  void begin_together(Stage stage);
   /// What standard output gets when the run is over, unless it is quiet.
   void set_text(std::string text) { text_ = std::move(text); }
 
@@ -38,10 +42,12 @@ class Run {
   ExitStatus execute(const std::function<void(Run&)>& body);
 
  private:
+  void probe_outputs() const;
   void carry_out(const std::function<void(Run&)>& body);
   void print_diagnostics() const;
   void write_report_file();
   RunReport fresh_report() const;
+  bool speaks() const { return setup_.ranks == nullptr || setup_.ranks->rank() == 0; }
   void leave();
 
   const RunSetup setup_;

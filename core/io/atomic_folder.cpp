@@ -37,8 +37,8 @@ void require_replaceable(const std::filesystem::path& target,
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (entry->is_directory() || !is_replaceable(name))
-      throw Error(ErrorCode::OutputFailed, "the folder '" + target.string() + "' would be replaced, but holds '" + name +
-                                               "', which is no piece of a mesh");
+      throw Error(ErrorCode::OutputFailed, "the folder '" + target.string() + "' would be replaced, but holds '" +
+                                               name + "', which is no piece of a mesh");
   }
   if (error) fail("read", target, error.value());
 }

@@ -95,7 +95,8 @@ void write_mesh_piece(const Mesh& mesh, std::span<const std::uint64_t> global_id
   if (!fits) throw Error(ErrorCode::InvalidArgument, "a piece needs one global id below 2^63 for each point");
   for (const MeshField& field : mesh.point_fields)
     if (field.name == detail::kGlobalId)
-      throw Error(ErrorCode::InvalidArgument, "a field on points has the name 'global_id', which pieces use themselves");
+      throw Error(ErrorCode::InvalidArgument,
+                  "a field on points has the name 'global_id', which pieces use themselves");
   AtomicFile file(path, cancel);
   detail::write_vtu_piece(mesh, global_ids, file);
   file.commit();

@@ -10,7 +10,8 @@
 //
 // What a format cannot hold is left out. In .vtu, the names entity_dim and entity_tag, and region on cells, belong to
 // the classification: arrays under them are no fields, nor is the array of a file from elsewhere that stands in for
-// entity_tag (see README.md); nor are 64-bit unsigned integers called global_id on points (see mesh_piece.hpp). Values of fields are read from any type of number and written as 64-bit reals.
+// entity_tag (see README.md); nor are 64-bit unsigned integers called global_id on points (see mesh_piece.hpp). Values
+// of fields are read from any type of number and written as 64-bit reals.
 //
 // In all formats an entity is written as its tag (index + 1), and 0 stands for an unknown one.
 #include <filesystem>

@@ -156,8 +156,8 @@ void require_distinct(const Mesh& mesh, std::span<const std::uint64_t> global_id
   std::vector<std::uint32_t> order(global_ids.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return global_ids[a] < global_ids[b]; });
-  const auto twice = std::adjacent_find(order.begin(), order.end(),
-                                        [&](auto a, auto b) { return global_ids[a] == global_ids[b]; });
+  const auto twice =
+      std::adjacent_find(order.begin(), order.end(), [&](auto a, auto b) { return global_ids[a] == global_ids[b]; });
   if (twice == order.end()) return;
   Diagnostic diagnostic{ErrorCode::InputUnsuitable, {}, {}, mesh.points[*twice], {}};
   diagnostic.message = "two points have the global id " + std::to_string(global_ids[*twice]);

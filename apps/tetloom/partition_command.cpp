@@ -1,0 +1,99 @@
+#include "apps/tetloom/commands.hpp"
+#include "apps/tetloom/parts_text.hpp"
+#include "apps/tetloom/quantities.hpp"
+#include "apps/tetloom/run.hpp"
+#include "core/mesh/digest.hpp"
+#include "threading/agreement.hpp"
+#include "threading/migration.hpp"
+#include "threading/parts_io.hpp"
+#include "threading/whole_mesh.hpp"
+
+namespace tetloom::app {
+namespace {
+
+/// Larger meshes are not brought together in one place for their digest alone.
+constexpr std::int64_t kMostGathered = 20'000'000;
+
+/// The partitioners want finite places, and each rank sees only its own.
+void require_finite_points(const PartitionedMesh& mesh) {
+  run_on_all(*mesh.communicator, [&] {
+    for (const PartId part : mesh.local())
+      for (const Vec3& p : mesh.parts.at(part).mesh.points)
+        if (!is_finite(p)) throw Error(ErrorCode::InputUnsuitable, "the mesh has points that are not finite");
+  });
+}
+
+void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
+  PerPart<Destinations> destinations(mesh.part_count(), mesh.local());
+  for (const PartId part : mesh.local()) destinations.at(part).assign(mesh.parts.at(part).mesh.cell_count(), 0);
+  migrate(mesh, std::move(destinations), 1, runner);
+}
+
+void deal(const PartitionCommand& command, PartitionedMesh& mesh, const TaskRunner& runner) {
+  require_finite_points(mesh);
+  require_weights(mesh, command.balance.weights);
+  // Scotch sees one part at a time.
+  if (command.balance.method == PartitionMethod::Scotch && mesh.part_count() > 1) gather_in_one_part(mesh, runner);
+  PerPart<Destinations> destinations = compute_destinations(mesh, command.balance, runner);
+  migrate(mesh, std::move(destinations), command.balance.part_count, runner);
+}
+
+/// Counts and digest of the whole mesh; without triangles and digest where it is too large to be brought together.
+void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report) {
+  std::array<std::int64_t, 1> tets{};
+  for (const PartId part : mesh.local())
+    tets[0] += static_cast<std::int64_t>(mesh.parts.at(part).mesh.block(CellKind::Tet).size());
+  mesh.communicator->sum(tets);
+  report.counts.points = static_cast<std::uint64_t>(figures.vertices);
+  report.counts.tets = static_cast<std::uint64_t>(tets[0]);
+  if (figures.elements > kMostGathered) return;
+  const Mesh whole = gather_mesh(mesh, runner);
+  run_on_first(*mesh.communicator, [&] {
+    report.digest = mesh_digest(whole);
+    report.counts.triangles = whole.tri_to_vert.size();
+  });
+}
+
+std::string render_run(const PartitionCommand& command, const PartsFigures& figures, const RunReport& report) {
+  std::string text = command.output.string() + ": " + format_count(figures.parts.size()) +
+                     (figures.parts.size() == 1 ? " part, " : " parts, ") +
+                     format_count(static_cast<std::uint64_t>(figures.elements)) + " elements, " +
+                     format_count(static_cast<std::uint64_t>(figures.vertices)) + " vertices\n" + render_parts(figures);
+  if (!report.digest.empty()) text += "  digest     " + report.digest + "\n";
+  return text + "  time       " + format_seconds(report.total_seconds()) + " in all: read " +
+         format_seconds(report.seconds.read) + ", write " + format_seconds(report.seconds.write) + "\n";
+}
+
+void partition(const PartitionCommand& command, Communicator& communicator, Run& run) {
+  RunReport& report = run.report();
+  const TaskRunner runner(command.threads, run.host());
+  run.begin_together(Stage::Read);
+  std::optional<PartitionedMesh> mesh;
+  report.seconds.read =
+      timed([&] { mesh = read_input([&] { return read_parts(command.input, communicator, runner, &run.cancel()); }); });
+  run.begin_together(Stage::Partition);
+  deal(command, *mesh, runner);
+  run.begin_together(Stage::Check);
+  const PartsFigures figures = measure_parts(*mesh, command.balance.weights);
+  report.extra["partition"] = parts_json(figures);
+  report.extra["partition"]["method"] = to_string(command.balance.method);
+  note_whole(*mesh, figures, runner, report);
+  run.begin_together(Stage::Write);
+  report.seconds.write = timed([&] { write_parts(*mesh, command.output, runner, &run.cancel()); });
+  run.set_text(render_run(command, figures, report));
+}
+
+}  // namespace
+
+ExitStatus run_partition(const PartitionCommand& command, Communicator& communicator) {
+  Run run({.input = command.input,
+           .output = command.output,
+           .report = command.report,
+           .quiet = command.quiet,
+           .threads = TaskRunner(command.threads).threads(),
+           .parts = static_cast<int>(command.balance.part_count),
+           .ranks = &communicator});
+  return run.execute([&](Run& r) { partition(command, communicator, r); });
+}
+
+}  // namespace tetloom::app

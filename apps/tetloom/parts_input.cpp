@@ -1,0 +1,26 @@
+#include "apps/tetloom/parts_input.hpp"
+
+#include "apps/tetloom/parts_text.hpp"
+#include "threading/parts_io.hpp"
+#include "threading/whole_mesh.hpp"
+
+namespace tetloom::app {
+
+std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& input, Communicator& communicator,
+                                                Run& run) {
+  if (!is_piece_list(input)) return std::nullopt;
+  run.begin_together(Stage::Read);
+  const TaskRunner runner(1, run.host());
+  WholeOfParts whole;
+  RunReport& report = run.report();
+  report.seconds.read = timed([&] {
+    const PartitionedMesh mesh = read_input([&] { return read_parts(input, communicator, runner, &run.cancel()); });
+    whole.figures = measure_parts(mesh);
+    report.parts = static_cast<int>(mesh.part_count());
+    report.extra["partition"] = parts_json(whole.figures);
+    whole.mesh = gather_mesh(mesh, runner);
+  });
+  return whole;
+}
+
+}  // namespace tetloom::app

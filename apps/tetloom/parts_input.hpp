@@ -1,0 +1,22 @@
+#pragma once
+// Partitioned files, for the commands that look at a mesh as a whole.
+#include <filesystem>
+#include <optional>
+
+#include "apps/tetloom/run.hpp"
+#include "core/mesh/mesh.hpp"
+#include "threading/parts_figures.hpp"
+
+namespace tetloom::app {
+
+struct WholeOfParts {
+  Mesh mesh;  ///< on the first rank
+  PartsFigures figures;
+};
+
+/// Reads a partitioned file, with all links checked, and brings its parts together; nothing for any other file, which
+/// is not read then. Notes the parts in the report. A collective call.
+std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& input, Communicator& communicator,
+                                                Run& run);
+
+}  // namespace tetloom::app
