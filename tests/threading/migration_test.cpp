@@ -140,7 +140,7 @@ TEST_CASE("wherever a migration is cancelled on one rank, all ranks have the mes
   const Expected expected(whole, *communicator);
   const int rank = communicator->rank(), ranks = communicator->rank_count();
   std::array<std::int64_t, 2> outcomes{};
-  const std::int64_t stride = kSanitized || ranks > 1 ? 7 : 1;
+  const std::int64_t stride = kSanitized || ranks > 1 ? 13 : 1;
   double calls[] = {1};
   for (std::int64_t call = 0; call < static_cast<std::int64_t>(calls[0]); call += stride) {
     CAPTURE(call);

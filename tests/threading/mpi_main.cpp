@@ -8,7 +8,7 @@
 
 std::unique_ptr<tetloom::Communicator> make_communicator() { return tetloom::make_mpi_communicator(10'000); }
 
-unsigned migration_seeds() { return tetloom::test::kSanitized ? 10 : 40; }
+unsigned migration_seeds() { return tetloom::test::kSanitized ? 10 : 20; }
 
 int main(int argc, char** argv) {
   const tetloom::MpiSession mpi(argc, argv);
