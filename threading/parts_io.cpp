@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "core/io/mesh_io.hpp"
+#include "core/io/mesh_parts.hpp"
 #include "threading/agreement.hpp"
 #include "threading/parts_io_detail.hpp"
 #include "threading/whole_mesh.hpp"
@@ -20,19 +21,29 @@ std::string extension_of(const std::filesystem::path& path) {
 
 bool is_piece_list(const std::filesystem::path& path) { return extension_of(path) == ".pvtu"; }
 
-bool is_writable_parts_format(const std::filesystem::path& path) { return is_piece_list(path); }
+bool is_writable_parts_format(const std::filesystem::path& path) {
+  return is_piece_list(path) || extension_of(path) == ".msh";
+}
+
+bool is_partitioned_file(const std::filesystem::path& path, Communicator& communicator) {
+  if (is_piece_list(path)) return true;
+  if (extension_of(path) != ".msh") return false;
+  return share_number(communicator, communicator.rank() == 0 && has_msh_parts(path) ? 1 : 0) != 0;
+}
 
 void write_parts(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
                  const CancelToken* cancel) {
   if (!is_writable_parts_format(path))
     throw Error(ErrorCode::InvalidArgument,
                 "'" + path.string() + "' is no partitioned file by its extension; known are .msh, .pvtu");
-  detail::write_pieces(mesh, path, runner, cancel);
+  is_piece_list(path) ? detail::write_pieces(mesh, path, runner, cancel)
+                      : detail::write_partitioned(mesh, path, runner, cancel);
 }
 
 PartitionedMesh read_parts(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
                            const CancelToken* cancel) {
   if (is_piece_list(path)) return detail::read_pieces(path, communicator, runner, cancel);
+  if (extension_of(path) == ".msh") return detail::read_partitioned(path, communicator, runner, cancel);
   Mesh mesh;
   run_on_first(communicator, [&] { mesh = read_mesh(path, cancel); });
   return distribute_mesh(mesh, communicator);

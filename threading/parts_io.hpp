@@ -21,6 +21,9 @@ bool is_writable_parts_format(const std::filesystem::path& path);
 /// Whether `path` ends in .pvtu: a file that read_parts reads and read_mesh does not.
 bool is_piece_list(const std::filesystem::path& path);
 
+/// Whether `path` is a list of pieces by its name, or an MSH file with partitions. A collective call.
+bool is_partitioned_file(const std::filesystem::path& path, Communicator& communicator);
+
 /// Writes `mesh`, completely or not at all: a file or a folder that is there already is replaced only when everything
 /// has been written, and nothing half-written stays after an error. A folder with anything but pieces in it is not
 /// replaced. A process that is killed leaves its temporaries, and the old files as they were; only between the renaming

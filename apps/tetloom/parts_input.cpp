@@ -8,7 +8,7 @@ namespace tetloom::app {
 
 std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& input, Communicator& communicator,
                                                 Run& run) {
-  if (!is_piece_list(input)) return std::nullopt;
+  if (!is_partitioned_file(input, communicator)) return std::nullopt;
   run.begin_together(Stage::Read);
   const TaskRunner runner(1, run.host());
   WholeOfParts whole;

@@ -10,6 +10,7 @@
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/input_detail.hpp"
+#include "core/io/mesh_parts.hpp"
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -19,6 +20,7 @@ namespace tetloom::detail {
 void write_vtu(const Mesh& mesh, AtomicFile& file);
 void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file);
 void write_msh(const Mesh& mesh, AtomicFile& file);
+void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file);
 void write_medit_text(const Mesh& mesh, AtomicFile& file);
 void write_medit_binary(const Mesh& mesh, AtomicFile& file);
 void write_stl(const Mesh& mesh, AtomicFile& file);
@@ -30,6 +32,7 @@ inline constexpr std::string_view kMshSignature = "tetloom: signed boundaries of
 Mesh read_vtu(const InputFile& file);
 MeshPiece read_vtu_piece(const InputFile& file);
 Mesh read_msh(const InputFile& file);
+Mesh read_partitioned_msh(const InputFile& file, MeshParts& parts);
 Mesh read_medit_text(const InputFile& file);
 Mesh read_medit_binary(const InputFile& file);
 Mesh read_stl(const InputFile& file);

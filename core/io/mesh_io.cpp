@@ -111,6 +111,36 @@ MeshPiece read_mesh_piece(const std::filesystem::path& path, const CancelToken* 
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
 }
 
+void write_msh_parts(const Mesh& mesh, const MeshParts& parts, const std::filesystem::path& path,
+                     const CancelToken* cancel) {
+  require_consistent(mesh);
+  require_names(mesh.point_fields);
+  require_names(mesh.cell_fields);
+  const bool fits =
+      parts.count > 0 && parts.cell_to_part.size() == cell_count(mesh) &&
+      std::all_of(parts.cell_to_part.begin(), parts.cell_to_part.end(), [&](auto part) { return part < parts.count; });
+  if (!fits) throw Error(ErrorCode::InvalidArgument, "every cell needs a part below the number of parts");
+  AtomicFile file(path, cancel);
+  detail::write_partitioned_msh(mesh, parts, file);
+  file.commit();
+}
+
+Mesh read_msh_parts(const std::filesystem::path& path, MeshParts& parts, const CancelToken* cancel) try {
+  const detail::InputFile file(path, cancel);
+  Mesh mesh = detail::read_partitioned_msh(file, parts);
+  detail::check_read_mesh(file, mesh);
+  return mesh;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+bool has_msh_parts(const std::filesystem::path& path, const CancelToken* cancel) try {
+  return detail::InputFile(path, cancel).bytes().find("\n$PartitionedEntities") != std::string_view::npos;
+} catch (const Error& error) {
+  if (error.code() == ErrorCode::Cancelled) throw;
+  return false;  // whoever reads it says why
+}
+
 namespace detail {
 namespace {
 

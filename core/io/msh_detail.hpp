@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -72,6 +73,32 @@ class NodeTags {
     permute(entities);
   }
   std::vector<std::uint64_t> tags_;  // ascending
+};
+
+/// The part of each element, by Block, and of each point.
+struct MshOwners {
+  std::array<std::vector<std::uint32_t>, kBlocks> of_elements;
+  std::vector<std::uint32_t> of_points;
+};
+/// Boundary elements and points belong to the lowest part that has a cell with them, or to the first.
+MshOwners find_owners(const Mesh& mesh, const MeshParts& parts);
+
+/// Entities of parts of a mesh, as $PartitionedEntities lists them.
+class MshPartitions {
+ public:
+  struct Entity {
+    std::int32_t parent_dim = -1, parent_tag = 0;
+    std::uint32_t part = 0;  ///< the lowest
+  };
+  bool empty() const { return count_ == 0; }
+  std::uint32_t count() const { return count_; }
+  void read_section(const InputFile& file, MshNumbers& numbers);
+  /// Null for entities of the mesh as a whole.
+  const Entity* find(std::int32_t dim, std::int32_t tag) const;
+
+ private:
+  std::uint32_t count_ = 0;
+  std::array<std::map<std::int32_t, Entity>, 4> entities_;
 };
 
 /// The head of a section of data, and where its tags and values follow.

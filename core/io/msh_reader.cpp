@@ -49,6 +49,10 @@ class MshReader {
       if (section == "Comments") oriented_ |= cursor_.line() == kMshSignature;
       if (section == "PhysicalNames") read_names();
       if (section == "Entities") read_entities();
+      if (section == "PartitionedEntities" && !old_) {
+        MshNumbers numbers(cursor_, binary_);
+        partitions_.read_section(file_, numbers);
+      }
       if (section == "Nodes") old_ ? read_old_nodes() : read_nodes();
       if (section == "Elements") old_ ? read_old_elements() : read_elements();
       if (section == "NodeData" || section == "ElementData") views_.read_section(cursor_, binary_, section);
@@ -56,6 +60,12 @@ class MshReader {
     }
     if (!has_elements_) file_.fail_at_line("the file ends without elements", cursor_.at());
     return finish();
+  }
+
+  /// After `read`.
+  MeshParts take_parts() {
+    if (lacks_parts_) file_.fail(ErrorCode::InputUnsuitable, "only some of the cells belong to partitions");
+    return std::move(parts_);
   }
 
  private:
@@ -151,8 +161,7 @@ class MshReader {
       if (dim < 0 || dim > 3) file_.fail("an entity has the dimension " + std::to_string(dim), numbers.at());
       const std::int32_t parameters = numbers.integer() != 0 ? dim : 0;
       const std::uint64_t count = numbers.count(0, 4 + static_cast<std::size_t>(parameters));
-      const std::uint32_t index = index_of_tag(tag);
-      const ModelEntity entity = index == ModelFaceId::kNone ? ModelEntity{} : ModelEntity(dim, index);
+      const ModelEntity entity = entity_of(dim, tag);
       for (std::uint64_t i = 0; i < count; ++i) tags_.push_back(numbers.size());
       for (std::uint64_t i = 0; i < count; ++i) {
         mesh_.points.push_back(numbers.point());
@@ -161,6 +170,13 @@ class MshReader {
       }
     }
     finish_nodes();
+  }
+
+  ModelEntity entity_of(std::int32_t dim, std::int32_t tag) const {
+    if (const MshPartitions::Entity* of_part = partitions_.find(dim, tag))
+      dim = of_part->parent_dim, tag = of_part->parent_tag;
+    const std::uint32_t index = index_of_tag(tag);
+    return index == ModelFaceId::kNone || dim < 0 || dim > 3 ? ModelEntity{} : ModelEntity(dim, index);
   }
 
   void reserve_nodes(std::uint64_t count) {
@@ -196,11 +212,16 @@ class MshReader {
     for (int i = 0; i < 3; ++i) numbers.size();
     numbers.expect(blocks, 3, 1);
     for (std::uint64_t block = 0; block < blocks; ++block) {
-      numbers.integer();  // the dimension follows from the type
-      const std::uint32_t index = index_of_tag(numbers.integer());
+      const std::int32_t dim = numbers.integer(), tag = numbers.integer();
+      const std::uint32_t index = index_of_tag(tag);
       const std::int32_t type = numbers.integer();
       const std::uint64_t count = numbers.size();
-      if (const std::optional<Block> of_type = block_of(type))
+      const std::optional<Block> of_type = block_of(type);
+      const MshPartitions::Entity* of_part = partitions_.find(dim, tag);
+      if (of_type && of_part != nullptr && of_part->parent_dim != dim)
+        visit_block(mesh_, *of_type,
+                    [&](const auto& elements, const auto&) { pass_over(numbers, count, 1 + elements_size(elements)); });
+      else if (of_type)
         visit_block(mesh_, *of_type, [&](auto& elements, auto& entities) {
           read_block(numbers, count, index, elements, entities, element_tags_[static_cast<std::size_t>(*of_type)]);
         });
@@ -210,6 +231,16 @@ class MshReader {
         refuse_elements(file_, describe_type(type));
     }
     has_elements_ = true;
+  }
+
+  template <class Element>
+  static constexpr std::size_t elements_size(const std::vector<Element>&) {
+    return Element{}.size();
+  }
+  /// Elements between parts, inside of a model entity of a higher dimension.
+  void pass_over(MshNumbers& numbers, std::uint64_t count, std::size_t numbers_each) {
+    numbers.expect(count, 0, numbers_each);
+    for (std::uint64_t i = 0; i < count * numbers_each; ++i) numbers.size();
   }
 
   void read_old_nodes() {
@@ -285,6 +316,20 @@ class MshReader {
     }
   }
 
+  /// Until here, elements have the entities of parts. Those become parts and entities of the model.
+  void replace_partitioned() {
+    parts_.count = partitions_.count();
+    for_each_block(mesh_, [&](Block block, const auto&, std::vector<std::uint32_t>& entities) {
+      const int dim = dimension_of(block);
+      for (std::uint32_t& entity : entities) {
+        const MshPartitions::Entity* of_part = partitions_.find(dim, static_cast<std::int32_t>(tag_of_index(entity)));
+        if (dim == 3 && of_part == nullptr) lacks_parts_ = true;
+        if (dim == 3) parts_.cell_to_part.push_back(of_part == nullptr ? 0 : of_part->part);
+        if (of_part != nullptr) entity = index_of_tag(of_part->parent_tag);
+      }
+    });
+  }
+
   Mesh finish() {
     check_read_mesh(file_, mesh_);
     for (const Corner& corner : corners_)
@@ -294,6 +339,7 @@ class MshReader {
     for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
       restore_order(elements, entities, element_tags_[static_cast<std::size_t>(block)]);
     });
+    if (!partitions_.empty()) replace_partitioned();
     views_.add_fields(mesh_, nodes_, element_tags_);
     set_names();
     set_sides();
@@ -304,6 +350,9 @@ class MshReader {
   Cursor cursor_;
   bool binary_ = false, old_ = false, oriented_ = false, has_elements_ = false;
   Mesh mesh_;
+  MshPartitions partitions_;
+  MeshParts parts_;
+  bool lacks_parts_ = false;
   NodeTags nodes_;
   std::vector<std::uint64_t> tags_;
   std::array<std::vector<std::uint64_t>, kBlocks> element_tags_;
@@ -317,5 +366,12 @@ class MshReader {
 }  // namespace
 
 Mesh read_msh(const InputFile& file) { return MshReader(file).read(); }
+
+Mesh read_partitioned_msh(const InputFile& file, MeshParts& parts) {
+  MshReader reader(file);
+  Mesh mesh = reader.read();
+  parts = reader.take_parts();
+  return mesh;
+}
 
 }  // namespace tetloom::detail

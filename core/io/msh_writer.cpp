@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/msh_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
@@ -68,6 +69,33 @@ class MshWriter {
     find_entities();
   }
 
+  /// From here on points and elements lie on entities of their parts.
+  void deal(const MeshParts& parts) {
+    part_count_ = parts.count;
+    const MshOwners owners = find_owners(mesh_, parts);
+    for (int dim = 0; dim < 4; ++dim) {
+      const auto collect = [&](const TagBlocks& blocks, const std::vector<std::uint32_t>& part_of) {
+        for (std::size_t b = 0; b < blocks.tags.size(); ++b)
+          for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i)
+            pieces_[dim].try_emplace({blocks.tags[b], part_of[blocks.order[i]]}, 0);
+      };
+      collect(points_[dim], owners.of_points);
+      for (std::size_t block = 0; block < kBlocks; ++block)
+        if (dimension_of(static_cast<Block>(block)) == dim) collect(elements_[block], owners.of_elements[block]);
+      number_pieces(dim);
+      points_[dim] = make_blocks(mesh_.points.size(), [&](std::size_t i) {
+        const std::int32_t tag = point_tag(i, dim);
+        return tag < 0 ? tag : pieces_[dim].at({tag, owners.of_points[i]});
+      });
+    }
+    for_each_block(mesh_, [&](Block block, const auto&, const auto& entities) {
+      const auto& part_of = owners.of_elements[static_cast<std::size_t>(block)];
+      elements_[static_cast<std::size_t>(block)] = make_blocks(entities.size(), [&](std::size_t i) {
+        return pieces_[dimension_of(block)].at({checked_tag(entities[i]), part_of[i]});
+      });
+    });
+  }
+
   void write() {
     file_.write("$MeshFormat\n4.1 1 8\n");
     file_.put(std::int32_t{1});
@@ -75,6 +103,7 @@ class MshWriter {
     file_.write("$Comments\n" + std::string(kMshSignature) + "\n$EndComments\n");
     write_names();
     write_entities();
+    if (part_count_ > 0) write_pieces();
     write_nodes();
     write_elements();
     for (const MeshField& field : mesh_.point_fields) write_data("NodeData", field, 1, mesh_.points.size());
@@ -185,6 +214,37 @@ class MshWriter {
     file_.write("\n$EndEntities\n");
   }
 
+  /// Tags behind those of the model's own entities.
+  void number_pieces(int dim) {
+    std::int64_t tag = entities_[dim].empty() ? 0 : entities_[dim].rbegin()->first;
+    for (auto& [key, piece] : pieces_[dim]) {
+      if (++tag > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::InvalidArgument, "the parts of model entities are too many for an MSH file");
+      piece = static_cast<std::int32_t>(tag);
+    }
+  }
+
+  void write_pieces() {
+    file_.write("$PartitionedEntities\n");
+    file_.put(std::uint64_t{part_count_});
+    file_.put(std::uint64_t{0});  // ghost entities
+    for (const auto& table : pieces_) file_.put(std::uint64_t{table.size()});
+    for (std::int32_t dim = 0; dim < 4; ++dim)
+      for (const auto& [key, piece] : pieces_[dim]) {
+        const auto& [parent, part] = key;
+        for (const std::int32_t x : {piece, dim, parent}) file_.put(x);
+        file_.put(std::uint64_t{1});
+        file_.put(static_cast<std::int32_t>(part + 1));
+        const Box3& box = entities_[dim].at(parent).box;
+        file_.put(box.lo);
+        if (dim > 0) file_.put(box.hi);
+        file_.put(std::uint64_t{parent != 0});
+        if (parent != 0) file_.put(parent);
+        if (dim > 0) file_.put(std::uint64_t{0});  // bounding entities
+      }
+    file_.write("\n$EndPartitionedEntities\n");
+  }
+
   void write_nodes() {
     std::uint64_t blocks = 0;
     for (const TagBlocks& of_dim : points_) blocks += of_dim.tags.size();
@@ -256,16 +316,29 @@ class MshWriter {
   std::array<TagBlocks, 4> points_;
   std::array<TagBlocks, kBlocks> elements_;
   std::array<std::map<std::int32_t, Entity>, 4> entities_;
+  std::uint32_t part_count_ = 0;                                                          // 0: in no parts
+  std::array<std::map<std::pair<std::int32_t, std::uint32_t>, std::int32_t>, 4> pieces_;  // of (tag, part), their tags
 };
 
-}  // namespace
-
-void write_msh(const Mesh& mesh, AtomicFile& file) {
+void require_countable(const Mesh& mesh) {
   for_each_block(mesh, [](Block, const auto& elements, const auto&) {
     if (elements.size() > 0xffffffffu)
       throw Error(ErrorCode::InvalidArgument, "the mesh has too many elements for one MSH file");
   });
+}
+
+}  // namespace
+
+void write_msh(const Mesh& mesh, AtomicFile& file) {
+  require_countable(mesh);
   MshWriter(mesh, file).write();
+}
+
+void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file) {
+  require_countable(mesh);
+  MshWriter writer(mesh, file);
+  writer.deal(parts);
+  writer.write();
 }
 
 }  // namespace tetloom::detail
