@@ -1,0 +1,297 @@
+// Partitioned meshes go to files and come back, and files that do not fit together are refused with a place.
+#include "threading/parts_io.hpp"
+
+#include <unistd.h>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "core/io/mesh_io.hpp"
+#include "core/io/mesh_piece.hpp"
+#include "core/mesh/digest.hpp"
+#include "core/mesh/mesh_access.hpp"
+#include "tests/support/mixed_mesh.hpp"
+#include "tests/threading/communicators.hpp"
+#include "threading/balance/balance.hpp"
+#include "threading/parts_figures.hpp"
+#include "threading/validate_parts.hpp"
+#include "threading/whole_mesh.hpp"
+
+using namespace tetloom;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("tetloom_parts_" + std::to_string(::getpid()))) {
+    fs::remove_all(path_);
+    fs::create_directory(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+  std::size_t count() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
+  }
+
+ private:
+  fs::path path_;
+};
+
+Mesh make_case(bool mixed) {
+  Mesh mesh = mixed ? test::make_mixed_box(4, 3, 5, 7, true) : test::make_tet_box(5, 4, 3, 3, true);
+  MeshField places{"places & <more>", 3, {}};
+  for (const Vec3& p : mesh.points) places.values.insert(places.values.end(), {p.x, p.y, p.z});
+  mesh.point_fields = {places};
+  MeshField numbers{"numbers", 1, {}};
+  for (std::size_t i = 0; i < cell_count(mesh); ++i) numbers.values.push_back(1 + static_cast<double>(i % 7));
+  mesh.cell_fields = {numbers};
+  mesh.entities[2].resize(mesh.face_to_sides.size());
+  for (std::size_t i = 0; i < mesh.entities[2].size(); i += 2)
+    mesh.entities[2][i] = {"face " + std::to_string(i), Color{1, 0.5F, 0}, {}, 0};
+  mesh.entities[3].resize(2);
+  mesh.entities[3][1].name = "second";
+  return mesh;
+}
+
+PartitionedMesh make_parts(const Mesh& mesh, std::size_t count, Communicator& communicator, const TaskRunner& runner) {
+  PartitionedMesh parts = distribute_mesh(mesh, communicator);
+  BalanceOptions options;
+  options.part_count = count;
+  migrate(parts, compute_destinations(parts, options, runner), count, runner);
+  return parts;
+}
+
+Diagnostic error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.diagnostic();
+  }
+  FAIL("no error");
+  return {};
+}
+
+std::string names_of(const Mesh& mesh) {
+  std::string text;
+  for (const auto& table : mesh.entities)
+    for (const EntityAttributes& entity : table) text += entity.name + (entity.color ? "c;" : ";");
+  for (const FaceSides& sides : mesh.face_to_sides)
+    text += std::to_string(sides.front.value) + "|" + std::to_string(sides.back.value) + ";";
+  return text;
+}
+
+/// Four parts of a box in `folder`/box.pvtu, and what reading them comes to after `damage`.
+struct DamagedParts {
+  Folder folder;
+  std::unique_ptr<Communicator> communicator = make_communicator();
+  TaskRunner runner{2};
+
+  explicit DamagedParts(bool mixed = false) {
+    write_parts(make_parts(make_case(mixed), 4, *communicator, runner), folder / "box.pvtu", runner);
+  }
+  fs::path piece(int part) const { return folder / ("box/box_" + std::to_string(part) + ".vtu"); }
+  void edit(int part, const std::function<void(MeshPiece&)>& change) const {
+    MeshPiece piece_mesh = read_mesh_piece(piece(part));
+    change(piece_mesh);
+    write_mesh_piece(piece_mesh.mesh, piece_mesh.global_ids, piece(part));
+  }
+  void replace_in_list(const std::string& from, const std::string& to) const {
+    std::ifstream in(folder / "box.pvtu");
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    REQUIRE(text.find(from) != std::string::npos);
+    std::ofstream(folder / "box.pvtu") << text.replace(text.find(from), from.size(), to);
+  }
+  Diagnostic failure() {
+    return error_of([&] { read_parts(folder / "box.pvtu", *communicator, runner); });
+  }
+  /// A vertex of part 1 that part 0 has too.
+  std::size_t shared_vertex() const {
+    const MeshPiece zero = read_mesh_piece(piece(0)), one = read_mesh_piece(piece(1));
+    for (std::size_t i = 0; i < one.global_ids.size(); ++i)
+      if (std::find(zero.global_ids.begin(), zero.global_ids.end(), one.global_ids[i]) != zero.global_ids.end())
+        return i;
+    FAIL("parts 0 and 1 do not touch");
+    return 0;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("parts come back from files as they were") {
+  const auto communicator = make_communicator();
+  const TaskRunner runner(2);
+  for (const bool mixed : {false, true})
+    for (const std::size_t count : {1u, 2u, 5u, 33u, 2000u})
+      for (const char* name : {"box.pvtu", "box.msh"}) {
+        CAPTURE(mixed, count, name);
+        const Folder folder;
+        const Mesh whole = make_case(mixed);
+        const PartitionedMesh parts = make_parts(whole, count, *communicator, runner);
+        write_parts(parts, folder / name, runner);
+        PartitionedMesh back = read_parts(folder / name, *communicator, runner);
+        CHECK(folder.count() == (is_piece_list(name) ? 2 : 1));
+        CHECK(is_partitioned_file(folder / name, *communicator));
+        REQUIRE(back.part_count() == count);
+        CHECK(validate_parts(back, runner).total == 0);
+        const PartsFigures before = measure_parts(parts), after = measure_parts(back);
+        CHECK(after.cut_faces == before.cut_faces);
+        for (std::size_t part = 0; part < count; ++part)
+          CHECK(after.parts[part].elements == before.parts[part].elements);
+        const Mesh gathered = gather_mesh(back, runner);
+        CHECK(mesh_digest(gathered) == mesh_digest(whole));
+        CHECK(field_digest(gathered) == field_digest(whole));
+        if (is_piece_list(name)) CHECK(names_of(gathered) == names_of(whole));
+      }
+}
+
+TEST_CASE("parts that are written again are the same, byte for byte") {
+  const auto communicator = make_communicator();
+  const Folder folder;
+  const auto text_of = [](const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(in)), {});
+  };
+  for (const int threads : {1, 3}) {
+    const TaskRunner runner(threads);
+    write_parts(make_parts(make_case(true), 5, *communicator, runner), folder / "a.pvtu", runner);
+    fs::create_directories(folder / std::to_string(threads));
+    fs::copy(folder / "a", folder / std::to_string(threads), fs::copy_options::recursive);
+  }
+  for (int part = 0; part < 5; ++part) {
+    const std::string name = "/a_" + std::to_string(part) + ".vtu";
+    CHECK(text_of(folder / ("1" + name)) == text_of(folder / ("3" + name)));
+  }
+}
+
+TEST_CASE("a partitioned MSH file is a mesh like any other to whom the parts are all the same") {
+  const auto communicator = make_communicator();
+  const TaskRunner runner(2);
+  const Folder folder;
+  const Mesh whole = make_case(true);
+  write_parts(make_parts(whole, 5, *communicator, runner), folder / "a.msh", runner);
+  const Mesh mesh = read_mesh(folder / "a.msh");
+  CHECK(mesh_digest(mesh) == mesh_digest(whole));
+  CHECK(field_digest(mesh) == field_digest(whole));
+  write_mesh(whole, folder / "plain.msh");
+  CHECK_FALSE(is_partitioned_file(folder / "plain.msh", *communicator));
+  CHECK(read_parts(folder / "plain.msh", *communicator, runner).part_count() == 1);
+}
+
+TEST_CASE("pieces are meshes of their own, whose global ids are no field") {
+  const DamagedParts parts;
+  const Mesh piece = read_mesh(parts.piece(2));
+  CHECK(piece.point_fields.size() == 1);
+  CHECK(cell_count(piece) > 0);
+}
+
+TEST_CASE("global ids keep all of their 63 bits") {
+  const Folder folder;
+  const Mesh mesh = test::make_tet_box(1, 1, 1);
+  std::vector<std::uint64_t> ids(mesh.points.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = (std::uint64_t{1} << 62) + 1 + i;
+  write_mesh_piece(mesh, ids, folder / "a.vtu");
+  CHECK(read_mesh_piece(folder / "a.vtu").global_ids == ids);
+  ids[3] = std::uint64_t{1} << 63;
+  CHECK(error_of([&] { write_mesh_piece(mesh, ids, folder / "b.vtu"); }).code == ErrorCode::InvalidArgument);
+}
+
+TEST_CASE("files that are missing or cut off are named") {
+  DamagedParts parts;
+  SECTION("missing") { fs::remove(parts.piece(2)); }
+  SECTION("cut off") { fs::resize_file(parts.piece(2), fs::file_size(parts.piece(2)) / 2); }
+  SECTION("empty") { fs::resize_file(parts.piece(2), 0); }
+  const Diagnostic failure = parts.failure();
+  CHECK(failure.code == ErrorCode::InputUnreadable);
+  CHECK_THAT(failure.message, Catch::Contains("box_2.vtu"));
+}
+
+TEST_CASE("lists that are damaged, or made by others, are refused") {
+  DamagedParts parts;
+  SECTION("no list") { std::ofstream(parts.folder / "box.pvtu") << "junk"; }
+  SECTION("cut off") { fs::resize_file(parts.folder / "box.pvtu", 300); }
+  SECTION("a piece twice") { parts.replace_in_list("box_3.vtu", "box_1.vtu"); }
+  SECTION("a piece less") { parts.replace_in_list("<Piece Source=\"box/box_3.vtu\"", "<Other"); }
+  SECTION("exchanged pieces") {
+    fs::rename(parts.piece(0), parts.folder / "aside");
+    fs::rename(parts.piece(1), parts.piece(0));
+    fs::rename(parts.folder / "aside", parts.piece(1));
+    parts.edit(1, [](MeshPiece& piece) { piece.mesh.cell_fields.clear(); });
+  }
+  SECTION("no global ids") { parts.replace_in_list("\"global_id\"", "\"GlobalNodeId\""); }
+  const Diagnostic failure = parts.failure();
+  CHECK((failure.code == ErrorCode::InputUnreadable || failure.code == ErrorCode::InputUnsuitable));
+  CHECK_THAT(failure.message, Catch::Contains("box"));
+}
+
+TEST_CASE("pieces that do not fit each other are refused with a point") {
+  DamagedParts parts(GENERATE(false, true));
+  const std::size_t vertex = parts.shared_vertex();
+  SECTION("a point that has moved") {
+    parts.edit(1, [&](MeshPiece& piece) { piece.mesh.points[vertex].x += 1e-12; });
+  }
+  SECTION("another classification") {
+    parts.edit(1, [&](MeshPiece& piece) { piece.mesh.point_to_entity[vertex] = ModelEntity(3, 1); });
+  }
+  SECTION("another global id") {
+    parts.edit(1, [&](MeshPiece& piece) { piece.global_ids[vertex] = 123'456'789; });
+  }
+  SECTION("a global id twice") {
+    parts.edit(1, [&](MeshPiece& piece) { piece.global_ids[vertex] = piece.global_ids[vertex == 0 ? 1 : vertex - 1]; });
+  }
+  const Diagnostic failure = parts.failure();
+  CHECK(failure.code == ErrorCode::InputUnsuitable);
+  CHECK_THAT(failure.message, Catch::Contains("box_"));
+  CHECK(failure.point.has_value());
+}
+
+TEST_CASE("without boundary elements, pieces that have come apart are noticed by their totals") {
+  const auto communicator = make_communicator();
+  const TaskRunner runner(2);
+  const Folder folder;
+  Mesh mesh = test::make_tet_box(3, 3, 3);
+  mesh.tri_to_vert.clear(), mesh.tri_to_entity.clear();
+  mesh.edge_to_vert.clear(), mesh.edge_to_entity.clear();
+  write_parts(make_parts(mesh, 2, *communicator, runner), folder / "a.pvtu", runner);
+  MeshPiece piece = read_mesh_piece(folder / "a/a_1.vtu");
+  for (std::uint64_t& id : piece.global_ids) id += 1000;
+  write_mesh_piece(piece.mesh, piece.global_ids, folder / "a/a_1.vtu");
+  const Diagnostic failure = error_of([&] { read_parts(folder / "a.pvtu", *communicator, runner); });
+  CHECK(failure.code == ErrorCode::InputUnsuitable);
+  CHECK_THAT(failure.message, Catch::Contains("a.pvtu"));
+}
+
+TEST_CASE("an output that cannot be completed leaves the old one as it was") {
+  DamagedParts parts;
+  const PartitionedMesh mesh = make_parts(make_case(false), 7, *parts.communicator, parts.runner);
+  CancelToken cancel;
+  cancel.cancel();
+  SECTION("cancelled") {
+    const auto write = [&] { write_parts(mesh, parts.folder / "box.pvtu", parts.runner, &cancel); };
+    CHECK(error_of(write).code == ErrorCode::Cancelled);
+  }
+  SECTION("files of others in the folder") {
+    std::ofstream(parts.folder / "box/notes.txt") << "mine";
+    const auto write = [&] { write_parts(mesh, parts.folder / "box.pvtu", parts.runner); };
+    CHECK(error_of(write).code == ErrorCode::OutputFailed);
+    CHECK(fs::exists(parts.folder / "box/notes.txt"));
+  }
+  SECTION("the list is a folder") {
+    fs::create_directory(parts.folder / "other.pvtu");
+    CHECK(error_of([&] { write_parts(mesh, parts.folder / "other.pvtu", parts.runner); }).code ==
+          ErrorCode::OutputFailed);
+    fs::remove(parts.folder / "other.pvtu");
+  }
+  CHECK(parts.folder.count() == 2);
+  CHECK(read_parts(parts.folder / "box.pvtu", *parts.communicator, parts.runner).part_count() == 4);
+}
+
+TEST_CASE("an output that is there is replaced, with pieces that are no more gone") {
+  DamagedParts parts;
+  const PartitionedMesh mesh = make_parts(make_case(false), 2, *parts.communicator, parts.runner);
+  write_parts(mesh, parts.folder / "box.pvtu", parts.runner);
+  CHECK(parts.folder.count() == 2);
+  CHECK_FALSE(fs::exists(parts.piece(2)));
+  CHECK(read_parts(parts.folder / "box.pvtu", *parts.communicator, parts.runner).part_count() == 2);
+}
