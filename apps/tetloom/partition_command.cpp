@@ -32,7 +32,7 @@ void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
 void deal(const PartitionCommand& command, PartitionedMesh& mesh, const TaskRunner& runner) {
   require_finite_points(mesh);
   require_weights(mesh, command.balance.weights);
-  // Scotch sees one part at a time.
+  // In one part, Scotch cuts the mesh alike on any number of ranks.
   if (command.balance.method == PartitionMethod::Scotch && mesh.part_count() > 1) gather_in_one_part(mesh, runner);
   PerPart<Destinations> destinations = compute_destinations(mesh, command.balance, runner);
   migrate(mesh, std::move(destinations), command.balance.part_count, runner);
