@@ -1,12 +1,12 @@
 #pragma once
-// One boundary between two targets: the band of tets around it, and moves across it.
+// One boundary between two targets: the band of nodes around it, and moves across it.
 #include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "threading/balance/part_boundaries.hpp"
+#include "threading/balance/graph_detail.hpp"
 
 namespace tetloom::balance_detail {
 
@@ -20,60 +20,68 @@ inline std::int64_t weight_of(const TargetedTets& tets, std::size_t tet) {
 }
 std::vector<std::int64_t> weights_by_target(const TargetedTets& tets, const TaskRunner* runner);
 
-/// Queues of free tets by gain, newest first.
+/// Queues of free nodes by gain, newest first.
 class GainQueues {
  public:
-  static constexpr int kMaxGain = 4;
-  static constexpr std::uint32_t kNone = 0xffffffff;
-
-  void reset(std::size_t count);
+  /// Gains are from -greatest to greatest.
+  void reset(std::size_t count, int greatest);
   bool contains(std::uint32_t item) const { return queued_[item]; }
   void push(std::uint32_t item, int gain);
   void remove(std::uint32_t item, int gain);
-  /// The newest of the greatest gain, or kNone.
+  /// The newest of the greatest gain, or kNoNode.
   std::uint32_t top();
-  int top_gain() const { return top_; }
 
  private:
-  std::array<std::uint32_t, 2 * kMaxGain + 1> head_{};
-  int top_ = -kMaxGain;
-  std::vector<std::uint32_t> next_, previous_;
+  std::uint32_t& head(int gain) { return head_[static_cast<std::size_t>(gain + greatest_)]; }
+
+  int greatest_ = 0, top_ = 0;
+  std::vector<std::uint32_t> head_, next_, previous_;
   std::vector<char> queued_;
 };
 
-/// Refines one boundary. Between construction and `apply` the tets' targets are only read, and only those of the pair
+/// Refines one boundary. Between construction and `apply` the nodes' targets are only read, and only those of the pair
 /// matter, so that pairs without a common target can be refined at the same time.
+template <class Graph>
 class PairRefinement {
  public:
-  /// `seeds`: tets that may lie at the boundary. `slots`: one per tet of the block, kNone at rest; entries of tets of
-  /// the pair are used until `apply`.
-  PairRefinement(const TargetedTets& tets, PartPair pair, std::array<std::int64_t, 2> weights, std::int64_t bound,
-                 const SmoothingOptions& options);
+  /// `weights`: of both targets.
+  PairRefinement(const TargetedGraph<Graph>& nodes, PartPair pair, std::array<std::int64_t, 2> weights,
+                 std::int64_t bound, const SmoothingOptions& options);
+  /// `seeds`: nodes that may lie at the boundary. `slots`: one per node of the graph, kNoNode at rest; entries of nodes
+  /// of the pair are used until it returns.
   void run(std::span<const std::uint32_t> seeds, std::span<std::uint32_t> slots);
-  /// Writes the targets and calls moved(tet) for each tet that has crossed.
+  /// Writes the targets; the nodes that have crossed.
   std::vector<std::uint32_t> apply();
   std::array<std::int64_t, 2> weights() const { return weights_; }
 
  private:
-  int side_of_tet(std::uint32_t tet) const;
-  bool touches_other_side(std::uint32_t tet, int side) const;
+  struct Link {
+    std::uint32_t item;
+    int links;
+  };
+
+  int side_of_node(std::uint32_t node) const;
+  bool touches_other_side(std::uint32_t node, int side) const;
   void gather(std::span<const std::uint32_t> seeds, std::span<std::uint32_t> slots);
-  void link(std::span<std::uint32_t> slots);
+  void link(std::span<const std::uint32_t> slots);
   bool pass();
   void fill_queues();
   std::uint32_t pick();
-  bool may_move(std::uint32_t item) const;
+  std::uint32_t top_that_may_move(int side);
+  bool may_leave(int side, std::int64_t weight) const;
   void move(std::uint32_t item, bool undo);
   void change_gain(std::uint32_t item, int change, bool undo);
 
-  const TargetedTets& tets_;
+  const TargetedGraph<Graph>& nodes_;
   PartPair pair_;
   std::array<std::int64_t, 2> weights_;
-  std::int64_t bound_;
+  std::int64_t bound_, lightest_ = 0;
   SmoothingOptions options_;
-  std::vector<std::uint32_t> band_;                       // tets
-  std::vector<std::array<std::uint32_t, 4>> neighbours_;  // in the band
-  std::vector<std::int8_t> side_, degree_, gain_;
+  std::vector<std::uint32_t> band_;   // nodes
+  std::vector<std::uint32_t> first_;  // by item: where its links begin
+  std::vector<Link> links_;
+  std::vector<int> degree_, gain_;
+  std::vector<std::int8_t> side_;
   std::vector<char> locked_;
   std::array<GainQueues, 2> queues_;
   std::size_t boundary_count_ = 0;

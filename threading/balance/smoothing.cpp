@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "core/base/error.hpp"
@@ -13,28 +14,27 @@ namespace balance_detail {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 16;
-
 using Seeds = std::map<PartPair, std::vector<std::uint32_t>>;
 
 PartPair ordered(std::uint32_t a, std::uint32_t b) { return a < b ? PartPair{a, b} : PartPair{b, a}; }
 
-/// Adds a tet to the seeds of each boundary that it lies at.
-void add_seed(const TargetedTets& tets, std::uint32_t tet, Seeds& seeds) {
-  const std::uint32_t own = tets.targets[tet];
-  for (int face = 0; face < 4; ++face) {
-    const std::uint32_t code = tets.neighbours[4 * std::size_t{tet} + face];
-    if (code == TargetedTets::kNoNeighbour || tets.targets[code >> 2] == own) continue;
-    auto& list = seeds[ordered(own, tets.targets[code >> 2])];
-    if (list.empty() || list.back() != tet) list.push_back(tet);
-  }
+/// Adds a node to the seeds of each boundary that it lies at.
+template <class Graph>
+void add_seed(const TargetedGraph<Graph>& nodes, std::uint32_t node, Seeds& seeds) {
+  const std::uint32_t own = nodes.targets[node];
+  nodes.graph.for_links(node, [&](std::uint32_t other, std::uint32_t) {
+    if (nodes.targets[other] == own) return;
+    auto& list = seeds[ordered(own, nodes.targets[other])];
+    if (list.empty() || list.back() != node) list.push_back(node);
+  });
 }
 
-Seeds find_seeds(const TargetedTets& tets, const TaskRunner& runner) {
-  std::vector<Seeds> by_block((tets.targets.size() + kGrain - 1) / kGrain);
-  runner.for_blocks(tets.targets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet)
-      add_seed(tets, static_cast<std::uint32_t>(tet), by_block[begin / kGrain]);
+template <class Graph>
+Seeds find_seeds(const TargetedGraph<Graph>& nodes, const TaskRunner& runner) {
+  std::vector<Seeds> by_block((nodes.targets.size() + kNodeGrain - 1) / kNodeGrain);
+  runner.for_blocks(nodes.targets.size(), kNodeGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node)
+      add_seed(nodes, static_cast<std::uint32_t>(node), by_block[begin / kNodeGrain]);
   });
   Seeds seeds;
   for (Seeds& block : by_block)
@@ -43,6 +43,22 @@ Seeds find_seeds(const TargetedTets& tets, const TaskRunner& runner) {
       all.insert(all.end(), list.begin(), list.end());
     }
   return seeds;
+}
+
+/// `weight_of_node(i)` summed by target.
+template <class WeightOfNode>
+std::vector<std::int64_t> sum_by_target(std::span<const std::uint32_t> targets, std::uint32_t part_count,
+                                        const TaskRunner* runner, const WeightOfNode& weight_of_node) {
+  const std::size_t count = targets.size(), lanes = runner ? static_cast<std::size_t>(runner->threads()) : 1;
+  std::vector<std::vector<std::int64_t>> sums(lanes, std::vector<std::int64_t>(part_count, 0));
+  const auto add = [&](std::size_t lane) {
+    for (std::size_t i = lane * count / lanes; i < (lane + 1) * count / lanes; ++i)
+      sums[lane][targets[i]] += weight_of_node(static_cast<std::uint32_t>(i));
+  };
+  runner ? runner->for_each(lanes, add) : add(0);
+  for (std::size_t lane = 1; lane < lanes; ++lane)
+    for (std::size_t p = 0; p < part_count; ++p) sums[0][p] += sums[lane][p];
+  return std::move(sums[0]);
 }
 
 /// Boundaries without common targets, long ones first; takes them out of `waiting`.
@@ -58,19 +74,21 @@ std::vector<PartPair> take_independent(std::vector<PartPair>& waiting, std::uint
   return taken;
 }
 
+template <class Graph>
 class Smoothing {
  public:
-  Smoothing(const TargetedTets& tets, const TaskRunner& runner, const SmoothingOptions& options)
-      : tets_(tets), runner_(runner), options_(options), weights_(weights_by_target(tets, &runner)) {
-    std::int64_t total = 0;
-    for (const std::int64_t w : weights_) total += w;
-    bound_ = static_cast<std::int64_t>(
-        std::floor((1 + options.imbalance) * static_cast<double>(total) / static_cast<double>(tets.part_count)));
-    slots_.resize(tets.targets.size());
-    runner.for_blocks(slots_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      std::fill(slots_.begin() + begin, slots_.begin() + end, GainQueues::kNone);
+  Smoothing(const TargetedGraph<Graph>& nodes, const TaskRunner& runner, const SmoothingOptions& options)
+      : nodes_(nodes),
+        runner_(runner),
+        options_(options),
+        weights_(sum_by_target(nodes.targets, nodes.part_count, &runner,
+                               [&](std::uint32_t node) { return nodes.graph.weight(node); })),
+        bound_(bound_of(weights_, options.imbalance)) {
+    slots_.resize(nodes.targets.size());
+    runner.for_blocks(slots_.size(), kNodeGrain, [&](std::size_t begin, std::size_t end) {
+      std::fill(slots_.begin() + begin, slots_.begin() + end, kNoNode);
     });
-    seeds_ = find_seeds(tets, runner);
+    seeds_ = find_seeds(nodes, runner);
   }
 
   void sweep() {
@@ -78,45 +96,61 @@ class Smoothing {
     for (const auto& [pair, list] : seeds_) waiting.push_back(pair);
     std::stable_sort(waiting.begin(), waiting.end(),
                      [&](const PartPair& a, const PartPair& b) { return seeds_[a].size() > seeds_[b].size(); });
-    while (!waiting.empty()) refine(take_independent(waiting, tets_.part_count));
+    while (!waiting.empty()) refine(take_independent(waiting, nodes_.part_count));
   }
 
  private:
   void refine(std::span<const PartPair> pairs) {
-    std::vector<std::optional<PairRefinement>> work(pairs.size());
+    std::vector<std::optional<PairRefinement<Graph>>> work(pairs.size());
     std::vector<std::vector<std::uint32_t>> moved(pairs.size());
     runner_.for_each(pairs.size(), [&](std::size_t i) {
       const auto [a, b] = pairs[i];
-      work[i].emplace(tets_, pairs[i], std::array{weights_[a], weights_[b]}, bound_, options_);
+      work[i].emplace(nodes_, pairs[i], std::array{weights_[a], weights_[b]}, bound_, options_);
       work[i]->run(seeds_.at(pairs[i]), slots_);
     });
-    // Targets are written only here: while bands are gathered, a band reads the targets of tets of other pairs.
+    // Targets are written only here: while bands are gathered, a band reads the targets of nodes of other pairs.
     runner_.for_each(pairs.size(), [&](std::size_t i) { moved[i] = work[i]->apply(); });
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       for (int side = 0; side < 2; ++side) weights_[pairs[i][side]] = work[i]->weights()[side];
-      for (const std::uint32_t tet : moved[i]) seed_around(tet);
+      for (const std::uint32_t node : moved[i]) seed_around(node);
     }
   }
 
-  void seed_around(std::uint32_t tet) {
-    add_seed(tets_, tet, seeds_);
-    for (int face = 0; face < 4; ++face) {
-      const std::uint32_t code = tets_.neighbours[4 * std::size_t{tet} + face];
-      if (code != TargetedTets::kNoNeighbour && tets_.targets[code >> 2] != tets_.targets[tet])
-        add_seed(tets_, code >> 2, seeds_);
-    }
+  void seed_around(std::uint32_t node) {
+    add_seed(nodes_, node, seeds_);
+    nodes_.graph.for_links(node, [&](std::uint32_t other, std::uint32_t) {
+      if (nodes_.targets[other] != nodes_.targets[node]) add_seed(nodes_, other, seeds_);
+    });
   }
 
-  const TargetedTets& tets_;
+  const TargetedGraph<Graph>& nodes_;
   const TaskRunner& runner_;
   SmoothingOptions options_;
   std::vector<std::int64_t> weights_;
-  std::int64_t bound_ = 0;
+  std::int64_t bound_;
   std::vector<std::uint32_t> slots_;
   Seeds seeds_;
 };
 
+template <class Graph>
+void smooth_nodes(const TargetedGraph<Graph>& nodes, const TaskRunner& runner, const SmoothingOptions& options) {
+  Smoothing<Graph> smoothing(nodes, runner, options);
+  for (int i = 0; i < options.sweeps; ++i) smoothing.sweep();
+}
+
 }  // namespace
+
+std::int64_t bound_of(std::span<const std::int64_t> weights, double imbalance) {
+  const auto total = static_cast<double>(std::accumulate(weights.begin(), weights.end(), std::int64_t{0}));
+  return static_cast<std::int64_t>(std::floor((1 + imbalance) * total / static_cast<double>(weights.size())));
+}
+
+void smooth_graph(const TargetedGraph<TetGraph>& nodes, const TaskRunner& runner, const SmoothingOptions& options) {
+  smooth_nodes(nodes, runner, options);
+}
+void smooth_graph(const TargetedGraph<ClusterGraph>& nodes, const TaskRunner& runner, const SmoothingOptions& options) {
+  smooth_nodes(nodes, runner, options);
+}
 
 void check_tets(const TargetedTets& tets, const TaskRunner* runner) {
   const std::size_t count = tets.targets.size();
@@ -130,21 +164,11 @@ void check_tets(const TargetedTets& tets, const TaskRunner* runner) {
     for (std::size_t i = begin; i < end; ++i) good &= tets.targets[i] < tets.part_count && weight_of(tets, i) > 0;
     if (!good) bad();
   };
-  runner ? runner->for_blocks(count, kGrain, check) : check(0, count);
+  runner ? runner->for_blocks(count, kNodeGrain, check) : check(0, count);
 }
 
 std::vector<std::int64_t> weights_by_target(const TargetedTets& tets, const TaskRunner* runner) {
-  const std::size_t count = tets.targets.size();
-  const std::size_t lanes = runner ? static_cast<std::size_t>(runner->threads()) : 1;
-  std::vector<std::vector<std::int64_t>> sums(lanes, std::vector<std::int64_t>(tets.part_count, 0));
-  const auto add = [&](std::size_t lane) {
-    for (std::size_t i = lane * count / lanes; i < (lane + 1) * count / lanes; ++i)
-      sums[lane][tets.targets[i]] += weight_of(tets, i);
-  };
-  runner ? runner->for_each(lanes, add) : add(0);
-  for (std::size_t lane = 1; lane < lanes; ++lane)
-    for (std::size_t p = 0; p < tets.part_count; ++p) sums[0][p] += sums[lane][p];
-  return std::move(sums[0]);
+  return sum_by_target(tets.targets, tets.part_count, runner, [&](std::uint32_t tet) { return weight_of(tets, tet); });
 }
 
 }  // namespace balance_detail
@@ -152,8 +176,7 @@ std::vector<std::int64_t> weights_by_target(const TargetedTets& tets, const Task
 void smooth_part_boundaries(const TargetedTets& tets, const TaskRunner& runner, const SmoothingOptions& options) {
   if (!(options.imbalance >= 0)) throw Error(ErrorCode::InvalidArgument, "a bound on imbalance is not negative");
   balance_detail::check_tets(tets, &runner);
-  balance_detail::Smoothing smoothing(tets, runner, options);
-  for (int i = 0; i < options.sweeps; ++i) smoothing.sweep();
+  balance_detail::smooth_graph({balance_detail::TetGraph(tets), tets.targets, tets.part_count}, runner, options);
 }
 
 }  // namespace tetloom
