@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "threading/balance/graph_partitioners.hpp"
+#include "threading/balance/multilevel.hpp"
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
@@ -14,6 +15,8 @@ namespace {
 
 // Weights of tets in the smoothing of boundaries, relative to the greatest one.
 constexpr double kWeightUnits = 1 << 20;
+// Below so many tets per target planes are as good and much faster.
+constexpr std::size_t kTetsForLevels = 4000;
 
 // What the partitioners see of one part.
 struct PartItems {
@@ -155,10 +158,51 @@ void partition_by_scotch(const PartMesh& part, std::span<const double> weights, 
   for (std::uint32_t& target : targets) target += range.first;
 }
 
+ItemBlock block_of(const PartMesh& part, const PartItems& items, Destinations& targets) {
+  ItemBlock block;
+  block.points = items.points;
+  block.weights = items.weights;
+  block.targets = targets;
+  if (has_tets_alone(part)) block.neighbours = neighbor_codes(part);
+  return block;
+}
+
+void split_by_planes(const PartMesh& part, PartItems& items, TargetRange range, const BalanceOptions& options,
+                     Destinations& targets, const TaskRunner& runner) {
+  const ItemBlock block = block_of(part, items, targets);
+  split_blocks_rcb({&block, 1}, {&range, 1}, runner);
+  items.points = {};
+  if (options.smooth) smooth(part, items.weights, range, options.imbalance, targets, runner);
+}
+
+bool is_in_balance(std::span<const double> weights, TargetRange range, double imbalance, const Destinations& targets) {
+  std::vector<double> sums(range.count, 0);
+  for (std::size_t i = 0; i < targets.size(); ++i) sums[targets[i]] += weights.empty() ? 1 : weights[i];
+  const double mean = std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(range.count);
+  return *std::max_element(sums.begin(), sums.end()) <= (1 + imbalance) * mean * (1 + 1e-6);
+}
+
+/// Planes are taken instead where clusters do not pay, and where the graph did not lead to parts in balance.
+void split_by_levels(const PartMesh& part, PartItems& items, TargetRange range, const BalanceOptions& options,
+                     Destinations& targets, const TaskRunner& runner) {
+  if (has_tets_alone(part) && targets.size() >= kTetsForLevels * range.count) {
+    const std::vector<std::int64_t> integers = integer_weights(items.weights, greatest_of(items.weights));
+    partition_multilevel({neighbor_codes(part), integers, targets, range.count}, std::move(items.points), runner,
+                         options.imbalance);
+    if (is_in_balance(items.weights, range, options.imbalance, targets)) {
+      for (std::uint32_t& target : targets) target += range.first;
+      return;
+    }
+    items.points = compute_centroids(part, runner);
+  }
+  split_by_planes(part, items, range, options, targets, runner);
+}
+
 }  // namespace
 
 std::string_view to_string(PartitionMethod method) {
   switch (method) {
+    case PartitionMethod::Multilevel: return "multilevel";
     case PartitionMethod::Rcb: return "rcb";
     case PartitionMethod::Sfc: return "sfc";
     default: return "scotch";
@@ -187,12 +231,7 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
   std::vector<ItemBlock> blocks;
   std::vector<TargetRange> ranges;
   for (const PartId part : local) {
-    const PartMesh& part_mesh = mesh.parts.at(part).mesh;
-    ItemBlock& block = blocks.emplace_back();
-    block.points = items.at(part).points;
-    block.weights = items.at(part).weights;
-    block.targets = destinations.at(part);
-    if (has_tets_alone(part_mesh)) block.neighbours = neighbor_codes(part_mesh);
+    blocks.push_back(block_of(mesh.parts.at(part).mesh, items.at(part), destinations.at(part)));
     ranges.push_back({split ? part.value * factor : 0, factor});
   }
   const auto part_count = static_cast<std::uint32_t>(options.part_count);
@@ -211,16 +250,14 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
     balance_detail::partition_spread_graph(mesh, weights, part_count, options.imbalance, destinations, runner);
   } else if (options.method == PartitionMethod::Sfc) {
     split ? split_blocks_sfc(blocks, ranges, runner) : partition_sfc(blocks, part_count, *mesh.communicator, runner);
-  } else {
-    split ? split_blocks_rcb(blocks, ranges, runner) : partition_rcb(blocks, part_count, *mesh.communicator, runner);
-  }
-
-  if (options.method == PartitionMethod::Rcb && options.smooth && split) {
+  } else if (split) {
+    const auto split_part = options.method == PartitionMethod::Rcb ? split_by_planes : split_by_levels;
     runner.for_each(local.size(), [&](std::size_t i) {
-      items.at(local[i]).points = {};
-      smooth(mesh.parts.at(local[i]).mesh, items.at(local[i]).weights, ranges[i], options.imbalance,
-             destinations.at(local[i]), runner);
+      split_part(mesh.parts.at(local[i]).mesh, items.at(local[i]), ranges[i], options, destinations.at(local[i]),
+                 runner);
     });
+  } else {
+    partition_rcb(blocks, part_count, *mesh.communicator, runner);
   }
   return destinations;
 }

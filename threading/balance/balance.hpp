@@ -9,16 +9,18 @@
 namespace tetloom {
 
 enum class PartitionMethod {
-  Rcb,    ///< recursive bisection by planes; part boundaries are smoothed then
-  Sfc,    ///< along a Hilbert curve
-  Scotch  ///< graph partitioning: by Scotch, or by Zoltan where parts that are dealt anew lie on several ranks
+  Multilevel,  ///< by the graph of tets, through clusters (multilevel.hpp), where a part of tets is cut on its own;
+               ///< otherwise, and for small parts, as Rcb
+  Rcb,         ///< recursive bisection by planes; part boundaries are smoothed then
+  Sfc,         ///< along a Hilbert curve
+  Scotch       ///< graph partitioning: by Scotch, or by Zoltan where parts that are dealt anew lie on several ranks
 };
 
 std::string_view to_string(PartitionMethod method);
 
 struct BalanceOptions {
   std::size_t part_count = 1;
-  PartitionMethod method = PartitionMethod::Rcb;
+  PartitionMethod method = PartitionMethod::Multilevel;
   std::string weights;      ///< a cell field of one positive component; empty: 1 for each cell
   double imbalance = 0.03;  ///< how much heavier than the mean a part may become for a smaller boundary
   bool smooth = true;       ///< smooth part boundaries after Rcb
