@@ -16,7 +16,7 @@ namespace {
 // Weights of tets in the smoothing of boundaries, relative to the greatest one.
 constexpr double kWeightUnits = 1 << 20;
 // Below so many tets per target planes are as good and much faster.
-constexpr std::size_t kTetsForLevels = 4000;
+constexpr std::size_t kTetsForLevels = 2000;
 
 // What the partitioners see of one part.
 struct PartItems {

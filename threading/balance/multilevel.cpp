@@ -34,8 +34,8 @@ class Multilevel {
       : tets_(tets), graph_(tets), runner_(runner), imbalance_(imbalance) {
     const auto weights = weights_by_target(tets, &runner);
     total_ = std::accumulate(weights.begin(), weights.end(), std::int64_t{0});
-    wanted_ =
-        std::max(std::min(kClustersPerPart * tets.part_count, kMostClusters), kLeastClustersPerPart * tets.part_count);
+    wanted_ = std::max(std::clamp(kClustersPerPart * tets.part_count, kLeastClusters, kMostClusters),
+                       kLeastClustersPerPart * tets.part_count);
   }
 
   void run(std::vector<Point3f> points) {
