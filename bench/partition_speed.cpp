@@ -100,7 +100,8 @@ nlohmann::json measure(const nlohmann::json& task) {
   const double before = static_cast<double>(resident_bytes());
   Trace trace;
   const auto start = Clock::now();
-  PerPart<Destinations> destinations = compute_destinations(mesh, {to, PartitionMethod::Rcb, {}, 0.03, true}, runner);
+  PerPart<Destinations> destinations =
+      compute_destinations(mesh, {to, PartitionMethod::Multilevel, {}, 0.03, true}, runner);
   const double deal_seconds = seconds_since(start);
   const MigrationFigures moved = migrate(mesh, std::move(destinations), to, runner, &trace);
   const double seconds = seconds_since(start);
@@ -199,7 +200,7 @@ class Bench {
       const auto communicator = make_thread_communicator();
       const PartitionedMesh mesh = make_mesh_in_one_part(*communicator, solid, options_.peer_tets);
       const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
-      const double own = cut_of(mesh, PartitionMethod::Rcb), scotch = cut_of(mesh, PartitionMethod::Scotch);
+      const double own = cut_of(mesh, PartitionMethod::Multilevel), scotch = cut_of(mesh, PartitionMethod::Scotch);
       const double metis = cut_of_metis(part);
       std::printf("%-14s %10zu %9.0f %9.0f %7.3f %9.0f %7.3f\n", fs::path(solid).stem().string().substr(0, 14).c_str(),
                   part.cell_count(), own, scotch, own / scotch, metis, metis > 0 ? own / metis : 0);

@@ -50,7 +50,7 @@ struct RawMeshOptions {
 };
 
 struct RawPartition {
-  std::string input, output, report, weights, method = "rcb";
+  std::string input, output, report, weights, method = "multilevel";
   std::optional<int> parts, threads;
   bool quiet = false;
 };
@@ -217,9 +217,10 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
 }
 
 PartitionMethod method_named(const std::string& name) {
-  for (const PartitionMethod method : {PartitionMethod::Rcb, PartitionMethod::Sfc, PartitionMethod::Scotch})
+  for (const PartitionMethod method :
+       {PartitionMethod::Multilevel, PartitionMethod::Rcb, PartitionMethod::Sfc, PartitionMethod::Scotch})
     if (name == to_string(method)) return method;
-  throw UsageError("--method must be rcb, sfc or scotch, not '" + name + "'");
+  throw UsageError("--method must be multilevel, rcb, sfc or scotch, not '" + name + "'");
 }
 
 /// Whether `path` lies in the folder of pieces that belongs to the list `output`.
@@ -254,10 +255,10 @@ CLI::App* add_partition_command(CLI::App& app, RawPartition& raw) {
   partition->add_option("MESH", raw.input, "A mesh, or a partitioned mesh (.pvtu, .msh)")->required();
   partition->add_option("--parts", raw.parts, "How many parts")->required()->type_name("N");
   partition
-      ->add_option(
-          "--method", raw.method,
-          "rcb: cut by planes, then smoothed (default); sfc: along a curve; scotch: fewest faces between parts")
-      ->type_name("rcb|sfc|scotch");
+      ->add_option("--method", raw.method,
+                   "multilevel: by levels of clusters (default); rcb: cut by planes, then smoothed; sfc: along a "
+                   "curve; scotch: fewest faces between parts")
+      ->type_name("multilevel|rcb|sfc|scotch");
   partition->add_option("--weights", raw.weights, "Balance a field on cells instead of their number")
       ->type_name("FIELD");
   partition->add_option("-o,--output", raw.output, "The parts: .pvtu (a file per part) or .msh (one file)")

@@ -171,7 +171,7 @@ void split_by_planes(const PartMesh& part, PartItems& items, TargetRange range, 
                      Destinations& targets, const TaskRunner& runner) {
   const ItemBlock block = block_of(part, items, targets);
   split_blocks_rcb({&block, 1}, {&range, 1}, runner);
-  items.points = {};
+  std::vector<Point3f>().swap(items.points);
   if (options.smooth) smooth(part, items.weights, range, options.imbalance, targets, runner);
 }
 

@@ -72,7 +72,7 @@ Chunks find_chunks(std::vector<Point3f> points, std::span<std::uint32_t> chunk_o
     counts.assign(count, 0);
     for (std::size_t i = begin; i < end; ++i) ++counts[chunk_of[i] = tree.find_leaf(points[i])];
   });
-  points = {};
+  std::vector<Point3f>().swap(points);
   Chunks chunks;
   std::uint32_t sum = 0;
   for (std::size_t c = 0; c < count; ++c) {

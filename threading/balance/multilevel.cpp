@@ -64,13 +64,9 @@ class Multilevel {
     }
   }
 
-  /// Clusters of such a size that equal steps lead from `nodes` to the number that is wanted.
+  /// Clusters as large as they may be: the finest levels cost the most.
   ClusterSize size_for(std::size_t nodes, std::size_t most) const {
-    const double ratio = static_cast<double>(nodes) / static_cast<double>(wanted_);
-    // A step may be a little longer where that saves one.
-    const double steps = std::max(1.0, std::ceil(std::log(ratio) / std::log(static_cast<double>(most)) - 0.2));
-    const double factor = std::min(std::pow(ratio, 1 / steps), static_cast<double>(most));
-    const auto count = static_cast<std::uint32_t>(std::max(1.0, std::round(factor)));
+    const auto count = static_cast<std::uint32_t>(std::clamp<std::size_t>((nodes + wanted_ / 2) / wanted_, 1, most));
     const auto clusters = static_cast<std::int64_t>(nodes / count + 1);
     return {count, std::max<std::int64_t>(1, 2 * (total_ / clusters))};
   }
@@ -90,7 +86,7 @@ class Multilevel {
     levels_.pop_back();
     if (levels_.empty()) {
       project(tets_.targets, tets_.targets);
-      targets_ = {};
+      std::vector<std::uint32_t>().swap(targets_);
     } else {
       std::vector<std::uint32_t> finer(levels_.back().graph.size());
       project(levels_.back().cluster_of, finer);
