@@ -159,7 +159,7 @@ GhostedPart receive_ghosts(PartTask& task, const Part& part, const PartitionedMe
     const auto packet = reader.get_view<std::byte>();
     packets.push_back({message.from, message.to, message.step, Bytes(packet.begin(), packet.end())});
     origins.push_back({message.from, reader.get_array<std::uint32_t>(), reader.get_array<Copy>()});
-    message.bytes = {};
+    message.bytes = Bytes();
   }
   std::vector<std::array<std::size_t, kCellKinds>> counts;
   for (const Message& packet : packets) counts.push_back(detail::count_cells(packet.bytes, mesh));

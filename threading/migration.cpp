@@ -29,7 +29,7 @@ void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t 
     throw Error(ErrorCode::InvalidArgument, "a list of destinations is not as long as its part has cells");
   const detail::SortedCells cells = detail::sort_by_destination(destinations, part_count);
   const detail::CellPacker packer(part);
-  destinations = {};
+  destinations = Destinations();
   packing.disconnected = true;
   drop_adjacency(part.mesh);
   const std::vector<PartId>& receivers = cells.receivers;
@@ -58,7 +58,7 @@ void pack_all(PartitionedMesh& mesh, PerPart<Destinations>& destinations, std::s
     Schedule(*mesh.communicator, runner, mesh.part_count(), trace).run(steps);
   } catch (...) {
     for (const PartId part : mesh.local()) {
-      packings.at(part).packets = {};
+      packings.at(part).packets = std::vector<Message>();
       if (packings.at(part).disconnected) connect_cells(mesh.parts.at(part).mesh);
     }
     throw;
@@ -85,7 +85,7 @@ void unpack_all(PartitionedMesh& mesh, std::vector<Message> arrived, const TaskR
   const std::vector<Step> steps{{"migrate: unpack",
                                  [&](PartTask& task) {
                                    mesh.parts[task].mesh = detail::unpack_part(packets[task], mesh);
-                                   packets[task] = {};
+                                   packets[task] = std::vector<Message>();
                                  },
                                  {},
                                  [&](PartId part) { return work.at(part); }}};

@@ -214,7 +214,7 @@ PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh)
   builder.reserve(views);
   for (std::size_t i = 0; i < packets.size(); ++i) {
     builder.add(views[i]);
-    packets[i].bytes = {};
+    packets[i].bytes = Bytes();
   }
   PartMesh part = builder.take();
   connect_cells(part);
@@ -234,7 +234,7 @@ PartMesh extend_part(const Part& part, std::vector<Message>& packets, const Part
   for (Message& packet : packets) {
     builder.add(view_packet(packet.bytes, mesh));
     locals.push_back(builder.locals());
-    packet.bytes = {};
+    packet.bytes = Bytes();
   }
   return builder.take();
 }

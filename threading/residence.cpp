@@ -100,7 +100,7 @@ void send_claims_home(Communicator& communicator, const Homes& homes, Claims& cl
     MessageWriter writer;
     writer.put_array(std::span<const Claim>(claims[bucket]));
     outgoing.push_back({self, home, static_cast<std::uint32_t>(bucket), writer.take()});
-    claims[bucket] = {};
+    claims[bucket] = std::vector<Claim>();
   }
   for (const Message& message : exchange(communicator, std::move(outgoing), rank_of)) {
     const auto view = MessageReader(message.bytes).get_view<Claim>();

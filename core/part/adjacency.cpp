@@ -1,6 +1,7 @@
 #include "core/part/adjacency.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.hpp"
 
@@ -50,9 +51,9 @@ class FaceMatcher {
   }
 
   // What is still chained has nothing behind it.
-  void finish() {
-    for (CellPlace& head : part_.vert_to_place) {
-      while (head.valid()) head = std::exchange(neighbor(part_, head), CellPlace());
+  static void end_chains(PartMesh& part) {
+    for (CellPlace& head : part.vert_to_place) {
+      while (head.valid()) head = std::exchange(neighbor(part, head), CellPlace());
     }
   }
 
@@ -60,7 +61,78 @@ class FaceMatcher {
   PartMesh& part_;
 };
 
+// The same for meshes of tets alone, without building keys: among faces of the same lowest vertex, the sum of the
+// vertices and the highest one decide.
+class TetFaceMatcher {
+ public:
+  explicit TetFaceMatcher(PartMesh& part)
+      : verts_(part.block(CellKind::Tet).to_vert.data()), neighbors_(part.block(CellKind::Tet).to_neighbor.data()) {
+    part.vert_to_place.clear();
+    part.vert_to_place.resize(part.vertex_count());
+    heads_ = part.vert_to_place.data();
+  }
+
+  void add(std::uint32_t tet) {
+    const std::uint32_t* v = verts_ + std::size_t{tet} * 4;
+    const auto [low01, high01] = std::minmax(v[0], v[1]);
+    const auto [low23, high23] = std::minmax(v[2], v[3]);
+    const std::uint32_t low = std::min(low01, low23), high = std::max(high01, high23);
+    const auto [second, third] = std::minmax(std::max(low01, low23), std::min(high01, high23));
+    const std::uint64_t sum = std::uint64_t{low} + second + third + high;
+    for (std::uint32_t face = 0; face < 4; ++face)
+      add({tet, face, v[face] == low ? second : low, v[face] == high ? third : high, sum - v[face]});
+  }
+
+ private:
+  struct Face {
+    std::uint32_t tet, face, low, high;
+    std::uint64_t sum;
+  };
+
+  bool is_same(CellPlace other, const Face& face) const {
+    const std::uint32_t* v = verts_ + std::size_t{other.cell()} * 4;
+    const std::uint32_t left_out = other.place();
+    if (std::uint64_t{v[0]} + v[1] + v[2] + v[3] - v[left_out] != face.sum) return false;
+    std::uint32_t high = 0;
+    for (std::uint32_t i = 0; i < 4; ++i) high = i == left_out ? high : std::max(high, v[i]);
+    return high == face.high;
+  }
+
+  CellPlace& neighbor(CellPlace face) { return neighbors_[std::size_t{face.cell()} * 4 + face.place()]; }
+
+  void add(const Face& face) {
+    const CellPlace own(CellKind::Tet, face.tet, face.face);
+    CellPlace* link = heads_ + face.low;
+    const CellPlace head = *link;
+    for (CellPlace other = head; other.valid(); other = *link) {
+      CellPlace& next = neighbor(other);
+      if (is_same(other, face)) {
+        *link = next;
+        next = own;
+        neighbor(own) = other;
+        return;
+      }
+      link = &next;
+    }
+    neighbor(own) = head;
+    heads_[face.low] = own;
+  }
+
+  const std::uint32_t* verts_;
+  CellPlace* neighbors_;
+  CellPlace* heads_;
+};
+
+void match_tets(PartMesh& part) {
+  CellBlock& tets = part.block(CellKind::Tet);
+  tets.to_neighbor.resize_for_overwrite(tets.size() * 4);
+  TetFaceMatcher matcher(part);
+  for (std::uint32_t tet = 0; tet < tets.size(); ++tet) matcher.add(tet);
+  FaceMatcher::end_chains(part);
+}
+
 void match_faces(PartMesh& part) {
+  if (part.block(CellKind::Tet).size() == part.cell_count()) return match_tets(part);
   FaceMatcher matcher(part);
   for (const CellKind kind : kAllCellKinds) {
     CellBlock& block = part.block(kind);
@@ -69,7 +141,7 @@ void match_faces(PartMesh& part) {
     for (std::uint32_t cell = 0; cell < block.size(); ++cell)
       for (std::uint32_t face = 0; face < faces; ++face) matcher.add(CellPlace(kind, cell, face));
   }
-  matcher.finish();
+  FaceMatcher::end_chains(part);
 }
 
 // Names the lowest corner at each vertex.
