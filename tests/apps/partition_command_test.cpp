@@ -82,7 +82,7 @@ TEST_CASE("the parts do not depend on threads") {
 TEST_CASE("all methods partition, and partition again") {
   const TestFolder folder;
   const std::string box = write_box(folder, false);
-  for (const char* method : {"rcb", "sfc", "scotch"}) {
+  for (const char* method : {"multilevel", "rcb", "sfc", "scotch"}) {
     CAPTURE(method);
     const auto first = partition(folder, box, "a.pvtu", 5, {"--method", method});
     CHECK(first["partition"]["imbalance"]["elements"] < 0.2);
