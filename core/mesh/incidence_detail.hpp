@@ -129,10 +129,10 @@ inline SortedFace sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c,
 }
 
 /// Calls body(sorted face, code) for all faces of cells of one kind.
-template <CellKind kind, class Cell, class Body>
+template <CellKind Kind, class Cell, class Body>
 void for_each_cell_face(const std::vector<Cell>& cells, const Body& body) {
-  constexpr const CellShape& shape = shape_of(kind);
-  constexpr std::uint64_t owner = static_cast<std::uint64_t>(kind) * 16;
+  constexpr const CellShape& shape = shape_of(Kind);
+  constexpr std::uint64_t owner = static_cast<std::uint64_t>(Kind) * 16;
   for (std::uint64_t c = 0; c < cells.size(); ++c) {
     const Cell& v = cells[c];
     for (std::uint64_t f = 0; f < shape.face_count; ++f) {
