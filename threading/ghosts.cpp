@@ -179,11 +179,6 @@ GhostedPart receive_ghosts(PartTask& task, const Part& part, const PartitionedMe
   return ghosted;
 }
 
-Links links_of_neighbors(const PartitionedMesh& mesh) {
-  return neighbour_links(
-      [&mesh](PartId part) { return std::span<const PartId>(mesh.parts.at(part).boundary.neighbors); });
-}
-
 }  // namespace
 
 PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const TaskRunner& runner, Trace* trace) {

@@ -269,6 +269,11 @@ class PartLinker {
 
 }  // namespace
 
+Links links_of_neighbors(const PartitionedMesh& mesh) {
+  return neighbour_links(
+      [&mesh](PartId part) { return std::span<const PartId>(mesh.parts.at(part).boundary.neighbors); });
+}
+
 void link_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trace* trace) {
   const TaskRunner deaf_runner = runner.uninterruptible();
   PerPart<Residence> residence = detail::find_residence(mesh, deaf_runner);

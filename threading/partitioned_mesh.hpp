@@ -73,6 +73,9 @@ struct PartitionedMesh {
   std::vector<FieldInfo> vertex_fields, cell_fields;  ///< of every part, in this order
 };
 
+/// Links between neighbours; valid as long as `mesh` is.
+Links links_of_neighbors(const PartitionedMesh& mesh);
+
 /// Finds all copies anew from the global ids of vertices: everything in `PartBoundary`. A collective call.
 /// Vertices on open faces meet at a home rank that follows from their global id; neighbours then match their lists of
 /// shared vertices, edges and faces, which are ordered alike on both sides (the rendezvous of Tautges et al. 2012

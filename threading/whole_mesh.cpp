@@ -1,6 +1,7 @@
 #include "threading/whole_mesh.hpp"
 
 #include "core/part/convert.hpp"
+#include "threading/agreement.hpp"
 #include "threading/migration.hpp"
 
 namespace tetloom {
@@ -35,27 +36,20 @@ void share_fields(PartitionedMesh& mesh) {
 
 PartitionedMesh distribute_mesh(const Mesh& mesh, Communicator& communicator) {
   PartitionedMesh result(communicator, 1);
-  std::optional<Error> error;
-  if (communicator.rank() == 0) {
-    try {
-      result.parts.at(PartId(0)).mesh = make_part(mesh);
-    } catch (const Error& caught) {
-      error = caught;
-    }
-  }
-  std::array<std::int64_t, 1> failed{error ? 1 : 0};
-  communicator.sum(failed);
-  if (error) throw *error;
-  if (failed[0] != 0) throw Error(ErrorCode::InputUnsuitable, "the mesh cannot be dealt to parts; rank 0 says why");
+  run_on_first(communicator, [&] { result.parts.at(PartId(0)).mesh = make_part(mesh); });
   share_fields(result);
   return result;
 }
 
+void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
+  PerPart<Destinations> destinations(mesh.part_count(), mesh.local());
+  for (const PartId part : mesh.local()) destinations.at(part).assign(mesh.parts.at(part).mesh.cell_count(), 0);
+  migrate(mesh, std::move(destinations), 1, runner);
+}
+
 Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner) {
   PartitionedMesh copy = mesh;
-  PerPart<Destinations> destinations(copy.part_count(), copy.local());
-  for (const PartId part : copy.local()) destinations.at(part).assign(copy.parts.at(part).mesh.cell_count(), 0);
-  migrate(copy, std::move(destinations), 1, runner);
+  gather_in_one_part(copy, runner);
   return copy.communicator->rank() == 0 ? make_mesh(copy.parts.at(PartId(0)).mesh) : Mesh{};
 }
 

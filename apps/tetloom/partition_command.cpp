@@ -4,7 +4,6 @@
 #include "apps/tetloom/run.hpp"
 #include "core/mesh/digest.hpp"
 #include "threading/agreement.hpp"
-#include "threading/migration.hpp"
 #include "threading/parts_io.hpp"
 #include "threading/whole_mesh.hpp"
 
@@ -23,15 +22,8 @@ void require_finite_points(const PartitionedMesh& mesh) {
   });
 }
 
-void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
-  PerPart<Destinations> destinations(mesh.part_count(), mesh.local());
-  for (const PartId part : mesh.local()) destinations.at(part).assign(mesh.parts.at(part).mesh.cell_count(), 0);
-  migrate(mesh, std::move(destinations), 1, runner);
-}
-
 void deal(const PartitionCommand& command, PartitionedMesh& mesh, const TaskRunner& runner) {
   require_finite_points(mesh);
-  require_weights(mesh, command.balance.weights);
   // In one part, Scotch cuts the mesh alike on any number of ranks.
   if (command.balance.method == PartitionMethod::Scotch && mesh.part_count() > 1) gather_in_one_part(mesh, runner);
   PerPart<Destinations> destinations = compute_destinations(mesh, command.balance, runner);

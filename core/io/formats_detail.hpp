@@ -13,6 +13,7 @@
 #include "core/io/mesh_parts.hpp"
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/mesh.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 
@@ -63,10 +64,9 @@ void for_each_block(AnyMesh& mesh, const Visit& visit) {
   visit(Block::Edge, mesh.edge_to_vert, mesh.edge_to_entity);
   visit(Block::Triangle, mesh.tri_to_vert, mesh.tri_to_entity);
   visit(Block::Quad, mesh.quad_to_vert, mesh.quad_to_entity);
-  visit(Block::Tet, mesh.tet_to_vert, mesh.tet_to_entity);
-  visit(Block::Pyramid, mesh.pyramid_to_vert, mesh.pyramid_to_entity);
-  visit(Block::Prism, mesh.prism_to_vert, mesh.prism_to_entity);
-  visit(Block::Hex, mesh.hex_to_vert, mesh.hex_to_entity);
+  for_each_cell_kind(mesh, [&](CellKind kind, auto& cells, auto& regions) {
+    visit(static_cast<Block>(static_cast<std::size_t>(kind) + 3), cells, regions);
+  });
 }
 
 /// Calls visit(x_to_vert, x_to_entity) for one of them.

@@ -23,125 +23,82 @@ void check_limits(const PartMesh& part) {
   }
 }
 
-// Chains of faces that have not met their other side yet, by their lowest vertex. The heads stand in vert_to_place,
-// the links in to_neighbor of the chained faces themselves.
-class FaceMatcher {
- public:
-  explicit FaceMatcher(PartMesh& part) : part_(part) {
-    part_.vert_to_place.clear();
-    part_.vert_to_place.resize(part_.vertex_count());
+// Faces that have not met their other side yet are chained by their lowest vertex: the heads stand in vert_to_place, the
+// links in to_neighbor of the chained faces themselves. `face` is paired with the face in its chain that is_same(other)
+// accepts, or else chained.
+template <class Neighbor, class IsSame>
+void pair_or_chain(CellPlace& head, CellPlace face, const Neighbor& neighbor, const IsSame& is_same) {
+  CellPlace* link = &head;
+  for (CellPlace other = head; other.valid(); other = *link) {
+    CellPlace& next = neighbor(other);
+    if (is_same(other)) {
+      *link = next;
+      next = face;
+      neighbor(face) = other;
+      return;
+    }
+    link = &next;
   }
+  neighbor(face) = head;
+  head = face;
+}
 
-  void add(CellPlace face) {
-    const FaceKey key = key_of_face(part_, face);
-    CellPlace* link = &part_.vert_to_place[key[0]];
-    const CellPlace head = *link;
-    for (CellPlace other = head; other.valid(); other = *link) {
-      CellPlace& next = neighbor(part_, other);
-      if (key_of_face(part_, other) == key) {
-        *link = next;
-        next = face;
-        neighbor(part_, face) = other;
-        return;
+void match_mixed(PartMesh& part) {
+  for (const CellKind kind : kAllCellKinds) {
+    const std::uint32_t faces = shape_of(kind).face_count;
+    for (std::uint32_t cell = 0; cell < part.block(kind).size(); ++cell) {
+      for (std::uint32_t i = 0; i < faces; ++i) {
+        const CellPlace face(kind, cell, i);
+        const FaceKey key = key_of_face(part, face);
+        pair_or_chain(
+            part.vert_to_place[key[0]], face, [&](CellPlace of) -> CellPlace& { return neighbor(part, of); },
+            [&](CellPlace other) { return key_of_face(part, other) == key; });
       }
-      link = &next;
-    }
-    neighbor(part_, face) = head;
-    part_.vert_to_place[key[0]] = face;
-  }
-
-  // What is still chained has nothing behind it.
-  static void end_chains(PartMesh& part) {
-    for (CellPlace& head : part.vert_to_place) {
-      while (head.valid()) head = std::exchange(neighbor(part, head), CellPlace());
     }
   }
+}
 
- private:
-  PartMesh& part_;
-};
-
-// The same for meshes of tets alone, without building keys: among faces of the same lowest vertex, the sum of the
-// vertices and the highest one decide.
-class TetFaceMatcher {
- public:
-  explicit TetFaceMatcher(PartMesh& part)
-      : verts_(part.block(CellKind::Tet).to_vert.data()), neighbors_(part.block(CellKind::Tet).to_neighbor.data()) {
-    part.vert_to_place.clear();
-    part.vert_to_place.resize(part.vertex_count());
-    heads_ = part.vert_to_place.data();
-  }
-
-  void add(std::uint32_t tet) {
-    const std::uint32_t* v = verts_ + std::size_t{tet} * 4;
+// Without building keys: among faces of the same lowest vertex, the sum of the vertices and the highest one decide.
+void match_tets(PartMesh& part) {
+  const std::uint32_t* verts = part.block(CellKind::Tet).to_vert.data();
+  CellPlace* neighbors = part.block(CellKind::Tet).to_neighbor.data();
+  const auto neighbor_at = [neighbors](CellPlace of) -> CellPlace& {
+    return neighbors[std::size_t{of.cell()} * 4 + of.place()];
+  };
+  const auto sum_of = [](const std::uint32_t* v) { return std::uint64_t{v[0]} + v[1] + v[2] + v[3]; };
+  for (std::uint32_t tet = 0; tet < part.block(CellKind::Tet).size(); ++tet) {
+    const std::uint32_t* v = verts + std::size_t{tet} * 4;
     const auto [low01, high01] = std::minmax(v[0], v[1]);
     const auto [low23, high23] = std::minmax(v[2], v[3]);
     const std::uint32_t low = std::min(low01, low23), high = std::max(high01, high23);
     const auto [second, third] = std::minmax(std::max(low01, low23), std::min(high01, high23));
-    const std::uint64_t sum = std::uint64_t{low} + second + third + high;
-    for (std::uint32_t face = 0; face < 4; ++face)
-      add({tet, face, v[face] == low ? second : low, v[face] == high ? third : high, sum - v[face]});
-  }
-
- private:
-  struct Face {
-    std::uint32_t tet, face, low, high;
-    std::uint64_t sum;
-  };
-
-  bool is_same(CellPlace other, const Face& face) const {
-    const std::uint32_t* v = verts_ + std::size_t{other.cell()} * 4;
-    const std::uint32_t left_out = other.place();
-    if (std::uint64_t{v[0]} + v[1] + v[2] + v[3] - v[left_out] != face.sum) return false;
-    std::uint32_t high = 0;
-    for (std::uint32_t i = 0; i < 4; ++i) high = i == left_out ? high : std::max(high, v[i]);
-    return high == face.high;
-  }
-
-  CellPlace& neighbor(CellPlace face) { return neighbors_[std::size_t{face.cell()} * 4 + face.place()]; }
-
-  void add(const Face& face) {
-    const CellPlace own(CellKind::Tet, face.tet, face.face);
-    CellPlace* link = heads_ + face.low;
-    const CellPlace head = *link;
-    for (CellPlace other = head; other.valid(); other = *link) {
-      CellPlace& next = neighbor(other);
-      if (is_same(other, face)) {
-        *link = next;
-        next = own;
-        neighbor(own) = other;
-        return;
-      }
-      link = &next;
+    for (std::uint32_t face = 0; face < 4; ++face) {
+      const std::uint64_t sum = sum_of(v) - v[face];
+      const std::uint32_t face_high = v[face] == high ? third : high;
+      const auto is_same = [&](CellPlace other) {
+        const std::uint32_t* w = verts + std::size_t{other.cell()} * 4;
+        const std::uint32_t left_out = other.place();
+        if (sum_of(w) - w[left_out] != sum) return false;
+        std::uint32_t other_high = 0;
+        for (std::uint32_t i = 0; i < 4; ++i) other_high = i == left_out ? other_high : std::max(other_high, w[i]);
+        return other_high == face_high;
+      };
+      pair_or_chain(part.vert_to_place[v[face] == low ? second : low], CellPlace(CellKind::Tet, tet, face),
+                    neighbor_at, is_same);
     }
-    neighbor(own) = head;
-    heads_[face.low] = own;
   }
-
-  const std::uint32_t* verts_;
-  CellPlace* neighbors_;
-  CellPlace* heads_;
-};
-
-void match_tets(PartMesh& part) {
-  CellBlock& tets = part.block(CellKind::Tet);
-  tets.to_neighbor.resize_for_overwrite(tets.size() * 4);
-  TetFaceMatcher matcher(part);
-  for (std::uint32_t tet = 0; tet < tets.size(); ++tet) matcher.add(tet);
-  FaceMatcher::end_chains(part);
 }
 
 void match_faces(PartMesh& part) {
-  if (part.block(CellKind::Tet).size() == part.cell_count()) return match_tets(part);
-  FaceMatcher matcher(part);
-  for (const CellKind kind : kAllCellKinds) {
-    CellBlock& block = part.block(kind);
-    const std::uint32_t faces = shape_of(kind).face_count;
-    block.to_neighbor.resize_for_overwrite(block.size() * faces);
-    for (std::uint32_t cell = 0; cell < block.size(); ++cell)
-      for (std::uint32_t face = 0; face < faces; ++face) matcher.add(CellPlace(kind, cell, face));
-  }
-  FaceMatcher::end_chains(part);
+  part.vert_to_place.clear();
+  part.vert_to_place.resize(part.vertex_count());
+  for (const CellKind kind : kAllCellKinds)
+    part.block(kind).to_neighbor.resize_for_overwrite(part.block(kind).size() * shape_of(kind).face_count);
+  const bool tets_alone = part.block(CellKind::Tet).size() == part.cell_count();
+  tets_alone ? match_tets(part) : match_mixed(part);
+  // What is still chained has nothing behind it.
+  for (CellPlace& head : part.vert_to_place)
+    while (head.valid()) head = std::exchange(neighbor(part, head), CellPlace());
 }
 
 // Names the lowest corner at each vertex.

@@ -16,6 +16,28 @@ struct CellId {
   friend constexpr auto operator<=>(const CellId&, const CellId&) = default;
 };
 
+/// Numbers for the cells of all kinds together, from `begin` on: tets first, then pyramids, prisms and hexahedra.
+class CellNumbers {
+ public:
+  explicit CellNumbers(const PartMesh& part, std::uint64_t begin = 0) {
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
+      begins_[kind] = begin;
+      begin += part.cells[kind].size();
+    }
+  }
+  std::uint64_t begin_of(CellKind kind) const { return begins_[static_cast<std::size_t>(kind)]; }
+  std::uint64_t number_of(CellId cell) const { return begin_of(cell.kind) + cell.index; }
+  std::uint64_t number_of(CellPlace place) const { return begin_of(place.kind()) + place.cell(); }
+  CellId cell_of(std::uint64_t number) const {
+    std::size_t kind = kCellKinds - 1;
+    while (begins_[kind] > number) --kind;
+    return {kAllCellKinds[kind], static_cast<std::uint32_t>(number - begins_[kind])};
+  }
+
+ private:
+  std::array<std::uint64_t, kCellKinds> begins_{};
+};
+
 /// The vertices of a face or an edge of a cell as a key that does not depend on the side it is seen from: ascending,
 /// the unused places kNone.
 using FaceKey = std::array<std::uint32_t, 4>;

@@ -191,10 +191,7 @@ class MeshMaker {
 
   Mesh make() {
     sort_vertices();
-    add_cells(CellKind::Tet, mesh_.tet_to_vert, mesh_.tet_to_entity);
-    add_cells(CellKind::Pyramid, mesh_.pyramid_to_vert, mesh_.pyramid_to_entity);
-    add_cells(CellKind::Prism, mesh_.prism_to_vert, mesh_.prism_to_entity);
-    add_cells(CellKind::Hex, mesh_.hex_to_vert, mesh_.hex_to_entity);
+    for_each_cell_kind(mesh_, [&](CellKind kind, auto& cells, auto& regions) { add_cells(kind, cells, regions); });
     add_boundary(BoundaryKind::Edge, mesh_.edge_to_vert, mesh_.edge_to_entity);
     add_boundary(BoundaryKind::Triangle, mesh_.tri_to_vert, mesh_.tri_to_entity);
     add_boundary(BoundaryKind::Quad, mesh_.quad_to_vert, mesh_.quad_to_entity);

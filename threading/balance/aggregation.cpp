@@ -312,7 +312,7 @@ ClusterGraph contract_graph(const Graph& graph, const Chunks& chunks, const Chun
     const auto at = static_cast<std::ptrdiff_t>(coarse.first[clusters.begin[chunk]]);
     std::copy(links[chunk].neighbours.begin(), links[chunk].neighbours.end(), coarse.neighbours.begin() + at);
     std::copy(links[chunk].links.begin(), links[chunk].links.end(), coarse.links.begin() + at);
-    links[chunk] = std::decay_t<decltype(links[chunk])>();
+    links[chunk] = {};
   });
   return coarse;
 }
