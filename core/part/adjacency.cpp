@@ -23,9 +23,9 @@ void check_limits(const PartMesh& part) {
   }
 }
 
-// Faces that have not met their other side yet are chained by their lowest vertex: the heads stand in vert_to_place, the
-// links in to_neighbor of the chained faces themselves. `face` is paired with the face in its chain that is_same(other)
-// accepts, or else chained.
+// Faces that have not met their other side yet are chained by their lowest vertex: the heads stand in vert_to_place,
+// the links in to_neighbor of the chained faces themselves. `face` is paired with the face in its chain that
+// is_same(other) accepts, or else chained.
 template <class Neighbor, class IsSame>
 void pair_or_chain(CellPlace& head, CellPlace face, const Neighbor& neighbor, const IsSame& is_same) {
   CellPlace* link = &head;
@@ -83,8 +83,8 @@ void match_tets(PartMesh& part) {
         for (std::uint32_t i = 0; i < 4; ++i) other_high = i == left_out ? other_high : std::max(other_high, w[i]);
         return other_high == face_high;
       };
-      pair_or_chain(part.vert_to_place[v[face] == low ? second : low], CellPlace(CellKind::Tet, tet, face),
-                    neighbor_at, is_same);
+      pair_or_chain(part.vert_to_place[v[face] == low ? second : low], CellPlace(CellKind::Tet, tet, face), neighbor_at,
+                    is_same);
     }
   }
 }

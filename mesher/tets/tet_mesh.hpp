@@ -1,0 +1,46 @@
+#pragma once
+// The tetrahedra of one part while they are made: the tet block of a PartMesh, and what making them needs beside it.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "core/base/growing_array.hpp"
+#include "core/base/ids.hpp"
+#include "core/base/vec.hpp"
+#include "core/part/part_mesh.hpp"
+
+namespace tetloom::tets {
+
+/// Face `i` of a tet is opposite to its vertex `i`; kFaceVerts[i] are its vertices, counter-clockwise from outside.
+inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+/// One face of one tet as tet · 4 + face, the code of CellPlace for tets; kNone: nothing.
+using FaceCode = std::uint32_t;
+
+/// Struct of arrays, 37 bytes per tet and 24 per point. Tets have positive volume (orient3d > 0) in exact arithmetic.
+///
+/// `to_neighbor[4 t + i]` is the same face as a face of the tet behind it, kNone where there is none. Bit i of
+/// `to_fixed[t]` says that face i must stay: it is a triangle of the given surface, and both tets beside it say so.
+/// A dead tet has kNone as its first vertex; nothing points to it; `compact` drops it. Faces whose two tets lie in
+/// different regions are fixed.
+struct TetMesh {
+  GrowingArray<Vec3> points;
+  GrowingArray<std::uint32_t> to_vert;
+  GrowingArray<FaceCode> to_neighbor;
+  GrowingArray<std::uint32_t> to_region;
+  GrowingArray<std::uint8_t> to_fixed;
+
+  std::size_t size() const { return to_fixed.size(); }
+  bool is_dead(std::uint32_t tet) const { return to_vert[std::size_t{tet} * 4] == kNone; }
+  bool is_fixed(FaceCode face) const { return (to_fixed[face / 4] >> face % 4 & 1) != 0; }
+  const Vec3& point_of(std::uint32_t tet, int corner) const { return points[to_vert[std::size_t{tet} * 4 + corner]]; }
+};
+
+/// Moves the last tets into the places of dead ones, in ascending order, so that none is dead. Linear.
+void compact(TetMesh& mesh);
+
+/// What breaks the invariants of TetMesh first, in words; empty: nothing. Linear, with exact predicates.
+std::string find_fault(const TetMesh& mesh);
+
+}  // namespace tetloom::tets
