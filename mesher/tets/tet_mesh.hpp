@@ -1,16 +1,18 @@
 #pragma once
-// The tetrahedra of one part while they are made: the tet block of a PartMesh, and what making them needs beside it.
+// The tetrahedra of one part while they are made: arrays like those of a PartMesh's tet block, and what making
+// them needs beside.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "core/base/growing_array.hpp"
-#include "core/base/ids.hpp"
 #include "core/base/vec.hpp"
-#include "core/part/part_mesh.hpp"
 
 namespace tetloom::tets {
+
+/// No tet, no vertex, no region, no face.
+inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// Face `i` of a tet is opposite to its vertex `i`; kFaceVerts[i] are its vertices, counter-clockwise from outside.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
