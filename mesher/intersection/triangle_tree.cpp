@@ -110,6 +110,17 @@ bool TriangleTree::any_within(const Vec3& x, double radius) const {
   return found;
 }
 
+double TriangleTree::distance_within(const Vec3& x, double radius) const {
+  double nearest = radius;
+  descend([&](const Box3& node) { return distance_to_box2(x, node) < nearest * nearest; },
+          [&](std::uint32_t triangle) {
+            const auto& [a, b, c] = tri_to_vert_[triangle];
+            nearest = std::min(nearest, distance_to_triangle(x, points_[a], points_[b], points_[c]));
+            return true;
+          });
+  return nearest;
+}
+
 // 1 when the ray crosses a triangle whose normal points up, -1 for down, 0 when it does not cross.
 int TriangleTree::crossing_above(std::uint32_t triangle, const Vec3& x) const {
   const Vec3 &a = points_[tri_to_vert_[triangle][0]], &b = points_[tri_to_vert_[triangle][1]],

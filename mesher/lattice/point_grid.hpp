@@ -9,7 +9,7 @@
 
 #include "core/base/vec.hpp"
 
-namespace tetloom::volume {
+namespace tetloom::lattice {
 
 /// Add points, finish, then ask: queries may come from any number of threads.
 class PointGrid {
@@ -60,4 +60,4 @@ class PointGrid {
   std::vector<Entry> entries_;
 };
 
-}  // namespace tetloom::volume
+}  // namespace tetloom::lattice

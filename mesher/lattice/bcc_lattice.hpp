@@ -1,0 +1,73 @@
+#pragma once
+// Body-centred cubic lattices: the sizes they come in and where their points lie.
+//
+// The Delaunay tetrahedra of such a lattice are all alike, of mean ratio .945; a lattice of size h has cubes 1.083 h
+// wide, so that its mean edge is h. There is one lattice per size, in steps of about the cube root of 4 (Labelle &
+// Shewchuk 2007 grade by octrees in steps of 2, too coarse to keep edges near the size asked).
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/vec.hpp"
+
+namespace tetloom::lattice {
+
+inline constexpr double kCubePerSize = 1.083;
+
+/// Sizes smallest · ratio^k for 0 <= k < count.
+class Levels {
+ public:
+  /// Covers [lo, hi]; one level when they are nearly the same. Pre: 0 < lo <= hi, finite.
+  Levels(double lo, double hi);
+  int count() const { return count_; }
+  double size(int level) const { return smallest_ * std::pow(ratio_, level); }
+  /// The level nearest to `size` in the logarithm.
+  int of(double size) const;
+
+ private:
+  double smallest_, log_ratio_ = 0, ratio_ = 1;
+  int count_ = 1;
+};
+
+/// A point of a lattice: its coordinates in half cubes, all even (a corner) or all odd (a centre).
+struct Site {
+  std::int32_t i, j, k;
+  friend constexpr auto operator<=>(const Site&, const Site&) = default;
+};
+
+/// One lattice, shifted off the axes of symmetry by shares of a cube that differ between levels. Each point is moved by
+/// up to 1e-4 h, by a hash of its site: exact lattices are full of coplanar points, which are slow to insert.
+class BccLattice {
+ public:
+  BccLattice(const Vec3& origin, double size, int level);
+
+  Vec3 point(const Site& site) const {
+    return origin_ + half_ * Vec3{double(site.i), double(site.j), double(site.k)} + shift(site);
+  }
+  double size() const { return size_; }
+
+  /// Calls visit(site) for the sites whose unmoved points lie in the half-open box, by k, then j, then i.
+  template <class Visit>
+  void for_each_in(const Box3& box, Visit&& visit) const {
+    const Vec3 lo = box.lo - origin_, hi = box.hi - origin_;
+    for (std::int32_t k = first(lo.z); k < first(hi.z); ++k) {
+      for (std::int32_t j = first_alike(lo.y, k); j < first(hi.y); j += 2) {
+        for (std::int32_t i = first_alike(lo.x, k); i < first(hi.x); i += 2) visit(Site{i, j, k});
+      }
+    }
+  }
+
+ private:
+  std::int32_t first(double x) const { return static_cast<std::int32_t>(std::ceil(x / half_)); }
+  std::int32_t first_alike(double x, std::int32_t k) const {
+    const std::int32_t i = first(x);
+    return i + ((i + k) & 1);
+  }
+  Vec3 shift(const Site& site) const;
+
+  Vec3 origin_;
+  double size_, half_;
+  std::uint64_t level_;
+};
+
+}  // namespace tetloom::lattice

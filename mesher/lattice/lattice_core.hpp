@@ -1,0 +1,27 @@
+#pragma once
+// The tetrahedra that a lattice has where nothing disturbs it, written with their neighbours in closed form.
+//
+// A site is *pure* when it and the 14 sites around it are there, when the same holds for each of these, and when it is
+// not near the surface. No other point then lies within 1.21 of the lattice's size of it: the circumspheres at it are
+// empty (their radius is .605 of the size, and wherever a foreign point comes as near, it displaces the lattice point
+// next to it). So the 24 tetrahedra at a pure site are tetrahedra of the Delaunay tetrahedralisation of all points, and
+// whatever else that has needs no pure site: the Delaunay tetrahedralisation of all but the pure ones holds it.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/lattice/lattice_points.hpp"
+#include "mesher/tets/tet_mesh.hpp"
+
+namespace tetloom::lattice {
+
+struct LatticeCore {
+  std::vector<std::uint32_t> shell_verts;  ///< vertices of sites that are not pure, ascending
+  std::vector<tets::FaceCode> open_faces;  ///< faces of core tets with no core tet behind them, ascending
+};
+
+/// Appends the points of `levels` to `mesh`, in their order, and then all tetrahedra at pure sites, of region kNone and
+/// without fixed faces. Pre: `mesh` has no tets. Errors: OutOfMemory beyond 2^29 tets.
+LatticeCore emit_core(tets::TetMesh& mesh, std::span<const LevelPoints> levels);
+
+}  // namespace tetloom::lattice

@@ -1,0 +1,195 @@
+#include "mesher/lattice/lattice_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "mesher/lattice/point_grid.hpp"
+
+namespace tetloom::lattice {
+
+namespace {
+
+constexpr double kFromSurface = 0.55, kFromFinerLattice = 0.65;
+constexpr double kSizesPerCell = 4;
+constexpr int kDeepestCell = 24;
+constexpr int kLevelsThatReach = 3;  // lattices finer by more are never near
+constexpr double kMostPoints = 1e9;
+
+struct Cell {
+  Box3 box;
+  double lo = 0, hi = 0;  // sizes met in it
+  bool near_surface = false, meets_surface = false;
+};
+
+// What a cell gives to one level.
+struct CellPoints {
+  std::vector<Site> sites;
+  std::vector<char> near_surface;
+};
+
+class Filler {
+ public:
+  Filler(const LatticeRequest& request, const TaskRunner& runner)
+      : request_(request), runner_(runner), levels_(levels_of(request)) {
+    for (int level = 0; level < levels_.count(); ++level)
+      lattices_.emplace_back(request.box.lo, levels_.size(level), level);
+  }
+
+  std::vector<LevelPoints> fill() {
+    const Vec3 extent = request_.box.hi - request_.box.lo;
+    const double width = std::max({extent.x, extent.y, extent.z});
+    collect_cells({request_.box.lo, request_.box.lo + Vec3{width, width, width}}, 0, true);
+    std::vector<std::vector<CellPoints>> cell_to_points(cells_.size());  // per level within a cell
+    runner_.for_blocks(cells_.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) cell_to_points[i] = fill_cell(cells_[i]);
+    });
+    std::vector<LevelPoints> result;
+    for (int level = 0; level < levels_.count(); ++level) {
+      result.push_back({lattices_[level], {}, {}});
+      for (const auto& of_cell : cell_to_points) append(of_cell[level], result.back());
+    }
+    drop_near_finer(result);
+    return result;
+  }
+
+ private:
+  // The field may hold sizes that this surface does not meet; the lattices follow those that it does.
+  static Levels levels_of(const LatticeRequest& request) {
+    if (request.sizes->is_uniform()) return {request.sizes->smallest(), request.sizes->smallest()};
+    double lo = HUGE_VAL, hi = 0;
+    request.sizes->for_each_leaf(
+        request.box, [&](const SizeLeaf& leaf) { lo = std::min(lo, leaf.size), hi = std::max(hi, leaf.size); });
+    return {lo, hi};
+  }
+
+  // True when the surface names a region around x.
+  bool inside(const Vec3& x) const {
+    int depth = 0;
+    request_.tree->for_each_above(x, [&](std::uint32_t triangle, bool up) {
+      const FaceSides& sides = request_.tri_to_sides[triangle];
+      const ModelRegionId below = up ? sides.back : sides.front, above = up ? sides.front : sides.back;
+      depth += int{below.valid()} - int{above.valid()};
+    });
+    return depth > 0;
+  }
+
+  bool has_surface(const Box3& box) const {
+    bool found = false;
+    request_.tree->for_each_in(box, [&](std::uint32_t) { found = true; });
+    return found;
+  }
+
+  void collect_cells(const Box3& box, int depth, bool may_meet_surface) {
+    Cell cell = sized_cell(box);
+    const Vec3 center = box.center();
+    cell.meets_surface = may_meet_surface && has_surface(box);
+    if (!cell.meets_surface && !inside(center)) return;
+    if (box.hi.x - box.lo.x > kSizesPerCell * cell.lo && depth < kDeepestCell) {
+      for (int octant = 0; octant < 8; ++octant) {
+        const Vec3 lo{octant & 1 ? center.x : box.lo.x, octant & 2 ? center.y : box.lo.y,
+                      octant & 4 ? center.z : box.lo.z};
+        const Vec3 hi{octant & 1 ? box.hi.x : center.x, octant & 2 ? box.hi.y : center.y,
+                      octant & 4 ? box.hi.z : center.z};
+        collect_cells({lo, hi}, depth + 1, cell.meets_surface);
+      }
+      return;
+    }
+    const double reach = kNearSurface * cell.hi * 1.3;  // the lattice's size may be larger than the field's
+    cell.near_surface =
+        cell.meets_surface || has_surface({box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}});
+    cells_.push_back(cell);
+    if (static_cast<double>(cells_.size()) * 64 > kMostPoints)
+      throw Error(ErrorCode::OutOfMemory, "the size field asks for more than a thousand million points");
+  }
+
+  Cell sized_cell(const Box3& box) const {
+    Cell cell{box, HUGE_VAL, 0, false, false};
+    const int samples = request_.sizes->is_uniform() ? 1 : 9;
+    for (int corner = 0; corner < samples; ++corner) {
+      const Vec3 x{corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                   corner & 4 ? box.hi.z : box.lo.z};
+      const double size = request_.sizes->size_at(corner == 8 ? box.center() : x);
+      cell.lo = std::min(cell.lo, size), cell.hi = std::max(cell.hi, size);
+    }
+    return cell;
+  }
+
+  std::vector<CellPoints> fill_cell(const Cell& cell) const {
+    std::vector<CellPoints> level_to_points(levels_.count());
+    const int first = std::max(0, levels_.of(cell.lo) - 1);
+    const int last = std::min(levels_.count() - 1, levels_.of(cell.hi) + 1);
+    for (int level = first; level <= last; ++level) {
+      lattices_[level].for_each_in(cell.box,
+                                   [&](const Site& site) { try_site(cell, level, site, level_to_points[level]); });
+    }
+    return level_to_points;
+  }
+
+  void try_site(const Cell& cell, int level, const Site& site, CellPoints& points) const {
+    const Vec3 x = lattices_[level].point(site);
+    if (levels_.count() > 1 && levels_.of(request_.sizes->size_at(x)) != level) return;
+    const double size = lattices_[level].size(), reach = kNearSurface * size;
+    const double distance = cell.near_surface ? request_.tree->distance_within(x, reach) : reach;
+    if (distance < kFromSurface * size || (cell.meets_surface && !inside(x))) return;
+    points.sites.push_back(site);
+    points.near_surface.push_back(distance < reach);
+  }
+
+  static void append(const CellPoints& from, LevelPoints& to) {
+    to.sites.insert(to.sites.end(), from.sites.begin(), from.sites.end());
+    to.near_surface.insert(to.near_surface.end(), from.near_surface.begin(), from.near_surface.end());
+  }
+
+  static std::vector<Vec3> positions(const LevelPoints& level) {
+    std::vector<Vec3> points;
+    points.reserve(level.sites.size());
+    for (const Site& site : level.sites) points.push_back(level.lattice.point(site));
+    return points;
+  }
+
+  void drop_near_finer(std::vector<LevelPoints>& levels) const {
+    std::vector<std::vector<Vec3>> points;
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      points.push_back(levels.size() > 1 ? positions(levels[level]) : std::vector<Vec3>());
+      if (level == 0) continue;
+      PointGrid grid(kFromFinerLattice * levels[level].lattice.size());
+      const std::size_t first = level < kLevelsThatReach ? 0 : level - kLevelsThatReach;
+      for (std::size_t finer = first; finer < level; ++finer) grid.add(points[finer]);
+      grid.finish();
+      drop_near(grid, levels[level], points[level]);
+    }
+  }
+
+  void drop_near(const PointGrid& grid, LevelPoints& level, std::vector<Vec3>& points) const {
+    std::vector<char> dropped(points.size(), 0);
+    runner_.for_blocks(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) dropped[i] = grid.any_within(points[i]);
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (dropped[i]) continue;
+      points[kept] = points[i];
+      level.sites[kept] = level.sites[i];
+      level.near_surface[kept++] = level.near_surface[i];
+    }
+    points.resize(kept);
+    level.sites.resize(kept);
+    level.near_surface.resize(kept);
+  }
+
+  const LatticeRequest& request_;
+  const TaskRunner& runner_;
+  Levels levels_;
+  std::vector<BccLattice> lattices_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace
+
+std::vector<LevelPoints> make_lattice_points(const LatticeRequest& request, const TaskRunner& runner) {
+  if (request.box.empty()) return {};
+  return Filler(request, runner).fill();
+}
+
+}  // namespace tetloom::lattice

@@ -1,0 +1,39 @@
+#pragma once
+// Which lattice points fill a closed surface, as dense as a size field asks.
+//
+// Where the field calls for a level, the points of that level's lattice are taken. A point is left out where it is
+// nearer than .55 of its lattice's size to the surface, or nearer than .65 of it to a point of a finer level.
+#include <span>
+#include <vector>
+
+#include "core/geometry/model.hpp"
+#include "core/sizing/size_field.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/lattice/bcc_lattice.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::lattice {
+
+struct LatticeRequest {
+  const intersection::TriangleTree* tree = nullptr;  ///< over the triangles below
+  std::span<const FaceSides> tri_to_sides;
+  Box3 box;  ///< of the surface
+  const SizeField* sizes = nullptr;
+};
+
+/// The points of one level.
+struct LevelPoints {
+  BccLattice lattice;
+  std::vector<Site> sites;
+  std::vector<char> near_surface;  ///< per site: nearer than 1.25 of the lattice's size
+};
+
+/// Finest level first; the points depend on the request alone. A point is inside when the surface around it says that
+/// it is in a region, whichever. Pre: the boundary of every region is closed. Errors: Cancelled; OutOfMemory when the
+/// field asks for more points than 32-bit ids can name.
+std::vector<LevelPoints> make_lattice_points(const LatticeRequest& request, const TaskRunner& runner);
+
+/// How near to its surface, in sizes, a point counts as near.
+inline constexpr double kNearSurface = 1.25;
+
+}  // namespace tetloom::lattice

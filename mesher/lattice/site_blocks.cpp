@@ -1,0 +1,69 @@
+#include "mesher/lattice/site_blocks.hpp"
+
+#include "mesher/tets/tet_mesh.hpp"
+
+namespace tetloom::lattice {
+
+namespace {
+
+using tets::kNone;
+
+constexpr int kPlaceBits = 21;
+
+std::uint64_t key_of(const std::array<std::int32_t, 3>& place) {
+  std::uint64_t key = 0;
+  for (const std::int32_t x : place)
+    key = key << kPlaceBits | (static_cast<std::uint64_t>(x) & ((std::uint64_t{1} << kPlaceBits) - 1));
+  return key;
+}
+
+class BlockMaker {
+ public:
+  explicit BlockMaker(std::size_t sites) { index_of_.reserve(sites / kBlockSites * 2); }
+
+  void add(const Site& site, std::uint32_t vert, bool near_surface) {
+    const std::array<std::int32_t, 3> cube{site.i >> 1, site.j >> 1, site.k >> 1};
+    const std::array<std::int32_t, 3> place{cube[0] >> 2, cube[1] >> 2, cube[2] >> 2};
+    if (blocks_.empty() || blocks_[last_].place != place) last_ = block_at(place);
+    const int half = site.i & 1, index = cube_index(cube[0] & 3, cube[1] & 3, cube[2] & 3);
+    blocks_[last_].to_vert[static_cast<std::size_t>(half * kBlockCubes + index)] = vert;
+    if (near_surface) blocks_[last_].near_surface[static_cast<std::size_t>(half)] |= std::uint64_t{1} << index;
+  }
+
+  std::vector<SiteBlock> finish() {
+    for (SiteBlock& block : blocks_) {
+      for (int i = 0; i < 27; ++i) {
+        const auto at = index_of_.find(
+            key_of({block.place[0] + i % 3 - 1, block.place[1] + i / 3 % 3 - 1, block.place[2] + i / 9 - 1}));
+        block.around[static_cast<std::size_t>(i)] = at == index_of_.end() ? kNone : at->second;
+      }
+    }
+    return std::move(blocks_);
+  }
+
+ private:
+  std::uint32_t block_at(const std::array<std::int32_t, 3>& place) {
+    const auto [at, is_new] = index_of_.try_emplace(key_of(place), static_cast<std::uint32_t>(blocks_.size()));
+    if (is_new) {
+      SiteBlock& block = blocks_.emplace_back();
+      block.place = place;
+      block.to_vert.fill(kNone);
+    }
+    return at->second;
+  }
+
+  std::unordered_map<std::uint64_t, std::uint32_t> index_of_;
+  std::vector<SiteBlock> blocks_;
+  std::uint32_t last_ = 0;
+};
+
+}  // namespace
+
+std::vector<SiteBlock> make_site_blocks(const LevelPoints& level, std::uint32_t first_vert) {
+  BlockMaker maker(level.sites.size());
+  for (std::size_t i = 0; i < level.sites.size(); ++i)
+    maker.add(level.sites[i], first_vert + static_cast<std::uint32_t>(i), level.near_surface[i] != 0);
+  return maker.finish();
+}
+
+}  // namespace tetloom::lattice

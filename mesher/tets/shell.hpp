@@ -1,0 +1,41 @@
+#pragma once
+// Joins the tetrahedra around a core of other ones to it, and tells what lies where.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "core/geometry/model.hpp"
+#include "mesher/tets/tet_mesh.hpp"
+#include "mesher/tets/triangle_table.hpp"
+
+namespace tetloom::tets {
+
+/// The surface between regions. Triangles are counter-clockwise seen from the tip of their normal.
+struct Surface {
+  std::span<const TriangleVerts> tri_to_vert;
+  std::span<const FaceSides> tri_to_sides;
+};
+
+/// What is wrong; empty message: nothing.
+struct Fault {
+  std::string message;
+  std::vector<std::uint32_t> triangles;  ///< of the surface, where they are the trouble
+  Vec3 point;
+  bool any() const { return !message.empty(); }
+};
+
+/// Fixes the faces of `shell` that are open faces of `core`, on both sides. Both meshes have the same vertex ids.
+/// Returns how many open faces are not there.
+std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const FaceCode> open_faces);
+
+/// Appends those tets of `shell` to `core` that lie in regions, links them to the core through its open faces and names
+/// the region of each tet, of the core too. A flood of tets that fixed faces surround is in the region that all surface
+/// triangles around it name, outside when they name none or when it reaches the hull, and in the core's place when an
+/// open face shows it its back. Fixed faces of the result are those of the surface. `shell` is emptied; its points go
+/// to the core. Pre: all triangles and all open faces are fixed faces of `shell`, and no others. Linear.
+Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface);
+
+}  // namespace tetloom::tets

@@ -1,0 +1,23 @@
+#pragma once
+// Fills a complex with a lattice core and a Delaunay shell around it.
+//
+// The points of the lattices inside, the tetrahedra of the undisturbed lattice in closed form, the Delaunay
+// tetrahedralisation of everything else, stitched to them face to face; the boundary recovered where it is missing; the
+// tetrahedra between the core and the surface kept, those outside and in the core's place dropped; all of it optimised.
+// The idea is de Cougny & Shephard's (1999), who fill interior octants by templates and connect them to the surface.
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/tets/tet_mesh.hpp"
+#include "mesher/volume/region_coloring.hpp"
+
+namespace tetloom::volume {
+
+struct LatticeFilling {
+  tets::TetMesh mesh;      ///< points: the complex's, then new ones; some may be used by no tet
+  FillingVerdict verdict;  ///< not good: what is in the way, and the mesh is unspecified
+};
+
+/// The result depends on the arguments alone. Errors: Cancelled, OutOfMemory.
+LatticeFilling fill_by_lattice(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
+                               const TaskRunner& runner);
+
+}  // namespace tetloom::volume
