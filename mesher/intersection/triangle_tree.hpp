@@ -32,8 +32,8 @@ class TriangleTree {
   }
   /// True when a point of a triangle lies nearer to `x` than `radius`.
   bool any_within(const Vec3& x, double radius) const;
-  /// The distance from `x` to the triangles where it is below `radius`, otherwise `radius`.
-  double distance_within(const Vec3& x, double radius) const;
+  /// True when the box of a triangle overlaps `box` (closed).
+  bool any_in(const Box3& box) const;
   /// Calls visit(triangle, up) for every triangle that the ray from `x` along +z crosses; `up` when its normal points
   /// up. Exact: a ray through an edge or a vertex is treated as if `x` were moved by an infinitesimal step, the same
   /// for all triangles, so that the crossings of a closed surface balance.
@@ -65,6 +65,10 @@ class TriangleTree {
   }
   const Box3& leaf_box(std::size_t leaf) const { return nodes_[first_leaf_ + leaf]; }
   Box3 box_of(std::uint32_t triangle) const;
+  std::array<Vec3, 3> corners_of(std::uint32_t triangle) const {
+    const auto& [a, b, c] = tri_to_vert_[triangle];
+    return {points_[a], points_[b], points_[c]};
+  }
 
  private:
   static constexpr std::size_t kLeafSize = 4;
@@ -104,7 +108,9 @@ class TriangleTree {
   std::size_t first_leaf_ = 1;
 };
 
-/// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.
+/// Distance from `x` to the triangle a, b, c (closed), and its square; right up to rounding, for degenerate triangles
+/// too.
 double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+double distance2_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace tetloom::intersection

@@ -46,23 +46,24 @@ class BccLattice {
   }
   double size() const { return size_; }
 
-  /// Calls visit(site) for the sites whose unmoved points lie in the half-open box, by k, then j, then i.
+  /// The least half-cube coordinates of which none lies below `x`; not a site unless they are of one parity.
+  Site first_site(const Vec3& x) const {
+    const Vec3 y = x - origin_;
+    const auto first = [&](double value) { return static_cast<std::int32_t>(std::ceil(value / half_)); };
+    return {first(y.x), first(y.y), first(y.z)};
+  }
+  /// Calls visit(site) for the sites in [first, end), by k, then j, then i. Between the first sites of two corners of a
+  /// box lie the sites whose unmoved points lie in the half-open box.
   template <class Visit>
-  void for_each_in(const Box3& box, Visit&& visit) const {
-    const Vec3 lo = box.lo - origin_, hi = box.hi - origin_;
-    for (std::int32_t k = first(lo.z); k < first(hi.z); ++k) {
-      for (std::int32_t j = first_alike(lo.y, k); j < first(hi.y); j += 2) {
-        for (std::int32_t i = first_alike(lo.x, k); i < first(hi.x); i += 2) visit(Site{i, j, k});
+  void for_each_between(const Site& first, const Site& end, Visit&& visit) const {
+    for (std::int32_t k = first.k; k < end.k; ++k) {
+      for (std::int32_t j = first.j + ((first.j + k) & 1); j < end.j; j += 2) {
+        for (std::int32_t i = first.i + ((first.i + k) & 1); i < end.i; i += 2) visit(Site{i, j, k});
       }
     }
   }
 
  private:
-  std::int32_t first(double x) const { return static_cast<std::int32_t>(std::ceil(x / half_)); }
-  std::int32_t first_alike(double x, std::int32_t k) const {
-    const std::int32_t i = first(x);
-    return i + ((i + k) & 1);
-  }
   Vec3 shift(const Site& site) const;
 
   Vec3 origin_;

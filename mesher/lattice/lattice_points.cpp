@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "mesher/lattice/cell_sites.hpp"
 #include "mesher/lattice/point_grid.hpp"
 
 namespace tetloom::lattice {
 
 namespace {
 
-constexpr double kFromSurface = 0.55, kFromFinerLattice = 0.65;
+constexpr double kFromFinerLattice = 0.65;
 constexpr double kSizesPerCell = 4;
 constexpr int kDeepestCell = 24;
 constexpr int kLevelsThatReach = 3;  // lattices finer by more are never near
@@ -20,12 +21,6 @@ struct Cell {
   Box3 box;
   double lo = 0, hi = 0;  // sizes met in it
   bool near_surface = false, meets_surface = false;
-};
-
-// What a cell gives to one level.
-struct CellPoints {
-  std::vector<Site> sites;
-  std::vector<char> near_surface;
 };
 
 class Filler {
@@ -39,15 +34,16 @@ class Filler {
   std::vector<LevelPoints> fill() {
     const Vec3 extent = request_.box.hi - request_.box.lo;
     const double width = std::max({extent.x, extent.y, extent.z});
-    collect_cells({request_.box.lo, request_.box.lo + Vec3{width, width, width}}, 0, true);
-    std::vector<std::vector<CellPoints>> cell_to_points(cells_.size());  // per level within a cell
+    collect_cells({{request_.box.lo, request_.box.lo + Vec3{width, width, width}}, 0, true});
+    std::vector<std::vector<std::vector<KeptSite>>> cell_to_sites(cells_.size());  // per level within a cell
     runner_.for_blocks(cells_.size(), 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) cell_to_points[i] = fill_cell(cells_[i]);
+      CellSites sites;
+      for (std::size_t i = begin; i < end; ++i) cell_to_sites[i] = fill_cell(cells_[i], sites);
     });
     std::vector<LevelPoints> result;
     for (int level = 0; level < levels_.count(); ++level) {
       result.push_back({lattices_[level], {}, {}});
-      for (const auto& of_cell : cell_to_points) append(of_cell[level], result.back());
+      for (const auto& of_cell : cell_to_sites) append(of_cell[static_cast<std::size_t>(level)], result.back());
     }
     drop_near_finer(result);
     return result;
@@ -74,30 +70,31 @@ class Filler {
     return depth > 0;
   }
 
-  bool has_surface(const Box3& box) const {
-    bool found = false;
-    request_.tree->for_each_in(box, [&](std::uint32_t) { found = true; });
-    return found;
-  }
+  struct Node {
+    Box3 box;
+    int depth;
+    bool may_meet_surface;  // false: known to be inside
+  };
 
-  void collect_cells(const Box3& box, int depth, bool may_meet_surface) {
+  void collect_cells(const Node& node) {
+    const Box3& box = node.box;
     Cell cell = sized_cell(box);
     const Vec3 center = box.center();
-    cell.meets_surface = may_meet_surface && has_surface(box);
-    if (!cell.meets_surface && !inside(center)) return;
-    if (box.hi.x - box.lo.x > kSizesPerCell * cell.lo && depth < kDeepestCell) {
+    cell.meets_surface = node.may_meet_surface && request_.tree->any_in(box);
+    if (node.may_meet_surface && !cell.meets_surface && !inside(center)) return;
+    if (box.hi.x - box.lo.x > kSizesPerCell * cell.lo && node.depth < kDeepestCell) {
       for (int octant = 0; octant < 8; ++octant) {
         const Vec3 lo{octant & 1 ? center.x : box.lo.x, octant & 2 ? center.y : box.lo.y,
                       octant & 4 ? center.z : box.lo.z};
         const Vec3 hi{octant & 1 ? box.hi.x : center.x, octant & 2 ? box.hi.y : center.y,
                       octant & 4 ? box.hi.z : center.z};
-        collect_cells({lo, hi}, depth + 1, cell.meets_surface);
+        collect_cells({{lo, hi}, node.depth + 1, cell.meets_surface});
       }
       return;
     }
     const double reach = kNearSurface * cell.hi * 1.3;  // the lattice's size may be larger than the field's
-    cell.near_surface =
-        cell.meets_surface || has_surface({box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}});
+    const Vec3 margin{reach, reach, reach};
+    cell.near_surface = cell.meets_surface || request_.tree->any_in({box.lo - margin, box.hi + margin});
     cells_.push_back(cell);
     if (static_cast<double>(cells_.size()) * 64 > kMostPoints)
       throw Error(ErrorCode::OutOfMemory, "the size field asks for more than a thousand million points");
@@ -115,30 +112,26 @@ class Filler {
     return cell;
   }
 
-  std::vector<CellPoints> fill_cell(const Cell& cell) const {
-    std::vector<CellPoints> level_to_points(levels_.count());
+  std::vector<std::vector<KeptSite>> fill_cell(const Cell& cell, CellSites& sites) const {
+    std::vector<std::vector<KeptSite>> level_to_sites(static_cast<std::size_t>(levels_.count()));
     const int first = std::max(0, levels_.of(cell.lo) - 1);
     const int last = std::min(levels_.count() - 1, levels_.of(cell.hi) + 1);
+    CellSites::Questions questions{cell.near_surface ? request_.tree : nullptr, {}, {}};
+    if (cell.meets_surface) questions.is_inside = [this](const Vec3& x) { return inside(x); };
     for (int level = first; level <= last; ++level) {
-      lattices_[level].for_each_in(cell.box,
-                                   [&](const Site& site) { try_site(cell, level, site, level_to_points[level]); });
+      if (levels_.count() > 1)
+        questions.is_wanted = [&](const Vec3& x) { return levels_.of(request_.sizes->size_at(x)) == level; };
+      level_to_sites[static_cast<std::size_t>(level)] =
+          sites.find(lattices_[static_cast<std::size_t>(level)], cell.box, questions);
     }
-    return level_to_points;
+    return level_to_sites;
   }
 
-  void try_site(const Cell& cell, int level, const Site& site, CellPoints& points) const {
-    const Vec3 x = lattices_[level].point(site);
-    if (levels_.count() > 1 && levels_.of(request_.sizes->size_at(x)) != level) return;
-    const double size = lattices_[level].size(), reach = kNearSurface * size;
-    const double distance = cell.near_surface ? request_.tree->distance_within(x, reach) : reach;
-    if (distance < kFromSurface * size || (cell.meets_surface && !inside(x))) return;
-    points.sites.push_back(site);
-    points.near_surface.push_back(distance < reach);
-  }
-
-  static void append(const CellPoints& from, LevelPoints& to) {
-    to.sites.insert(to.sites.end(), from.sites.begin(), from.sites.end());
-    to.near_surface.insert(to.near_surface.end(), from.near_surface.begin(), from.near_surface.end());
+  static void append(const std::vector<KeptSite>& from, LevelPoints& to) {
+    for (const KeptSite& kept : from) {
+      to.sites.push_back(kept.site);
+      to.near_surface.push_back(kept.near_surface);
+    }
   }
 
   static std::vector<Vec3> positions(const LevelPoints& level) {

@@ -33,7 +33,4 @@ struct LevelPoints {
 /// field asks for more points than 32-bit ids can name.
 std::vector<LevelPoints> make_lattice_points(const LatticeRequest& request, const TaskRunner& runner);
 
-/// How near to its surface, in sizes, a point counts as near.
-inline constexpr double kNearSurface = 1.25;
-
 }  // namespace tetloom::lattice

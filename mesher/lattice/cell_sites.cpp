@@ -1,0 +1,135 @@
+#include "mesher/lattice/cell_sites.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tetloom::lattice {
+
+namespace {
+
+constexpr std::uint32_t kNoSite = 0xffffffffu, kNoGroup = 0xfffffffeu;
+
+constexpr std::array<Site, 14> kAround{{{-1, -1, -1},
+                                        {1, -1, -1},
+                                        {-1, 1, -1},
+                                        {1, 1, -1},
+                                        {-1, -1, 1},
+                                        {1, -1, 1},
+                                        {-1, 1, 1},
+                                        {1, 1, 1},
+                                        {-2, 0, 0},
+                                        {2, 0, 0},
+                                        {0, -2, 0},
+                                        {0, 2, 0},
+                                        {0, 0, -2},
+                                        {0, 0, 2}}};
+
+}  // namespace
+
+std::vector<KeptSite> CellSites::find(const BccLattice& lattice, const Box3& box, const Questions& questions) {
+  lattice_ = &lattice;
+  first_ = lattice.first_site(box.lo), end_ = lattice.first_site(box.hi);
+  if (first_.i >= end_.i || first_.j >= end_.j || first_.k >= end_.k) return {};
+  enter_sites(questions);
+  if (questions.tree) measure_distances(*questions.tree);
+  group_sites();
+  return take_inside(questions);
+}
+
+bool CellSites::holds(const Site& s) const {
+  return s.i >= first_.i && s.i < end_.i && s.j >= first_.j && s.j < end_.j && s.k >= first_.k && s.k < end_.k;
+}
+
+// One slot in four belongs to a site.
+std::size_t CellSites::slot_of(const Site& s) const {
+  const auto ni = static_cast<std::size_t>(end_.i - first_.i), nj = static_cast<std::size_t>(end_.j - first_.j);
+  return (static_cast<std::size_t>(s.k - first_.k) * nj + static_cast<std::size_t>(s.j - first_.j)) * ni +
+         static_cast<std::size_t>(s.i - first_.i);
+}
+
+bool CellSites::is_kept(const Entry& entry) const {
+  const double nearest = kFromSurface * lattice_->size();
+  return entry.group != kNoSite && entry.distance2 >= nearest * nearest;
+}
+
+void CellSites::enter_sites(const Questions& questions) {
+  const double reach = kNearSurface * lattice_->size();
+  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite});
+  lattice_->for_each_between(first_, end_, [&](const Site& site) {
+    Entry& entry = entries_[slot_of(site)];
+    entry.point = lattice_->point(site);
+    if (!questions.is_wanted || questions.is_wanted(entry.point)) entry.group = kNoGroup;
+  });
+}
+
+void CellSites::measure_distances(const intersection::TriangleTree& tree) {
+  const double reach = kNearSurface * lattice_->size();
+  Box3 box;
+  for (const Site& corner : {first_, end_}) box.add(lattice_->point(corner));
+  const Vec3 margin{reach, reach, reach};
+  tree.for_each_in({box.lo - margin, box.hi + margin}, [&](std::uint32_t triangle) { measure_to(tree, triangle); });
+}
+
+void CellSites::measure_to(const intersection::TriangleTree& tree, std::uint32_t triangle) {
+  const auto& [a, b, c] = tree.corners_of(triangle);
+  const double reach = kNearSurface * lattice_->size();
+  const Vec3 margin{reach, reach, reach}, normal = cross(b - a, c - a);
+  const double length2 = norm2(normal), reach2 = length2 * reach * reach;
+  Box3 box;
+  for (const Vec3& x : {a, b, c}) box.add(x);
+  const Site lo = lattice_->first_site(box.lo - margin), hi = lattice_->first_site(box.hi + margin);
+  const Site from{std::max(lo.i, first_.i), std::max(lo.j, first_.j), std::max(lo.k, first_.k)};
+  const Site to{std::min(hi.i, end_.i), std::min(hi.j, end_.j), std::min(hi.k, end_.k)};
+  lattice_->for_each_between(from, to, [&](const Site& site) {
+    Entry& entry = entries_[slot_of(site)];
+    if (entry.group == kNoSite) return;
+    const double height = dot(entry.point - a, normal);
+    if (height * height > reach2) return;
+    entry.distance2 = std::min(entry.distance2, intersection::distance2_to_triangle(entry.point, a, b, c));
+  });
+}
+
+void CellSites::group_sites() {
+  heads_.clear();
+  for (std::size_t seed = 0; seed < entries_.size(); ++seed) {
+    if (entries_[seed].group != kNoGroup || !is_kept(entries_[seed])) continue;
+    spread_group(seed, static_cast<std::uint32_t>(heads_.size()));
+    heads_.push_back(seed);
+  }
+}
+
+void CellSites::spread_group(std::size_t seed, std::uint32_t group) {
+  const auto ni = static_cast<std::size_t>(end_.i - first_.i), nj = static_cast<std::size_t>(end_.j - first_.j);
+  stack_.assign(1, seed);
+  entries_[seed].group = group;
+  while (!stack_.empty()) {
+    const std::size_t at = stack_.back();
+    stack_.pop_back();
+    const Site site{first_.i + static_cast<std::int32_t>(at % ni), first_.j + static_cast<std::int32_t>(at / ni % nj),
+                    first_.k + static_cast<std::int32_t>(at / ni / nj)};
+    for (const Site& step : kAround) {
+      const Site next{site.i + step.i, site.j + step.j, site.k + step.k};
+      if (!holds(next)) continue;
+      Entry& entry = entries_[slot_of(next)];
+      if (entry.group != kNoGroup || !is_kept(entry)) continue;
+      entry.group = group;
+      stack_.push_back(slot_of(next));
+    }
+  }
+}
+
+std::vector<KeptSite> CellSites::take_inside(const Questions& questions) const {
+  std::vector<char> inside;
+  for (const std::size_t head : heads_)
+    inside.push_back(!questions.is_inside || questions.is_inside(entries_[head].point));
+  const double reach = kNearSurface * lattice_->size();
+  std::vector<KeptSite> kept;
+  lattice_->for_each_between(first_, end_, [&](const Site& site) {
+    const Entry& entry = entries_[slot_of(site)];
+    if (entry.group < inside.size() && inside[entry.group])
+      kept.push_back({site, entry.point, entry.distance2 < reach * reach});
+  });
+  return kept;
+}
+
+}  // namespace tetloom::lattice

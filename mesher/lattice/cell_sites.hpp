@@ -1,0 +1,61 @@
+#pragma once
+// The sites of one lattice in one box, how far each is from the surface, and which lie on the same side of it.
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/lattice/bcc_lattice.hpp"
+
+namespace tetloom::lattice {
+
+/// How near to the surface a site is dropped, and how near it counts as near; in sizes of its lattice.
+inline constexpr double kFromSurface = 0.55, kNearSurface = 1.25;
+
+struct KeptSite {
+  Site site;
+  Vec3 point;
+  bool near_surface;
+};
+
+/// Finds the sites of `lattice` in the half-open box that are wanted, far enough from the triangles of `tree` and
+/// inside, by k, then j, then i.
+///
+/// Two sites next to each other (14 around each, up to 1.083 sizes away) that are both at least .55 sizes from the
+/// surface lie on the same side of it: what lies between them is nearer to one of them than the surface. So `is_inside`
+/// is asked once for each connected group.
+class CellSites {
+ public:
+  struct Questions {
+    const intersection::TriangleTree* tree = nullptr;  ///< nullptr: no surface near the box
+    std::function<bool(const Vec3&)> is_wanted;        ///< empty: all are
+    std::function<bool(const Vec3&)> is_inside;        ///< empty: all are
+  };
+
+  std::vector<KeptSite> find(const BccLattice& lattice, const Box3& box, const Questions& questions);
+
+ private:
+  struct Entry {
+    Vec3 point;
+    double distance2;  // to the surface, at most that which counts as near
+    std::uint32_t group;
+  };
+
+  void enter_sites(const Questions& questions);
+  void measure_distances(const intersection::TriangleTree& tree);
+  void measure_to(const intersection::TriangleTree& tree, std::uint32_t triangle);
+  void group_sites();
+  void spread_group(std::size_t seed, std::uint32_t group);
+  std::vector<KeptSite> take_inside(const Questions& questions) const;
+  std::size_t slot_of(const Site& site) const;
+  bool holds(const Site& site) const;
+  bool is_kept(const Entry& entry) const;
+
+  const BccLattice* lattice_ = nullptr;
+  Site first_{}, end_{};
+  std::vector<Entry> entries_;              // of all sites between first_ and end_, by k, j, i
+  std::vector<std::size_t> stack_, heads_;  // heads_: one site per group
+};
+
+}  // namespace tetloom::lattice
