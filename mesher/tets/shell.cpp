@@ -1,5 +1,6 @@
 #include "mesher/tets/shell.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace tetloom::tets {
@@ -36,7 +37,11 @@ Vec3 center_of(const TetMesh& mesh, std::uint32_t tet) {
 class Joiner {
  public:
   Joiner(TetMesh& core, TetMesh& shell, std::span<const FaceCode> open_faces, const Surface& surface)
-      : core_(core), shell_(shell), surface_(surface), open_(core, open_faces, shell.points.size()), tri_table_(surface.tri_to_vert.size()) {
+      : core_(core),
+        shell_(shell),
+        surface_(surface),
+        open_(core, open_faces, shell.points.size()),
+        tri_table_(surface.tri_to_vert.size()) {
     for (std::uint32_t t = 0; t < surface.tri_to_vert.size(); ++t) tri_table_.add(surface.tri_to_vert[t], t);
     core_size_ = static_cast<std::uint32_t>(core.size());
     seen_.assign(surface.tri_to_vert.size(), 0);
@@ -163,8 +168,23 @@ class Joiner {
     core_.to_neighbor[to] = next == kNone ? kNone : next * 4 + behind % 4;
   }
 
+  // kNone when there are several.
+  std::uint32_t only_region() const {
+    std::uint32_t only = kNone;
+    for (const std::uint32_t region : flood_to_region_) {
+      if (region >= kUnnamed || region == only) continue;
+      if (only != kNone) return kNone;
+      only = region;
+    }
+    return only;
+  }
+
   void flood_core() {
     std::vector<std::uint32_t> stack;
+    if (const std::uint32_t only = only_region(); only != kNone) {
+      std::fill(core_.to_region.begin(), core_.to_region.begin() + core_size_, only);
+      return;
+    }
     for (auto tet = core_size_; tet < core_.size(); ++tet) stack.push_back(tet);
     while (!stack.empty()) {
       const std::uint32_t tet = stack.back();

@@ -6,7 +6,8 @@
 
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/volume/interior_points.hpp"
+#include "mesher/lattice/lattice_points.hpp"
+#include "mesher/volume/lattice_filling.hpp"
 #include "mesher/volume/smoothing.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
@@ -47,8 +48,9 @@ class ComplexFiller {
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
   FilledComplex run() {
-    make_interior();
     FilledComplex result;
+    if (result.filling = fill_own(); result.filling) return result;
+    make_interior();
     for (const Attempt& attempt : kAttempts) {
       if (result.filling = try_once(attempt); result.filling) {
         if (&attempt != &kAttempts.front()) result.warnings.push_back(describe_fallback(attempt));
@@ -62,10 +64,22 @@ class ComplexFiller {
   }
 
  private:
+  std::optional<Filling> fill_own() {
+    LatticeFilling own = fill_by_lattice(complex_, tree_, *input_.sizes, runner_);
+    if (!own.verdict.good()) {
+      fprintf(stderr, "OWN FAILED %s\n", own.verdict.message.c_str());
+      note({ErrorCode::VolumeFailed, own.verdict.message, own.verdict.triangles, own.verdict.point});
+      return std::nullopt;
+    }
+    return to_filling(std::move(own.mesh), complex_.points.size());
+  }
+
   void make_interior() {
-    InteriorRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes};
+    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes};
     for (const Vec3& p : complex_.points) request.box.add(p);
-    interior_ = make_interior_points(request, runner_);
+    for (const lattice::LevelPoints& level : make_lattice_points(request, runner_)) {
+      for (const lattice::Site& site : level.sites) interior_.push_back(level.lattice.point(site));
+    }
   }
 
   std::optional<Filling> try_once(const Attempt& attempt) {

@@ -1,7 +1,7 @@
 #include "mesher/volume/lattice_filling.hpp"
 
-#include <cstdio>
 #include <chrono>
+#include <cstdio>
 #include <numeric>
 #include <utility>
 
@@ -16,7 +16,14 @@ namespace {
 using tets::Fault;
 using tets::TetMesh;
 
-struct Lap { const char* n; std::chrono::steady_clock::time_point t=std::chrono::steady_clock::now(); Lap(const char*a):n(a){} ~Lap(){ fprintf(stderr,"  %-12s %.4f\n",n,std::chrono::duration<double>(std::chrono::steady_clock::now()-t).count());} };
+struct Lap {
+  const char* n;
+  std::chrono::steady_clock::time_point t = std::chrono::steady_clock::now();
+  Lap(const char* a) : n(a) {}
+  ~Lap() {
+    fprintf(stderr, "  %-12s %.4f\n", n, std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count());
+  }
+};
 
 class LatticeFiller {
  public:
@@ -29,9 +36,13 @@ class LatticeFiller {
     filling.mesh.points = GrowingArray<Vec3>(std::span(complex_.points));
     const lattice::LatticeCore core = make_core(filling.mesh);
     Fault fault = make_shell(filling.mesh, core);
-    if (!fault.any()) {Lap l("join"); fault = join_shell(filling.mesh, std::move(shell_), core.open_faces, surface());}
+    if (!fault.any()) {
+      Lap l("join");
+      fault = join_shell(filling.mesh, std::move(shell_), core.open_faces, surface());
+    }
     filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
-    fprintf(stderr,"core %zu open %zu shell verts %zu all tets %zu points %zu\n",core_size_,core.open_faces.size(),core.shell_verts.size(),filling.mesh.size(),filling.mesh.points.size());
+    fprintf(stderr, "core %zu open %zu shell verts %zu all tets %zu points %zu\n", core_size_, core.open_faces.size(),
+            core.shell_verts.size(), filling.mesh.size(), filling.mesh.points.size());
     return filling;
   }
 
@@ -42,10 +53,13 @@ class LatticeFiller {
     lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, &sizes_};
     for (const Vec3& x : complex_.points) request.box.add(x);
     std::vector<lattice::LevelPoints> levels;
-    {Lap l("points"); levels = make_lattice_points(request, runner_);}
+    {
+      Lap l("points");
+      levels = make_lattice_points(request, runner_);
+    }
     Lap l("core");
-    auto c= emit_core(mesh, levels);
-    core_size_=mesh.size();
+    auto c = emit_core(mesh, levels);
+    core_size_ = mesh.size();
     return c;
   }
 
@@ -54,15 +68,17 @@ class LatticeFiller {
     std::iota(verts.begin(), verts.end(), 0u);
     verts.insert(verts.end(), core.shell_verts.begin(), core.shell_verts.end());
     shell_.points = std::move(mesh.points);
-    {Lap l("delaunay");
-    const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
-    if (!delaunay.duplicates.empty())
-      return {"points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
+    {
+      Lap l("delaunay");
+      const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
+      if (!delaunay.duplicates.empty())
+        return {"points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
     }
-    fprintf(stderr,"shell delaunay %zu\n",shell_.size());
-    {Lap l("fixcore");
-    if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
-      return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
+    fprintf(stderr, "shell delaunay %zu\n", shell_.size());
+    {
+      Lap l("fixcore");
+      if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
+        return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
     }
     Lap l("fixsurf");
     return fix_surface();
@@ -73,8 +89,8 @@ class LatticeFiller {
     for (std::uint32_t t = 0; t < complex_.tri_to_vert.size(); ++t) table.add(complex_.tri_to_vert[t], t);
     std::vector<char> found(complex_.tri_to_vert.size(), 0);
     for (tets::FaceCode face = 0; face < shell_.to_neighbor.size(); ++face) {
-      const auto v=verts_of(shell_, face);
-      if(v[0]>=complex_.points.size()||v[1]>=complex_.points.size()||v[2]>=complex_.points.size()) continue;
+      const auto v = verts_of(shell_, face);
+      if (v[0] >= complex_.points.size() || v[1] >= complex_.points.size() || v[2] >= complex_.points.size()) continue;
       const auto* entry = table.find(tets::sorted(v));
       if (!entry) continue;
       found[entry->value] = 1;
@@ -104,6 +120,28 @@ class LatticeFiller {
 LatticeFilling fill_by_lattice(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
                                const TaskRunner& runner) {
   return LatticeFiller(complex, tree, sizes, runner).run();
+}
+
+Filling to_filling(TetMesh&& mesh, std::size_t given) {
+  Filling filling;
+  mesh.to_neighbor.release();
+  mesh.to_fixed.release();
+  std::vector<std::uint32_t> to_new(mesh.points.size(), tets::kNone);
+  for (const std::uint32_t v : mesh.to_vert) to_new[v] = 0;
+  for (std::uint32_t v = 0; v < to_new.size(); ++v) {
+    if (v >= given && to_new[v] == tets::kNone) continue;
+    to_new[v] = static_cast<std::uint32_t>(filling.points.size());
+    filling.points.push_back(mesh.points[v]);
+  }
+  mesh.points.release();
+  filling.tet_to_vert.resize(mesh.to_region.size());
+  for (std::size_t tet = 0; tet < filling.tet_to_vert.size(); ++tet) {
+    for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
+  }
+  mesh.to_vert.release();
+  filling.tet_to_region.assign(mesh.to_region.begin(), mesh.to_region.end());
+  mesh.to_region.release();
+  return filling;
 }
 
 }  // namespace tetloom::volume

@@ -20,4 +20,8 @@ struct LatticeFilling {
 LatticeFilling fill_by_lattice(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
                                const TaskRunner& runner);
 
+/// The tets and the points that they use; the first `given` points are kept in any case. `mesh` is emptied on the way,
+/// so that the two are never there at once.
+Filling to_filling(tets::TetMesh&& mesh, std::size_t given);
+
 }  // namespace tetloom::volume
