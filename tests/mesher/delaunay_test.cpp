@@ -1,0 +1,211 @@
+// The Delaunay kernel: empty spheres, one result whatever the order, degenerate point sets, bad luck.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "core/base/error.hpp"
+#include "core/predicates/predicates.hpp"
+#include "mesher/tets/delaunay.hpp"
+
+namespace tetloom::tets {
+namespace {
+
+using Tet = std::array<std::uint32_t, 4>;
+
+std::vector<std::uint32_t> all_ids(std::size_t count) {
+  std::vector<std::uint32_t> ids(count);
+  std::iota(ids.begin(), ids.end(), 0u);
+  return ids;
+}
+
+struct Tetrahedralised {
+  TetMesh mesh;
+  DelaunayResult result;
+};
+
+Tetrahedralised tetrahedralise(const std::vector<Vec3>& points) {
+  Tetrahedralised made;
+  made.mesh.points = GrowingArray<Vec3>(std::span(points));
+  made.result = make_delaunay(made.mesh, all_ids(points.size()), TaskRunner(1));
+  return made;
+}
+
+// By the lemma of Delaunay, empty spheres across all faces make all spheres empty.
+std::size_t count_conflicts(const TetMesh& mesh) {
+  std::size_t conflicts = 0;
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
+    const FaceCode behind = mesh.to_neighbor[face];
+    if (behind == kNone) continue;
+    const std::uint32_t t = face / 4;
+    conflicts += insphere(mesh.point_of(t, 0), mesh.point_of(t, 1), mesh.point_of(t, 2), mesh.point_of(t, 3),
+                          mesh.points[mesh.to_vert[behind]]) > 0;
+  }
+  return conflicts;
+}
+
+double volume_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return dot(cross(b - a, c - a), d - a) / 6;
+}
+
+void check_delaunay(const std::vector<Vec3>& points) {
+  const Tetrahedralised made = tetrahedralise(points);
+  const TetMesh& mesh = made.mesh;
+  REQUIRE(find_fault(mesh) == "");
+  CHECK(count_conflicts(mesh) == 0);
+  const std::uint32_t o = made.result.first_outer;
+  double volume = 0;
+  std::set<std::uint32_t> used;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+    volume += volume_of(mesh.point_of(t, 0), mesh.point_of(t, 1), mesh.point_of(t, 2), mesh.point_of(t, 3));
+    for (int i = 0; i < 4; ++i) used.insert(mesh.to_vert[std::size_t{t} * 4 + i]);
+  }
+  CHECK(volume ==
+        Approx(volume_of(mesh.points[o], mesh.points[o + 1], mesh.points[o + 2], mesh.points[o + 3])).epsilon(1e-10));
+  CHECK(used.size() == points.size() + 4 - made.result.duplicates.size());
+}
+
+// Radius of the sphere around a tet.
+double radius_of(const TetMesh& mesh, std::uint32_t t) {
+  const Vec3 a = mesh.point_of(t, 0), p = mesh.point_of(t, 1) - a, q = mesh.point_of(t, 2) - a,
+             r = mesh.point_of(t, 3) - a;
+  const Vec3 center = norm2(p) * cross(q, r) + norm2(q) * cross(r, p) + norm2(r) * cross(p, q);
+  return norm(center) / (2 * std::abs(dot(p, cross(q, r))));
+}
+
+// The tets among the given points, by their ids, whatever the order of corners and tets; without those whose spheres
+// reach towards the outer points, which do not turn with the others.
+std::set<Tet> tets_of(const std::vector<Vec3>& points) {
+  const Tetrahedralised made = tetrahedralise(points);
+  Box3 box;
+  for (const Vec3& x : points) box.add(x);
+  std::set<Tet> tets;
+  for (std::uint32_t t = 0; t < made.mesh.size(); ++t) {
+    if (radius_of(made.mesh, t) > box.hi.x - box.lo.x) continue;
+    Tet tet;
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = made.mesh.to_vert[std::size_t{t} * 4 + i];
+    std::sort(tet.begin(), tet.end());
+    if (tet[3] < points.size()) tets.insert(tet);
+  }
+  return tets;
+}
+
+std::vector<Vec3> random_points(std::size_t count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> coordinate(0, 1);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back({coordinate(random), coordinate(random), coordinate(random)});
+  return points;
+}
+
+std::vector<Vec3> cubic_lattice(int n) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < n * n * n; ++i) points.push_back({double(i % n), double(i / n % n), double(i / n / n)});
+  return points;
+}
+
+std::vector<Vec3> on_sphere(std::size_t count) {
+  std::vector<Vec3> points = random_points(count, 5);
+  for (Vec3& x : points) x = normalized(x - Vec3{0.5, 0.5, 0.5});
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("spheres of tetrahedra of random points are empty") { check_delaunay(random_points(5000, 1)); }
+
+TEST_CASE("points of a lattice, all cospherical and coplanar, are tetrahedralised without flat tets") {
+  check_delaunay(cubic_lattice(9));
+}
+
+TEST_CASE("points on a sphere, on a plane and on a line are tetrahedralised") {
+  check_delaunay(on_sphere(2000));
+  std::vector<Vec3> plane = random_points(1000, 2), line = random_points(200, 3);
+  for (Vec3& x : plane) x.z = 0.25;
+  for (Vec3& x : line) x = {x.x, 0, 0};
+  check_delaunay(plane);
+  check_delaunay(line);
+}
+
+TEST_CASE("clusters of very different density are tetrahedralised") {
+  std::vector<Vec3> points = random_points(2000, 4);
+  for (std::size_t i = 0; i < 1000; ++i) points[i] = Vec3{0.3, 0.3, 0.3} + 1e-9 * points[i];
+  check_delaunay(points);
+}
+
+TEST_CASE("no points, one and two leave only tets with the outer points") {
+  for (std::size_t count = 0; count < 3; ++count) {
+    check_delaunay(random_points(count, 6));
+    CHECK(tets_of(random_points(count, 6)).empty());
+  }
+}
+
+TEST_CASE("a point that lies on another one is told and left out") {
+  std::vector<Vec3> points = random_points(500, 7);
+  points.push_back(points[123]);
+  points.push_back(points[7]);
+  const Tetrahedralised made = tetrahedralise(points);
+  REQUIRE(made.result.duplicates.size() == 2);
+  for (const Duplicate& duplicate : made.result.duplicates) CHECK(points[duplicate.vert] == points[duplicate.kept]);
+  check_delaunay(points);
+}
+
+TEST_CASE("turning, moving and scaling the points by exact steps changes no tet, degenerate or not") {
+  for (const std::vector<Vec3>& points : {random_points(2000, 8), cubic_lattice(7)}) {
+    const std::set<Tet> tets = tets_of(points);
+    for (const auto& move : std::vector<std::function<Vec3(const Vec3&)>>{[](const Vec3& x) {
+                                                                            return Vec3{x.y, x.z, x.x};
+                                                                          },
+                                                                          [](const Vec3& x) {
+                                                                            return Vec3{-x.y, x.x, x.z};
+                                                                          },
+                                                                          [](const Vec3& x) { return 0x1p-20 * x; },
+                                                                          [](const Vec3& x) { return 0x1p20 * x; }}) {
+      std::vector<Vec3> moved;
+      for (const Vec3& x : points) moved.push_back(move(x));
+      CHECK((tets_of(moved) == tets));
+    }
+  }
+}
+
+TEST_CASE("only the points listed are inserted") {
+  TetMesh mesh;
+  const std::vector<Vec3> points = random_points(100, 9);
+  mesh.points = GrowingArray<Vec3>(std::span(points));
+  make_delaunay(mesh, std::vector<std::uint32_t>{3, 14, 15, 92, 65}, TaskRunner(1));
+  CHECK(find_fault(mesh) == "");
+  for (const std::uint32_t v : mesh.to_vert) CHECK((v >= 100 || v == 3 || v == 14 || v == 15 || v == 92 || v == 65));
+}
+
+TEST_CASE("tetrahedralising ends when it is cancelled") {
+  CancelToken cancel;
+  cancel.cancel();
+  TetMesh mesh;
+  const std::vector<Vec3> points = random_points(100, 10);
+  mesh.points = GrowingArray<Vec3>(std::span(points));
+  const TaskRunner runner(1, {{}, &cancel});
+  CHECK_THROWS_AS(make_delaunay(mesh, all_ids(100), runner), Error);
+}
+
+TEST_CASE("compacting drops dead tets and keeps the others joined") {
+  Tetrahedralised made = tetrahedralise(random_points(50, 11));
+  TetMesh& mesh = made.mesh;
+  const std::size_t before = mesh.size();
+  std::size_t killed = 0;
+  for (std::uint32_t t = 0; t < mesh.size(); t += 3) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const FaceCode behind = mesh.to_neighbor[std::size_t{t} * 4 + i];
+      if (behind != kNone) mesh.to_neighbor[behind] = kNone;
+    }
+    mesh.to_vert[std::size_t{t} * 4] = kNone;
+    ++killed;
+  }
+  compact(mesh);
+  CHECK(mesh.size() == before - killed);
+  CHECK(find_fault(mesh) == "");
+}
+
+}  // namespace tetloom::tets

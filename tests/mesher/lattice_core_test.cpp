@@ -1,0 +1,162 @@
+// The lattice core: its tets are Delaunay tets of all points, and the shell closes the rest.
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <numeric>
+#include <set>
+
+#include "mesher/lattice/lattice_core.hpp"
+#include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/shell.hpp"
+#include "tests/mesher/volume_surfaces.hpp"
+
+namespace tetloom::lattice {
+namespace {
+
+using namespace volume_tests;
+using tets::FaceCode;
+using tets::TetMesh;
+
+// Sizes that grow from `low` to `high` along x in [-1.5, 1.5].
+SizeField growing_sizes(double low, double high) {
+  SizeOctree tree;
+  tree.origin = {-1.5, -1.5, -1.5};
+  tree.width = 3;
+  tree.domain = {tree.origin, {1.5, 1.5, 1.5}};
+  tree.size = high;
+  tree.gradation = (high - low) / 3;
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    tree.cells.push_back(SizeOctree::kLeafBit + octant);
+    std::array<float, 8> ratios;
+    for (std::uint32_t corner = 0; corner < 8; ++corner) {
+      const double x = 0.5 * ((octant & 1) + (corner & 1));
+      ratios[corner] = static_cast<float>((low + x * (high - low)) / high);
+    }
+    tree.corner_ratios.push_back(ratios);
+  }
+  return SizeField::from_octree(tree);
+}
+
+struct Made {
+  Surface surface;
+  std::vector<LevelPoints> levels;
+  TetMesh mesh;
+  LatticeCore core;
+
+  Made(Surface from, const SizeField& sizes) : surface(std::move(from)) {
+    const TaskRunner runner(2);
+    const intersection::TriangleTree tree(surface.points, surface.tri_to_vert, runner);
+    LatticeRequest request{&tree, surface.tri_to_sides, {}, &sizes};
+    for (const Vec3& x : surface.points) request.box.add(x);
+    levels = make_lattice_points(request, runner);
+    mesh.points = GrowingArray<Vec3>(std::span(surface.points));
+    core = emit_core(mesh, levels);
+  }
+};
+
+Surface ball() {
+  return ball_surface(5, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+}
+
+using Tet = std::array<std::uint32_t, 4>;
+std::set<Tet> tets_of(const TetMesh& mesh) {
+  std::set<Tet> tets;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+    Tet tet;
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = mesh.to_vert[std::size_t{t} * 4 + i];
+    std::sort(tet.begin(), tet.end());
+    tets.insert(tet);
+  }
+  return tets;
+}
+
+double volume_of(const TetMesh& mesh) {
+  double volume = 0;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+    const Vec3& a = mesh.point_of(t, 0);
+    volume += dot(cross(mesh.point_of(t, 1) - a, mesh.point_of(t, 2) - a), mesh.point_of(t, 3) - a) / 6;
+  }
+  return volume;
+}
+
+std::vector<std::uint32_t> ids_below(std::size_t count) {
+  std::vector<std::uint32_t> ids(count);
+  std::iota(ids.begin(), ids.end(), 0u);
+  return ids;
+}
+
+}  // namespace
+
+TEST_CASE("points of a uniform lattice keep their distance from the surface and lie inside") {
+  const double size = 0.11;
+  const Made made(ball(), SizeField::uniform(size));
+  REQUIRE(made.levels.size() == 1);
+  const double expected = 2 * 4.18 * 0.83 / std::pow(kCubePerSize * size, 3);  // less a layer of .55 sizes
+  CHECK(double(made.levels[0].sites.size()) == Approx(expected).epsilon(0.05));
+  for (std::size_t i = made.surface.points.size(); i < made.mesh.points.size(); ++i)
+    REQUIRE(norm(made.mesh.points[i]) < 1 - 0.5 * size);
+}
+
+TEST_CASE("every core tet is a Delaunay tet of all points, at one size and at many") {
+  for (const SizeField& sizes : {SizeField::uniform(0.1), growing_sizes(0.05, 0.2)}) {
+    Made made(ball(), sizes);
+    const std::size_t count = made.mesh.points.size();
+    REQUIRE(made.mesh.size() > 1000);
+    CHECK(tets::find_fault(made.mesh) == "");
+    TetMesh all;
+    all.points = made.mesh.points;
+    make_delaunay(all, ids_below(count), TaskRunner(1));
+    const std::set<Tet> core = tets_of(made.mesh), delaunay = tets_of(all);
+    CHECK(core.size() == made.mesh.size());
+    CHECK(std::includes(delaunay.begin(), delaunay.end(), core.begin(), core.end()));
+  }
+}
+
+TEST_CASE("open faces are those without a neighbour, and shell vertices those that are not pure") {
+  const Made made(ball(), SizeField::uniform(0.1));
+  std::vector<FaceCode> open;
+  for (FaceCode face = 0; face < made.mesh.to_neighbor.size(); ++face)
+    if (made.mesh.to_neighbor[face] == tets::kNone) open.push_back(face);
+  CHECK((open == made.core.open_faces));
+  std::set<std::uint32_t> shell(made.core.shell_verts.begin(), made.core.shell_verts.end());
+  std::vector<int> tets_at(made.mesh.points.size(), 0);
+  for (const std::uint32_t v : made.mesh.to_vert) ++tets_at[v];
+  for (auto v = static_cast<std::uint32_t>(made.surface.points.size()); v < made.mesh.points.size(); ++v) {
+    if (shell.count(v) == 0) REQUIRE(tets_at[v] == 24);
+  }
+}
+
+TEST_CASE("core and shell fit face to face and fill the surface") {
+  for (const SizeField& sizes : {SizeField::uniform(0.1), growing_sizes(0.05, 0.2)}) {
+    Made made(ball(), sizes);
+    std::vector<std::uint32_t> verts = ids_below(made.surface.points.size());
+    verts.insert(verts.end(), made.core.shell_verts.begin(), made.core.shell_verts.end());
+    TetMesh shell;
+    shell.points = std::move(made.mesh.points);
+    make_delaunay(shell, verts, TaskRunner(1));
+    CHECK(fix_core_faces(shell, made.mesh, made.core.open_faces) == 0);
+    const std::set<std::array<std::uint32_t, 3>> triangles = [&] {
+      std::set<std::array<std::uint32_t, 3>> sorted;
+      for (const auto& t : made.surface.tri_to_vert) sorted.insert(tets::sorted(t).verts);
+      return sorted;
+    }();
+    std::size_t found = 0;
+    for (FaceCode face = 0; face < shell.to_neighbor.size(); ++face) {
+      if (!triangles.count(tets::sorted(verts_of(shell, face)).verts)) continue;
+      shell.to_fixed[face / 4] = static_cast<std::uint8_t>(shell.to_fixed[face / 4] | 1 << face % 4);
+      ++found;
+    }
+    REQUIRE(found == 2 * triangles.size());
+    const tets::Surface surface{made.surface.tri_to_vert, made.surface.tri_to_sides};
+    const tets::Fault fault = join_shell(made.mesh, std::move(shell), made.core.open_faces, surface);
+    CHECK(fault.message == "");
+    CHECK(tets::find_fault(made.mesh) == "");
+    double volume = 0;
+    for (const auto& [a, b, c] : made.surface.tri_to_vert)
+      volume += dot(cross(made.surface.points[a], made.surface.points[b]), made.surface.points[c]) / 6;
+    CHECK(volume_of(made.mesh) == Approx(volume).epsilon(1e-12));
+    for (const std::uint32_t region : made.mesh.to_region) REQUIRE(region == 0);
+  }
+}
+
+}  // namespace tetloom::lattice
