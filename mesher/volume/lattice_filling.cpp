@@ -7,6 +7,7 @@
 
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/optimizer.hpp"
 #include "mesher/tets/shell.hpp"
 
 namespace tetloom::volume {
@@ -40,6 +41,7 @@ class LatticeFiller {
       Lap l("join");
       fault = join_shell(filling.mesh, std::move(shell_), core.open_faces, surface());
     }
+    if (!fault.any()) {Lap l("optimise"); tets::OptimizeOptions o; o.fixed_points=(std::uint32_t)complex_.points.size(); o.strong_gradation=!sizes_.is_uniform(); auto r=optimize(filling.mesh,o,runner_); fprintf(stderr,"edges %zu moves %zu ins %zu  least %g->%g mean %g->%g below %zu dih %g belowdih %zu forced %zu\n",r.edges_removed,r.vertices_moved,r.points_inserted,r.least_before,r.least,r.mean_before,r.mean,r.below_goal,r.least_dihedral,r.below_dihedral,r.forced);}
     filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
     fprintf(stderr, "core %zu open %zu shell verts %zu all tets %zu points %zu\n", core_size_, core.open_faces.size(),
             core.shell_verts.size(), filling.mesh.size(), filling.mesh.points.size());

@@ -1,0 +1,37 @@
+#pragma once
+// The tets that a pass visits.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "mesher/tets/working_mesh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::tets {
+
+/// Calls visit(tet) for the tets of cubed quality below `limit` among those that are there at the start, in ascending
+/// order. Tets are found a block ahead, so that what a visit reads is under way before it; each is looked at again just
+/// before its visit. `visit` may change the mesh. Errors: Cancelled.
+template <class Visit>
+void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner, Visit&& visit) {
+  constexpr std::uint32_t kBlock = 4096;
+  std::array<std::uint32_t, kBlock> bad;
+  const auto bound = static_cast<float>(limit);
+  const auto count = static_cast<std::uint32_t>(mesh.qualities().size());
+  for (std::uint32_t begin = 0; begin < count; begin += kBlock) {
+    runner.check_cancelled();
+    const std::uint32_t end = std::min(count, begin + kBlock);
+    const float* quality = mesh.qualities().data();
+    std::uint32_t bad_count = 0;
+    for (std::uint32_t tet = begin; tet < end; ++tet) {
+      bad[bad_count] = tet;
+      bad_count += quality[tet] < bound;
+    }
+    for (std::uint32_t i = 0; i < bad_count; ++i) {
+      if (i + 4 < bad_count) mesh.prefetch(bad[i + 4]);
+      if (mesh.quality(bad[i]) < bound) visit(bad[i]);
+    }
+  }
+}
+
+}  // namespace tetloom::tets

@@ -1,0 +1,38 @@
+#pragma once
+// Edge removal: the tets around an edge are replaced by those over the best triangulation of the edge's ring.
+//
+//            b
+//          / | \           the ring r0, r1, ... of edge a-b, counter-clockwise seen from b; a triangulation of it
+//        r0--|--r1  ...    with n - 2 triangles gives 2 (n - 2) tets in place of n
+//          \ | /
+//            a
+//
+// The triangulation whose worst tet is best is found by dynamic programming over sub-polygons (Klincsek 1980), pruned
+// by what has to be beaten.
+#include <cstdint>
+
+#include "mesher/tets/working_mesh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::tets {
+
+enum class EdgeVerdict {
+  Removed,
+  OnSurface,    ///< a fixed face or nothing lies at the edge
+  LongRing,     ///< more than kLongestRing tets
+  WorseBeside,  ///< another tet of the ring is worse: it is the one to ask
+  NoGain        ///< no triangulation raises the minimum
+};
+
+inline constexpr int kLongestRing = 7;
+
+/// Removes, of the six edges of `tet`, the one whose removal raises the minimum of its ring most, where `tet` is the
+/// worst of the ring. What is replaced and what replaces it have the same boundary; the new tets are positive in exact
+/// arithmetic. Returns the verdict on the edge that came farthest.
+EdgeVerdict remove_edge_of(WorkingMesh& mesh, std::uint32_t tet);
+
+/// remove_edge_of for every tet of cubed quality below `limit` that is there at the start, in order of ids. Returns the
+/// number of edges removed.
+std::size_t remove_edges(WorkingMesh& mesh, double limit, const TaskRunner& runner);
+
+}  // namespace tetloom::tets

@@ -1,0 +1,39 @@
+#pragma once
+// Moves vertices so that the tets around them become better: one damped Newton step on the sum of 1/q^3, convex and
+// with a gradient and a Hessian in closed form (Freitag & Knupp 2002 use other exponents).
+#include <cstdint>
+#include <span>
+
+#include "mesher/tets/vertex_star.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::tets {
+
+/// A step of a vertex from 0 that lowers the sum of 1/q^3 over `star`, leaves every tet surely positive and
+/// lowers the smallest q^3 only to what is at least `floor`; the zero vector when there is none. `x` is where 0 is: the
+/// step ends at a point that is a sum
+/// of doubles. Pre: all tets are positive.
+Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor);
+
+enum class MoveVerdict { Moved, OnSurface, TooLarge, NoGain };
+
+/// Moves vertices by such steps; holds the room that one move needs. `floor` as above.
+class VertexMover {
+ public:
+  VertexMover(WorkingMesh& mesh, double floor) : mesh_(mesh), floor_(floor) {}
+
+  /// Moves the vertex at `corner` of `tet`.
+  MoveVerdict move(std::uint32_t tet, std::uint32_t corner);
+
+ private:
+  WorkingMesh& mesh_;
+  double floor_;
+  VertexStar star_;
+  std::array<StarTet, WorkingMesh::kMostTets> tets_;
+};
+
+/// Moves every vertex of the tets of cubed quality below `limit` once, in order of the tets' ids. Returns
+/// the number of moves.
+std::size_t move_vertices(WorkingMesh& mesh, double limit, const TaskRunner& runner);
+
+}  // namespace tetloom::tets

@@ -1,0 +1,50 @@
+#pragma once
+// Makes the worst tetrahedra of a mesh better, the surface given.
+//
+// A schedule of passes, each over the tets whose quality q, the mean ratio 12 (3V)^(2/3) / (sum of squared edges), is
+// below a threshold:
+//   edge removal      an edge's tets are replaced by the best triangulation of its ring (Klincsek 1980; Freitag &
+//                     Ollivier-Gooch 1997), where that raises their minimum;
+//   vertex motion     one damped Newton step per vertex on the sum of 1/q^3 over its tets;
+//   point insertion   a point into a bad tet of mostly surface vertices, where that raises the cavity's minimum;
+//   vertex removal    a vertex is merged into a neighbour, where that raises the minimum;
+//   dihedral angles   the same operations for the angles that are still too small at the end.
+// Departure from the papers: nothing visits what is good already, so that the cost is that of one look at every tet.
+#include <cstddef>
+#include <cstdint>
+
+#include "mesher/tets/tet_mesh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::tets {
+
+struct OptimizeOptions {
+  std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
+  bool strong_gradation = false;   ///< the size grows by more than about .1 per unit of distance: twice the passes
+  double goal = 0.6;               ///< mean ratio below which a tet is worked on whatever it costs, within (0, 1)
+  double least_dihedral = 15;      ///< degrees, 0 to 60; what the last passes aim at
+};
+
+struct OptimizeReport {
+  std::size_t edges_removed = 0;
+  std::size_t vertices_moved = 0;  ///< moves, not vertices
+  std::size_t points_inserted = 0;
+  std::size_t vertices_removed = 0;
+  double least_before = 0, mean_before = 0;  ///< mean ratio
+  double least = 0, mean = 0;                ///< mean ratio
+  std::size_t below_goal = 0;                ///< tets that stay below the goal
+  double least_dihedral = 0;                 ///< degrees
+  std::size_t below_dihedral = 0;            ///< tets with a smaller angle than asked for
+  std::size_t forced = 0;                    ///< of those, tets to which the surface's triangles leave no choice
+};
+
+/// Optimises in place; what is dead is dropped, and so are points from `fixed_points` on that no tet has any more.
+///
+/// Pre: the invariants of TetMesh. Post: they hold, in exact arithmetic; fixed faces are as they were; the smallest
+/// quality is not smaller than before; regions keep their volumes up to round-off. The result depends on the mesh and
+/// the options alone. Besides the mesh: 4 bytes per tet and 1 per point.
+/// Errors: InvalidArgument for options out of range; Cancelled, which leaves a valid mesh with dead tets.
+/// Thread safety: one call per mesh.
+OptimizeReport optimize(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner);
+
+}  // namespace tetloom::tets

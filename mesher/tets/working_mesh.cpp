@@ -1,0 +1,170 @@
+#include "mesher/tets/working_mesh.hpp"
+
+#include <algorithm>
+
+namespace tetloom::tets {
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+Triangle sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (a > b) std::swap(a, b);
+  if (b > c) std::swap(b, c);
+  if (a > b) std::swap(a, b);
+  return {a, b, c};
+}
+
+Triangle face_key(const std::uint32_t* verts, std::uint32_t face) {
+  const auto& corners = kFaceVerts[face];
+  return sorted(verts[corners[0]], verts[corners[1]], verts[corners[2]]);
+}
+
+// A face on the boundary of a cavity, or of a new tet: `code` is the face behind it, or the new face.
+struct CavityFace {
+  Triangle key;
+  FaceCode code;
+  bool is_outer, is_fixed;
+
+  friend bool operator<(const CavityFace& a, const CavityFace& b) {
+    if (a.key != b.key) return a.key < b.key;
+    return a.code < b.code;
+  }
+};
+
+// The faces of one replacement, without allocation.
+class FaceList {
+ public:
+  void add(const CavityFace& face) { faces_[count_++] = face; }
+  std::span<CavityFace> faces() { return {faces_.data(), count_}; }
+
+ private:
+  std::array<CavityFace, WorkingMesh::kMostTets * 8> faces_;
+  std::size_t count_ = 0;
+};
+
+void collect_outer_faces(const TetMesh& mesh, std::span<const std::uint32_t> old, FaceList& list) {
+  for (const std::uint32_t tet : old) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + i];
+      const bool inner = behind != kNone && std::find(old.begin(), old.end(), behind / 4) != old.end();
+      if (inner) continue;
+      list.add({face_key(&mesh.to_vert[std::size_t{tet} * 4], i), behind, true, mesh.is_fixed(tet * 4 + i)});
+    }
+  }
+}
+
+void link(TetMesh& mesh, const CavityFace& a, const CavityFace& b) {
+  const CavityFace& inner = a.is_outer ? b : a;
+  const CavityFace& other = a.is_outer ? a : b;
+  TETLOOM_DEBUG_ASSERT(a.key == b.key && !inner.is_outer);
+  mesh.to_neighbor[inner.code] = other.code;
+  if (other.code != kNone) mesh.to_neighbor[other.code] = inner.code;
+  if (other.is_fixed) mesh.to_fixed[inner.code / 4] |= static_cast<std::uint8_t>(1u << inner.code % 4);
+}
+
+}  // namespace
+
+WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points) : mesh_(mesh) {
+  fixed_.resize(mesh.points.size() / 64 + 1);
+  for (std::uint32_t v = 0; v < fixed_points; ++v) set_fixed_point(v);
+  const auto count = static_cast<std::uint32_t>(mesh.size());
+  to_quality_.reserve(count + count / 64);
+  to_quality_.resize_for_overwrite(count);
+  for (std::uint32_t tet = 0; tet < count; ++tet) {
+    if (mesh.is_dead(tet)) {
+      drop_tet(tet);
+    } else {
+      read_tet(tet);
+    }
+  }
+}
+
+void WorkingMesh::read_tet(std::uint32_t tet) {
+  const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+  set_quality(tet, cubed_quality(point(v[0]), point(v[1]), point(v[2]), point(v[3])));
+  for (std::uint32_t face = 0; face < 4; ++face) {
+    if (mesh_.to_neighbor[std::size_t{tet} * 4 + face] != kNone && !mesh_.is_fixed(tet * 4 + face)) continue;
+    for (const std::uint8_t corner : kFaceVerts[face]) set_fixed_point(v[corner]);
+  }
+}
+
+std::uint32_t WorkingMesh::take_tet() {
+  if (first_dead_ != kNone) {
+    const std::uint32_t tet = first_dead_;
+    first_dead_ = mesh_.to_neighbor[std::size_t{tet} * 4];
+    return tet;
+  }
+  const std::size_t tet = mesh_.size();
+  mesh_.to_vert.resize_for_overwrite((tet + 1) * 4);
+  mesh_.to_neighbor.resize_for_overwrite((tet + 1) * 4);
+  mesh_.to_region.push_back(kNone);
+  mesh_.to_fixed.push_back(0);
+  to_quality_.push_back(kDeadQuality);
+  return static_cast<std::uint32_t>(tet);
+}
+
+void WorkingMesh::drop_tet(std::uint32_t tet) {
+  mesh_.to_vert[std::size_t{tet} * 4] = kNone;
+  mesh_.to_neighbor[std::size_t{tet} * 4] = first_dead_;
+  mesh_.to_fixed[tet] = 0;
+  to_quality_[tet] = kDeadQuality;
+  first_dead_ = tet;
+}
+
+void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
+  FaceList list;
+  collect_outer_faces(mesh_, old, list);
+  std::array<std::uint32_t, kMostTets> ids;
+  std::copy(old.begin(), old.end(), ids.begin());
+  std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(old.size()));
+  const std::uint32_t region = mesh_.to_region[old[0]];
+  for (std::size_t i = made.size(); i < old.size(); ++i) drop_tet(ids[i]);
+  for (std::size_t i = old.size(); i < made.size(); ++i) ids[i] = take_tet();
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const std::uint32_t tet = ids[i];
+    std::copy(made[i].verts.begin(), made[i].verts.end(), &mesh_.to_vert[std::size_t{tet} * 4]);
+    mesh_.to_region[tet] = region;
+    mesh_.to_fixed[tet] = 0;
+    set_quality(tet, made[i].quality);
+    for (std::uint32_t f = 0; f < 4; ++f) list.add({face_key(made[i].verts.data(), f), tet * 4 + f, false, false});
+  }
+  const std::span<CavityFace> faces = list.faces();
+  std::sort(faces.begin(), faces.end());
+  TETLOOM_DEBUG_ASSERT(faces.size() % 2 == 0);
+  for (std::size_t i = 0; i < faces.size(); i += 2) link(mesh_, faces[i], faces[i + 1]);
+}
+
+std::uint32_t WorkingMesh::add_point(const Vec3& point) {
+  if (!unused_points_.empty()) {
+    const std::uint32_t vertex = unused_points_.back();
+    unused_points_.resize(unused_points_.size() - 1);
+    mesh_.points[vertex] = point;
+    return vertex;
+  }
+  mesh_.points.push_back(point);
+  if (mesh_.points.size() > fixed_.size() * 64) fixed_.push_back(0);
+  return static_cast<std::uint32_t>(mesh_.points.size() - 1);
+}
+
+void WorkingMesh::finish() {
+  compact(mesh_);
+  if (unused_points_.empty()) return;
+  std::sort(unused_points_.begin(), unused_points_.end());
+  GrowingArray<std::uint32_t> to_new;
+  to_new.resize_for_overwrite(mesh_.points.size());
+  for (std::uint32_t v = 0; v < to_new.size(); ++v) to_new[v] = v;
+  std::size_t count = mesh_.points.size(), last_unused = unused_points_.size();
+  for (std::size_t i = 0; i < last_unused; ++i) {
+    while (last_unused > i && unused_points_[last_unused - 1] == count - 1) --count, --last_unused;
+    if (i >= last_unused) break;
+    --count;
+    mesh_.points[unused_points_[i]] = mesh_.points[count];
+    to_new[count] = unused_points_[i];
+  }
+  mesh_.points.resize(count);
+  for (std::uint32_t& v : mesh_.to_vert) v = to_new[v];
+  unused_points_.clear();
+}
+
+}  // namespace tetloom::tets

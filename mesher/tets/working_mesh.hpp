@@ -1,0 +1,79 @@
+#pragma once
+// A mesh while it is optimised: the quality of every tet beside it, and the one operation that replaces tets by others.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "mesher/tets/tet_mesh.hpp"
+#include "mesher/tets/tet_quality.hpp"
+
+namespace tetloom::tets {
+
+/// The vertices of a tet, positively oriented, and its cubed quality.
+struct NewTet {
+  std::array<std::uint32_t, 4> verts;
+  double quality;
+};
+
+/// Invariant between two calls: to_quality[t] is the cubed quality of tet t in single precision, kDeadQuality for a
+/// dead one. Dead tets form a list through their first neighbour, so that nothing is allocated for them.
+class WorkingMesh {
+ public:
+  static constexpr float kDeadQuality = 2;
+  static constexpr std::size_t kMostTets = 128;  // of a cavity, old or new
+
+  WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points);
+
+  TetMesh& mesh() { return mesh_; }
+  const TetMesh& mesh() const { return mesh_; }
+  /// Whether `vertex` is one of the given surface, or lies on a face that has to stay or that has nothing behind it.
+  bool is_fixed_point(std::uint32_t vertex) const { return (fixed_[vertex / 64] >> vertex % 64 & 1) != 0; }
+
+  const Vec3& point(std::uint32_t vertex) const { return mesh_.points[vertex]; }
+  std::span<const std::uint32_t, 4> verts(std::uint32_t tet) const {
+    return std::span<const std::uint32_t, 4>(&mesh_.to_vert[std::size_t{tet} * 4], 4);
+  }
+  float quality(std::uint32_t tet) const { return to_quality_[tet]; }
+  void set_quality(std::uint32_t tet, double quality) { to_quality_[tet] = static_cast<float>(quality); }
+  std::span<float> qualities() { return to_quality_; }
+  /// The corner of `tet` at which `vertex` is. Pre: it is one.
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vertex) const {
+    const std::uint32_t* verts = &mesh_.to_vert[std::size_t{tet} * 4];
+    return verts[0] == vertex ? 0 : verts[1] == vertex ? 1 : verts[2] == vertex ? 2 : 3;
+  }
+
+  /// Fetches what a visit of `tet` reads first.
+  void prefetch(std::uint32_t tet) const {
+    __builtin_prefetch(&mesh_.to_vert[std::size_t{tet} * 4]);
+    __builtin_prefetch(&mesh_.to_neighbor[std::size_t{tet} * 4]);
+  }
+
+  void prefetch_point(std::uint32_t vertex) const { __builtin_prefetch(&mesh_.points[vertex]); }
+
+  /// Replaces the tets `old` of one region by `made`, which fill the same space. New tets take the ids of old ones in
+  /// ascending order, then those of dead tets, then new ones. Pre: neither list is longer than kMostTets; no face
+  /// inside the cavity is fixed. Post: neighbours, fixed faces, regions and qualities are right.
+  void replace(std::span<const std::uint32_t> old, std::span<const NewTet> made);
+
+  /// Adds a point, or takes the place of one that was given up.
+  std::uint32_t add_point(const Vec3& point);
+  /// No tet may have `vertex` any more.
+  void give_up_point(std::uint32_t vertex) { unused_points_.push_back(vertex); }
+
+  /// Drops dead tets, and points that were given up: the last points take their places.
+  void finish();
+
+ private:
+  void read_tet(std::uint32_t tet);
+  void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
+  std::uint32_t take_tet();
+  void drop_tet(std::uint32_t tet);
+
+  TetMesh& mesh_;
+  std::uint32_t first_dead_ = kNone;
+  GrowingArray<float> to_quality_;
+  GrowingArray<std::uint64_t> fixed_;  // a bit per point
+  GrowingArray<std::uint32_t> unused_points_;
+};
+
+}  // namespace tetloom::tets

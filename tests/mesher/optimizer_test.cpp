@@ -1,0 +1,232 @@
+#include "mesher/tets/optimizer.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "core/base/error.hpp"
+#include "mesher/tets/edge_removal.hpp"
+#include "mesher/tets/newton_smoothing.hpp"
+#include "tet_fixtures.hpp"
+
+namespace tetloom {
+namespace {
+
+using namespace tet_tests;
+using tets::EdgeVerdict;
+using tets::MoveVerdict;
+using tets::WorkingMesh;
+
+constexpr std::uint32_t kNoneFixed = 0;
+
+EdgeVerdict try_removal(TetMesh& mesh, std::uint32_t tet = 0) {
+  WorkingMesh working(mesh, kNoneFixed);
+  const EdgeVerdict verdict = tets::remove_edge_of(working, tet);
+  if (verdict == EdgeVerdict::Removed) working.finish();
+  return verdict;
+}
+
+// In the precision in which the working mesh compares them.
+std::uint32_t worst_tet(TetMesh& mesh) {
+  const WorkingMesh working(mesh, kNoneFixed);
+  std::uint32_t worst = 0;
+  for (std::uint32_t t = 1; t < mesh.size(); ++t) {
+    if (working.quality(t) < working.quality(worst)) worst = t;
+  }
+  return worst;
+}
+
+TEST_CASE("removing a long edge leaves two tets over every triangle of its ring") {
+  for (const std::uint32_t count : {3u, 4u, 5u, 6u, 7u}) {
+    TetMesh mesh = make_ring(count, 3);
+    REQUIRE(tets::find_fault(mesh).empty());
+    const double least = least_quality(mesh), volume = volume_of_region(mesh, 0);
+    const auto faces = fixed_faces(mesh);
+    CHECK(try_removal(mesh, worst_tet(mesh)) == EdgeVerdict::Removed);
+    CHECK(mesh.size() == 2 * (count - 2));
+    CHECK(tets::find_fault(mesh) == "");
+    CHECK(least_quality(mesh) > least);
+    CHECK(volume_of_region(mesh, 0) == Approx(volume));
+    CHECK(fixed_faces(mesh) == faces);
+  }
+}
+
+TEST_CASE("an edge with eight tets is left alone") {
+  TetMesh mesh = make_ring(8, 3);
+  const TetMesh before = mesh;
+  CHECK(try_removal(mesh, worst_tet(mesh)) == EdgeVerdict::LongRing);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("an edge whose removal gains nothing is left alone") {
+  TetMesh mesh = make_ring(5, 0.5);
+  const TetMesh before = mesh;
+  CHECK(try_removal(mesh, worst_tet(mesh)) == EdgeVerdict::NoGain);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("an edge is left to the worst tet around it") {
+  TetMesh mesh = make_ring(5, 3);
+  mesh.points[0] = {1.02, 0, 0};
+  const TetMesh before = mesh;
+  CHECK(try_removal(mesh, worst_tet(mesh) == 2 ? 1 : 2) == EdgeVerdict::WorseBeside);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("edges of the surface stay") {
+  TetMesh mesh = make_tets({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0.01}}, {{0, 1, 2, 3}});
+  const TetMesh before = mesh;
+  CHECK(try_removal(mesh) == EdgeVerdict::OnSurface);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("an edge of a face that has to stay, stays") {
+  TetMesh mesh = make_ring(4, 3);
+  for (std::uint32_t f = 0; f < 4; ++f) {
+    if (mesh.to_neighbor[f] != kNone) {
+      fix_face(mesh, f);
+      break;
+    }
+  }
+  REQUIRE(tets::find_fault(mesh).empty());
+  const TetMesh before = mesh;
+  CHECK(try_removal(mesh, worst_tet(mesh)) == EdgeVerdict::OnSurface);
+  CHECK(same(mesh, before));
+}
+
+// The octahedron around `center`, which is point 6.
+TetMesh make_octahedron(const Vec3& center) {
+  return make_tets(
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, center},
+      {{6, 0, 2, 4}, {6, 2, 1, 4}, {6, 1, 3, 4}, {6, 3, 0, 4}, {6, 0, 2, 5}, {6, 2, 1, 5}, {6, 1, 3, 5}, {6, 3, 0, 5}});
+}
+
+TEST_CASE("a vertex goes to the middle of its star") {
+  TetMesh mesh = make_octahedron({0.3, 0.2, -0.4});
+  WorkingMesh working(mesh, 6);
+  tets::VertexMover mover(working, 0.2);
+  const double least = least_quality(mesh);
+  for (int i = 0; i < 15; ++i) {
+    mover.move(0, working.corner_of(0, 6));
+    CHECK(least_quality(mesh) >= std::min(least, std::cbrt(0.2)));
+  }
+  CHECK(norm(mesh.points[6]) < 1e-3);
+  for (std::uint32_t t = 0; t < 8; ++t) CHECK(std::cbrt(working.quality(t)) == Approx(quality_of(mesh, t)));
+}
+
+TEST_CASE("a vertex leaves a flat tet in which it nearly lies on its face") {
+  TetMesh mesh = make_octahedron({0.3333, 0.3333, 0.3333});
+  REQUIRE(tets::find_fault(mesh).empty());
+  WorkingMesh working(mesh, 6);
+  tets::VertexMover mover(working, 0.2);
+  const double least = least_quality(mesh);
+  CHECK(mover.move(0, working.corner_of(0, 6)) == MoveVerdict::Moved);
+  CHECK(tets::find_fault(mesh) == "");
+  CHECK(least_quality(mesh) > least);
+}
+
+TEST_CASE("a vertex that is best where it is, stays") {
+  TetMesh mesh = make_octahedron({0, 0, 0});
+  const TetMesh before = mesh;
+  WorkingMesh working(mesh, 6);
+  CHECK(tets::VertexMover(working, 1).move(0, working.corner_of(0, 6)) == MoveVerdict::NoGain);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("points of the surface and those of faces that have to stay do not move") {
+  TetMesh mesh = make_octahedron({0.3, 0.2, -0.4});
+  {
+    const TetMesh before = mesh;
+    WorkingMesh working(mesh, 7);
+    CHECK(tets::VertexMover(working, 1).move(0, working.corner_of(0, 6)) == MoveVerdict::OnSurface);
+    CHECK(same(mesh, before));
+  }
+  for (std::uint32_t f = 0; f < 4; ++f) {
+    if (mesh.to_neighbor[f] != kNone) fix_face(mesh, f);
+  }
+  const TetMesh before = mesh;
+  WorkingMesh working(mesh, 0);
+  CHECK(tets::VertexMover(working, 1).move(0, working.corner_of(0, 6)) == MoveVerdict::OnSurface);
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("points that are given up are filled by the last ones") {
+  TetMesh mesh = make_octahedron({0, 0, 0});
+  const Vec3 last = mesh.points[6];
+  const std::uint32_t unused = static_cast<std::uint32_t>(mesh.points.size());
+  for (int i = 0; i < 3; ++i) mesh.points.push_back({double(i), 9, 9});
+  WorkingMesh working(mesh, 6);
+  working.give_up_point(unused + 2);
+  working.give_up_point(unused);
+  working.finish();
+  CHECK(mesh.points.size() == 8);
+  CHECK(mesh.points[6] == last);
+  CHECK(mesh.points[7] == Vec3{1, 9, 9});
+  CHECK(tets::find_fault(mesh) == "");
+}
+
+TEST_CASE("optimising random meshes keeps what must stay and lowers no minimum") {
+  for (unsigned seed = 0; seed < 24; ++seed) {
+    const int regions = seed % 2 == 0 ? 1 : 2;
+    ShakenGrid grid = make_shaken_grid(5, regions, 0.3 + 0.009 * seed, seed);
+    REQUIRE(volume_of_region(grid.mesh, 0) == Approx(regions == 1 ? 125 : 50));
+    REQUIRE(tets::find_fault(grid.mesh) == "");
+    CAPTURE(seed);
+    TetMesh mesh = grid.mesh;
+    tets::OptimizeOptions options;
+    options.fixed_points = grid.fixed_points;
+    options.strong_gradation = seed % 3 == 0;
+    const tets::OptimizeReport report = tets::optimize(mesh, options, TaskRunner(1));
+    CHECK(tets::find_fault(mesh) == "");
+    CHECK(least_quality(mesh) >= least_quality(grid.mesh) * (1 - 1e-6));
+    CHECK(report.least == Approx(least_quality(mesh)).epsilon(1e-5));
+    CHECK(report.least_before == Approx(least_quality(grid.mesh)).epsilon(1e-5));
+    CHECK(report.mean > report.mean_before);
+    CHECK(report.vertices_moved > 0);
+    for (int r = 0; r < regions; ++r) {
+      const auto region = static_cast<std::uint32_t>(r);
+      CHECK(volume_of_region(mesh, region) == Approx(volume_of_region(grid.mesh, region)).epsilon(1e-12));
+    }
+    CHECK(fixed_faces(mesh) == fixed_faces(grid.mesh));
+    for (std::uint32_t v = 0; v < grid.fixed_points; ++v) CHECK(mesh.points[v] == grid.mesh.points[v]);
+    TetMesh again = grid.mesh;
+    tets::optimize(again, options, TaskRunner(2));
+    CHECK(same(mesh, again));
+  }
+}
+
+TEST_CASE("a mesh that is far from the origin is optimised as well") {
+  ShakenGrid grid = make_shaken_grid(4, 1, 0.5, 7);
+  for (Vec3& p : grid.mesh.points) p += Vec3{1e9, -3e9, 2e9};
+  REQUIRE(tets::find_fault(grid.mesh).empty());
+  const double least = least_quality(grid.mesh);
+  tets::OptimizeOptions options;
+  options.fixed_points = grid.fixed_points;
+  tets::optimize(grid.mesh, options, TaskRunner(1));
+  CHECK(tets::find_fault(grid.mesh) == "");
+  CHECK(least_quality(grid.mesh) > least);
+}
+
+TEST_CASE("an empty mesh is optimal") {
+  TetMesh mesh;
+  CHECK_NOTHROW(tets::optimize(mesh, {}, TaskRunner(1)));
+}
+
+TEST_CASE("optimising refuses options out of range") {
+  const auto code_of = [](const tets::OptimizeOptions& options) {
+    TetMesh mesh = make_octahedron({0, 0, 0});
+    try {
+      tets::optimize(mesh, options, TaskRunner(1));
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::Internal;
+  };
+  tets::OptimizeOptions many, low, high, wide;
+  many.fixed_points = 8;
+  low.goal = 0;
+  high.goal = 1;
+  wide.least_dihedral = 61;
+  for (const auto& options : {many, low, high, wide}) CHECK(code_of(options) == ErrorCode::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace tetloom
