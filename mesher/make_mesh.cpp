@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <chrono>
 #include <new>
 
+#include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesher.hpp"
@@ -11,20 +11,6 @@
 
 namespace tetloom {
 namespace {
-
-class Stopwatch {
- public:
-  /// Seconds since construction or the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 class MeshRun {
  public:

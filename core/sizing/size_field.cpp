@@ -23,6 +23,7 @@ SizeField SizeField::from_octree(SizeOctree octree) {
   for (const auto& ratios : octree.corner_ratios) smallest = std::min(smallest, *std::ranges::min_element(ratios));
   SizeField field;
   field.largest_ = octree.size;
+  field.gradation_ = octree.gradation;
   field.smallest_ = smallest < 1 ? static_cast<double>(smallest) * octree.size : octree.size;
   field.tree_ = std::make_shared<const Tree>(std::move(octree));
   return field;

@@ -41,6 +41,9 @@ class SizeField {
   double smallest() const { return smallest_; }
   double largest() const { return largest_; }
 
+  /// The largest growth of the size per unit of distance that the builder allowed; 0 for a uniform field.
+  double gradation() const { return gradation_; }
+
   bool is_uniform() const { return tree_ == nullptr; }
   std::size_t leaf_count() const;
   /// Bytes that the field holds, whatever the number of its copies.
@@ -60,7 +63,7 @@ class SizeField {
 
  private:
   class Tree;
-  double smallest_ = 0, largest_ = 0;
+  double smallest_ = 0, largest_ = 0, gradation_ = 0;
   std::shared_ptr<const Tree> tree_;
 };
 

@@ -49,29 +49,38 @@ class ComplexFiller {
 
   FilledComplex run() {
     FilledComplex result;
-    if (result.filling = fill_own(); result.filling) return result;
-    make_interior();
-    for (const Attempt& attempt : kAttempts) {
-      if (result.filling = try_once(attempt); result.filling) {
-        if (&attempt != &kAttempts.front()) result.warnings.push_back(describe_fallback(attempt));
-        return result;
-      }
-      if (&attempt == &kAttempts.front() && surface_crosses_itself(result.errors)) return result;
-      if (hopeless_) break;
+    result.filling = fill_by_own_means(result.figures);
+    if (result.filling || surface_crosses_itself(result.errors)) return result;
+    result.filling = ask_worker();
+    if (result.filling) {
+      result.figures.worker_complexes = 1;
+      result.warnings.push_back(describe_fallback());
+    } else {
+      result.errors.push_back(describe_failure());
     }
-    result.errors.push_back(describe_failure());
     return result;
   }
 
  private:
-  std::optional<Filling> fill_own() {
+  std::optional<Filling> fill_by_own_means(FillingFigures& figures) {
     LatticeFilling own = fill_by_lattice(complex_, tree_, *input_.sizes, runner_);
-    if (!own.verdict.good()) {
-      fprintf(stderr, "OWN FAILED %s\n", own.verdict.message.c_str());
-      note({ErrorCode::VolumeFailed, own.verdict.message, own.verdict.triangles, own.verdict.point});
-      return std::nullopt;
+    figures = own.figures;
+    if (own.verdict.good()) return to_filling(std::move(own.mesh), complex_.points.size());
+    note({ErrorCode::VolumeFailed, own.verdict.message, own.verdict.triangles, own.verdict.point});
+    return std::nullopt;
+  }
+
+  std::optional<Filling> ask_worker() {
+    if (worker_.empty()) return std::nullopt;
+    make_interior();
+    for (const Attempt& attempt : kAttempts) {
+      if (std::optional<Filling> filling = try_once(attempt)) {
+        has_interior_ = attempt.interior_points;
+        return filling;
+      }
+      if (hopeless_) break;
     }
-    return to_filling(std::move(own.mesh), complex_.points.size());
+    return std::nullopt;
   }
 
   void make_interior() {
@@ -177,12 +186,11 @@ class ComplexFiller {
     return diagnostic;
   }
 
-  Diagnostic describe_fallback(const Attempt& attempt) const {
+  Diagnostic describe_fallback() const {
     Diagnostic diagnostic = describe_failure();
-    diagnostic.message = describe_regions(input_, complex_.regions) +
-                         (attempt.interior_points ? " was filled at a second attempt"
-                                                  : " was filled without regard to the size field inside") +
-                         "; at first: " + failure_->message;
+    diagnostic.message = describe_regions(input_, complex_.regions) + " was filled by TetGen" +
+                         (has_interior_ ? "" : ", without regard to the size field inside") +
+                         "; before that: " + failure_->message;
     return diagnostic;
   }
 
@@ -193,7 +201,8 @@ class ComplexFiller {
   intersection::TriangleTree tree_;
   std::vector<Vec3> interior_;
   std::optional<Failure> failure_;
-  bool hopeless_ = false;  // other attempts would end like this one
+  bool hopeless_ = false;      // other attempts would end like this one
+  bool has_interior_ = false;  // of the attempt that succeeded
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
-// One complex filled by the worker: attempts from the best mesh to any valid one, and an honest account of failures.
+// One complex filled: by our own means, or, as the last resort, by TetGen in its worker, in attempts from the best mesh
+// to any valid one; and an honest account of failures.
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,9 +13,10 @@ namespace tetloom::volume {
 struct FilledComplex {
   std::optional<Filling> filling;  ///< nothing when no attempt succeeded
   std::vector<Diagnostic> errors, warnings;
+  FillingFigures figures;
 };
 
-/// Fills `complex` so that color_regions finds it good. Errors: Cancelled and OutOfMemory are thrown, everything else
+/// Fills `complex` as fill_volume promises. `worker` is the path of the worker, empty where there is none. Errors: Cancelled and OutOfMemory are thrown, everything else
 /// is in the result. The result depends on the input and the worker alone.
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
                            const TaskRunner& runner);

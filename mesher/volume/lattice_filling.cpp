@@ -1,13 +1,11 @@
 #include "mesher/volume/lattice_filling.hpp"
 
-#include <chrono>
-#include <cstdio>
 #include <numeric>
 #include <utility>
 
+#include "core/base/stopwatch.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
-#include "mesher/tets/optimizer.hpp"
 #include "mesher/tets/shell.hpp"
 
 namespace tetloom::volume {
@@ -17,14 +15,8 @@ namespace {
 using tets::Fault;
 using tets::TetMesh;
 
-struct Lap {
-  const char* n;
-  std::chrono::steady_clock::time_point t = std::chrono::steady_clock::now();
-  Lap(const char* a) : n(a) {}
-  ~Lap() {
-    fprintf(stderr, "  %-12s %.4f\n", n, std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count());
-  }
-};
+// Growth of the size per unit of distance from which on the optimiser works twice as hard.
+constexpr double kStrongGradation = 0.1;
 
 class LatticeFiller {
  public:
@@ -34,35 +26,27 @@ class LatticeFiller {
 
   LatticeFilling run() {
     LatticeFilling filling;
-    filling.mesh.points = GrowingArray<Vec3>(std::span(complex_.points));
-    const lattice::LatticeCore core = make_core(filling.mesh);
-    Fault fault = make_shell(filling.mesh, core);
-    if (!fault.any()) {
-      Lap l("join");
-      fault = join_shell(filling.mesh, std::move(shell_), core.open_faces, surface());
-    }
-    if (!fault.any()) {Lap l("optimise"); tets::OptimizeOptions o; o.fixed_points=(std::uint32_t)complex_.points.size(); o.strong_gradation=!sizes_.is_uniform(); auto r=optimize(filling.mesh,o,runner_); fprintf(stderr,"edges %zu moves %zu ins %zu  least %g->%g mean %g->%g below %zu dih %g belowdih %zu forced %zu\n",r.edges_removed,r.vertices_moved,r.points_inserted,r.least_before,r.least,r.mean_before,r.mean,r.below_goal,r.least_dihedral,r.below_dihedral,r.forced);}
+    TetMesh& mesh = filling.mesh;
+    mesh.points = GrowingArray<Vec3>(std::span(complex_.points));
+    const lattice::LatticeCore core = make_core(mesh);
+    Fault fault = make_shell(mesh, core);
+    if (!fault.any()) fault = join(mesh, core);
+    if (!fault.any()) optimise(mesh);
     filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
-    fprintf(stderr, "core %zu open %zu shell verts %zu all tets %zu points %zu\n", core_size_, core.open_faces.size(),
-            core.shell_verts.size(), filling.mesh.size(), filling.mesh.points.size());
+    filling.figures = figures_;
     return filling;
   }
 
  private:
-  tets::Surface surface() const { return {complex_.tri_to_vert, complex_.tri_to_sides}; }
-
   lattice::LatticeCore make_core(TetMesh& mesh) {
     lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, &sizes_};
     for (const Vec3& x : complex_.points) request.box.add(x);
-    std::vector<lattice::LevelPoints> levels;
-    {
-      Lap l("points");
-      levels = make_lattice_points(request, runner_);
-    }
-    Lap l("core");
-    auto c = emit_core(mesh, levels);
-    core_size_ = mesh.size();
-    return c;
+    const std::vector<lattice::LevelPoints> levels = make_lattice_points(request, runner_);
+    figures_.seconds.points = watch_.lap();
+    lattice::LatticeCore core = emit_core(mesh, levels);
+    figures_.core_tets = mesh.size();
+    figures_.seconds.core = watch_.lap();
+    return core;
   }
 
   Fault make_shell(TetMesh& mesh, const lattice::LatticeCore& core) {
@@ -70,23 +54,18 @@ class LatticeFiller {
     std::iota(verts.begin(), verts.end(), 0u);
     verts.insert(verts.end(), core.shell_verts.begin(), core.shell_verts.end());
     shell_.points = std::move(mesh.points);
-    {
-      Lap l("delaunay");
-      const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
-      if (!delaunay.duplicates.empty())
-        return {"points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
-    }
-    fprintf(stderr, "shell delaunay %zu\n", shell_.size());
-    {
-      Lap l("fixcore");
-      if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
-        return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
-    }
-    Lap l("fixsurf");
-    return fix_surface();
+    const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
+    figures_.seconds.delaunay = watch_.lap();
+    if (!delaunay.duplicates.empty())
+      return {"two points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
+    if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
+      return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
+    Fault fault = recover();
+    figures_.seconds.recovery = watch_.lap();
+    return fault;
   }
 
-  Fault fix_surface() {
+  Fault recover() {
     tets::TriangleTable table(complex_.tri_to_vert.size());
     for (std::uint32_t t = 0; t < complex_.tri_to_vert.size(); ++t) table.add(complex_.tri_to_vert[t], t);
     std::vector<char> found(complex_.tri_to_vert.size(), 0);
@@ -109,12 +88,29 @@ class LatticeFiller {
     return fault;
   }
 
+  Fault join(TetMesh& mesh, const lattice::LatticeCore& core) {
+    const tets::Surface surface{complex_.tri_to_vert, complex_.tri_to_sides};
+    Fault fault = join_shell(mesh, std::move(shell_), core.open_faces, surface);
+    figures_.shell_tets = mesh.size() - figures_.core_tets;
+    figures_.seconds.join = watch_.lap();
+    return fault;
+  }
+
+  void optimise(TetMesh& mesh) {
+    tets::OptimizeOptions options;
+    options.fixed_points = static_cast<std::uint32_t>(complex_.points.size());
+    options.strong_gradation = sizes_.gradation() > kStrongGradation;
+    figures_.optimizer = optimize(mesh, options, runner_);
+    figures_.seconds.optimize = watch_.lap();
+  }
+
   const Complex& complex_;
   const intersection::TriangleTree& tree_;
   const SizeField& sizes_;
   const TaskRunner& runner_;
   TetMesh shell_;
-  std::size_t core_size_ = 0;
+  FillingFigures figures_;
+  Stopwatch watch_;
 };
 
 }  // namespace

@@ -31,15 +31,14 @@ void check_input(const VolumeInput& input) {
   }
 }
 
-Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, const Error& error) {
-  Diagnostic diagnostic = error.diagnostic();
-  diagnostic.message = volume::describe_regions(input, complex.regions) + " cannot be filled: " + diagnostic.message;
-  diagnostic.entities = volume::faces_of(input, complex.to_input_tri);
-  for (const std::uint32_t region : complex.regions) {
-    diagnostic.entities.push_back(volume::named_entity(input, {3, region}));
+// Empty where there is none.
+std::string find_any_worker(const VolumeOptions& options) {
+  try {
+    return volume::find_worker(options.worker);
+  } catch (const Error&) {
+    if (!options.worker.empty()) throw;
+    return {};
   }
-  diagnostic.point = complex.points[0];
-  return diagnostic;
 }
 
 void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh) {
@@ -67,13 +66,7 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
   runner.begin_stage(Stage::Volume, complexes.size());
   if (complexes.empty()) return;
-  std::string worker;
-  try {
-    worker = volume::find_worker(options.worker);
-  } catch (const Error& error) {
-    for (const Complex& complex : complexes) mesh.errors.push_back(worker_missing(input, complex, error));
-    return;
-  }
+  const std::string worker = find_any_worker(options);
   std::vector<FilledComplex> filled(complexes.size());
   runner.for_each_largest_first(work, [&](std::size_t i) {
     filled[i] = volume::fill_complex(input, complexes[i], worker, runner);
@@ -85,11 +78,24 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
       auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;
       std::move(from.begin(), from.end(), std::back_inserter(*to));
     }
+    mesh.figures.add(filled[i].figures);
     filled[i] = {};
   }
 }
 
 }  // namespace
+
+void FillingFigures::add(const FillingFigures& other) {
+  core_tets += other.core_tets;
+  shell_tets += other.shell_tets;
+  worker_complexes += other.worker_complexes;
+  missing_triangles += other.missing_triangles;
+  recovery_points += other.recovery_points;
+  optimizer.add(other.optimizer);
+  for (const auto member : {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join,
+                            &Seconds::optimize})
+    seconds.*member += other.seconds.*member;
+}
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
   check_input(input);

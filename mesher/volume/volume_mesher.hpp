@@ -12,6 +12,7 @@
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/tets/optimizer.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom {
@@ -26,6 +27,21 @@ struct VolumeInput {
   const SizeField* sizes = nullptr;            ///< never null
 };
 
+/// How a volume came to be filled. Seconds are of wall time; those of complexes filled at once add up.
+struct FillingFigures {
+  std::size_t core_tets = 0;          ///< exact lattice tets, as emitted
+  std::size_t shell_tets = 0;         ///< between the core and the surface, before optimisation
+  std::size_t worker_complexes = 0;   ///< filled by TetGen, as the last resort
+  std::size_t missing_triangles = 0;  ///< that were no faces of the Delaunay tetrahedralisation
+  std::size_t recovery_points = 0;    ///< put inside to recover them
+  tets::OptimizeReport optimizer;
+  struct Seconds {
+    double points = 0, core = 0, delaunay = 0, recovery = 0, join = 0, optimize = 0;
+  } seconds;
+
+  void add(const FillingFigures& other);
+};
+
 /// New points follow the given ones: vertex ids below `input.points.size()` are the given points, the others index
 /// `new_points` after subtracting that.
 struct VolumeMesh {
@@ -34,6 +50,7 @@ struct VolumeMesh {
   std::vector<std::uint32_t> tet_to_region;
   std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
   std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
+  FillingFigures figures;
 };
 
 struct VolumeOptions {
