@@ -1,0 +1,28 @@
+#pragma once
+// The steps of the recovery of one missing edge or triangle.
+#include "mesher/tets/cavity.hpp"
+#include "mesher/tets/obstacles.hpp"
+
+namespace tetloom::tets {
+
+class Recoverer {
+ public:
+  Recoverer(LocalMesh& mesh, const EdgeSet& kept, const RecoverOptions& options, RecoveryReport& report)
+      : mesh_(mesh), kept_(kept), options_(options), report_(report) {}
+
+  /// Whether it is there afterwards; where not, `why` says what is in the way.
+  bool recover_edge(std::uint32_t a, std::uint32_t b, Obstacles& why);
+  /// Fixes the triangle, too. Pre: its edges are there.
+  bool recover_triangle(const TriangleVerts& triangle, Obstacles& why);
+
+ private:
+  template <class Wanted>
+  bool reconnect(const Wanted& wanted, TetList tets);
+
+  LocalMesh& mesh_;
+  const EdgeSet& kept_;
+  const RecoverOptions& options_;
+  RecoveryReport& report_;
+};
+
+}  // namespace tetloom::tets

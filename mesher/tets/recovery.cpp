@@ -1,0 +1,146 @@
+#include "mesher/tets/recovery.hpp"
+
+#include <algorithm>
+
+#include "mesher/tets/find_triangles.hpp"
+#include "mesher/tets/recoverer.hpp"
+
+namespace tetloom::tets {
+
+namespace {
+
+using Edge = std::array<std::uint32_t, 2>;
+constexpr int kRounds = 4;
+
+struct MissingEdge {
+  Edge verts;
+  std::vector<std::uint32_t> triangles;
+  bool there = false;
+};
+
+class Recovery {
+ public:
+  Recovery(TetMesh& mesh, std::span<const TriangleVerts> triangles, const TriangleTable& table,
+           const RecoverOptions& options, const TaskRunner& runner)
+      : triangles_(triangles),
+        table_(table),
+        options_(options),
+        runner_(runner),
+        local_(mesh),
+        recoverer_(local_, kept_, options_, report_),
+        given_points_(static_cast<std::uint32_t>(mesh.points.size())) {}
+
+  RecoveryReport run(std::span<const std::uint32_t> missing) {
+    report_.missing_triangles = missing.size();
+    for (const std::uint32_t t : missing) {
+      if (is_sound(t)) missing_.push_back(t);
+    }
+    collect_edges();
+    for (int round = 0; round < kRounds && !missing_.empty(); ++round) {
+      const std::size_t before = missing_.size();
+      recover_edges();
+      recover_triangles();
+      if (missing_.size() == before) break;
+    }
+    for (const std::uint32_t t : missing_) explain(t);
+    std::sort(report_.unrecovered.begin(), report_.unrecovered.end(),
+              [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
+    local_.tidy(given_points_);
+    return std::move(report_);
+  }
+
+ private:
+  bool is_sound(std::uint32_t t) {
+    const TriangleVerts& v = triangles_[t];
+    const bool known = std::all_of(v.begin(), v.end(), [&](std::uint32_t x) { return x < given_points_; });
+    if (!known || collinear(local_.point(v[0]), local_.point(v[1]), local_.point(v[2]))) {
+      report_.unrecovered.push_back({t, RecoveryFault::Degenerate, known ? local_.point(v[0]) : Vec3{}, kNone});
+      return false;
+    }
+    const std::uint32_t first = table_.find(sorted(v))->value;
+    if (first == t) return true;
+    report_.unrecovered.push_back({t, RecoveryFault::Duplicate, local_.point(v[0]), first});
+    return false;
+  }
+
+  void collect_edges() {
+    std::vector<std::pair<Edge, std::uint32_t>> all;
+    for (const std::uint32_t t : missing_) {
+      const TriangleVerts v = sorted(triangles_[t]).verts;
+      all.insert(all.end(), {{{v[0], v[1]}, t}, {{v[0], v[2]}, t}, {{v[1], v[2]}, t}});
+    }
+    std::sort(all.begin(), all.end());
+    for (const auto& [verts, t] : all) {
+      if (edges_.empty() || edges_.back().verts != verts)
+        edges_.push_back({verts, {}, local_.has_edge(verts[0], verts[1])});
+      edges_.back().triangles.push_back(t);
+      kept_.insert(verts[0], verts[1]);
+    }
+    for (const MissingEdge& edge : edges_) report_.missing_edges += !edge.there;
+  }
+
+  void recover_edges() {
+    for (MissingEdge& edge : edges_) {
+      runner_.check_cancelled();
+      Obstacles why;
+      if (edge.there || !recoverer_.recover_edge(edge.verts[0], edge.verts[1], why)) continue;
+      edge.there = true;
+      for (const std::uint32_t t : edge.triangles) {
+        if (const FaceCode code = local_.find_face(triangles_[t]); code != kNone) local_.fix(code);
+      }
+    }
+  }
+
+  void recover_triangles() {
+    std::erase_if(missing_, [&](std::uint32_t t) {
+      runner_.check_cancelled();
+      Obstacles why;
+      return has_edges(t) && recoverer_.recover_triangle(triangles_[t], why);
+    });
+  }
+
+  bool has_edges(std::uint32_t t) const {
+    const TriangleVerts& v = triangles_[t];
+    return local_.has_edge(v[0], v[1]) && local_.has_edge(v[1], v[2]) && local_.has_edge(v[2], v[0]);
+  }
+
+  void explain(std::uint32_t t) {
+    const TriangleVerts& v = triangles_[t];
+    Obstacles why;
+    for (std::size_t i = 0; i < 3 && !why.blocked; ++i) {
+      const std::uint32_t a = v[i], b = v[(i + 1) % 3];
+      if (!local_.has_edge(a, b)) why = find_obstacles(local_, a, b);
+    }
+    if (!why.blocked && has_edges(t)) why = find_obstacles(local_, v);
+    const Vec3 center = (local_.point(v[0]) + local_.point(v[1]) + local_.point(v[2])) / 3;
+    UnrecoveredTriangle entry{t, why.fault, why.blocked ? why.point : center, kNone};
+    if (why.face != kNone) {
+      if (const TriangleTable::Entry* other = table_.find(sorted(local_.face(why.face)))) entry.other = other->value;
+    }
+    report_.unrecovered.push_back(entry);
+  }
+
+  std::span<const TriangleVerts> triangles_;
+  const TriangleTable& table_;
+  RecoverOptions options_;
+  const TaskRunner& runner_;
+  LocalMesh local_;
+  EdgeSet kept_;
+  RecoveryReport report_;
+  Recoverer recoverer_;
+  std::uint32_t given_points_;
+  std::vector<std::uint32_t> missing_;
+  std::vector<MissingEdge> edges_;
+};
+
+}  // namespace
+
+RecoveryReport recover_boundary(TetMesh& mesh, std::span<const TriangleVerts> triangles, const RecoverOptions& options,
+                                const TaskRunner& runner) {
+  const TriangleTable table = make_table(triangles);
+  const std::vector<std::uint32_t> missing = fix_triangles(mesh, triangles, table, runner);
+  if (missing.empty()) return {};
+  return Recovery(mesh, triangles, table, options, runner).run(missing);
+}
+
+}  // namespace tetloom::tets

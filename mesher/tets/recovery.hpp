@@ -1,0 +1,61 @@
+#pragma once
+// Boundary recovery: the triangles of a given surface as faces of a tetrahedral mesh that holds their points.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/tets/triangle_table.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::tets {
+
+struct RecoverOptions {
+  std::uint32_t cavity_points = 40;      ///< of a small polyhedron, at most
+  std::uint64_t search_steps = 100'000;  ///< intersection tests in one search for its tetrahedra
+  std::uint32_t growths = 8;             ///< of a cavity that has no tetrahedra with what is wanted
+  bool allow_new_points = true;          ///< inside; never on the surface
+};
+
+/// Why a triangle is not a face of the mesh.
+enum class RecoveryFault : std::uint8_t {
+  Degenerate,    ///< a vertex twice, an unknown vertex or three vertices on a line
+  Duplicate,     ///< the same three vertices as an earlier triangle
+  PointInside,   ///< a point of the mesh lies on it
+  Crossed,       ///< a fixed face or an edge of the surface crosses it
+  NotRecovered,  ///< the search ended
+};
+
+struct UnrecoveredTriangle {
+  std::uint32_t triangle;
+  RecoveryFault fault;
+  Vec3 point;                   ///< on or near the triangle, at the trouble
+  std::uint32_t other = kNone;  ///< the triangle that it crosses or repeats, where it is known
+};
+
+struct RecoveryReport {
+  std::size_t missing_triangles = 0;             ///< before
+  std::size_t missing_edges = 0;                 ///< of these triangles, before
+  std::size_t flips = 0;                         ///< reconnections of five points
+  std::size_t reconnections = 0;                 ///< of more
+  std::size_t new_points = 0;                    ///< that remain
+  std::vector<UnrecoveredTriangle> unrecovered;  ///< ascending by triangle
+};
+
+/// Makes every triangle a face of `mesh` and fixes it on both sides. Faces that were fixed stay.
+///
+/// Pre: `mesh` is free of faults (find_fault), covers a convex box whose corners alone are not points of the surface
+/// or the inside, and its faces are all free or wanted. The triangles should meet in common vertices and edges only;
+/// where they do not, they are reported and the mesh stays free of faults. New points lie inside, behind the given
+/// ones, whose ids, number and places stay. Tets may be renumbered. The result depends on ids only, not on threads.
+/// Always ends. Linear where nothing is missing: one pass over the tets.
+RecoveryReport recover_boundary(TetMesh& mesh, std::span<const TriangleVerts> triangles, const RecoverOptions& options,
+                                const TaskRunner& runner);
+
+/// For every triangle the face of the tet on its front side (the side from which it is counter-clockwise), kNone where
+/// it is no face of the mesh. Linear.
+std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const TriangleVerts> triangles,
+                                     const TaskRunner& runner);
+
+}  // namespace tetloom::tets
