@@ -6,6 +6,7 @@
 #include "core/base/stopwatch.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/recovery.hpp"
 #include "mesher/tets/shell.hpp"
 
 namespace tetloom::volume {
@@ -66,25 +67,14 @@ class LatticeFiller {
   }
 
   Fault recover() {
-    tets::TriangleTable table(complex_.tri_to_vert.size());
-    for (std::uint32_t t = 0; t < complex_.tri_to_vert.size(); ++t) table.add(complex_.tri_to_vert[t], t);
-    std::vector<char> found(complex_.tri_to_vert.size(), 0);
-    for (tets::FaceCode face = 0; face < shell_.to_neighbor.size(); ++face) {
-      const auto v = verts_of(shell_, face);
-      if (v[0] >= complex_.points.size() || v[1] >= complex_.points.size() || v[2] >= complex_.points.size()) continue;
-      const auto* entry = table.find(tets::sorted(v));
-      if (!entry) continue;
-      found[entry->value] = 1;
-      shell_.to_fixed[face / 4] = static_cast<std::uint8_t>(shell_.to_fixed[face / 4] | 1 << face % 4);
-    }
+    const tets::RecoveryReport report = recover_boundary(shell_, complex_.tri_to_vert, {}, runner_);
+    figures_.missing_triangles = report.missing_triangles;
+    figures_.recovery_points = report.new_points;
     Fault fault;
-    for (std::uint32_t t = 0; t < found.size(); ++t) {
-      if (!found[t]) fault.triangles.push_back(t);
-    }
-    if (fault.triangles.empty()) return fault;
-    fault.message = std::to_string(fault.triangles.size()) + " surface triangles are not faces of the mesh";
-    const auto& [a, b, c] = complex_.tri_to_vert[fault.triangles[0]];
-    fault.point = (complex_.points[a] + complex_.points[b] + complex_.points[c]) / 3;
+    if (report.unrecovered.empty()) return fault;
+    for (const tets::UnrecoveredTriangle& lost : report.unrecovered) fault.triangles.push_back(lost.triangle);
+    fault.message = std::to_string(report.unrecovered.size()) + " surface triangles could not be made faces of the mesh";
+    fault.point = report.unrecovered[0].point;
     return fault;
   }
 
