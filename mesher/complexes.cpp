@@ -24,7 +24,6 @@ class UnionFind {
 }  // namespace
 
 std::vector<std::uint32_t> find_complexes(const ModelTopology& topology) {
-  constexpr std::uint32_t kNone = 0xffffffffu;
   UnionFind sets(topology.face_count());
   std::vector<std::uint32_t> region_to_face(topology.region_count(), kNone);
   std::vector<std::uint32_t> edge_to_sheet(topology.edge_count(), kNone);

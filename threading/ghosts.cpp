@@ -117,8 +117,6 @@ class GhostGiver {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   void find_cells() {
     BallFinder finder(part_->mesh);
     const CellNumbers numbers(part_->mesh);

@@ -10,8 +10,6 @@ namespace {
 
 using detail::Residence;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 using EdgeVerts = std::array<std::uint32_t, 2>;
 
 // A boundary edge or face that another part may have too, named by the positions of its vertices in the list of

@@ -7,8 +7,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 // A packet's arrays where they lie.
 struct PacketView {
   std::array<std::span<const std::uint32_t>, kCellKinds> cell_verts, cell_regions;

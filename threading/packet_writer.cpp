@@ -6,8 +6,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 void put_text(MessageWriter& writer, const std::string& text) {
   writer.put_array(std::span<const char>(text.data(), text.size()));
 }

@@ -7,7 +7,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::size_t kBucketsPerRank = 64;
 
 struct Candidate {

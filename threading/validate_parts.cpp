@@ -8,8 +8,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 // What one side of a link says of the entity. Both sides must say the same with `here` and `there` exchanged.
 struct Claim {
   std::uint32_t here = 0, there = 0;

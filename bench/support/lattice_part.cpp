@@ -11,8 +11,6 @@
 namespace tetloom::bench {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 using Solid = std::function<bool(double, double, double)>;
 
 bool in_cylinder(double u, double v, double cu, double cv, double radius) {

@@ -1,16 +1,19 @@
 #pragma once
-// Distinct 32-bit id types, and the name of a model entity.
+// Distinct 32-bit id types, the index of nothing, and the name of a model entity.
 #include <compare>
 #include <cstdint>
 #include <functional>
 
 namespace tetloom {
 
+/// The index of nothing, in arrays of raw indices of any kind.
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
 /// A 0-based index that cannot be mistaken for the index of another kind. In files, reports and messages a model
 /// entity is shown by its *tag*, which is its index + 1.
 template <class Kind>
 struct Id {
-  static constexpr std::uint32_t kNone = 0xffffffffu;
+  static constexpr std::uint32_t kNone = tetloom::kNone;
   std::uint32_t value = kNone;
 
   constexpr Id() = default;
@@ -28,7 +31,7 @@ using ModelRegionId = Id<struct ModelRegionKind>;
 /// A model entity of any dimension: 0 vertex, 1 edge, 2 face, 3 region. The default is "no entity" (dim 4).
 struct ModelEntity {
   std::uint8_t dim = 4;
-  std::uint32_t index = 0xffffffffu;
+  std::uint32_t index = kNone;
 
   constexpr ModelEntity() = default;
   constexpr ModelEntity(int dimension, std::uint32_t i) : dim(static_cast<std::uint8_t>(dimension)), index(i) {}
@@ -36,7 +39,7 @@ struct ModelEntity {
   constexpr ModelEntity(ModelEdgeId id) : ModelEntity(1, id.value) {}
   constexpr ModelEntity(ModelFaceId id) : ModelEntity(2, id.value) {}
   constexpr ModelEntity(ModelRegionId id) : ModelEntity(3, id.value) {}
-  constexpr bool valid() const { return dim <= 3 && index != 0xffffffffu; }
+  constexpr bool valid() const { return dim <= 3 && index != kNone; }
   constexpr std::uint32_t tag() const { return index + 1; }
   friend constexpr auto operator<=>(const ModelEntity&, const ModelEntity&) = default;
 };

@@ -14,8 +14,6 @@
 
 namespace tetloom::detail {
 
-inline constexpr std::uint32_t kNone = 0xffffffffu;
-
 constexpr std::uint32_t next_half(std::uint32_t half) { return half % 3 == 2 ? half - 2 : half + 1; }
 constexpr std::uint32_t previous_half(std::uint32_t half) { return half % 3 == 0 ? half + 2 : half - 1; }
 constexpr std::uint32_t half_to_tri(std::uint32_t half) { return half / 3; }

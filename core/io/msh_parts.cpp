@@ -7,7 +7,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 using Key = std::array<std::uint32_t, 4>;
 
 template <class Verts>

@@ -5,8 +5,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = ModelFaceId::kNone;
-
 /// Whether a point classified on `point` can lie on the closure of entity `index` of dimension `dim`: on the entity
 /// itself or on something of lower dimension. Unknown classifications may lie anywhere.
 bool may_lie_on(const ModelEntity& point, int dim, std::uint32_t index) {

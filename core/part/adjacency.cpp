@@ -8,8 +8,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 CellPlace& neighbor(PartMesh& part, CellPlace face) {
   return part.block(face.kind())
       .to_neighbor[std::size_t{face.cell()} * shape_of(face.kind()).face_count + face.place()];

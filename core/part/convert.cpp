@@ -10,8 +10,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 template <std::size_t N>
 std::span<const std::uint32_t> flat(const std::vector<std::array<std::uint32_t, N>>& elements) {
   return {elements.empty() ? nullptr : elements.front().data(), elements.size() * N};

@@ -16,8 +16,6 @@ using namespace tetloom::test;
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 using FaceTable = std::map<FaceKey, std::vector<CellPlace>>;
 
 FaceTable list_faces(const PartMesh& part) {
