@@ -9,6 +9,7 @@
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
+#include "threading/parts_figures.hpp"
 
 namespace tetloom {
 namespace {
@@ -25,19 +26,11 @@ struct PartItems {
   double total = 0;
 };
 
-template <class Visit>
-void for_each_block(const PartMesh& part, const Visit& visit) {
-  std::size_t begin = 0;
-  for (const CellKind kind : kAllCellKinds) {
-    visit(kind, begin);
-    begin += part.block(kind).size();
-  }
-}
-
 std::vector<Point3f> compute_centroids(const PartMesh& part, const TaskRunner& runner) {
   std::vector<Point3f> points(part.cell_count());
-  for_each_block(part, [&](CellKind kind, std::size_t begin) {
-    const std::size_t n = shape_of(kind).vertex_count;
+  const CellNumbers numbers(part);
+  for (const CellKind kind : kAllCellKinds) {
+    const std::size_t begin = numbers.begin_of(kind), n = shape_of(kind).vertex_count;
     const double share = 1.0 / static_cast<double>(n);
     const std::uint32_t* verts = part.block(kind).to_vert.data();
     runner.for_blocks(part.block(kind).size(), std::size_t{1} << 16, [&](std::size_t first, std::size_t last) {
@@ -48,7 +41,7 @@ std::vector<Point3f> compute_centroids(const PartMesh& part, const TaskRunner& r
                                 static_cast<float>(share * sum.z)};
       }
     });
-  });
+  }
   return points;
 }
 
@@ -60,42 +53,15 @@ std::vector<double> read_weights(const PartMesh& part, const std::string& name) 
   return weights;
 }
 
-void check_options(const PartitionedMesh& mesh, const BalanceOptions& options) {
-  if (options.part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
-  if (options.weights.empty()) return;
-  const auto field = std::find_if(mesh.cell_fields.begin(), mesh.cell_fields.end(),
-                                  [&](const FieldInfo& info) { return info.name == options.weights; });
-  if (field == mesh.cell_fields.end())
-    throw Error(ErrorCode::InvalidArgument,
-                "the mesh has no cell field '" + options.weights + "' to take weights from");
-  if (field->components != 1)
-    throw Error(ErrorCode::InvalidArgument, "the field '" + options.weights + "' has more than one value per cell");
-}
-
-// On all ranks where one rank has a bad weight.
-void check_weights(const PartitionedMesh& mesh, const PerPart<PartItems>& items) {
-  std::array<std::int64_t, 1> bad{};
-  for (const PartId part : mesh.local())
-    bad[0] += std::count_if(items.at(part).weights.begin(), items.at(part).weights.end(),
-                            [](double weight) { return !(weight > 0) || !std::isfinite(weight); });
-  mesh.communicator->sum(bad);
-  if (bad[0] > 0)
-    throw Error(ErrorCode::InvalidArgument,
-                std::to_string(bad[0]) + " cells have a weight that is not a positive number");
-}
-
 // Whether parts can be cut on their own: they make a whole number of targets each, and are in balance.
 bool can_split_locally(const PartitionedMesh& mesh, const BalanceOptions& options, const PerPart<PartItems>& items) {
   if (options.part_count % mesh.part_count() != 0) return false;
   double heaviest = 0;
-  std::int64_t total = 0, cells = 0;
-  for (const PartId part : mesh.local()) {
-    heaviest = std::max(heaviest, items.at(part).total);
-    cells += static_cast<std::int64_t>(items.at(part).points.size());
-  }
+  for (const PartId part : mesh.local()) heaviest = std::max(heaviest, items.at(part).total);
   // Weights are summed in units of 2^-20 of the greatest part's, so that the sum does not depend on ranks.
   std::array<double, 1> greatest{heaviest};
   mesh.communicator->max(greatest);
+  std::int64_t total = 0;
   for (const PartId part : mesh.local()) total += std::llround(items.at(part).total / greatest[0] * kWeightUnits);
   std::array<std::int64_t, 1> sum{total};
   mesh.communicator->sum(sum);
@@ -137,24 +103,10 @@ void smooth(const PartMesh& part, std::span<const double> weights, TargetRange r
 
 void partition_by_scotch(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
                          Destinations& targets) {
-  std::array<std::uint32_t, kCellKinds> begin_of{};
-  for_each_block(part, [&](CellKind kind, std::size_t begin) {
-    begin_of[static_cast<std::size_t>(kind)] = static_cast<std::uint32_t>(begin);
-  });
-  std::vector<std::uint64_t> first{0};
-  std::vector<std::uint32_t> neighbours;
-  for (const CellKind kind : kAllCellKinds) {
-    const std::size_t faces = shape_of(kind).face_count;
-    for (std::size_t cell = 0; cell < part.block(kind).size(); ++cell) {
-      for (std::size_t face = 0; face < faces; ++face) {
-        const CellPlace behind = part.block(kind).to_neighbor[cell * faces + face];
-        if (behind.valid()) neighbours.push_back(begin_of[static_cast<std::size_t>(behind.kind())] + behind.cell());
-      }
-      first.push_back(neighbours.size());
-    }
-  }
+  balance_detail::CellLinks<std::uint32_t> links;
+  links.add(part, CellNumbers(part));
   const std::vector<std::int64_t> integers = integer_weights(weights, greatest_of(weights));
-  partition_scotch({first, neighbours, integers}, range.count, imbalance, targets);
+  partition_scotch({links.first, links.neighbours, integers}, range.count, imbalance, targets);
   for (std::uint32_t& target : targets) target += range.first;
 }
 
@@ -211,7 +163,8 @@ std::string_view to_string(PartitionMethod method) {
 
 PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const BalanceOptions& options,
                                            const TaskRunner& runner) {
-  check_options(mesh, options);
+  if (options.part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
+  require_weights(mesh, options.weights);
   const auto local = mesh.local();
   PerPart<PartItems> items(mesh.part_count(), local);
   PerPart<Destinations> destinations(mesh.part_count(), local);
@@ -225,7 +178,6 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
     destinations.at(local[i]).resize(own.points.size());
   });
 
-  check_weights(mesh, items);
   const bool split = can_split_locally(mesh, options, items);
   const auto factor = static_cast<std::uint32_t>(split ? options.part_count / mesh.part_count() : options.part_count);
   std::vector<ItemBlock> blocks;

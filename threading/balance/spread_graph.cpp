@@ -12,18 +12,9 @@ namespace {
 // Cells are numbered by part, then by kind and index; so those of a rank follow one another.
 struct SpreadGraph {
   std::uint64_t first_cell = 0;  // of this rank
-  std::vector<std::uint64_t> first{0}, neighbours;
+  CellLinks<std::uint64_t> links;
   std::vector<std::int64_t> weights;
 };
-
-std::array<std::uint64_t, kCellKinds> number_kinds(const PartMesh& part, std::uint64_t begin) {
-  std::array<std::uint64_t, kCellKinds> begins{};
-  for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
-    begins[kind] = begin;
-    begin += part.cells[kind].size();
-  }
-  return begins;
-}
 
 class SpreadGraphBuilder {
  public:
@@ -55,21 +46,17 @@ class SpreadGraphBuilder {
     return PartId(part);
   }
 
-  std::uint64_t number_of(const std::array<std::uint64_t, kCellKinds>& kinds, CellPlace place) const {
-    return kinds[static_cast<std::size_t>(place.kind())] + place.cell();
-  }
-
   void find_cells_behind_shared_faces() {
     const auto send = [&](PartTask& task) {
       const Part& part = mesh_.parts[task];
-      const auto kinds = number_kinds(part.mesh, begin_of(task.part()));
+      const CellNumbers numbers(part.mesh, begin_of(task.part()));
       const auto& neighbors = part.boundary.neighbors;
       std::vector<MessageWriter> writers(neighbors.size());
       for (std::size_t i = 0; i < part.boundary.faces.size(); ++i) {
         for (const Copy& copy : part.boundary.faces.copies_of(i)) {
           const auto k = std::lower_bound(neighbors.begin(), neighbors.end(), copy.part) - neighbors.begin();
           writers[static_cast<std::size_t>(k)].put(copy.local);
-          writers[static_cast<std::size_t>(k)].put(number_of(kinds, part.boundary.faces.entities[i]));
+          writers[static_cast<std::size_t>(k)].put(numbers.number_of(part.boundary.faces.entities[i]));
         }
       }
       for (std::size_t k = 0; k < neighbors.size(); ++k) task.send(neighbors[k], writers[k].take());
@@ -93,24 +80,13 @@ class SpreadGraphBuilder {
 
   void add_part(PartId id, SpreadGraph& graph) const {
     const Part& part = mesh_.parts.at(id);
-    const auto kinds = number_kinds(part.mesh, begin_of(id));
     const auto& shared = part.boundary.faces.entities;
-    std::size_t next_shared = 0;  // shared faces ascend as the walk through all faces does
-    for (const CellKind kind : kAllCellKinds) {
-      const CellBlock& block = part.mesh.block(kind);
-      const std::uint32_t faces = shape_of(kind).face_count;
-      for (std::uint32_t cell = 0; cell < block.size(); ++cell) {
-        for (std::uint32_t face = 0; face < faces; ++face) {
-          const CellPlace behind = block.to_neighbor[std::size_t{cell} * faces + face];
-          if (behind.valid()) {
-            graph.neighbours.push_back(number_of(kinds, behind));
-          } else if (next_shared < shared.size() && shared[next_shared] == CellPlace(kind, cell, face)) {
-            graph.neighbours.push_back(behind_.at(id)[next_shared++]);
-          }
-        }
-        graph.first.push_back(graph.neighbours.size());
-      }
-    }
+    const std::vector<std::uint64_t>& behind = behind_.at(id);
+    std::size_t next = 0;  // shared faces ascend, too
+    graph.links.add(part.mesh, CellNumbers(part.mesh, begin_of(id)), [&](CellPlace face) {
+      const bool is_shared = next < shared.size() && shared[next] == face;
+      return is_shared ? std::optional(behind[next++]) : std::nullopt;
+    });
   }
 
   const PartitionedMesh& mesh_;
@@ -123,16 +99,16 @@ void partition_on_one_rank(const SpreadGraph& graph, std::uint32_t part_count, d
                            std::span<std::uint32_t> targets) {
   if (targets.size() >= 0xffffffffu)
     throw Error(ErrorCode::InputUnsuitable, "the mesh has too many cells for Scotch; use rcb or sfc");
-  const std::vector<std::uint32_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
-  partition_scotch({graph.first, neighbours, graph.weights}, part_count, imbalance, targets);
+  const std::vector<std::uint32_t> neighbours(graph.links.neighbours.begin(), graph.links.neighbours.end());
+  partition_scotch({graph.links.first, neighbours, graph.weights}, part_count, imbalance, targets);
 }
 
 void partition_on_ranks(const Communicator& communicator, const SpreadGraph& graph, std::uint32_t part_count,
                         double imbalance, std::span<std::uint32_t> targets) {
 #ifdef TETLOOM_MPI
   if (const auto handle = communicator.mpi_handle()) {
-    partition_zoltan({graph.first_cell, graph.first, graph.neighbours, graph.weights}, part_count, imbalance, targets,
-                     *handle);
+    partition_zoltan({graph.first_cell, graph.links.first, graph.links.neighbours, graph.weights}, part_count,
+                     imbalance, targets, *handle);
     return;
   }
 #endif
@@ -149,7 +125,7 @@ void partition_spread_graph(const PartitionedMesh& mesh, const PerPart<std::vect
   SpreadGraph graph = SpreadGraphBuilder(mesh, runner).build();
   for (const PartId part : mesh.local())
     graph.weights.insert(graph.weights.end(), weights.at(part).begin(), weights.at(part).end());
-  Destinations targets(graph.first.size() - 1);
+  Destinations targets(graph.links.first.size() - 1);
   if (mesh.communicator->rank_count() == 1) {
     partition_on_one_rank(graph, part_count, imbalance, targets);
   } else {
