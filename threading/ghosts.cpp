@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "threading/neighbor_writers_detail.hpp"
 #include "threading/packet_detail.hpp"
 
 namespace tetloom {
@@ -19,27 +20,6 @@ void sort_unique(std::vector<Wish>& wishes) {
   std::sort(wishes.begin(), wishes.end());
   wishes.erase(std::unique(wishes.begin(), wishes.end()), wishes.end());
 }
-
-// The cells of a part numbered through all kinds.
-class CellNumbers {
- public:
-  explicit CellNumbers(const PartMesh& part) {
-    std::uint32_t begin = 0;
-    for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
-      begin_[kind] = begin;
-      begin += static_cast<std::uint32_t>(part.cells[kind].size());
-    }
-  }
-  std::uint32_t number_of(CellId cell) const { return begin_[static_cast<std::size_t>(cell.kind)] + cell.index; }
-  CellId cell_of(std::uint32_t number) const {
-    std::size_t kind = kCellKinds - 1;
-    while (begin_[kind] > number) --kind;
-    return {kAllCellKinds[kind], number - begin_[kind]};
-  }
-
- private:
-  std::array<std::uint32_t, kCellKinds> begin_{};
-};
 
 // What other parts want of one part, layer by layer: first the cells around the vertices that they share, then those
 // around all vertices of these cells, where every part that has such a vertex must know of the wish.
@@ -59,31 +39,24 @@ class GhostGiver {
   // Wishes for one more layer, told to those who share the vertices.
   void spread(PartTask& task) {
     find_cells();
+    const CellNumbers numbers(part_->mesh);
     for (const Wish& wish : cells_)
-      for (const std::uint32_t v : vertices_of(part_->mesh, CellNumbers(part_->mesh).cell_of(wish.item)))
+      for (const std::uint32_t v : vertices_of(part_->mesh, numbers.cell_of(wish.item)))
         wishes_.push_back({wish.part, v});
     sort_unique(wishes_);
-    const std::vector<PartId>& neighbors = part_->boundary.neighbors;
-    std::vector<std::vector<Wish>> told(neighbors.size());
+    detail::NeighborWriters told(part_->boundary.neighbors);
     for (const Wish& wish : wishes_) {
       if (slot_[wish.item] == kNone) continue;
-      for (const Copy& copy : part_->boundary.vertices.copies_of(slot_[wish.item])) {
-        if (copy.part == wish.part) continue;
-        const auto k = std::lower_bound(neighbors.begin(), neighbors.end(), copy.part) - neighbors.begin();
-        told[static_cast<std::size_t>(k)].push_back({wish.part, copy.local});
-      }
+      for (const Copy& copy : part_->boundary.vertices.copies_of(slot_[wish.item]))
+        if (copy.part != wish.part) told.to(copy.part).put(Wish{wish.part, copy.local});
     }
-    for (std::size_t k = 0; k < neighbors.size(); ++k) {
-      MessageWriter writer;
-      writer.put_array(std::span<const Wish>(told[k]));
-      task.send(neighbors[k], writer.take());
-    }
+    told.send(task);
   }
 
   void hear(PartTask& task) {
     for (const Message& message : task.inbox()) {
-      const auto wishes = MessageReader(message.bytes).get_view<Wish>();
-      wishes_.insert(wishes_.end(), wishes.begin(), wishes.end());
+      MessageReader reader(message.bytes);
+      while (!reader.at_end()) wishes_.push_back(reader.get<Wish>());
     }
     sort_unique(wishes_);
   }
@@ -123,7 +96,7 @@ class GhostGiver {
     cells_.clear();
     for (const Wish& wish : wishes_)
       for (const CellPlace corner : finder.find_ball(wish.item))
-        cells_.push_back({wish.part, numbers.number_of({corner.kind(), corner.cell()})});
+        cells_.push_back({wish.part, static_cast<std::uint32_t>(numbers.number_of(corner))});
     sort_unique(cells_);
   }
 
@@ -215,18 +188,17 @@ template <class Put, class Take>
 void send_from_owners(PartitionedMesh& mesh, const TaskRunner& runner, Trace* trace, const Put& put, const Take& take) {
   const auto send = [&](PartTask& task) {
     const PartBoundary& boundary = mesh.parts[task].boundary;
-    std::vector<MessageWriter> writers(boundary.neighbors.size());
+    detail::NeighborWriters writers(boundary.neighbors);
     for (std::size_t i = 0; i < boundary.vertices.size(); ++i) {
       const auto copies = boundary.vertices.copies_of(i);
       if (owner_of(copies, task.part()) != task.part()) continue;
       for (const Copy& copy : copies) {
-        const auto k = std::lower_bound(boundary.neighbors.begin(), boundary.neighbors.end(), copy.part);
-        MessageWriter& writer = writers[static_cast<std::size_t>(k - boundary.neighbors.begin())];
+        MessageWriter& writer = writers.to(copy.part);
         writer.put(copy.local);
         put(task, boundary.vertices.entities[i], writer);
       }
     }
-    for (std::size_t k = 0; k < writers.size(); ++k) task.send(boundary.neighbors[k], writers[k].take());
+    writers.send(task);
   };
   const auto receive = [&](PartTask& task) {
     for (const Message& message : task.inbox()) {

@@ -2,6 +2,7 @@
 
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
+#include "threading/neighbor_writers_detail.hpp"
 #ifdef TETLOOM_MPI
 #include "threading/balance/zoltan_partitioner.hpp"
 #endif
@@ -50,16 +51,15 @@ class SpreadGraphBuilder {
     const auto send = [&](PartTask& task) {
       const Part& part = mesh_.parts[task];
       const CellNumbers numbers(part.mesh, begin_of(task.part()));
-      const auto& neighbors = part.boundary.neighbors;
-      std::vector<MessageWriter> writers(neighbors.size());
+      detail::NeighborWriters writers(part.boundary.neighbors);
       for (std::size_t i = 0; i < part.boundary.faces.size(); ++i) {
         for (const Copy& copy : part.boundary.faces.copies_of(i)) {
-          const auto k = std::lower_bound(neighbors.begin(), neighbors.end(), copy.part) - neighbors.begin();
-          writers[static_cast<std::size_t>(k)].put(copy.local);
-          writers[static_cast<std::size_t>(k)].put(numbers.number_of(part.boundary.faces.entities[i]));
+          MessageWriter& writer = writers.to(copy.part);
+          writer.put(copy.local);
+          writer.put(numbers.number_of(part.boundary.faces.entities[i]));
         }
       }
-      for (std::size_t k = 0; k < neighbors.size(); ++k) task.send(neighbors[k], writers[k].take());
+      writers.send(task);
     };
     const auto receive = [&](PartTask& task) {
       std::vector<std::uint64_t>& behind = behind_[task];
@@ -72,9 +72,8 @@ class SpreadGraphBuilder {
         }
       }
     };
-    const Links links =
-        neighbour_links([&](PartId part) { return std::span<const PartId>(mesh_.parts.at(part).boundary.neighbors); });
-    const std::vector<Step> steps{{"graph: send cells", send, links, {}}, {"graph: hear cells", receive, {}, {}}};
+    const std::vector<Step> steps{{"graph: send cells", send, links_of_neighbors(mesh_), {}},
+                                  {"graph: hear cells", receive, {}, {}}};
     Schedule(*mesh_.communicator, runner_, mesh_.part_count()).run(steps);
   }
 
