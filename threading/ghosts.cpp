@@ -78,9 +78,8 @@ class GhostGiver {
       std::size_t end = begin;
       std::vector<std::uint32_t> cells, verts;
       for (; end < cells_.size() && cells_[end].part == cells_[begin].part; ++end) cells.push_back(cells_[end].item);
-      const Bytes packet = packer.pack(cells, scratch, &verts);
       MessageWriter writer;
-      writer.put_array(std::span<const std::byte>(packet));
+      packer.pack(cells, scratch, writer, &verts);
       writer.put_array(std::span<const std::uint32_t>(cells));
       const std::span<Copy> owners = writer.put_room<Copy>(verts.size());
       for (std::size_t i = 0; i < verts.size(); ++i) owners[i] = owner_of_vertex(task.part(), verts[i]);
@@ -112,41 +111,23 @@ class GhostGiver {
   std::vector<Wish> cells_;
 };
 
-// Where the ghosts of a message live.
-struct GhostOrigins {
-  PartId sender;
-  std::vector<std::uint32_t> cells;  // numbers in the sender's part, all kinds one after the other
-  std::vector<Copy> verts;
-};
-
 GhostedPart receive_ghosts(PartTask& task, const Part& part, const PartitionedMesh& mesh) {
   GhostedPart ghosted;
   ghosted.own_vertices = part.mesh.vertex_count();
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) ghosted.own_cells[kind] = part.mesh.cells[kind].size();
-  std::vector<Message> packets;
-  std::vector<GhostOrigins> origins;
-  for (Message& message : task.inbox()) {
-    MessageReader reader(message.bytes);
-    const auto packet = reader.get_view<std::byte>();
-    packets.push_back({message.from, message.to, message.step, Bytes(packet.begin(), packet.end())});
-    origins.push_back({message.from, reader.get_array<std::uint32_t>(), reader.get_array<Copy>()});
-    message.bytes = Bytes();
-  }
-  std::vector<std::array<std::size_t, kCellKinds>> counts;
-  for (const Message& packet : packets) counts.push_back(detail::count_cells(packet.bytes, mesh));
-  std::vector<std::vector<std::uint32_t>> locals;
-  ghosted.mesh = detail::extend_part(part, packets, mesh, locals);
-  connect_cells(ghosted.mesh);
-  ghosted.ghost_vertices.resize(ghosted.mesh.vertex_count() - ghosted.own_vertices);
-  for (std::size_t k = 0; k < origins.size(); ++k) {
-    for (std::size_t i = 0; i < locals[k].size(); ++i)
-      if (locals[k][i] >= ghosted.own_vertices)
-        ghosted.ghost_vertices[locals[k][i] - ghosted.own_vertices] = origins[k].verts[i];
+  ghosted.mesh = detail::extend_part(part, task.inbox(), mesh, [&](const detail::AddedPacket& packet) {
+    const auto cells = packet.rest.get_view<std::uint32_t>();
+    const auto owners = packet.rest.get_view<Copy>();
+    // New vertices have numbers in the order in which they are met.
+    for (std::size_t i = 0; i < owners.size(); ++i)
+      if (packet.verts[i] == ghosted.own_vertices + ghosted.ghost_vertices.size())
+        ghosted.ghost_vertices.push_back(owners[i]);
     std::size_t at = 0;
     for (std::size_t kind = 0; kind < kCellKinds; ++kind)
-      for (std::size_t i = 0; i < counts[k][kind]; ++i)
-        ghosted.ghost_cells[kind].push_back({origins[k].sender, origins[k].cells[at++]});
-  }
+      for (std::size_t i = 0; i < packet.cells[kind]; ++i)
+        ghosted.ghost_cells[kind].push_back({packet.sender, cells[at++]});
+  });
+  connect_cells(ghosted.mesh);
   return ghosted;
 }
 

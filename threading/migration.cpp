@@ -38,8 +38,11 @@ void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t 
   runner.for_blocks(receivers.size(), std::max<std::size_t>(1, receivers.size() / lanes),
                     [&](std::size_t begin, std::size_t end) {
                       detail::CellPacker::Scratch scratch;
-                      for (std::size_t k = begin; k < end; ++k)
-                        packing.packets[k] = {self, receivers[k], 0, packer.pack(cells.of(k), scratch)};
+                      for (std::size_t k = begin; k < end; ++k) {
+                        MessageWriter writer;
+                        packer.pack(cells.of(k), scratch, writer);
+                        packing.packets[k] = {self, receivers[k], 0, writer.take()};
+                      }
                     });
   for (std::size_t k = 0; k < receivers.size(); ++k)
     if (receivers[k] != self) packing.cells_sent += cells.of(k).size();

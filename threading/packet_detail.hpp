@@ -1,7 +1,10 @@
 #pragma once
 // The form in which cells travel from one part to another.
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "threading/migration.hpp"
@@ -22,9 +25,10 @@ class CellPacker {
     std::vector<bool> taken;              ///< boundary elements in the packet
     std::vector<std::uint32_t> boundary;  ///< those, by kind
   };
-  /// Pre: `cells` ascends; cells of all kinds are numbered one after the other. `verts` (may be null) gets the part's
-  /// vertices in the order in which the packet has them.
-  Bytes pack(std::span<const std::uint32_t> cells, Scratch& scratch, std::vector<std::uint32_t>* verts = nullptr) const;
+  /// Puts a packet behind what `writer` has already. Pre: `cells` ascends; cells of all kinds are numbered one after
+  /// the other. `verts` (may be null) gets the part's vertices in the order in which the packet has them.
+  void pack(std::span<const std::uint32_t> cells, Scratch& scratch, MessageWriter& writer,
+            std::vector<std::uint32_t>* verts = nullptr) const;
 
  private:
   struct BoundaryIndex;
@@ -52,13 +56,18 @@ SortedCells sort_by_destination(const Destinations& destinations, std::size_t pa
 /// of `mesh`.
 PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh);
 
-/// How many cells of each kind a packet holds.
-std::array<std::size_t, kCellKinds> count_cells(const Bytes& packet, const PartitionedMesh& mesh);
+/// What a packet has become in the part that it was added to.
+struct AddedPacket {
+  PartId sender;
+  std::array<std::size_t, kCellKinds> cells;  ///< how many of each kind
+  std::span<const std::uint32_t> verts;       ///< the part's numbers of the packet's vertices
+  MessageReader& rest;                        ///< what the message holds behind the packet
+};
 
-/// `part` with the cells of `packets` added behind its own, whose numbers stay. Vertices and boundary elements that it
-/// has on its part boundary, or gets from several senders, are there once. Nothing is connected yet. `locals` gets, per
-/// packet, the numbers in the result of the packet's vertices.
-PartMesh extend_part(const Part& part, std::vector<Message>& packets, const PartitionedMesh& mesh,
-                     std::vector<std::vector<std::uint32_t>>& locals);
+/// `part` with the cells of the packets that `messages` begin with added behind its own, whose numbers stay. Vertices
+/// and boundary elements that it has on its part boundary, or gets from several senders, are there once. Nothing is
+/// connected yet. `visit` sees each packet once it is in; then its message is freed.
+PartMesh extend_part(const Part& part, std::span<Message> messages, const PartitionedMesh& mesh,
+                     const std::function<void(const AddedPacket&)>& visit);
 
 }  // namespace tetloom::detail

@@ -39,8 +39,7 @@ PartEntity get_entity(MessageReader& reader) {
   return entity;
 }
 
-PacketView view_packet(const Bytes& bytes, const PartitionedMesh& mesh) {
-  MessageReader reader(bytes);
+PacketView view_packet(MessageReader& reader, const PartitionedMesh& mesh) {
   PacketView view;
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
     view.cell_verts[kind] = reader.get_view<std::uint32_t>();
@@ -111,7 +110,8 @@ class PartBuilder {
     part_.entities.insert(part_.entities.end(), packet.entities.begin(), packet.entities.end());
   }
 
-  std::vector<std::uint32_t> locals() const { return local_; }
+  /// The numbers in the part of the vertices of the last packet.
+  std::span<const std::uint32_t> locals() const { return local_; }
 
   PartMesh take() {
     std::stable_sort(part_.entities.begin(), part_.entities.end(),
@@ -207,7 +207,10 @@ class PartBuilder {
 
 PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh) {
   std::vector<PacketView> views;
-  for (const Message& packet : packets) views.push_back(view_packet(packet.bytes, mesh));
+  for (const Message& packet : packets) {
+    MessageReader reader(packet.bytes);
+    views.push_back(view_packet(reader, mesh));
+  }
   PartBuilder builder(mesh, packets.size() > 1);
   builder.reserve(views);
   for (std::size_t i = 0; i < packets.size(); ++i) {
@@ -219,20 +222,17 @@ PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh)
   return part;
 }
 
-std::array<std::size_t, kCellKinds> count_cells(const Bytes& packet, const PartitionedMesh& mesh) {
-  const PacketView view = view_packet(packet, mesh);
-  std::array<std::size_t, kCellKinds> counts{};
-  for (std::size_t kind = 0; kind < kCellKinds; ++kind) counts[kind] = view.cell_regions[kind].size();
-  return counts;
-}
-
-PartMesh extend_part(const Part& part, std::vector<Message>& packets, const PartitionedMesh& mesh,
-                     std::vector<std::vector<std::uint32_t>>& locals) {
+PartMesh extend_part(const Part& part, std::span<Message> messages, const PartitionedMesh& mesh,
+                     const std::function<void(const AddedPacket&)>& visit) {
   PartBuilder builder(part);
-  for (Message& packet : packets) {
-    builder.add(view_packet(packet.bytes, mesh));
-    locals.push_back(builder.locals());
-    packet.bytes = Bytes();
+  for (Message& message : messages) {
+    MessageReader reader(message.bytes);
+    const PacketView packet = view_packet(reader, mesh);
+    builder.add(packet);
+    std::array<std::size_t, kCellKinds> cells{};
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] = packet.cell_regions[kind].size();
+    visit({message.from, cells, builder.locals(), reader});
+    message.bytes = Bytes();
   }
   return builder.take();
 }

@@ -149,8 +149,8 @@ SortedCells sort_by_destination(const Destinations& destinations, std::size_t pa
 // Writes one packet: cells, then the vertices that they use, then boundary elements and model entities.
 class CellPacker::PacketWriter {
  public:
-  PacketWriter(const CellPacker& packer, Scratch& scratch)
-      : part_(packer.part_.mesh), shared_(packer.shared_), index_(*packer.index_), scratch_(scratch) {
+  PacketWriter(const CellPacker& packer, Scratch& scratch, MessageWriter& writer)
+      : part_(packer.part_.mesh), shared_(packer.shared_), index_(*packer.index_), scratch_(scratch), writer_(writer) {
     if (scratch_.local.size() == part_.vertex_count()) return;
     scratch_.local.assign(part_.vertex_count(), kNone);
     scratch_.taken.assign(part_.boundary[0].size() + part_.boundary[1].size() + part_.boundary[2].size(), false);
@@ -166,7 +166,7 @@ class CellPacker::PacketWriter {
   PacketWriter& operator=(const PacketWriter&) = delete;
 
   // Pre: cells ascend.
-  Bytes write(std::span<const std::uint32_t> cells) {
+  void write(std::span<const std::uint32_t> cells) {
     writer_.reserve(cells.size() * kBytesPerCell + 4096);
     std::uint32_t begin = 0;
     for (const CellKind kind : kAllCellKinds) {
@@ -179,7 +179,6 @@ class CellPacker::PacketWriter {
     put_vertices();
     put_boundary();
     put_entities();
-    return writer_.take();
   }
 
  private:
@@ -287,16 +286,15 @@ class CellPacker::PacketWriter {
   const std::vector<bool>& shared_;
   const BoundaryIndex& index_;
   Scratch& scratch_;
-  MessageWriter writer_;
+  MessageWriter& writer_;
   EntitySet entities_;
 };
 
-Bytes CellPacker::pack(std::span<const std::uint32_t> cells, Scratch& scratch,
-                       std::vector<std::uint32_t>* verts) const {
-  PacketWriter writer(*this, scratch);
-  Bytes bytes = writer.write(cells);
+void CellPacker::pack(std::span<const std::uint32_t> cells, Scratch& scratch, MessageWriter& writer,
+                      std::vector<std::uint32_t>* verts) const {
+  PacketWriter packet(*this, scratch, writer);
+  packet.write(cells);
   if (verts != nullptr) *verts = scratch.verts;
-  return bytes;
 }
 
 }  // namespace tetloom::detail
