@@ -22,6 +22,7 @@
 #include "core/part/convert.hpp"
 #include "threading/balance/balance.hpp"
 #include "threading/balance/partition_figures.hpp"
+#include "threading/parts_figures.hpp"
 #include "threading/validate_parts.hpp"
 
 namespace tetloom::bench {
@@ -70,22 +71,12 @@ std::size_t memory_of_all(const PartitionedMesh& mesh) {
 
 /// Cut faces and balance, from the parts as they are.
 nlohmann::json describe_parts(const PartitionedMesh& mesh) {
-  std::size_t cut = 0, most = 0, total = 0, neighbors = 0, most_verts = 0, verts = 0;
-  for (const PartId part : mesh.local()) {
-    const Part& one = mesh.parts.at(part);
-    cut += one.boundary.faces.size();
-    neighbors += one.boundary.neighbors.size();
-    most = std::max(most, one.mesh.cell_count());
-    total += one.mesh.cell_count();
-    most_verts = std::max(most_verts, one.mesh.vertex_count());
-    verts += one.mesh.vertex_count();
-  }
-  const auto count = static_cast<double>(mesh.part_count());
-  return {{"cut_faces", cut / 2},
-          {"imbalance", static_cast<double>(most) * count / static_cast<double>(total) - 1},
-          {"vertex_imbalance", static_cast<double>(most_verts) * count / static_cast<double>(verts) - 1},
-          {"neighbors", static_cast<double>(neighbors) / count},
-          {"tets", total}};
+  const PartsFigures figures = measure_parts(mesh);
+  return {{"cut_faces", figures.cut_faces},
+          {"imbalance", figures.element_imbalance},
+          {"vertex_imbalance", figures.vertex_imbalance},
+          {"neighbors", 2 * static_cast<double>(figures.edges) / static_cast<double>(mesh.part_count())},
+          {"tets", figures.elements}};
 }
 
 /// One measured run: `from` parts become `to`.
