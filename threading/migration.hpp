@@ -22,8 +22,8 @@ struct MigrationFigures {
 ///
 /// Laws: the mesh as a whole is unchanged. The parts depend on the old parts and the destinations only: within a new
 /// part the cells stand by old part, then in their old order, and vertices in the order in which cells use them.
-/// Memory: the packets beside the cells' vertices, some 1.4 times the mesh at the peak; neighbours are dropped first
-/// and computed by the receiver.
+/// Memory: the packets beside the cells' vertices, at the peak 1.41 times the mesh from 1 part to 16, and up to 1.7
+/// times from 64 to 16,384; neighbours are dropped first and computed by the receiver.
 ///
 /// Errors: InvalidArgument (a destination beyond `part_count`, a list of the wrong length), Cancelled, OutOfMemory.
 /// After an error before the packets are complete, `mesh` is as it was, though its neighbours were computed anew. From

@@ -68,7 +68,8 @@ void split_blocks_rcb(std::span<const ItemBlock> blocks, std::span<const TargetR
 /// errors as for partition_rcb, where places closer than 2^-21 of the longest extent are the same. 8 bytes per item
 /// beside the arrays.
 ///
-/// The curve of Skilling 2004, with keys by a table of the 24 poses of a cube in place of operations on bit planes.
+/// The curve of Hamilton & Rau-Chaplin 2008 (entry corners and directions by the Gray code), here for coordinates of
+/// equally many bits; the 24 poses of a cube stand in a table in place of their operations on bits.
 void partition_sfc(std::span<const ItemBlock> blocks, std::uint32_t part_count, Communicator& communicator,
                    const TaskRunner& runner);
 void split_blocks_sfc(std::span<const ItemBlock> blocks, std::span<const TargetRange> ranges, const TaskRunner& runner);
