@@ -14,6 +14,7 @@
 
 #include "core/base/error.hpp"
 #include "core/mesh/mesh.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace tetloom::test {
 
@@ -52,18 +53,6 @@ inline std::string file_content(const std::filesystem::path& path) {
 inline void write_file(const std::filesystem::path& path, const std::string& content) {
   std::filesystem::remove(path);  // some file systems flush a file that is cut and written anew, which takes long
   std::ofstream(path, std::ios::binary) << content;
-}
-
-/// The error that `action` throws.
-template <class Action>
-Diagnostic error_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.diagnostic();
-  }
-  FAIL("no error was thrown");
-  return {};
 }
 
 inline bool same_points(const Mesh& a, const Mesh& b) {

@@ -93,6 +93,10 @@ class Hash {
     for (const Vec3& p : points) add(std::span<const double>(std::array{p.x, p.y, p.z}));
   }
   void add(const std::string& text) { add(std::span<const char>(text)); }
+  template <class First, class Second, class... More>
+  void add(const First& first, const Second& second, const More&... more) {
+    add(first), add(second, more...);
+  }
   std::uint64_t get() const { return hash_; }
 
  private:
@@ -101,28 +105,16 @@ class Hash {
 
 template <class Entity>
 void add_shared(Hash& hash, const SharedEntities<Entity>& shared) {
-  hash.add(shared.entities);
-  hash.add(shared.first);
-  hash.add(shared.copies);
+  hash.add(shared.entities, shared.first, shared.copies);
 }
 
 void add_elements(Hash& hash, const PartMesh& mesh) {
-  for (const CellBlock& block : mesh.cells) {
-    hash.add(block.to_vert);
-    hash.add(block.to_neighbor);
-    hash.add(block.to_region);
-  }
-  for (const BoundaryBlock& block : mesh.boundary) {
-    hash.add(block.to_vert);
-    hash.add(block.to_entity);
-  }
+  for (const CellBlock& block : mesh.cells) hash.add(block.to_vert, block.to_neighbor, block.to_region);
+  for (const BoundaryBlock& block : mesh.boundary) hash.add(block.to_vert, block.to_entity);
 }
 
 void add_fields(Hash& hash, const PartMesh& mesh) {
-  for (const VertexField& field : mesh.vertex_fields) {
-    hash.add(field.name);
-    hash.add(field.values);
-  }
+  for (const VertexField& field : mesh.vertex_fields) hash.add(field.name, field.values);
   for (const CellField& field : mesh.cell_fields) {
     hash.add(field.name);
     for (const auto& values : field.values) hash.add(values);
@@ -141,11 +133,7 @@ void add_entity(Hash& hash, const PartEntity& entity) {
 std::uint64_t hash_of(const Part& part) {
   Hash hash;
   const PartMesh& mesh = part.mesh;
-  hash.add(mesh.points);
-  hash.add(mesh.vert_to_entity);
-  hash.add(mesh.vert_to_global);
-  hash.add(mesh.vert_to_place);
-  hash.add(mesh.further_places);
+  hash.add(mesh.points, mesh.vert_to_entity, mesh.vert_to_global, mesh.vert_to_place, mesh.further_places);
   add_elements(hash, mesh);
   add_fields(hash, mesh);
   for (const PartEntity& entity : mesh.entities) add_entity(hash, entity);

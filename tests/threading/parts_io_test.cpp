@@ -11,6 +11,7 @@
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/threading/communicators.hpp"
 #include "threading/balance/balance.hpp"
@@ -19,6 +20,7 @@
 #include "threading/whole_mesh.hpp"
 
 using namespace tetloom;
+using tetloom::test::error_of;
 namespace fs = std::filesystem;
 
 namespace {
@@ -61,16 +63,6 @@ PartitionedMesh make_parts(const Mesh& mesh, std::size_t count, Communicator& co
   options.part_count = count;
   migrate(parts, compute_destinations(parts, options, runner), count, runner);
   return parts;
-}
-
-Diagnostic error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.diagnostic();
-  }
-  FAIL("no error");
-  return {};
 }
 
 std::string names_of(const Mesh& mesh) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/support/error_of.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/part_program.hpp"
 
@@ -13,18 +14,6 @@ using namespace tetloom::test;
 namespace {
 
 using PartsOf = std::vector<std::vector<PartId>>;
-
-/// The error that `call` ends with; Cancelled and the like. Fails the test when it ends without.
-template <class Call>
-std::pair<ErrorCode, std::string> error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return {error.code(), error.what()};
-  }
-  FAIL("no error was thrown");
-  return {};
-}
 
 Step plain_step(std::function<void(PartTask&)> body, Links links = {}) {
   return {"plain", std::move(body), std::move(links), {}};
@@ -93,10 +82,10 @@ TEST_CASE("an exception at any step and part reaches the caller on all ranks, an
         if (at == step && task.part() == PartId(part)) throw Error(ErrorCode::FaceFailed, "planted");
       });
       Schedule schedule(*communicator, runner, count);
-      const auto [code, message] = error_of([&] { schedule.run(program.steps()); });
+      const Diagnostic failure = error_of([&] { schedule.run(program.steps()); });
       const bool here = communicator->rank_of(PartId(part), count) == communicator->rank();
-      CHECK(code == (here ? ErrorCode::FaceFailed : ErrorCode::Internal));
-      if (here) CHECK(message == "planted");
+      CHECK(failure.code == (here ? ErrorCode::FaceFailed : ErrorCode::Internal));
+      if (here) CHECK(failure.message == "planted");
       PartProgram next(*communicator, count, graphs);
       schedule.run(next.steps());
       CHECK(next.gathered() == serial_result(count, graphs));
@@ -118,7 +107,7 @@ TEST_CASE("of several exceptions the one of the earliest step and lowest part is
     throw Error(ErrorCode::FaceFailed, std::to_string(task.part().value));
   };
   const std::vector<Step> steps{plain_step(body)};
-  CHECK(error_of([&] { Schedule(*local, two, 2).run(steps); }).second == "0");
+  CHECK(error_of([&] { Schedule(*local, two, 2).run(steps); }).message == "0");
 }
 
 TEST_CASE("the host's cancel ends a run in the middle, unless it is uninterruptible") {
@@ -139,7 +128,7 @@ TEST_CASE("the host's cancel ends a run in the middle, unless it is uninterrupti
       schedule.run(program.steps(), true);
       CHECK(program.gathered() == serial_result(count, graphs));
     } else {
-      CHECK(error_of([&] { schedule.run(program.steps()); }).first == ErrorCode::Cancelled);
+      CHECK(error_of([&] { schedule.run(program.steps()); }).code == ErrorCode::Cancelled);
     }
     if (uninterruptible) CHECK(runner.cancelled() == !schedule.local_parts().empty());
   }
@@ -200,7 +189,7 @@ TEST_CASE("a message to a part that is no receiver, a second one and one in the 
   Schedule schedule(*communicator, runner, 5);
   const auto run = [&](std::function<void(PartTask&)> body, Links links) {
     const std::vector<Step> steps{plain_step(std::move(body), links), plain_step([](PartTask&) {}, links)};
-    return error_of([&] { schedule.run(steps); }).first;
+    return error_of([&] { schedule.run(steps); }).code;
   };
   CHECK(run([](PartTask& task) { task.send(task.part(), Bytes(1)); }, links_of(graph)) == ErrorCode::Internal);
   CHECK(run([](PartTask& task) { task.send(PartId(0), Bytes(1)); }, {}) == ErrorCode::Internal);
@@ -211,7 +200,7 @@ TEST_CASE("a message to a part that is no receiver, a second one and one in the 
             links_of(graph)) == ErrorCode::Internal);
   const std::vector<Step> last{
       plain_step([&](PartTask& task) { task.send(graph[task.part().value][0], {}); }, links_of(graph))};
-  CHECK(error_of([&] { schedule.run(last); }).first == ErrorCode::Internal);
+  CHECK(error_of([&] { schedule.run(last); }).code == ErrorCode::Internal);
 }
 
 TEST_CASE("links on which the two sides disagree are refused before any step") {
@@ -221,7 +210,7 @@ TEST_CASE("links on which the two sides disagree are refused before any step") {
   int visits = 0;
   const std::vector<Step> steps(2, plain_step([&](PartTask&) { ++visits; }, links));
   const TaskRunner runner(1);
-  CHECK(error_of([&] { Schedule(*communicator, runner, 12).run(steps); }).first == ErrorCode::Internal);
+  CHECK(error_of([&] { Schedule(*communicator, runner, 12).run(steps); }).code == ErrorCode::Internal);
   CHECK(visits == 0);
 }
 
@@ -265,7 +254,7 @@ TEST_CASE("reaching for a part without the right handle is caught in debug build
   PerPart<int> values(4, schedule.local_parts());
   const auto code_of = [&](std::function<void(PartTask&)> body) {
     const std::vector<Step> steps{plain_step(std::move(body))};
-    return error_of([&] { schedule.run(steps); }).first;
+    return error_of([&] { schedule.run(steps); }).code;
   };
   CHECK(code_of([&](PartTask& task) { values.at(task.part()) = 1; }) == ErrorCode::Internal);
   CHECK(code_of([&](PartTask& task) {

@@ -117,17 +117,13 @@ TEST_CASE("a lost link of a vertex is found") {
   CHECK(fixture.finds("a part lists other copies than its neighbour does"));
 }
 
-TEST_CASE("a lost link of an edge is found") {
-  Fixture fixture;
-  remove_entity(fixture.part().boundary.edges, 1);
-  CHECK(fixture.finds("a part lists other copies than its neighbour does"));
-}
-
-TEST_CASE("a lost link of a face is found") {
-  Fixture fixture;
-  remove_entity(fixture.part().boundary.faces, 1);
-  CHECK(fixture.finds("a part lists other copies than its neighbour does"));
-  CHECK(fixture.finds("a face has nothing behind it: no cell, no other part, no boundary element"));
+TEST_CASE("a lost link of an edge or a face is found") {
+  Fixture edges, faces;
+  remove_entity(edges.part().boundary.edges, 1);
+  CHECK(edges.finds("a part lists other copies than its neighbour does"));
+  remove_entity(faces.part().boundary.faces, 1);
+  CHECK(faces.finds("a part lists other copies than its neighbour does"));
+  CHECK(faces.finds("a face has nothing behind it: no cell, no other part, no boundary element"));
 }
 
 TEST_CASE("links that name each other's copies are found") {
