@@ -42,11 +42,18 @@ void write_parts(const PartitionedMesh& mesh, const std::filesystem::path& path,
 
 PartitionedMesh read_parts(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
                            const CancelToken* cancel) {
+  PartsAsTheyAre parts = read_parts_as_they_are(path, communicator, runner, cancel);
+  if (parts.misfit) throw Error(*parts.misfit);
+  return std::move(parts.mesh);
+}
+
+PartsAsTheyAre read_parts_as_they_are(const std::filesystem::path& path, Communicator& communicator,
+                                      const TaskRunner& runner, const CancelToken* cancel) {
   if (is_piece_list(path)) return detail::read_pieces(path, communicator, runner, cancel);
-  if (extension_of(path) == ".msh") return detail::read_partitioned(path, communicator, runner, cancel);
+  if (extension_of(path) == ".msh") return {detail::read_partitioned(path, communicator, runner, cancel), {}};
   Mesh mesh;
   run_on_first(communicator, [&] { mesh = read_mesh(path, cancel); });
-  return distribute_mesh(mesh, communicator);
+  return {distribute_mesh(mesh, communicator), {}};
 }
 
 }  // namespace tetloom

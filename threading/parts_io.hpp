@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/base/error.hpp"
 #include "core/base/progress.hpp"
 #include "core/mesh/mesh.hpp"
 #include "threading/partitioned_mesh.hpp"
@@ -44,5 +45,15 @@ void write_parts(const PartitionedMesh& mesh, const std::filesystem::path& path,
 /// the totals of the list see it; what make_part refuses), OutOfMemory, Cancelled.
 PartitionedMesh read_parts(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
                            const CancelToken* cancel = nullptr);
+
+/// What a partitioned file holds, whether its pieces fit together or not.
+struct PartsAsTheyAre {
+  PartitionedMesh mesh;
+  std::optional<Diagnostic> misfit;  ///< what does not fit, the same on all ranks; `mesh` is good for figures only then
+};
+
+/// The same for those who judge: pieces that do not fit together are no error.
+PartsAsTheyAre read_parts_as_they_are(const std::filesystem::path& path, Communicator& communicator,
+                                      const TaskRunner& runner, const CancelToken* cancel = nullptr);
 
 }  // namespace tetloom

@@ -6,8 +6,8 @@ namespace tetloom::detail {
 
 void write_pieces(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
                   const CancelToken* cancel);
-PartitionedMesh read_pieces(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
-                            const CancelToken* cancel);
+PartsAsTheyAre read_pieces(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
+                           const CancelToken* cancel);
 
 void write_partitioned(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
                        const CancelToken* cancel);

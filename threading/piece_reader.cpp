@@ -63,7 +63,7 @@ class PieceReader {
               const CancelToken* cancel)
       : path_(path), communicator_(communicator), runner_(runner), cancel_(cancel) {}
 
-  PartitionedMesh read() {
+  PartsAsTheyAre read() {
     run_on_all(communicator_, [&] {
       list_ = read_piece_list(path_, cancel_);
       require_distinct_files();
@@ -74,9 +74,8 @@ class PieceReader {
     for (const auto& field : list_.cell_fields) mesh.cell_fields.push_back({field.name, field.components});
     read_local(mesh);
     link_parts(mesh, runner_);
-    require_valid(mesh);
-    require_totals(mesh);
-    return mesh;
+    std::optional<Diagnostic> misfit = find_misfit(mesh);
+    return {std::move(mesh), std::move(misfit)};
   }
 
  private:
@@ -116,32 +115,45 @@ class PieceReader {
     });
   }
 
-  void require_valid(PartitionedMesh& mesh) {
+  /// Of the lowest rank that has one; known to all.
+  std::optional<Diagnostic> find_misfit(PartitionedMesh& mesh) {
     const PartsReport report = validate_parts(mesh, runner_);
-    std::optional<Diagnostic> failure;
+    if (report.valid()) return find_wrong_totals(mesh);
+    try {
+      agree(communicator_, first_problem(report));
+    } catch (const Error& error) {
+      return error.diagnostic();
+    }
+    throw Error(ErrorCode::Internal, "problems of parts are counted and not listed");
+  }
+
+  std::optional<Diagnostic> first_problem(const PartsReport& report) const {
     // A problem with a point says more.
     const PartProblem* shown = nullptr;
     for (const PartProblem& problem : report.problems)
       if (shown == nullptr || (!shown->point && problem.point)) shown = &problem;
-    if (shown != nullptr) {
-      failure = Diagnostic{ErrorCode::InputUnsuitable, {}, {}, shown->point, {}};
-      failure->message = "'" + file_of(shown->part.value).string() +
-                         "' does not fit the other pieces: " + shown->message +
-                         (shown->count > 1 ? " (" + std::to_string(shown->count) + " times)" : "");
-    }
-    agree(communicator_, failure);
+    if (shown == nullptr) return std::nullopt;
+    return Diagnostic{ErrorCode::InputUnsuitable,
+                      "'" + file_of(shown->part.value).string() + "' does not fit the other pieces: " + shown->message +
+                          (shown->count > 1 ? " (" + std::to_string(shown->count) + " times)" : ""),
+                      {},
+                      shown->point,
+                      {}};
   }
 
-  void require_totals(const PartitionedMesh& mesh) const {
+  std::optional<Diagnostic> find_wrong_totals(const PartitionedMesh& mesh) const {
     const PartsFigures figures = measure_parts(mesh);
     const PieceList::Totals found{static_cast<std::uint64_t>(figures.vertices),
                                   static_cast<std::uint64_t>(figures.cut_faces)};
-    if (found == list_.totals) return;
-    throw Error(ErrorCode::InputUnsuitable,
-                "'" + path_.string() + "': the pieces have " + std::to_string(found.points) + " points and " +
-                    std::to_string(found.cut_faces) + " faces between them, but " +
-                    std::to_string(list_.totals.points) + " and " + std::to_string(list_.totals.cut_faces) +
-                    " by the list: they do not belong together");
+    if (found == list_.totals) return std::nullopt;
+    return Diagnostic{ErrorCode::InputUnsuitable,
+                      "'" + path_.string() + "': the pieces have " + std::to_string(found.points) + " points and " +
+                          std::to_string(found.cut_faces) + " faces between them, but " +
+                          std::to_string(list_.totals.points) + " and " + std::to_string(list_.totals.cut_faces) +
+                          " by the list: they do not belong together",
+                      {},
+                      {},
+                      {}};
   }
 
   const std::filesystem::path path_;
@@ -153,8 +165,8 @@ class PieceReader {
 
 }  // namespace
 
-PartitionedMesh read_pieces(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
-                            const CancelToken* cancel) {
+PartsAsTheyAre read_pieces(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,
+                           const CancelToken* cancel) {
   return PieceReader(path, communicator, runner, cancel).read();
 }
 

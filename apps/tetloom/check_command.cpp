@@ -16,12 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json point_json(const std::optional<Vec3>& point) { return point ? Json{point->x, point->y, point->z} : Json(nullptr); }
+
 Json problem_json(const MeshProblem& problem) {
-  Json json = {{"kind", to_string(problem.kind)}, {"element_kind", to_string(problem.element)},
-               {"message", problem.message},      {"count", problem.count},
-               {"elements", problem.elements},    {"point", nullptr}};
-  if (problem.point) json["point"] = {problem.point->x, problem.point->y, problem.point->z};
-  return json;
+  return {{"kind", to_string(problem.kind)}, {"element_kind", to_string(problem.element)},
+          {"message", problem.message},      {"count", problem.count},
+          {"elements", problem.elements},    {"point", point_json(problem.point)}};
 }
 
 Json validation_json(const ValidationReport& validation) {
@@ -85,6 +85,18 @@ void check_whole(const Mesh& mesh, const std::string& parts_text, Run& run) {
   run.set_text(render_mesh(mesh, report) + parts_text + verdict(validation, mesh));
 }
 
+/// Pieces that do not fit together make no mesh that could be checked any further; it is not valid, like a whole one
+/// that does not fit itself.
+void tell_misfit(const WholeOfParts& parts, Run& run) {
+  const Diagnostic& misfit = *parts.misfit;
+  add_failure(run.report(), {ErrorCode::VolumeFailed, misfit.message, {}, misfit.point, {}});
+  const Json problem = {{"kind", "unfit_pieces"},    {"element_kind", nullptr},
+                        {"message", misfit.message}, {"count", 1},
+                        {"elements", Json::array()}, {"point", point_json(misfit.point)}};
+  run.report().extra["validation"] = {{"valid", false}, {"problems", Json::array({problem})}};
+  run.set_text(render_parts(parts.figures) + "The mesh is NOT valid: its pieces do not fit together.\n");
+}
+
 void check_mesh(const CheckCommand& command, Run& run) {
   run.begin(Stage::Read);
   Mesh mesh;
@@ -99,9 +111,13 @@ ExitStatus run_check(const CheckCommand& command, Communicator& communicator) {
   Run run(
       {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
   return run.execute([&](Run& r) {
-    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r))
-      return run_on_first(communicator, [&] { check_whole(whole->mesh, render_parts(whole->figures), r); });
-    run_on_first(communicator, [&] { check_mesh(command, r); });
+    const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r);
+    if (whole && whole->misfit) return tell_misfit(*whole, r);
+    run_on_first(communicator,
+                 [&] { whole ? check_whole(whole->mesh, render_parts(whole->figures), r) : check_mesh(command, r); });
+    // A mesh that is not valid is noticed by the first rank alone, and all end alike.
+    r.report().status =
+        static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(r.report().status)));
   });
 }
 

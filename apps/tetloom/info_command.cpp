@@ -56,8 +56,10 @@ ExitStatus run_info(const InfoCommand& command, Communicator& communicator) {
   Run run(
       {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
   return run.execute([&](Run& r) {
-    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r))
+    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r)) {
+      if (whole->misfit) throw Error(*whole->misfit);
       return run_on_first(communicator, [&] { describe_whole(whole->mesh, render_parts(whole->figures), r); });
+    }
     run_on_first(communicator, [&] {
       r.begin(Stage::Read);
       is_mesh_file(command.input) ? describe_mesh(command, r) : describe_model(command, r);

@@ -14,11 +14,13 @@ std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& inp
   WholeOfParts whole;
   RunReport& report = run.report();
   report.seconds.read = timed([&] {
-    const PartitionedMesh mesh = read_input([&] { return read_parts(input, communicator, runner, &run.cancel()); });
+    auto [mesh, misfit] =
+        read_input([&] { return read_parts_as_they_are(input, communicator, runner, &run.cancel()); });
+    whole.misfit = std::move(misfit);
     whole.figures = measure_parts(mesh);
     report.parts = static_cast<int>(mesh.part_count());
     report.extra["partition"] = parts_json(whole.figures);
-    whole.mesh = gather_mesh(mesh, runner);
+    if (!whole.misfit) whole.mesh = gather_mesh(mesh, runner);
   });
   return whole;
 }

@@ -10,8 +10,9 @@
 namespace tetloom::app {
 
 struct WholeOfParts {
-  Mesh mesh;  ///< on the first rank
+  Mesh mesh;  ///< on the first rank; empty where there is a misfit
   PartsFigures figures;
+  std::optional<Diagnostic> misfit;  ///< what does not fit between the pieces, the same on all ranks
 };
 
 /// Reads a partitioned file, with all links checked, and brings its parts together; nothing for any other file, which

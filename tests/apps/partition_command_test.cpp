@@ -140,17 +140,35 @@ TEST_CASE("partitioned files that do not fit together are no input") {
   const std::string piece = folder / "a/a_1.vtu";
   SECTION("a piece is missing") { std::filesystem::remove(piece); }
   SECTION("a piece is cut off") { std::filesystem::resize_file(piece, 5000); }
-  SECTION("points have moved") {
-    tetloom::MeshPiece moved = tetloom::read_mesh_piece(piece);
-    for (tetloom::Vec3& p : moved.mesh.points) p.z += 0.25;
-    tetloom::write_mesh_piece(moved.mesh, moved.global_ids, piece);
-  }
   for (const char* command : {"check", "info"}) {
     const ProcessResult result = run_tetloom({command, folder / "a.pvtu", "--report", folder / "r.json"});
     CHECK(result.status == 3);
     CHECK_THAT(result.err, Catch::Contains("a_"));
     CHECK(read_json(folder / "r.json")["status"] == "failed");
   }
+}
+
+TEST_CASE("pieces that are sound but do not fit each other are no valid mesh") {
+  const TestFolder folder;
+  partition(folder, write_box(folder, false), "a.pvtu", 3);
+  const std::string list = folder / "a.pvtu", piece = folder / "a/a_1.vtu";
+  tetloom::MeshPiece moved = tetloom::read_mesh_piece(piece);
+  for (tetloom::Vec3& p : moved.mesh.points) p.z += 0.25;
+  tetloom::write_mesh_piece(moved.mesh, moved.global_ids, piece);
+
+  const ProcessResult check = run_tetloom({"check", list, "--report", folder / "r.json"});
+  CHECK(check.status == 4);
+  CHECK_THAT(check.out, Catch::Contains("NOT valid"));
+  CHECK_THAT(check.err, Catch::Contains("a_"));
+  const nlohmann::json report = read_json(folder / "r.json");
+  CHECK(report["status"] == "failed");
+  CHECK(report["errors"][0]["point"].is_array());
+  CHECK(report["validation"]["valid"] == false);
+  CHECK(report["validation"]["problems"][0]["kind"] == "unfit_pieces");
+  CHECK(report["partition"]["table"].size() == 3);
+  // For all others they are no input.
+  CHECK(run_tetloom({"info", list}).status == 3);
+  CHECK(run_tetloom({"partition", list, "--parts", "2", "-o", folder / "b.pvtu"}).status == 3);
 }
 
 TEST_CASE("a full disk leaves the old parts as they were") {

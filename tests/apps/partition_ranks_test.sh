@@ -35,6 +35,14 @@ for ranks in 1 2 3 7; do
     [ "$(grep '"digest"' report.json)" = "$(grep '"digest"' again.json)" ] || fail "another digest in the MSH file"
 done
 
+sed 's/CutFaces="/CutFaces="9/' parts.pvtu > wrong.pvtu
+for ranks in 1 2 3; do
+    status=0
+    on_ranks "$ranks" check wrong.pvtu --report check.json > text 2> errors || status=$?
+    [ "$status" = 4 ] || fail "status $status on $ranks ranks where the pieces do not belong together"
+    [ "$(grep -c 'NOT valid' text)" = 1 ] || fail "$ranks ranks do not speak with one voice of what does not fit"
+done
+
 rm parts/parts_3.vtu
 for ranks in 2 3; do
     status=0
