@@ -1,15 +1,18 @@
 // The claim: with 2 threads tetloom deals a mesh of 20 million tets to 16 parts at 3 million tets a second or more, 1.7
 // times as fast as with one, within 1.5 times the memory of the mesh; parts differ by 3 % at most and cut no more than
-// 1.1 times the faces that Scotch cuts; and 64 parts become 16,384. Each run is a process of its own.
+// 1.1 times the faces that Scotch cuts; and 64 parts become 16,384. Two MPI ranks take at most 1.5 times as long as two
+// threads. Each run is a process of its own.
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,10 +23,13 @@
 #include "bench/support/machine.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/part/convert.hpp"
+#include "threading/agreement.hpp"
 #include "threading/balance/balance.hpp"
-#include "threading/balance/partition_figures.hpp"
 #include "threading/parts_figures.hpp"
 #include "threading/validate_parts.hpp"
+#ifdef TETLOOM_HAS_MPI
+#include "threading/mpi_communicator.hpp"
+#endif
 
 namespace tetloom::bench {
 namespace {
@@ -36,6 +42,7 @@ struct Options {
   double tets = 20e6, peer_tets = 2e6;
   std::vector<std::string> peer_solids{"ball", "drilled-block", "bracket"};
   std::vector<int> threads{1, 2};
+  std::vector<int> ranks;
   int runs = 3;
   bool quick = false, no_peer = false, only_peer = false;
   std::string json_path, trace_path;
@@ -54,7 +61,9 @@ void reset_peak() {
 PartitionedMesh make_mesh_in_one_part(Communicator& communicator, const std::string& solid, double tets) {
   PartitionedMesh mesh(communicator, 1);
   const bool is_file = fs::exists(solid);
-  mesh.parts.at(PartId(0)).mesh = is_file ? make_part(read_mesh(solid)) : make_lattice_part(solid, tets);
+  run_on_first(communicator, [&] {
+    mesh.parts.at(PartId(0)).mesh = is_file ? make_part(read_mesh(solid)) : make_lattice_part(solid, tets);
+  });
   return mesh;
 }
 
@@ -79,14 +88,20 @@ nlohmann::json describe_parts(const PartitionedMesh& mesh) {
           {"tets", figures.elements}};
 }
 
-/// One measured run: `from` parts become `to`.
-nlohmann::json measure(const nlohmann::json& task) {
+/// `bytes` of all ranks.
+double sum_bytes(Communicator& communicator, double bytes) {
+  std::array<std::int64_t, 1> sum{static_cast<std::int64_t>(bytes)};
+  communicator.sum(sum);
+  return static_cast<double>(sum[0]);
+}
+
+/// One measured run: `from` parts become `to`. On several ranks all of them call it; the slowest one's clock counts.
+nlohmann::json measure(const nlohmann::json& task, Communicator& communicator) {
   const auto from = task.at("from").get<std::size_t>(), to = task.at("to").get<std::size_t>();
-  const auto communicator = make_thread_communicator();
-  PartitionedMesh mesh = make_mesh_in_one_part(*communicator, task.at("solid"), task.at("tets"));
+  PartitionedMesh mesh = make_mesh_in_one_part(communicator, task.at("solid"), task.at("tets"));
   if (from > 1) split(mesh, from, TaskRunner(0));
   const TaskRunner runner(task.at("threads").get<int>());
-  const std::size_t mesh_bytes = memory_of_all(mesh);
+  const auto mesh_bytes = static_cast<double>(memory_of_all(mesh));
   reset_peak();
   const double before = static_cast<double>(resident_bytes());
   Trace trace;
@@ -95,18 +110,45 @@ nlohmann::json measure(const nlohmann::json& task) {
       compute_destinations(mesh, {to, PartitionMethod::Multilevel, {}, 0.03, true}, runner);
   const double deal_seconds = seconds_since(start);
   const MigrationFigures moved = migrate(mesh, std::move(destinations), to, runner, &trace);
-  const double seconds = seconds_since(start);
-  const double peak = static_cast<double>(peak_resident_bytes()) - before + static_cast<double>(mesh_bytes);
+  std::array<double, 1> seconds{seconds_since(start)};
+  communicator.max(seconds);
+  const double peak = static_cast<double>(peak_resident_bytes()) - before + mesh_bytes;
   nlohmann::json result = describe_parts(mesh);
-  result["seconds"] = seconds;
+  result["seconds"] = seconds[0];
   result["deal_seconds"] = deal_seconds;
   result["bytes_sent"] = moved.bytes_sent;
-  result["mesh_bytes"] = mesh_bytes;
-  result["peak_bytes"] = peak;
-  if (task.contains("trace")) trace.write(task.at("trace").get<std::string>());
+  result["mesh_bytes"] = sum_bytes(communicator, mesh_bytes);
+  result["peak_bytes"] = sum_bytes(communicator, peak);
+  if (task.contains("trace") && communicator.rank() == 0) trace.write(task.at("trace").get<std::string>());
   if (task.value("validate", false)) result["valid"] = validate_parts(mesh, TaskRunner(0)).valid();
   return result;
 }
+
+/// Measures in this process, which may be one of several ranks; the first prints what came out.
+void measure_and_print(const nlohmann::json& task, int& argc, char**& argv) {
+  const auto print = [](const nlohmann::json& result) { std::printf("%s\n", result.dump().c_str()); };
+  if (!task.contains("ranks")) return print(measure(task, *make_thread_communicator()));
+#ifdef TETLOOM_HAS_MPI
+  const MpiSession mpi(argc, argv);
+  const auto communicator = make_mpi_communicator();
+  const nlohmann::json result = measure(task, *communicator);
+  if (communicator->rank() == 0) print(result);
+#else
+  static_cast<void>(argc), static_cast<void>(argv);
+  throw std::runtime_error("this build has no MPI");
+#endif
+}
+
+/// One way to run a case: threads of one process, or ranks with one thread each.
+struct Way {
+  int threads = 1;
+  std::optional<int> ranks;
+
+  std::string name() const {
+    return ranks ? std::to_string(*ranks) + " ranks"
+                 : std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+  }
+};
 
 class Bench {
  public:
@@ -114,7 +156,7 @@ class Bench {
 
   void run() {
     print_heading();
-    std::printf("%-14s %10s %7s %7s %4s %8s %8s %9s %7s %7s %7s %9s %7s %9s\n", "solid", "tets", "from", "to", "thr",
+    std::printf("%-14s %10s %7s %7s %4s %8s %8s %9s %7s %7s %7s %9s %7s %9s\n", "solid", "tets", "from", "to", "by",
                 "s", "deal s", "M tets/s", "B/tet", "x mesh", "GB sent", "cut", "imbal%", "neighb.");
     const std::vector<std::pair<std::size_t, std::size_t>> cases =
         options_.quick ? std::vector<std::pair<std::size_t, std::size_t>>{{1, 16}, {8, 64}}
@@ -137,50 +179,72 @@ class Bench {
   }
 
   nlohmann::json run_apart(const nlohmann::json& task) const {
-    const ChildResult child = run_child({program_, "--measure", task.dump()});
+    std::vector<std::string> command{program_, "--measure", task.dump()};
+    if (task.contains("ranks")) {
+      const std::string ranks = std::to_string(task.at("ranks").get<int>());
+      command.insert(command.begin(), {"mpirun", "-n", ranks});
+    }
+    const ChildResult child = run_child(command);
     if (child.exit_status != 0) throw std::runtime_error("a measured run failed: " + child.output);
-    return nlohmann::json::parse(child.output);
+    return nlohmann::json::parse(child.output.substr(std::min(child.output.find('{'), child.output.size())));
   }
 
   void measure_case(std::size_t from, std::size_t to) {
-    std::vector<std::vector<nlohmann::json>> results(options_.threads.size());
+    std::vector<Way> ways;
+    for (const int threads : options_.threads) ways.push_back({threads, {}});
+    for (const int ranks : options_.ranks) ways.push_back({1, ranks});
+    std::vector<std::vector<nlohmann::json>> results(ways.size());
     for (int run = 0; run < options_.runs; ++run) {
       for (std::size_t i = 0; i < results.size(); ++i) {
         nlohmann::json task{{"solid", options_.solid},
                             {"tets", options_.tets},
                             {"from", from},
                             {"to", to},
-                            {"threads", options_.threads[i]}};
+                            {"threads", ways[i].threads}};
+        if (ways[i].ranks) task["ranks"] = *ways[i].ranks;
         if (run == 0) task["validate"] = true;
         if (!options_.trace_path.empty()) task["trace"] = options_.trace_path;
         results[i].push_back(run_apart(task));
         if (run == 0 && !results[i][0].at("valid").get<bool>()) throw std::runtime_error("the parts are not valid");
       }
     }
-    double first_seconds = 0;
+    std::vector<double> seconds;
     for (std::size_t i = 0; i < results.size(); ++i) {
       std::sort(results[i].begin(), results[i].end(), [](const auto& a, const auto& b) {
         return a.at("seconds").template get<double>() < b.at("seconds").template get<double>();
       });
       const nlohmann::json& median = results[i][results[i].size() / 2];
-      print_line(from, to, options_.threads[i], median);
-      const double seconds = median.at("seconds");
-      if (i == 0) first_seconds = seconds;
-      report_.push_back({{"from", from}, {"to", to}, {"threads", options_.threads[i]}, {"median", median}});
-      if (i > 0)
-        std::printf("%zu -> %zu parts, %d -> %d threads: x %.2f (asked of 1 -> 16 with 2: 1.70)\n", from, to,
-                    options_.threads[0], options_.threads[i], first_seconds / seconds);
+      print_line(from, to, ways[i], median);
+      report_.push_back({{"from", from}, {"to", to}, {"threads", ways[i].threads}, {"median", median}});
+      if (ways[i].ranks) report_.back()["ranks"] = *ways[i].ranks;
+      seconds.push_back(median.at("seconds"));
     }
+    compare(ways, seconds);
     std::fflush(stdout);
   }
 
-  void print_line(std::size_t from, std::size_t to, int threads, const nlohmann::json& r) const {
+  /// Threads with the first number of them, ranks with as many threads.
+  static void compare(const std::vector<Way>& ways, const std::vector<double>& seconds) {
+    for (std::size_t i = 1; i < ways.size(); ++i) {
+      if (!ways[i].ranks) {
+        std::printf("%s are %.2f times as fast as %s (asked of 2 from 1 to 16 parts: 1.70)\n", ways[i].name().c_str(),
+                    seconds[0] / seconds[i], ways[0].name().c_str());
+        continue;
+      }
+      for (std::size_t j = 0; j < i; ++j)
+        if (!ways[j].ranks && ways[j].threads == *ways[i].ranks)
+          std::printf("%s take %.2f times as long as %s (asked of 2 from 1 to 16 parts: 1.50 at most)\n",
+                      ways[i].name().c_str(), seconds[i] / seconds[j], ways[j].name().c_str());
+    }
+  }
+
+  void print_line(std::size_t from, std::size_t to, const Way& way, const nlohmann::json& r) const {
     const double tets = r.at("tets"), seconds = r.at("seconds"), peak = r.at("peak_bytes");
-    std::printf("%-14s %10.0f %7zu %7zu %4d %8.2f %8.2f %9.2f %7.1f %7.2f %7.2f %9d %7.2f %9.1f\n",
-                options_.solid.c_str(), tets, from, to, threads, seconds, r.at("deal_seconds").get<double>(),
-                1e-6 * tets / seconds, peak / tets, peak / r.at("mesh_bytes").get<double>(),
-                1e-9 * r.at("bytes_sent").get<double>(), r.at("cut_faces").get<int>(),
-                100 * r.at("imbalance").get<double>(), r.at("neighbors").get<double>());
+    std::printf("%-14s %10.0f %7zu %7zu %s%3d %8.2f %8.2f %9.2f %7.1f %7.2f %7.2f %9d %7.2f %9.1f\n",
+                options_.solid.c_str(), tets, from, to, way.ranks ? "r" : "t", way.ranks.value_or(way.threads), seconds,
+                r.at("deal_seconds").get<double>(), 1e-6 * tets / seconds, peak / tets,
+                peak / r.at("mesh_bytes").get<double>(), 1e-9 * r.at("bytes_sent").get<double>(),
+                r.at("cut_faces").get<int>(), 100 * r.at("imbalance").get<double>(), r.at("neighbors").get<double>());
   }
 
   /// Cuts of the same meshes by Scotch, in this process, and by mpmetis where it is installed.
@@ -249,6 +313,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--only-peer", options.only_peer, "compare cuts, and measure no speed");
   app.add_option("--threads", options.threads, "numbers of threads")->delimiter(',')->capture_default_str();
+  app.add_option("--ranks", options.ranks,
+                 "numbers of MPI ranks with one thread each, started by mpirun, beside threads")
+      ->delimiter(',');
   app.add_option("--runs", options.runs, "of each case")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--json", options.json_path, "where to write all figures");
   app.add_option("--trace", options.trace_path, "where to write the tasks of the last run, for a trace viewer");
@@ -262,7 +329,7 @@ int main(int argc, char** argv) {
   }
   try {
     if (!options.measure.empty()) {
-      std::printf("%s\n", measure(nlohmann::json::parse(options.measure)).dump().c_str());
+      measure_and_print(nlohmann::json::parse(options.measure), argc, argv);
     } else {
       Bench(options).run();
     }
