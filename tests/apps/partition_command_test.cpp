@@ -17,6 +17,8 @@ using tetloom::Mesh;
 
 namespace {
 
+const double kMostSecondsToCancel = is_sanitized() ? 3.0 : 1.3;
+
 std::string write_box(const TestFolder& folder, bool mixed, int size = 4) {
   Mesh mesh = mixed ? make_mixed_box(size, size, size, 1, true) : make_tet_box(size, size, size, 1, true);
   mesh.cell_fields = {{"load", 1, std::vector<double>(tetloom::cell_count(mesh), 1)}, {"speed", 3, {}}};
@@ -171,6 +173,38 @@ TEST_CASE("pieces that are sound but do not fit each other are no valid mesh") {
   CHECK(run_tetloom({"partition", list, "--parts", "2", "-o", folder / "b.pvtu"}).status == 3);
 }
 
+TEST_CASE("an output that cannot be written is found before the work") {
+  const TestFolder folder;
+  const std::string box = write_box(folder, false), report = folder / "r.json";
+  std::filesystem::create_directory(folder / "taken.pvtu");
+  const auto before = folder.files();
+  for (const std::string& output : {folder / "nowhere/a.pvtu", folder / "nowhere/a.msh", std::string("/proc/a.pvtu"),
+                                    std::string("/proc/a.msh"), folder / "taken.pvtu"}) {
+    CAPTURE(output);
+    const ProcessResult result = run_tetloom({"partition", box, "--parts", "2", "-o", output, "--report", report});
+    CHECK(result.status == 6);
+    const nlohmann::json json = read_json(report);
+    CHECK(json["status"] == "failed");
+    CHECK(json["errors"][0]["code"] == "output_failed");
+    CHECK(json["seconds"]["read"] == 0);
+    std::filesystem::remove(report);
+    CHECK(folder.files() == before);
+  }
+}
+
+TEST_CASE("pieces do not replace what is no folder of pieces") {
+  const TestFolder folder;
+  const std::string box = write_box(folder, false);
+  SECTION("a file of their folder's name") { folder.write("a", "a file"); }
+  SECTION("a folder with other files") {
+    std::filesystem::create_directory(folder / "a");
+    folder.write("a/notes.txt", "mine");
+  }
+  const auto before = folder.files();
+  CHECK(run_tetloom({"partition", box, "--parts", "2", "-o", folder / "a.pvtu"}).status == 6);
+  CHECK(folder.files() == before);
+}
+
 TEST_CASE("a full disk leaves the old parts as they were") {
   const TestFolder folder;
   const std::string box = write_box(folder, false, 8);
@@ -190,20 +224,36 @@ TEST_CASE("a full disk leaves the old parts as they were") {
 TEST_CASE("a run that is killed or cancelled leaves parts that are whole") {
   const TestFolder folder;
   const std::string box = write_box(folder, false, 40);
-  const auto old = partition(folder, box, "a.pvtu", 2);
-  for (const char* stage : {"read", "partition", "write"}) {
-    for (const int signal : {SIGKILL, SIGINT}) {
+  const std::string digest = partition(folder, box, "a.pvtu", 2)["digest"];
+  const auto parts_that_stand = [&] {
+    CHECK(digest_of(folder / "a.pvtu", folder) == digest);
+    return read_json(folder / "check.json")["parts"];
+  };
+  REQUIRE(parts_that_stand() == 2);
+  for (const std::string stage : {"read", "partition", "write"}) {
+    for (const int signal : {SIGINT, SIGKILL}) {
       CAPTURE(stage, signal);
+      const auto before = folder.files();
       ProcessOptions options;
       options.signal_when = stage;
       options.signals = {signal};
       const ProcessResult result = run_tetloom({"partition", box, "--parts", "64", "-o", folder / "a.pvtu"}, options);
-      // The end may come before the signal does, but only in the last stage.
-      const bool in_time = result.status == (signal == SIGINT ? 5 : 128 + SIGKILL);
-      CHECK((in_time || (result.status == 0 && std::string(stage) != "read")));
+      // Only in the last stage may the end come first; the new parts stand there then.
+      const bool finished = stage == "write" && result.status == 0;
+      const nlohmann::json parts = parts_that_stand();
+      if (signal == SIGINT) {
+        CHECK((finished || result.status == 5));
+        CHECK(result.seconds_after_signal < kMostSecondsToCancel);
+        CHECK(parts == (finished ? 64 : 2));
+        CHECK(folder.files() == before);
+      } else {
+        CHECK((finished || result.status == 128 + SIGKILL));
+        CHECK((parts == 64 || (parts == 2 && !finished)));
+        CHECK((parts == 2 || stage == "write"));
+      }
+      if (parts != 2) partition(folder, box, "a.pvtu", 2);
     }
   }
-  CHECK(digest_of(folder / "a.pvtu", folder) == old["digest"]);
 }
 
 TEST_CASE("a cancelled run leaves nothing behind") {
@@ -215,7 +265,7 @@ TEST_CASE("a cancelled run leaves nothing behind") {
   const ProcessResult result =
       run_tetloom({"partition", box, "--parts", "64", "-o", folder / "a.pvtu", "--report", folder / "r.json"}, options);
   CHECK(result.status == 5);
-  CHECK(result.seconds_after_signal < (is_sanitized() ? 3.0 : 1.3));
+  CHECK(result.seconds_after_signal < kMostSecondsToCancel);
   CHECK(folder.files() == std::vector<std::string>{"box.vtu", "r.json"});
   CHECK(read_json(folder / "r.json")["status"] == "cancelled");
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/part/convert.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/disordering_communicator.hpp"
@@ -48,6 +49,31 @@ TEST_CASE("a mesh survives becoming a part and back") {
     CHECK(whole.digest == expected.digest);
     CHECK(whole.fields == expected.fields);
     CHECK(whole.entities == expected.entities);
+  }
+}
+
+TEST_CASE("a mesh that cannot be a part is refused on all ranks, and they stay in step") {
+  const auto communicator = make_communicator();
+  const Mesh good = make_case(1);
+  Mesh bad = good;
+  Diagnostic expected;
+  SECTION("with an index beyond its points") {
+    bad.tet_to_vert[0][2] = 1'000'000;
+    expected.code = ErrorCode::InvalidArgument;
+  }
+  SECTION("with a triangle that belongs to no cell") {
+    std::swap(bad.tri_to_vert[0][0], bad.tri_to_vert.back()[2]);
+    expected.code = ErrorCode::InputUnsuitable;
+  }
+  // What other ranks hold is not looked at, good or bad.
+  for (const bool others_too : {false, true}) {
+    const bool gives_bad = others_too || communicator->rank() == 0;
+    const Diagnostic failure = error_of([&] { distribute_mesh(gives_bad ? bad : good, *communicator); });
+    CHECK(failure.code == expected.code);
+    CHECK_FALSE(failure.message.empty());
+    PartitionedMesh mesh = distribute_mesh(communicator->rank() == 0 ? good : bad, *communicator);
+    check_links(mesh, TaskRunner(1));
+    check_whole(mesh, TaskRunner(1), describe_whole(good));
   }
 }
 
