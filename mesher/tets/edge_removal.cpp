@@ -12,41 +12,10 @@ namespace {
 constexpr std::array<std::array<std::uint8_t, 4>, 6> kEdgeCorners{
     {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}}};
 
-// Tet i of the ring is (a, b, verts[i], verts[i + 1]).
-struct Ring {
-  std::uint32_t a, b;
-  int count = 0;
-  std::array<std::uint32_t, kLongestRing> verts, tets;
-};
-
-EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners,
-                      Ring& ring) {
-  const TetMesh& m = mesh.mesh();
-  const auto verts = mesh.verts(tet);
-  const float quality = mesh.quality(tet);
-  ring.a = verts[corners[0]], ring.b = verts[corners[1]];
-  ring.count = 0;
-  std::uint32_t here = tet, leaving = corners[2], ahead = verts[corners[3]];
-  ring.verts[0] = verts[corners[2]];
-  for (;;) {
-    ring.tets[ring.count++] = here;
-    const FaceCode face = here * 4 + leaving, behind = m.to_neighbor[face];
-    if (behind == kNone || m.is_fixed(face)) return EdgeVerdict::OnSurface;
-    here = behind / 4;
-    if (here == tet) return EdgeVerdict::Removed;
-    if (ring.count == kLongestRing) return EdgeVerdict::LongRing;
-    const float other = mesh.quality(here);
-    if (other < quality || (other == quality && here < tet)) return EdgeVerdict::WorseBeside;
-    ring.verts[ring.count] = ahead;
-    leaving = mesh.corner_of(here, ahead);
-    ahead = m.to_vert[behind];
-  }
-}
-
 // Chooses the triangulation of one ring.
 class RingTriangulation {
  public:
-  RingTriangulation(const WorkingMesh& mesh, const Ring& ring) : ring_(ring), origin_(mesh.point(ring.a)) {
+  RingTriangulation(const WorkingMesh& mesh, const EdgeRing& ring) : ring_(ring), origin_(mesh.point(ring.a)) {
     b_ = mesh.point(ring.b) - origin_;
     for (int i = 0; i < ring.count; ++i) {
       points_[i] = mesh.point(ring.verts[i]) - origin_;
@@ -106,7 +75,7 @@ class RingTriangulation {
     build(k, j, made, count);
   }
 
-  const Ring& ring_;
+  const EdgeRing& ring_;
   Vec3 origin_, b_;
   std::array<Vec3, kLongestRing> points_;
   std::array<double, kLongestRing> to_a_, to_b_;
@@ -116,15 +85,39 @@ class RingTriangulation {
 
 }  // namespace
 
+EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring) {
+  const auto& corners = kEdgeCorners[static_cast<std::size_t>(edge)];
+  const TetMesh& m = mesh.mesh();
+  const auto verts = mesh.verts(tet);
+  const float quality = mesh.quality(tet);
+  ring.a = verts[corners[0]], ring.b = verts[corners[1]];
+  ring.count = 0;
+  std::uint32_t here = tet, leaving = corners[2], ahead = verts[corners[3]];
+  ring.verts[0] = verts[corners[2]];
+  for (;;) {
+    ring.tets[ring.count++] = here;
+    const FaceCode face = here * 4 + leaving, behind = m.to_neighbor[face];
+    if (behind == kNone || m.is_fixed(face)) return EdgeVerdict::OnSurface;
+    here = behind / 4;
+    if (here == tet) return EdgeVerdict::Removed;
+    if (ring.count == kLongestRing) return EdgeVerdict::LongRing;
+    const float other = mesh.quality(here);
+    if (other < quality || (other == quality && here < tet)) return EdgeVerdict::WorseBeside;
+    ring.verts[ring.count] = ahead;
+    leaving = mesh.corner_of(here, ahead);
+    ahead = m.to_vert[behind];
+  }
+}
+
 EdgeVerdict remove_edge_of(WorkingMesh& mesh, std::uint32_t tet) {
   double goal = std::max(double{mesh.quality(tet)} * kGain, kSurelyPositive);
   EdgeVerdict verdict = EdgeVerdict::OnSurface;
-  Ring ring;
+  EdgeRing ring;
   std::array<NewTet, 2 * kLongestRing> made;
   std::array<std::uint32_t, kLongestRing> old;
   int made_count = 0, old_count = 0;
-  for (const auto& corners : kEdgeCorners) {
-    const EdgeVerdict found = find_ring(mesh, tet, corners, ring);
+  for (int edge = 0; edge < 6; ++edge) {
+    const EdgeVerdict found = find_ring(mesh, tet, edge, ring);
     if (found != EdgeVerdict::Removed) {
       if (made_count == 0) verdict = std::max(verdict, found);
       continue;

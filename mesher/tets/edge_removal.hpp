@@ -9,7 +9,9 @@
 //
 // The triangulation whose worst tet is best is found by dynamic programming over sub-polygons (Klincsek 1980), pruned
 // by what has to be beaten.
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include "mesher/tets/working_mesh.hpp"
 #include "threading/task_runner.hpp"
@@ -25,6 +27,18 @@ enum class EdgeVerdict {
 };
 
 inline constexpr int kLongestRing = 7;
+
+/// The tets around the edge a-b: tet i is (a, b, verts[i], verts[i + 1]).
+struct EdgeRing {
+  std::uint32_t a, b;
+  int count = 0;
+  std::array<std::uint32_t, kLongestRing> verts, tets;
+
+  std::span<const std::uint32_t> old() const { return {tets.data(), static_cast<std::size_t>(count)}; }
+};
+
+/// The ring of edge `edge` (0 to 5) of `tet`; Removed when it may be removed, as far as its neighbours are concerned.
+EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring);
 
 /// Removes, of the six edges of `tet`, the one whose removal raises the minimum of its ring most, where `tet` is the
 /// worst of the ring. What is replaced and what replaces it have the same boundary; the new tets are positive in exact

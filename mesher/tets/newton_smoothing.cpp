@@ -37,7 +37,7 @@ bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) 
 }
 
 // Gradient, and the upper triangle of the Hessian.
-struct Quadratic {
+struct Quadratic {  // of the sum
   Vec3 gradient;
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   Badness badness;

@@ -1,15 +1,21 @@
 #include "mesher/tets/optimizer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
+#include "mesher/tets/point_insertion.hpp"
+#include "mesher/tets/vertex_removal.hpp"
 
 namespace tetloom::tets {
 
 namespace {
+
+double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
 
 void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
   const auto refuse = [](const char* why) { throw Error(ErrorCode::InvalidArgument, why); };
@@ -24,20 +30,26 @@ struct QualitySummary {
   std::size_t below = 0;
 };
 
+// The mean comes from a histogram, as a root per tet would take longer than edge removal.
 QualitySummary summarize(WorkingMesh& mesh, double goal) {
+  constexpr std::size_t kBins = 8192;
+  std::array<std::uint32_t, kBins + 1> histogram{};
   QualitySummary summary;
   float least = 1;
   const auto bound = static_cast<float>(cube(goal));
-  std::size_t count = 0;
   for (const float quality : mesh.qualities()) {
     if (quality == WorkingMesh::kDeadQuality) continue;
     least = std::min(least, quality);
     summary.below += quality < bound;
-    summary.mean += std::cbrt(quality);
-    ++count;
+    ++histogram[static_cast<std::size_t>(std::min(quality, 1.0f) * kBins)];
   }
   summary.least = std::cbrt(double{least});
-  if (count > 0) summary.mean /= static_cast<double>(count);
+  double count = 0;
+  for (std::size_t bin = 0; bin <= kBins; ++bin) {
+    summary.mean += histogram[bin] * std::cbrt((static_cast<double>(bin) + 0.5) / kBins);
+    count += histogram[bin];
+  }
+  if (count > 0) summary.mean /= count;
   return summary;
 }
 
@@ -49,13 +61,16 @@ class Optimizer {
   OptimizeReport run() {
     const QualitySummary before = summarize(mesh_, options_.goal);
     report_.least_before = before.least, report_.mean_before = before.mean;
-    for (int i = 0; i < 3; ++i) swap(.60), smooth(.70);
     if (options_.strong_gradation) {
-      for (int i = 0; i < 3; ++i) swap(.80), smooth(1);
+      swap(.60), smooth(.80), swap(.80), smooth(.80), swap(.80), smooth(.95), swap(.80);
+      repair();
+      smooth(.95);
+    } else {
+      swap(.60), smooth(.70), swap(.75), smooth(.75), swap(.70);
+      repair();
+      smooth(.94);  // all but undisturbed body-centred lattices, which have .945
     }
-    swap(.60), smooth(.70), swap(.60), smooth(.95);
-    const QualitySummary after = summarize(mesh_, options_.goal);
-    report_.least = after.least, report_.mean = after.mean, report_.below_goal = after.below;
+    summarize_result();
     mesh_.finish();
     return report_;
   }
@@ -63,6 +78,26 @@ class Optimizer {
  private:
   void swap(double threshold) { report_.edges_removed += remove_edges(mesh_, cube(threshold), runner_); }
   void smooth(double threshold) { report_.vertices_moved += move_vertices(mesh_, cube(threshold), runner_); }
+
+  // What is still so poor that an angle may be too small gets another choice of points.
+  void repair() {
+    const double poor = std::min(largest_quality_with_dihedral(radians(options_.least_dihedral)), cube(.8));
+    for (int i = 0; i < 2; ++i) {
+      const std::size_t removed = remove_vertices(mesh_, poor, runner_);
+      const std::size_t inserted = insert_points(mesh_, poor, runner_);
+      report_.vertices_removed += removed, report_.points_inserted += inserted;
+      if (removed + inserted == 0) return;
+      swap(.60), smooth(.70);
+    }
+  }
+
+  void summarize_result() {
+    const QualitySummary after = summarize(mesh_, options_.goal);
+    report_.least = after.least, report_.mean = after.mean, report_.below_goal = after.below;
+    const DihedralSummary angles = summarize_dihedrals(mesh_, radians(options_.least_dihedral));
+    report_.least_dihedral = angles.least / radians(1);
+    report_.below_dihedral = angles.below, report_.forced = angles.forced;
+  }
 
   WorkingMesh mesh_;
   const OptimizeOptions& options_;

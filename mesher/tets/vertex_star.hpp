@@ -40,7 +40,7 @@ inline StarTet star_tet(const Vec3& a, const Vec3& b, const Vec3& c) {
 struct VertexStar {
   std::uint32_t vertex = kNone;
   std::size_t count = 0;
-  std::array<FaceCode, WorkingMesh::kMostTets> codes;  ///< tet * 4 + the vertex's corner in it
+  std::array<FaceCode, WorkingMesh::kMostTets + 3> codes;  ///< tet * 4 + the vertex's corner in it
 
   std::span<const FaceCode> tets() const { return {codes.data(), count}; }
 };

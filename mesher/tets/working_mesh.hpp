@@ -60,7 +60,7 @@ class WorkingMesh {
   /// No tet may have `vertex` any more.
   void give_up_point(std::uint32_t vertex) { unused_points_.push_back(vertex); }
 
-  /// Drops dead tets, and points that were given up: the last points take their places.
+  /// Drops dead tets, and points that were given up: the last ones take their places.
   void finish();
 
  private:

@@ -3,8 +3,11 @@
 #include <catch2/catch.hpp>
 
 #include "core/base/error.hpp"
+#include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
+#include "mesher/tets/point_insertion.hpp"
+#include "mesher/tets/vertex_removal.hpp"
 #include "tet_fixtures.hpp"
 
 namespace tetloom {
@@ -148,6 +151,116 @@ TEST_CASE("points of the surface and those of faces that have to stay do not mov
   CHECK(same(mesh, before));
 }
 
+TEST_CASE("a point goes into tets that are too long") {
+  TetMesh mesh = make_ring(6, 6);
+  const double least = least_quality(mesh), volume = volume_of_region(mesh, 0);
+  const auto faces = fixed_faces(mesh);
+  WorkingMesh working(mesh, 8);
+  const std::uint32_t tet = worst_tet(mesh);
+  REQUIRE(tets::PointInserter(working, 1.1 * working.quality(tet)).insert(tet));
+  working.finish();
+  CHECK(mesh.points.size() == 9);
+  CHECK(mesh.size() == 12);
+  CHECK(tets::find_fault(mesh) == "");
+  CHECK(least_quality(mesh) > least);
+  CHECK(volume_of_region(mesh, 0) == Approx(volume));
+  CHECK(fixed_faces(mesh) == faces);
+}
+
+TEST_CASE("no point goes into a tet that is regular") {
+  TetMesh mesh = make_tets({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2, 3}});
+  const TetMesh before = mesh;
+  WorkingMesh working(mesh, 4);
+  CHECK_FALSE(tets::PointInserter(working, 1).insert(0));
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("a vertex too near to another is merged into a neighbour") {
+  // An octahedron whose middle lies near its top: without it, four tets around the axis remain.
+  TetMesh mesh = make_octahedron({0.05, 0.02, 0.85});
+  REQUIRE(tets::find_fault(mesh).empty());
+  const double least = least_quality(mesh), volume = volume_of_region(mesh, 0);
+  WorkingMesh working(mesh, 6);
+  REQUIRE(tets::VertexRemover(working).remove_vertex_of(worst_tet(mesh)));
+  working.finish();
+  CHECK(mesh.size() == 4);
+  CHECK(mesh.points.size() == 6);
+  CHECK(tets::find_fault(mesh) == "");
+  CHECK(least_quality(mesh) > least);
+  CHECK(volume_of_region(mesh, 0) == Approx(volume));
+}
+
+// The icosahedron around its centre, which is point 12.
+TetMesh make_icosahedron() {
+  const double g = 1.618033988749895;
+  std::vector<Vec3> points;
+  for (const double s : {-1.0, 1.0}) {
+    for (const double t : {-g, g}) points.insert(points.end(), {{0, s, t}, {s, t, 0}, {t, 0, s}});
+  }
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  const auto near = [&](std::uint32_t i, std::uint32_t j) { return distance(points[i], points[j]) < 2.1; };
+  for (std::uint32_t i = 0; i < 12; ++i)
+    for (std::uint32_t j = i + 1; j < 12; ++j)
+      for (std::uint32_t k = j + 1; k < 12; ++k)
+        if (near(i, j) && near(j, k) && near(i, k)) tets.push_back({12, i, j, k});
+  points.push_back({0, 0, 0});
+  return make_tets(points, tets);
+}
+
+TEST_CASE("a vertex that serves its star is not removed") {
+  TetMesh mesh = make_icosahedron();
+  REQUIRE(mesh.size() == 20);
+  const TetMesh before = mesh;
+  WorkingMesh working(mesh, 12);
+  CHECK_FALSE(tets::VertexRemover(working).remove_vertex_of(0));
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("a vertex of the surface is not removed") {
+  TetMesh mesh = make_octahedron({0.05, 0.02, 0.85});
+  const TetMesh before = mesh;
+  WorkingMesh working(mesh, 7);
+  CHECK_FALSE(tets::VertexRemover(working).remove_vertex_of(worst_tet(mesh)));
+  CHECK(same(mesh, before));
+}
+
+TEST_CASE("the smallest dihedral angle is found") {
+  TetMesh regular = make_tets({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2, 3}});
+  CHECK(tets::smallest_dihedral(regular, 0).angle == Approx(std::acos(1.0 / 3)));
+  TetMesh wedge = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, std::cos(0.2), std::sin(0.2)}}, {{0, 1, 2, 3}});
+  CHECK(tets::smallest_dihedral(wedge, 0).angle == Approx(0.2));
+}
+
+TEST_CASE("no tet of good quality has a small dihedral angle") {
+  std::mt19937 random(11);
+  const auto coordinate = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<Vec3> points(4);
+    for (Vec3& p : points) p = {coordinate(), coordinate(), coordinate()};
+    const TetMesh mesh = make_tets(points, {{0, 1, 2, 3}});
+    const double angle = tets::smallest_dihedral(mesh, 0).angle, quality = quality_of(mesh, 0);
+    if (quality * quality * quality > tets::largest_quality_with_dihedral(angle) * (1 + 1e-9)) {
+      CAPTURE(i, angle, quality);
+      FAIL("the bound is wrong");
+    }
+  }
+}
+
+TEST_CASE("small angles are told from those that the surface forces") {
+  TetMesh mesh = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, std::cos(0.1), std::sin(0.1)}}, {{0, 1, 2, 3}});
+  WorkingMesh working(mesh, 4);
+  tets::DihedralSummary summary = tets::summarize_dihedrals(working, 0.25);
+  CHECK(summary.least == Approx(0.1));
+  CHECK(summary.below == 1);
+  CHECK(summary.forced == 1);
+  mesh.to_fixed[0] = 0;
+  mesh.points[3] = {0.5, 0.9, 0.35};
+  mesh.points[2] = {0.5, 1, 0.2};
+  WorkingMesh free(mesh, 0);
+  summary = tets::summarize_dihedrals(free, 1.2);
+  CHECK(summary.below == 1);
+}
+
 TEST_CASE("points that are given up are filled by the last ones") {
   TetMesh mesh = make_octahedron({0, 0, 0});
   const Vec3 last = mesh.points[6];
@@ -190,6 +303,42 @@ TEST_CASE("optimising random meshes keeps what must stay and lowers no minimum")
     TetMesh again = grid.mesh;
     tets::optimize(again, options, TaskRunner(2));
     CHECK(same(mesh, again));
+  }
+}
+
+TEST_CASE("each operation tried everywhere keeps the invariants and lowers no minimum") {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const int regions = seed % 2 == 0 ? 1 : 2;
+    ShakenGrid grid = make_shaken_grid(4, regions, 0.5, 100 + seed);
+    TetMesh& mesh = grid.mesh;
+    CAPTURE(seed);
+    const auto faces = fixed_faces(mesh);
+    const double volume = volume_of_region(mesh, 0);
+    double least = least_quality(mesh);
+    WorkingMesh working(mesh, grid.fixed_points);
+    const TaskRunner runner(1);
+    const auto check = [&](const char* stage) {
+      CAPTURE(stage);
+      CHECK(tets::find_fault(mesh) == "");
+      CHECK(least_quality(mesh) >= least * (1 - 1e-6));
+      least = least_quality(mesh);
+      CHECK(fixed_faces(mesh) == faces);
+      CHECK(volume_of_region(mesh, 0) == Approx(volume).epsilon(1e-12));
+      for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+        if (!mesh.is_dead(t)) CHECK(std::cbrt(working.quality(t)) == Approx(quality_of(mesh, t)).epsilon(1e-5));
+      }
+    };
+    tets::insert_points(working, 0.9, runner), check("insertion");
+    tets::remove_vertices(working, 0.9, runner), check("vertex removal");
+    tets::remove_edges(working, 0.9, runner), check("edge removal");
+    tets::move_vertices(working, 1, runner), check("motion");
+    tets::insert_points(working, 0.5, runner), check("insertion into what is left");
+    tets::remove_vertices(working, 0.5, runner), check("vertex removal from what is left");
+    working.finish();
+    CHECK(tets::find_fault(mesh) == "");
+    std::vector<bool> used(mesh.points.size());
+    for (const std::uint32_t v : mesh.to_vert) used[v] = true;
+    CHECK(std::find(used.begin(), used.end(), false) == used.end());
   }
 }
 
