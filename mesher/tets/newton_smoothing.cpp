@@ -3,10 +3,15 @@
 #include <algorithm>
 
 #include "mesher/tets/bad_tets.hpp"
+#include "mesher/tets/pair_detail.hpp"
 
 namespace tetloom::tets {
 
 namespace {
+
+using detail::Pair;
+using detail::PairVec;
+using detail::TetPair;
 
 constexpr int kHalvings = 3;  // of a step that goes too far
 constexpr double kFloor = 0.6 * 0.6 * 0.6;
@@ -22,77 +27,103 @@ struct Badness {
   double sum = 0, worst = 0;
 };
 
-// False when a tet is not surely positive.
-bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) {
-  badness = {};
-  bool positive = true;
-  for (const StarTet& tet : star) {
-    const double v = tet.volume_at(d), s = tet.squares_at(d), s3 = cube(s), v2 = v * v;
-    positive &= v > 0 && 432 * v2 > kSurelyPositive * cube(std::max(s, tet.squares));
-    const double term = s3 / v2;
-    badness.sum += term;
-    badness.worst = std::max(badness.worst, term);
+// Sums 1/q^3 of pairs of tets.
+struct BadnessSums {
+  Pair sum{}, worst{};
+
+  void add(Pair term) {
+    sum += term;
+    worst = detail::max(worst, term);
   }
-  return positive;
+  Badness badness() const { return {detail::sum(sum), std::max(worst[0], worst[1])}; }
+};
+
+// False when a tet is not surely positive at `d`.
+bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) {
+  const PairVec pair_d = detail::pair_of(d);
+  const Pair squares_of_d = detail::pair_of(3 * norm2(d));
+  BadnessSums sums;
+  Pair least_volume = detail::pair_of(1), least_margin = detail::pair_of(1);
+  detail::for_each_pair(star, [&](const TetPair& tet) {
+    const Pair v = tet.volume + dot(tet.normal, pair_d), s = tet.squares - 2 * dot(tet.middle, pair_d) + squares_of_d;
+    const Pair v2 = v * v, largest = detail::max(s, tet.squares);
+    least_volume = detail::min(least_volume, v);
+    least_margin = detail::min(least_margin, 432 * v2 - kSurelyPositive * largest * largest * largest);
+    sums.add(s * s * s / v2);
+  });
+  badness = sums.badness();
+  return least_volume[0] > 0 && least_volume[1] > 0 && least_margin[0] > 0 && least_margin[1] > 0;
 }
 
-// Gradient, and the upper triangle of the Hessian.
-struct Quadratic {  // of the sum
-  Vec3 gradient;
-  double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
-  Badness badness;
-
-  // f = s^3 / v^2 with ds = -2 middle, d2s = 6 and dv = normal.
-  void add(const StarTet& tet) {
-    const double s = tet.squares, i = 1 / tet.volume, r = s * i, r2 = r * r;
-    const Vec3 &m = tet.middle, &n = tet.normal;
-    const double term = s * r2;
-    badness.sum += term;
-    badness.worst = std::max(badness.worst, term);
-    const double gm = -6 * r2, gn = -2 * r2 * r;
-    gradient += gm * m + gn * n;
-    const double identity = 18 * r2, mm = 24 * r * i, mn = 12 * r2 * i, nn = 6 * r2 * r * i;
-    const Vec3 a = mm * m + mn * n, b = mn * m + nn * n;
-    xx += identity + a.x * m.x + b.x * n.x;
-    yy += identity + a.y * m.y + b.y * n.y;
-    zz += identity + a.z * m.z + b.z * n.z;
-    xy += a.x * m.y + b.x * n.y;
-    xz += a.x * m.z + b.x * n.z;
-    yz += a.y * m.z + b.y * n.z;
+// Gradient and Hessian of the sum of f = s^3 / v^2, where ds = -2 middle, d2s = 6 and dv = normal.
+class Quadratic {
+ public:
+  void add(const TetPair& tet) {
+    const Pair i = 1 / tet.volume, r = tet.squares * i, r2 = r * r, r3 = r2 * r;
+    const PairVec &m = tet.middle, &n = tet.normal;
+    sums_.add(tet.squares * r2);
+    gradient_ = gradient_ + (-6 * r2) * m + (-2 * r3) * n;
+    const Pair identity = 18 * r2, mm = 24 * r * i, mn = 12 * r2 * i, nn = 6 * r3 * i;
+    const PairVec a = mm * m + mn * n, b = mn * m + nn * n;
+    xx_ += identity + a.x * m.x + b.x * n.x;
+    yy_ += identity + a.y * m.y + b.y * n.y;
+    zz_ += identity + a.z * m.z + b.z * n.z;
+    xy_ += a.x * m.y + b.x * n.y;
+    xz_ += a.x * m.z + b.x * n.z;
+    yz_ += a.y * m.z + b.y * n.z;
   }
+
+  Badness badness() const { return sums_.badness(); }
 
   // -H^-1 g; not finite when H is singular.
   Vec3 step() const {
-    const Vec3 c0{xx, xy, xz}, c1{xy, yy, yz}, c2{xz, yz, zz}, r = -gradient;
+    using detail::sum;
+    const double xy = sum(xy_), xz = sum(xz_), yz = sum(yz_);
+    const Vec3 c0{sum(xx_), xy, xz}, c1{xy, sum(yy_), yz}, c2{xz, yz, sum(zz_)};
+    const Vec3 r{-sum(gradient_.x), -sum(gradient_.y), -sum(gradient_.z)};
     const Vec3 n = cross(c1, c2);
     return Vec3{dot(r, n), dot(c0, cross(r, c2)), dot(c0, cross(c1, r))} / dot(c0, n);
   }
+
+ private:
+  PairVec gradient_{};
+  Pair xx_{}, yy_{}, zz_{}, xy_{}, xz_{}, yz_{};
+  BadnessSums sums_;
 };
+
+// The points of the face opposite to a star's vertex, turned so that they are counter-clockwise seen from it.
+std::array<const Vec3*, 3> opposite_face(const WorkingMesh& mesh, FaceCode code) {
+  const auto verts = mesh.verts(code / 4);
+  const auto& [a, c, b] = kFaceVerts[code % 4];
+  return {&mesh.point(verts[a]), &mesh.point(verts[b]), &mesh.point(verts[c])};
+}
 
 // The star's tets measured from its vertex.
 void measure(const WorkingMesh& mesh, const VertexStar& star, std::span<StarTet> tets) {
-  const Vec3 x = mesh.point(star.vertex);
-  for (std::size_t i = 0; i < star.count; ++i) {
-    const auto verts = mesh.verts(star.codes[i] / 4);
-    const auto& [a, c, b] = kFaceVerts[star.codes[i] % 4];  // turned, so that it is seen from the vertex
-    tets[i] = star_tet(mesh.point(verts[a]) - x, mesh.point(verts[b]) - x, mesh.point(verts[c]) - x);
+  const PairVec x = detail::pair_of(mesh.point(star.vertex));
+  for (std::size_t i = 0; i < star.count; i += 2) {
+    const std::size_t j = std::min(i + 1, star.count - 1);
+    const auto f = opposite_face(mesh, star.codes[i]), g = opposite_face(mesh, star.codes[j]);
+    const TetPair pair = detail::star_pair(detail::pair_of(*f[0], *g[0]) - x, detail::pair_of(*f[1], *g[1]) - x,
+                                           detail::pair_of(*f[2], *g[2]) - x);
+    tets[j] = {detail::lane(pair.normal, 1), detail::lane(pair.middle, 1), pair.volume[1], pair.squares[1]};
+    tets[i] = {detail::lane(pair.normal, 0), detail::lane(pair.middle, 0), pair.volume[0], pair.squares[0]};
   }
 }
 
 }  // namespace
 
 Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor) {
-  const double bearable = 432 / floor;
   Quadratic quadratic;
-  for (const StarTet& tet : star) quadratic.add(tet);
+  detail::for_each_pair(star, [&](const TetPair& tet) { quadratic.add(tet); });
+  const Badness before = quadratic.badness();
+  const double bearable = std::max(before.worst, 432 / floor);
   Vec3 step = quadratic.step();
   if (!is_finite(step)) return {};
   for (int i = 0; i <= kHalvings; ++i, step *= 0.5) {
     const Vec3 d = (x + step) - x;
-    Badness badness;
-    if (badness_at(star, d, badness) && badness.sum < quadratic.badness.sum &&
-        badness.worst <= std::max(quadratic.badness.worst, bearable))
-      return d;
+    Badness after;
+    if (badness_at(star, d, after) && after.sum < before.sum && after.worst <= bearable) return d;
   }
   return {};
 }
