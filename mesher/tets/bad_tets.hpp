@@ -28,7 +28,8 @@ void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner,
       bad_count += quality[tet] < bound;
     }
     for (std::uint32_t i = 0; i < bad_count; ++i) {
-      if (i + 4 < bad_count) mesh.prefetch(bad[i + 4]);
+      if (i + 8 < bad_count) mesh.prefetch(bad[i + 8]);
+      if (i + 4 < bad_count) mesh.prefetch_neighbors(bad[i + 4]);
       if (mesh.quality(bad[i]) < bound) visit(bad[i]);
     }
   }

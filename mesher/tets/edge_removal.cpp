@@ -92,12 +92,14 @@ EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, Edge
   const float quality = mesh.quality(tet);
   ring.a = verts[corners[0]], ring.b = verts[corners[1]];
   ring.count = 0;
+  // A face that has to stay has no other vertices than such that stay: most edges need no look at their faces.
+  const bool may_be_on_surface = mesh.is_fixed_point(ring.a) && mesh.is_fixed_point(ring.b);
   std::uint32_t here = tet, leaving = corners[2], ahead = verts[corners[3]];
   ring.verts[0] = verts[corners[2]];
   for (;;) {
     ring.tets[ring.count++] = here;
     const FaceCode face = here * 4 + leaving, behind = m.to_neighbor[face];
-    if (behind == kNone || m.is_fixed(face)) return EdgeVerdict::OnSurface;
+    if (may_be_on_surface && (behind == kNone || m.is_fixed(face))) return EdgeVerdict::OnSurface;
     here = behind / 4;
     if (here == tet) return EdgeVerdict::Removed;
     if (ring.count == kLongestRing) return EdgeVerdict::LongRing;
