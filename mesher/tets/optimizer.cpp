@@ -62,13 +62,13 @@ class Optimizer {
     const QualitySummary before = summarize(mesh_, options_.goal);
     report_.least_before = before.least, report_.mean_before = before.mean;
     if (options_.strong_gradation) {
-      swap(.60), smooth(.80), swap(.80), smooth(.80), swap(.80), smooth(.95), swap(.80);
+      swap(.60), smooth(.80), swap(.80), smooth(.80), swap(.80), smooth(.92), swap(.80);
       repair();
-      smooth(.95);
+      smooth(.92);
     } else {
       swap(.60), smooth(.70), swap(.75), smooth(.75), swap(.70);
       repair();
-      smooth(.94);  // all but undisturbed body-centred lattices, which have .945
+      smooth(.90);  // body-centred lattices have .945
     }
     summarize_result();
     mesh_.finish();
