@@ -21,7 +21,7 @@ namespace tetloom::tets {
 enum class EdgeVerdict {
   Removed,
   OnSurface,    ///< a fixed face or nothing lies at the edge
-  LongRing,     ///< more than kLongestRing tets
+  LongRing,     ///< more tets than pays: more than 5, or than kLongestRing where `tet` is very poor
   WorseBeside,  ///< another tet of the ring is worse: it is the one to ask
   NoGain        ///< no triangulation raises the minimum
 };

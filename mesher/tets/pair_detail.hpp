@@ -53,8 +53,7 @@ void for_each_pair(std::span<const StarTet> star, Visit&& visit) {
 inline TetPair star_pair(const PairVec& a, const PairVec& b, const PairVec& c) {
   const PairVec p = b - a, q = c - a, r = c - b;
   const PairVec normal = cross(p, q);
-  return {normal, a + b + c, -dot(normal, a),
-          dot(p, p) + dot(q, q) + dot(r, r) + dot(a, a) + dot(b, b) + dot(c, c)};
+  return {normal, a + b + c, -dot(normal, a), dot(p, p) + dot(q, q) + dot(r, r) + dot(a, a) + dot(b, b) + dot(c, c)};
 }
 
 }  // namespace tetloom::tets::detail

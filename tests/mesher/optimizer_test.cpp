@@ -354,6 +354,33 @@ TEST_CASE("a mesh that is far from the origin is optimised as well") {
   CHECK(least_quality(grid.mesh) > least);
 }
 
+TEST_CASE("a host that cancels gets an error and a mesh that is whole") {
+  ShakenGrid grid = make_shaken_grid(4, 1, 0.5, 3);
+  CancelToken token;
+  token.cancel();
+  const TaskRunner runner(1, Host{{}, &token});
+  tets::OptimizeOptions options;
+  options.fixed_points = grid.fixed_points;
+  CHECK_THROWS_AS(tets::optimize(grid.mesh, options, runner), Error);
+  CHECK(tets::find_fault(grid.mesh) == "");
+}
+
+TEST_CASE("dead tets of the input are dropped") {
+  ShakenGrid grid = make_shaken_grid(3, 1, 0.4, 5);
+  TetMesh mesh = grid.mesh;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 4; ++k) mesh.to_vert.push_back(kNone), mesh.to_neighbor.push_back(kNone);
+    mesh.to_region.push_back(0);
+    mesh.to_fixed.push_back(0);
+  }
+  tets::OptimizeOptions options;
+  options.fixed_points = grid.fixed_points;
+  tets::optimize(mesh, options, TaskRunner(1));
+  CHECK(tets::find_fault(mesh) == "");
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) CHECK_FALSE(mesh.is_dead(t));
+  CHECK(volume_of_region(mesh, 0) == Approx(27));
+}
+
 TEST_CASE("an empty mesh is optimal") {
   TetMesh mesh;
   CHECK_NOTHROW(tets::optimize(mesh, {}, TaskRunner(1)));
