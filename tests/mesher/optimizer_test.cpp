@@ -354,6 +354,21 @@ TEST_CASE("a mesh that is far from the origin is optimised as well") {
   CHECK(least_quality(grid.mesh) > least);
 }
 
+TEST_CASE("the unit of length does not matter") {
+  const ShakenGrid grid = make_shaken_grid(4, 1, 0.5, 9);
+  tets::OptimizeOptions options;
+  options.fixed_points = grid.fixed_points;
+  TetMesh reference = grid.mesh;
+  tets::optimize(reference, options, TaskRunner(1));
+  for (const double unit : {0x1p-40, 0x1p40}) {
+    TetMesh mesh = grid.mesh;
+    for (Vec3& p : mesh.points) p *= unit;
+    tets::optimize(mesh, options, TaskRunner(1));
+    for (Vec3& p : mesh.points) p *= 1 / unit;
+    CHECK(same(mesh, reference));
+  }
+}
+
 TEST_CASE("a host that cancels gets an error and a mesh that is whole") {
   ShakenGrid grid = make_shaken_grid(4, 1, 0.5, 3);
   CancelToken token;
