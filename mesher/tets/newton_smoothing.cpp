@@ -13,8 +13,9 @@ using detail::Pair;
 using detail::PairVec;
 using detail::TetPair;
 
-constexpr int kHalvings = 3;  // of a step that goes too far
-constexpr double kFloor = 0.6 * 0.6 * 0.6;
+constexpr int kHalvings = 3;                // of a step that goes too far
+constexpr double kReach = 1.2;              // over-relaxation: neighbours follow, so that fewer passes do
+constexpr double kFloor = 0.6 * 0.6 * 0.6;  // a tet may get worse to here for the good of its star
 
 double least_quality(WorkingMesh& mesh) {
   float least = 1;
@@ -118,7 +119,7 @@ Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor
   detail::for_each_pair(star, [&](const TetPair& tet) { quadratic.add(tet); });
   const Badness before = quadratic.badness();
   const double bearable = std::max(before.worst, 432 / floor);
-  Vec3 step = quadratic.step();
+  Vec3 step = kReach * quadratic.step();
   if (!is_finite(step)) return {};
   for (int i = 0; i <= kHalvings; ++i, step *= 0.5) {
     const Vec3 d = (x + step) - x;

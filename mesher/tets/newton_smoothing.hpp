@@ -1,6 +1,7 @@
 #pragma once
 // Moves vertices so that the tets around them become better: one damped Newton step on the sum of 1/q^3, convex and
-// with a gradient and a Hessian in closed form (Freitag & Knupp 2002 use other exponents).
+// with a gradient and a Hessian in closed form (Freitag & Knupp 2002 use other exponents). Departures: only vertices at
+// poor tets move, and the step is over-relaxed by 1.2.
 #include <cstdint>
 #include <span>
 
