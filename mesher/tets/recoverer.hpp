@@ -23,6 +23,7 @@ class Recoverer {
   const EdgeSet& kept_;
   const RecoverOptions& options_;
   RecoveryReport& report_;
+  std::uint64_t steps_ = 0;
 };
 
 }  // namespace tetloom::tets

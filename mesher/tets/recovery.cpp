@@ -4,6 +4,7 @@
 
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recoverer.hpp"
+#include "mesher/tets/steiner.hpp"
 
 namespace tetloom::tets {
 
@@ -11,6 +12,7 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 constexpr int kRounds = 4;
+constexpr std::size_t kMissingAtMost = 1000;  // for new points: more says that the input is not sound
 
 struct MissingEdge {
   Edge verts;
@@ -42,10 +44,12 @@ class Recovery {
       recover_triangles();
       if (missing_.size() == before) break;
     }
+    if (options_.allow_new_points && !missing_.empty() && missing_.size() <= kMissingAtMost) use_new_points();
     for (const std::uint32_t t : missing_) explain(t);
     std::sort(report_.unrecovered.begin(), report_.unrecovered.end(),
               [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
     local_.tidy(given_points_);
+    report_.new_points = local_.mesh().points.size() - given_points_;
     return std::move(report_);
   }
 
@@ -96,6 +100,16 @@ class Recovery {
       runner_.check_cancelled();
       Obstacles why;
       return has_edges(t) && recoverer_.recover_triangle(triangles_[t], why);
+    });
+  }
+
+  void use_new_points() {
+    SteinerRecovery steiner(local_, kept_, recoverer_, options_);
+    for (const std::uint32_t t : missing_) steiner.add(triangles_[t], t);
+    steiner.run();
+    std::erase_if(missing_, [&](std::uint32_t t) {
+      const FaceCode code = local_.find_face(triangles_[t]);
+      return code != kNone && local_.mesh().is_fixed(code);
     });
   }
 

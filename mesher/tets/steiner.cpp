@@ -1,0 +1,152 @@
+#include "mesher/tets/steiner.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace tetloom::tets {
+
+namespace {
+
+constexpr std::size_t kSplitsPerTriangle = 8;
+
+bool has_both(const TriangleVerts& t, std::uint32_t a, std::uint32_t b) {
+  return std::find(t.begin(), t.end(), a) != t.end() && std::find(t.begin(), t.end(), b) != t.end();
+}
+
+TriangleVerts with(TriangleVerts t, std::uint32_t old, std::uint32_t fresh) {
+  std::replace(t.begin(), t.end(), old, fresh);
+  return t;
+}
+
+// Sectors of a ball: parts of it that fixed faces separate.
+std::unordered_map<std::uint32_t, std::uint32_t> number_sectors(const LocalMesh& mesh, const TetList& ball) {
+  std::unordered_map<std::uint32_t, std::uint32_t> sector_of;
+  std::uint32_t count = 0;
+  for (const std::uint32_t t : ball) sector_of[t] = kNone;
+  for (const std::uint32_t seed : ball) {
+    if (sector_of[seed] != kNone) continue;
+    TetList stack{seed};
+    sector_of[seed] = count;
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (std::uint32_t k = 0; k < 4; ++k) {
+        const FaceCode back = mesh.mesh().to_neighbor[std::size_t{t} * 4 + k];
+        if (back == kNone || mesh.mesh().is_fixed(t * 4 + k)) continue;
+        const auto at = sector_of.find(back / 4);
+        if (at == sector_of.end() || at->second != kNone) continue;
+        at->second = count;
+        stack.push_back(back / 4);
+      }
+    }
+    ++count;
+  }
+  return sector_of;
+}
+
+}  // namespace
+
+std::uint32_t SteinerRecovery::add_piece(const TriangleVerts& verts, std::uint32_t root) {
+  pieces_.push_back({verts, root});
+  for (std::size_t i = 0; i < 3; ++i) kept_.insert(verts[i], verts[(i + 1) % 3]);
+  return static_cast<std::uint32_t>(pieces_.size() - 1);
+}
+
+void SteinerRecovery::add(const TriangleVerts& triangle, std::uint32_t root) {
+  open_.push_back(add_piece(triangle, root));
+}
+
+void SteinerRecovery::run() {
+  const std::size_t splits_at_most = kSplitsPerTriangle * pieces_.size();
+  std::reverse(open_.begin(), open_.end());
+  while (!open_.empty() && splits_.size() < splits_at_most) {
+    const std::uint32_t piece = open_.back();
+    open_.pop_back();
+    if (!pieces_[piece].divided) realize(piece);
+  }
+  while (!splits_.empty() && undo(splits_.back())) splits_.pop_back();
+}
+
+bool SteinerRecovery::realize(std::uint32_t piece) {
+  const TriangleVerts verts = pieces_[piece].verts;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Obstacles why;
+    const std::uint32_t a = verts[i], b = verts[(i + 1) % 3];
+    if (recoverer_.recover_edge(a, b, why)) continue;
+    return !why.blocked && split_edge(a, b);
+  }
+  Obstacles why;
+  if (recoverer_.recover_triangle(verts, why)) return true;
+  return !why.blocked && split_piece(piece);
+}
+
+bool SteinerRecovery::split_edge(std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t point = split_obstacle(mesh_, kept_, a, b, find_obstacles(mesh_, a, b).tets);
+  if (point == kNone) return false;
+  std::vector<std::uint32_t> parents;
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    if (!pieces_[i].divided && has_both(pieces_[i].verts, a, b)) parents.push_back(i);
+  }
+  divide(parents, a, b, point);
+  return true;
+}
+
+bool SteinerRecovery::split_piece(std::uint32_t piece) {
+  const TriangleVerts& verts = pieces_[piece].verts;
+  const std::uint32_t point = split_obstacle(mesh_, kept_, verts, find_obstacles(mesh_, verts).tets);
+  if (point == kNone) return false;
+  divide({piece}, kNone, kNone, point);
+  return true;
+}
+
+// At the edge ab, or, where there is none, inside.
+void SteinerRecovery::divide(const std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b,
+                             std::uint32_t point) {
+  PieceSplit split{point, parents, {}};
+  for (const std::uint32_t parent : parents) {
+    const SurfacePiece piece = pieces_[parent];
+    pieces_[parent].divided = true;
+    auto& children = split.children.emplace_back();
+    for (const std::uint32_t v : piece.verts) {
+      if (a != kNone && v != a && v != b) continue;
+      children.push_back(add_piece(with(piece.verts, v, point), piece.root));
+    }
+    open_.insert(open_.end(), children.rbegin(), children.rend());
+  }
+  splits_.push_back(std::move(split));
+}
+
+bool SteinerRecovery::undo(const PieceSplit& split) {
+  const TetList ball = mesh_.find_ball(split.point);
+  const auto sector_of = number_sectors(mesh_, ball);
+  std::vector<Sector> sectors(ball.size());
+  for (const std::uint32_t t : ball) {
+    const FaceCode outer = t * 4 + mesh_.corner_of(t, split.point);
+    sectors[sector_of.at(t)].faces.push_back(mesh_.face(outer));
+  }
+  for (std::size_t i = 0; i < split.parents.size(); ++i) {
+    const TriangleVerts verts = pieces_[split.parents[i]].verts;
+    for (const std::uint32_t child : split.children[i]) {
+      const FaceCode code = mesh_.find_face(pieces_[child].verts);
+      if (code == kNone || !mesh_.mesh().is_fixed(code)) return false;
+      if (child != split.children[i].front()) continue;
+      sectors[sector_of.at(code / 4)].faces.push_back(verts);
+      sectors[sector_of.at(mesh_.mesh().to_neighbor[code] / 4)].faces.push_back({verts[0], verts[2], verts[1]});
+    }
+  }
+  std::vector<Tet> fresh;
+  for (const Sector& sector : sectors) {
+    if (sector.faces.empty()) continue;
+    const auto tets = fill_sector(mesh_, sector, split.point, options_);
+    if (!tets) return false;
+    fresh.insert(fresh.end(), tets->begin(), tets->end());
+  }
+  mesh_.replace(ball, fresh);
+  for (const std::uint32_t parent : split.parents) {
+    mesh_.fix(mesh_.find_face(pieces_[parent].verts));
+    pieces_[parent].divided = false;
+  }
+  return true;
+}
+
+}  // namespace tetloom::tets
