@@ -137,6 +137,9 @@ void LocalMesh::replace(std::span<const std::uint32_t> old, std::span<const Tet>
       sides.push_back({sorted(face(code)).verts, back, inner ? Side::Mark : Side::Outer, mesh_.is_fixed(code)});
     }
   }
+  for (const std::uint32_t t : inside) {
+    for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = kNone;
+  }
   for (const std::uint32_t t : inside) mesh_.to_vert[std::size_t{t} * 4] = kNone;
   free_.insert(free_.end(), inside.rbegin(), inside.rend());
   for (const Tet& verts : fresh) {

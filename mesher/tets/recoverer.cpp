@@ -1,18 +1,16 @@
 #include "mesher/tets/recoverer.hpp"
 
-#include <algorithm>
-
 namespace tetloom::tets {
 
 // The cavity grows where its filling fails, as long as it stays small.
 template <class Wanted>
 bool Recoverer::reconnect(const Wanted& wanted, TetList tets) {
-  for (std::uint32_t growth = 0; growth <= options_.growths && steps_ < options_.steps_in_all; ++growth) {
+  for (std::uint32_t growth = 0; growth <= options_.growths && steps_left_ > 0; ++growth) {
     std::optional<Cavity> cavity = make_cavity(mesh_, kept_, tets, std::min(options_.cavity_points, 64u));
     if (!cavity) return false;
     wanted(*cavity);
     const SmallFilling filling = fill_small_polyhedron(cavity->shape, options_.search_steps);
-    steps_ += filling.steps;
+    spend_steps(filling.steps);
     if (filling.outcome == SmallFilling::Found) {
       refill(mesh_, *cavity, filling);
       ++(cavity->to_vert.size() <= 5 ? report_.flips : report_.reconnections);

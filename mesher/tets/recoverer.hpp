@@ -1,5 +1,7 @@
 #pragma once
 // The steps of the recovery of one missing edge or triangle.
+#include <algorithm>
+
 #include "mesher/tets/cavity.hpp"
 #include "mesher/tets/obstacles.hpp"
 
@@ -15,6 +17,11 @@ class Recoverer {
   /// Fixes the triangle, too. Pre: its edges are there.
   bool recover_triangle(const TriangleVerts& triangle, Obstacles& why);
 
+  /// Searches take no more than this many steps, roughly, until more are granted.
+  void grant_steps(std::uint64_t steps) { steps_left_ = steps; }
+  std::uint64_t steps_left() const { return steps_left_; }
+  void spend_steps(std::uint64_t steps) { steps_left_ -= std::min(steps, steps_left_); }
+
  private:
   template <class Wanted>
   bool reconnect(const Wanted& wanted, TetList tets);
@@ -23,7 +30,7 @@ class Recoverer {
   const EdgeSet& kept_;
   const RecoverOptions& options_;
   RecoveryReport& report_;
-  std::uint64_t steps_ = 0;
+  std::uint64_t steps_left_ = 0;
 };
 
 }  // namespace tetloom::tets

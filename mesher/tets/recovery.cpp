@@ -1,6 +1,7 @@
 #include "mesher/tets/recovery.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recoverer.hpp"
@@ -38,6 +39,7 @@ class Recovery {
       if (is_sound(t)) missing_.push_back(t);
     }
     collect_edges();
+    recoverer_.grant_steps(options_.steps_in_all);
     for (int round = 0; round < kRounds && !missing_.empty(); ++round) {
       const std::size_t before = missing_.size();
       recover_edges();
@@ -103,13 +105,47 @@ class Recovery {
     });
   }
 
+  // Triangles that hang together at edges, apart from others, so that one failure does not spoil others.
+  std::vector<std::vector<std::uint32_t>> missing_groups() const {
+    std::vector<std::uint32_t> group(missing_.size());
+    std::iota(group.begin(), group.end(), 0u);
+    const auto root = [&](std::uint32_t i) {
+      while (group[i] != i) i = group[i] = group[group[i]];
+      return i;
+    };
+    for (const MissingEdge& edge : edges_) {
+      std::uint32_t first = kNone;
+      for (const std::uint32_t t : edge.triangles) {
+        const auto at = std::lower_bound(missing_.begin(), missing_.end(), t);
+        if (at == missing_.end() || *at != t) continue;
+        const std::uint32_t other = root(static_cast<std::uint32_t>(at - missing_.begin()));
+        if (first == kNone) first = other;
+        group[std::max(first, other)] = std::min(first, other);
+        first = std::min(first, other);
+      }
+    }
+    std::vector<std::vector<std::uint32_t>> members(missing_.size());
+    for (std::uint32_t i = 0; i < missing_.size(); ++i) members[root(i)].push_back(missing_[i]);
+    std::erase_if(members, [](const auto& list) { return list.empty(); });
+    return members;
+  }
+
   void use_new_points() {
-    SteinerRecovery steiner(local_, kept_, recoverer_, options_);
-    for (const std::uint32_t t : missing_) steiner.add(triangles_[t], t);
-    steiner.run();
+    std::uint64_t steps_left = options_.steps_in_all;
+    for (const std::vector<std::uint32_t>& triangles : missing_groups()) {
+      runner_.check_cancelled();
+      const std::uint64_t granted = std::min(steps_left, options_.steps_of_group);
+      if (granted == 0) break;
+      recoverer_.grant_steps(granted);
+      SteinerRecovery steiner(local_, kept_, recoverer_, options_);
+      for (const std::uint32_t t : triangles) steiner.add(triangles_[t]);
+      steiner.run();
+      steps_left -= granted - recoverer_.steps_left();
+    }
     std::erase_if(missing_, [&](std::uint32_t t) {
       const FaceCode code = local_.find_face(triangles_[t]);
-      return code != kNone && local_.mesh().is_fixed(code);
+      if (code != kNone) local_.fix(code);
+      return code != kNone;
     });
   }
 

@@ -12,11 +12,12 @@
 namespace tetloom::tets {
 
 struct RecoverOptions {
-  std::uint32_t cavity_points = 40;      ///< of a small polyhedron, at most
-  std::uint64_t search_steps = 100'000;  ///< intersection tests in one search for its tetrahedra
-  std::uint64_t steps_in_all = 500'000'000;  ///< of all searches of a call
-  std::uint32_t growths = 8;             ///< of a cavity that has no tetrahedra with what is wanted
-  bool allow_new_points = true;          ///< inside; never on the surface
+  std::uint32_t cavity_points = 40;           ///< of a small polyhedron, at most
+  std::uint64_t search_steps = 400'000;       ///< intersection tests in one search for its tetrahedra
+  std::uint64_t steps_in_all = 200'000'000;   ///< of all searches without new points, and again of those with them
+  std::uint64_t steps_of_group = 20'000'000;  ///< of those with new points in triangles that hang together
+  std::uint32_t growths = 8;                  ///< of a cavity that has no tetrahedra with what is wanted
+  bool allow_new_points = true;               ///< inside; never on the surface
 };
 
 /// Why a triangle is not a face of the mesh.

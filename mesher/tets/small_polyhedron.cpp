@@ -108,7 +108,7 @@ class Search {
 
   void find_free_points() {
     std::vector<std::uint8_t> on_front(count_, 0);
-    for (const Edge& e : edges_) on_front[e[0]] = on_front[e[1]] = 1;
+    for (const Face& f : in_.faces) on_front[f[0]] = on_front[f[1]] = on_front[f[2]] = 1;
     for (std::uint8_t v = 0; v < count_; ++v) {
       if (on_front[v] == 0) free_points_.push_back(v);
     }

@@ -52,19 +52,29 @@ std::uint32_t SteinerRecovery::add_piece(const TriangleVerts& verts, std::uint32
   return static_cast<std::uint32_t>(pieces_.size() - 1);
 }
 
-void SteinerRecovery::add(const TriangleVerts& triangle, std::uint32_t root) {
-  open_.push_back(add_piece(triangle, root));
+void SteinerRecovery::add(const TriangleVerts& triangle) {
+  open_.push_back(add_piece(triangle, static_cast<std::uint32_t>(pieces_.size())));
 }
 
 void SteinerRecovery::run() {
   const std::size_t splits_at_most = kSplitsPerTriangle * pieces_.size();
   std::reverse(open_.begin(), open_.end());
-  while (!open_.empty() && splits_.size() < splits_at_most) {
+  while (!open_.empty() && splits_.size() < splits_at_most && recoverer_.steps_left() > 0) {
     const std::uint32_t piece = open_.back();
     open_.pop_back();
     if (!pieces_[piece].divided) realize(piece);
   }
   while (!splits_.empty() && undo(splits_.back())) splits_.pop_back();
+  release_pieces();
+}
+
+// What is left of divided triangles is no part of the surface.
+void SteinerRecovery::release_pieces() {
+  for (const SurfacePiece& piece : pieces_) {
+    if (piece.divided || piece.verts == pieces_[piece.root].verts) continue;
+    const FaceCode code = mesh_.find_face(piece.verts);
+    if (code != kNone) mesh_.release(code);
+  }
 }
 
 bool SteinerRecovery::realize(std::uint32_t piece) {

@@ -7,7 +7,7 @@ namespace tetloom::tets {
 /// A triangle, or a piece of one that a point divided.
 struct SurfacePiece {
   TriangleVerts verts;
-  std::uint32_t root;  ///< index of the triangle
+  std::uint32_t root;  ///< the piece that is the whole triangle
   bool divided = false;
 };
 
@@ -30,7 +30,7 @@ class SteinerRecovery {
       : mesh_(mesh), kept_(kept), recoverer_(recoverer), options_(options) {}
 
   /// Adds what is to be recovered. Pre: none of its missing edges belongs to a triangle that is not added.
-  void add(const TriangleVerts& triangle, std::uint32_t root);
+  void add(const TriangleVerts& triangle);
   /// Whether a triangle is there afterwards is to be asked of the mesh, which is without faults in any case.
   void run();
 
@@ -41,6 +41,7 @@ class SteinerRecovery {
   void divide(const std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b, std::uint32_t point);
   std::uint32_t add_piece(const TriangleVerts& verts, std::uint32_t root);
   bool undo(const PieceSplit& split);
+  void release_pieces();
 
   LocalMesh& mesh_;
   EdgeSet& kept_;

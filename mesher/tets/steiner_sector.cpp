@@ -1,6 +1,7 @@
 // Fillings of a sector of the ball of a point that leaves the surface.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/steiner.hpp"
@@ -53,55 +54,75 @@ std::optional<Vec3> find_deep_point(const LocalMesh& mesh, const Sector& sector,
       if (const double d = depth_at(planes, p); d > depth) depth = d, best = p;
     }
   }
-  return best;
+  // Off the planes of symmetry: other triangles may be still to come there.
+  return best + 0.1 * depth * Vec3{0.37, -0.61, 0.53};
 }
 
-struct LocalSector {
-  SmallPolyhedron shape;
-  std::vector<std::uint32_t> to_vert;
-};
-
-LocalSector make_local(const LocalMesh& mesh, const Sector& sector) {
-  LocalSector local;
-  for (const TriangleVerts& f : sector.faces) local.to_vert.insert(local.to_vert.end(), f.begin(), f.end());
-  std::sort(local.to_vert.begin(), local.to_vert.end());
-  local.to_vert.erase(std::unique(local.to_vert.begin(), local.to_vert.end()), local.to_vert.end());
-  if (local.to_vert.size() > 63) return local;
+// `free_points` are those inside.
+std::optional<std::vector<Tet>> search(const LocalMesh& mesh, const Sector& sector,
+                                       std::span<const std::uint32_t> free_points, std::uint64_t steps) {
+  std::vector<std::uint32_t> to_vert(free_points.begin(), free_points.end());
+  for (const TriangleVerts& f : sector.faces) to_vert.insert(to_vert.end(), f.begin(), f.end());
+  std::sort(to_vert.begin(), to_vert.end());
+  to_vert.erase(std::unique(to_vert.begin(), to_vert.end()), to_vert.end());
+  if (to_vert.size() > 64) return std::nullopt;
   const auto id = [&](std::uint32_t v) {
-    return static_cast<std::uint8_t>(std::lower_bound(local.to_vert.begin(), local.to_vert.end(), v) -
-                                     local.to_vert.begin());
+    return static_cast<std::uint8_t>(std::lower_bound(to_vert.begin(), to_vert.end(), v) - to_vert.begin());
   };
-  for (const std::uint32_t v : local.to_vert) local.shape.points.push_back(mesh.point(v));
-  for (const TriangleVerts& f : sector.faces) local.shape.faces.push_back({id(f[0]), id(f[1]), id(f[2])});
-  return local;
-}
-
-std::optional<std::vector<Tet>> search(const LocalSector& local, std::uint64_t steps) {
-  if (local.shape.faces.empty()) return std::nullopt;
-  const SmallFilling filling = fill_small_polyhedron(local.shape, steps);
+  SmallPolyhedron shape;
+  for (const std::uint32_t v : to_vert) shape.points.push_back(mesh.point(v));
+  for (const TriangleVerts& f : sector.faces) shape.faces.push_back({id(f[0]), id(f[1]), id(f[2])});
+  const SmallFilling filling = fill_small_polyhedron(shape, steps);
   if (filling.outcome != SmallFilling::Found) return std::nullopt;
   std::vector<Tet> tets;
-  for (const auto& t : filling.tets)
-    tets.push_back({local.to_vert[t[0]], local.to_vert[t[1]], local.to_vert[t[2]], local.to_vert[t[3]]});
+  for (const auto& t : filling.tets) tets.push_back({to_vert[t[0]], to_vert[t[1]], to_vert[t[2]], to_vert[t[3]]});
   return tets;
+}
+
+std::optional<std::vector<Tet>> fill_star(LocalMesh& mesh, const Sector& sector, const Vec3& start) {
+  const std::optional<Vec3> inside = find_deep_point(mesh, sector, start);
+  if (!inside) return std::nullopt;
+  for (const TriangleVerts& f : sector.faces) {
+    if (orient3d(mesh.point(f[0]), mesh.point(f[1]), mesh.point(f[2]), *inside) <= 0) return std::nullopt;
+  }
+  const std::uint32_t fresh = mesh.add_point(*inside);
+  std::vector<Tet> tets;
+  for (const TriangleVerts& f : sector.faces) tets.push_back({f[0], f[1], f[2], fresh});
+  return tets;
+}
+
+// A piece with nothing else at its edge is a slit in the ball: points above, below and beyond it.
+//
+//            above
+//     z ------x  beyond       the slit ends at the edge xy, seen from its end
+//            below
+std::optional<std::vector<Tet>> fill_slit(LocalMesh& mesh, const Sector& sector, const Vec3& start,
+                                          const RecoverOptions& options) {
+  const TriangleVerts piece = sector.faces.back();
+  const Vec3 a = mesh.point(piece[0]), b = mesh.point(piece[1]), c = mesh.point(piece[2]);
+  const Vec3 normal = normalized(cross(b - a, c - a)), beyond = normalized(start - (a + b + c) / 3);
+  double radius = HUGE_VAL;
+  for (const TriangleVerts& f : sector.faces) radius = std::min(radius, distance(start, mesh.point(f[0])));
+  for (const double step : {0.3 * radius, 0.1 * radius, 0.02 * radius}) {
+    const std::array<std::uint32_t, 3> free{mesh.add_point(start + step * beyond),
+                                            mesh.add_point(start + step * normal),
+                                            mesh.add_point(start - step * normal)};
+    for (const std::size_t count : {1, 3}) {
+      if (auto tets = search(mesh, sector, std::span(free).first(count), options.search_steps / 4)) return tets;
+    }
+    if (auto tets = search(mesh, sector, std::span(free).last(2), options.search_steps / 4)) return tets;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<std::vector<Tet>> fill_sector(LocalMesh& mesh, const Sector& sector, std::uint32_t point,
                                             const RecoverOptions& options) {
-  LocalSector local = make_local(mesh, sector);
-  if (auto tets = search(local, options.search_steps)) return tets;
-  const std::optional<Vec3> inside = find_deep_point(mesh, sector, mesh.point(point));
-  if (!inside) return std::nullopt;
-  const bool sees_all = std::all_of(sector.faces.begin(), sector.faces.end(), [&](const TriangleVerts& f) {
-    return orient3d(mesh.point(f[0]), mesh.point(f[1]), mesh.point(f[2]), *inside) > 0;
-  });
-  if (!sees_all) return std::nullopt;
-  const std::uint32_t fresh = mesh.add_point(*inside);
-  std::vector<Tet> tets;
-  for (const TriangleVerts& f : sector.faces) tets.push_back({f[0], f[1], f[2], fresh});
-  return tets;
+  if (auto tets = search(mesh, sector, {}, options.search_steps / 4)) return tets;
+  const Vec3 start = mesh.point(point);
+  if (auto tets = fill_star(mesh, sector, start)) return tets;
+  return sector.faces.size() > 2 ? fill_slit(mesh, sector, start, options) : std::nullopt;
 }
 
 }  // namespace tetloom::tets

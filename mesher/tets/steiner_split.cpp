@@ -127,8 +127,8 @@ std::uint32_t split_obstacle(LocalMesh& mesh, const EdgeSet& kept, const Triangl
         const double s = above / (above - below);
         if (!(s > 0 && s < 1)) continue;
         const Vec3 x = mesh.point(p) + s * (mesh.point(q) - mesh.point(p));
-        const double central = std::min({dot(cross(b - a, x - a), normal), dot(cross(c - b, x - b), normal),
-                                         dot(cross(a - c, x - c), normal)});
+        const double central = std::min(
+            {dot(cross(b - a, x - a), normal), dot(cross(c - b, x - b), normal), dot(cross(a - c, x - c), normal)});
         crossings.push_back({-central / norm2(normal), {p, q, kNone}, x});
       }
     }
