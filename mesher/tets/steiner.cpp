@@ -91,12 +91,23 @@ bool SteinerRecovery::realize(std::uint32_t piece) {
 }
 
 bool SteinerRecovery::split_edge(std::uint32_t a, std::uint32_t b) {
-  const std::uint32_t point = split_obstacle(mesh_, kept_, a, b, find_obstacles(mesh_, a, b).tets);
-  if (point == kNone) return false;
+  const TetList obstacles = find_obstacles(mesh_, a, b).tets;
   std::vector<std::uint32_t> parents;
   for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
     if (!pieces_[i].divided && has_both(pieces_[i].verts, a, b)) parents.push_back(i);
   }
+  // Inside a triangle, what pierces it is split rather than what its division happens to meet: that comes to an end.
+  if (parents.size() == 2 && pieces_[parents[0]].root == pieces_[parents[1]].root) {
+    for (const std::uint32_t piece : parents) {
+      const std::uint32_t point = split_obstacle(mesh_, kept_, pieces_[piece].verts, obstacles);
+      if (point == kNone) continue;
+      divide({piece}, kNone, kNone, point);
+      open_.push_back(parents[0] + parents[1] - piece);
+      return true;
+    }
+  }
+  const std::uint32_t point = split_obstacle(mesh_, kept_, a, b, obstacles);
+  if (point == kNone) return false;
   divide(parents, a, b, point);
   return true;
 }

@@ -10,6 +10,7 @@ namespace tetloom::tets {
 namespace {
 
 constexpr std::size_t kTrials = 12;
+constexpr double kCentral = 1e-3;  // least share of a triangle that a point inside may give to a third of it
 
 // A face or an edge (third vertex kNone) that may be split at a point; the smaller `rank` the better.
 struct Crossing {
@@ -129,7 +130,7 @@ std::uint32_t split_obstacle(LocalMesh& mesh, const EdgeSet& kept, const Triangl
         const Vec3 x = mesh.point(p) + s * (mesh.point(q) - mesh.point(p));
         const double central = std::min(
             {dot(cross(b - a, x - a), normal), dot(cross(c - b, x - b), normal), dot(cross(a - c, x - c), normal)});
-        crossings.push_back({-central / norm2(normal), {p, q, kNone}, x});
+        if (central > kCentral * norm2(normal)) crossings.push_back({-central / norm2(normal), {p, q, kNone}, x});
       }
     }
   }
