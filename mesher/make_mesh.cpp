@@ -136,6 +136,7 @@ class MeshRun {
     const VolumeInput input{mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes};
     VolumeMesh volume = fill_volume(input, {options_.volume_worker}, runner_);
     result_.seconds.volume += watch.lap();
+    result_.filling = volume.figures;
     append(volume.errors, volume.warnings);
     if (!volume.errors.empty()) {
       result_.status = MeshStatus::Failed;

@@ -15,6 +15,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom {
@@ -70,6 +71,7 @@ struct MeshResult {
   std::vector<Diagnostic> warnings;
   StageSeconds seconds;
   double model_volume = 0;  ///< sum over the regions; model length³
+  FillingFigures filling;   ///< how the volume came to be filled
 };
 
 /// How much a mesh will hold and need, from the size field alone.

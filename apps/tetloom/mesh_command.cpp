@@ -10,6 +10,31 @@
 namespace tetloom::app {
 namespace {
 
+nlohmann::ordered_json filling_json(const FillingFigures& figures) {
+  const FillingFigures::Seconds& seconds = figures.seconds;
+  const tets::OptimizeReport& optimizer = figures.optimizer;
+  return {{"core_tets", figures.core_tets},
+          {"shell_tets", figures.shell_tets},
+          {"missing_triangles", figures.missing_triangles},
+          {"recovery_points", figures.recovery_points},
+          {"worker_complexes", figures.worker_complexes},
+          {"seconds",
+           {{"points", seconds.points},
+            {"core", seconds.core},
+            {"delaunay", seconds.delaunay},
+            {"recovery", seconds.recovery},
+            {"join", seconds.join},
+            {"optimize", seconds.optimize}}},
+          {"optimizer",
+           {{"edges_removed", optimizer.edges_removed},
+            {"vertices_moved", optimizer.vertices_moved},
+            {"vertices_removed", optimizer.vertices_removed},
+            {"points_inserted", optimizer.points_inserted},
+            {"below_goal", optimizer.below_goal},
+            {"below_dihedral", optimizer.below_dihedral},
+            {"forced", optimizer.forced}}}};
+}
+
 void note_result(const MeshResult& result, RunReport& report) {
   const Mesh& mesh = result.mesh;
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
@@ -18,6 +43,7 @@ void note_result(const MeshResult& result, RunReport& report) {
   report.seconds.volume = result.seconds.volume;
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = mesh.entities;
+  if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling);
 }
 
 void measure(const MeshResult& result, RunReport& report) {

@@ -72,6 +72,7 @@ class Optimizer {
     }
     summarize_result();
     mesh_.finish();
+    report_.tets = mesh_.mesh().size();
     return report_;
   }
 
@@ -106,6 +107,24 @@ class Optimizer {
 };
 
 }  // namespace
+
+void OptimizeReport::add(const OptimizeReport& other) {
+  if (other.tets == 0) return;
+  if (tets == 0) {
+    *this = other;
+    return;
+  }
+  const double share = static_cast<double>(other.tets) / static_cast<double>(tets + other.tets);
+  mean_before += share * (other.mean_before - mean_before);
+  mean += share * (other.mean - mean);
+  for (const auto least_of : {&OptimizeReport::least_before, &OptimizeReport::least, &OptimizeReport::least_dihedral})
+    this->*least_of = std::min(this->*least_of, other.*least_of);
+  for (const auto count :
+       {&OptimizeReport::edges_removed, &OptimizeReport::vertices_moved, &OptimizeReport::points_inserted,
+        &OptimizeReport::vertices_removed, &OptimizeReport::below_goal, &OptimizeReport::below_dihedral,
+        &OptimizeReport::forced, &OptimizeReport::tets})
+    this->*count += other.*count;
+}
 
 OptimizeReport optimize(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner) {
   check_options(mesh, options);

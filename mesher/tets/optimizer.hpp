@@ -37,6 +37,10 @@ struct OptimizeReport {
   double least_dihedral = 0;                 ///< degrees
   std::size_t below_dihedral = 0;            ///< tets with a smaller angle than asked for
   std::size_t forced = 0;                    ///< of those, tets to which the surface's triangles leave no choice
+  std::size_t tets = 0;                      ///< that were looked at
+
+  /// Takes another mesh into account: sums of counts, means over all tets, the lower of the extremes.
+  void add(const OptimizeReport& other);
 };
 
 /// Optimises in place; what is dead is dropped, and so are points from `fixed_points` on that no tet has any more.

@@ -16,8 +16,9 @@ struct FilledComplex {
   FillingFigures figures;
 };
 
-/// Fills `complex` as fill_volume promises. `worker` is the path of the worker, empty where there is none. Errors: Cancelled and OutOfMemory are thrown, everything else
-/// is in the result. The result depends on the input and the worker alone.
+/// Fills `complex` as fill_volume promises. `worker` is the path of the worker, empty where there is none. Errors:
+/// Cancelled and OutOfMemory are thrown, everything else is in the result. The result depends on the input and the
+/// worker alone.
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
                            const TaskRunner& runner);
 

@@ -73,7 +73,8 @@ class LatticeFiller {
     Fault fault;
     if (report.unrecovered.empty()) return fault;
     for (const tets::UnrecoveredTriangle& lost : report.unrecovered) fault.triangles.push_back(lost.triangle);
-    fault.message = std::to_string(report.unrecovered.size()) + " surface triangles could not be made faces of the mesh";
+    fault.message =
+        std::to_string(report.unrecovered.size()) + " surface triangles could not be made faces of the mesh";
     fault.point = report.unrecovered[0].point;
     return fault;
   }

@@ -12,7 +12,7 @@
 namespace tetloom::volume {
 
 struct LatticeFilling {
-  tets::TetMesh mesh;      ///< points: the complex's, then new ones; some may be used by no tet
+  tets::TetMesh mesh;  ///< points: the complex's, then new ones; some may be used by no tet
   FillingFigures figures;
   FillingVerdict verdict;  ///< not good: what is in the way, and the mesh is unspecified
 };

@@ -92,8 +92,8 @@ void FillingFigures::add(const FillingFigures& other) {
   missing_triangles += other.missing_triangles;
   recovery_points += other.recovery_points;
   optimizer.add(other.optimizer);
-  for (const auto member : {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join,
-                            &Seconds::optimize})
+  for (const auto member :
+       {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join, &Seconds::optimize})
     seconds.*member += other.seconds.*member;
 }
 
