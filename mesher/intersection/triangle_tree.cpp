@@ -115,10 +115,9 @@ bool TriangleTree::any_within(const Vec3& x, double radius) const {
   return found;
 }
 
-bool TriangleTree::any_in(const Box3& box) const {
+bool TriangleTree::may_meet(const Box3& box) const {
   bool found = false;
-  descend([&](const Box3& node) { return node.overlaps(box); },
-          [&](std::uint32_t triangle) { return !(found = box_of(triangle).overlaps(box)); });
+  descend_leaves([&](const Box3& node) { return node.overlaps(box); }, [&](std::size_t) { return !(found = true); });
   return found;
 }
 

@@ -32,8 +32,8 @@ class TriangleTree {
   }
   /// True when a point of a triangle lies nearer to `x` than `radius`.
   bool any_within(const Vec3& x, double radius) const;
-  /// True when the box of a triangle overlaps `box` (closed).
-  bool any_in(const Box3& box) const;
+  /// False when no triangle's box overlaps `box` (closed); true when one does, or nearly.
+  bool may_meet(const Box3& box) const;
   /// Calls visit(triangle, up) for every triangle that the ray from `x` along +z crosses; `up` when its normal points
   /// up. Exact: a ray through an edge or a vertex is treated as if `x` were moved by an infinitesimal step, the same
   /// for all triangles, so that the crossings of a closed surface balance.

@@ -25,6 +25,7 @@ Levels::Levels(double lo, double hi) : smallest_(lo) {
   }
   log_ratio_ = std::log(hi / lo) / steps;
   ratio_ = std::exp(log_ratio_);
+  half_step_ = std::sqrt(ratio_);
   count_ = steps + 1;
 }
 

@@ -23,8 +23,17 @@ class Levels {
   double size(int level) const { return smallest_ * std::pow(ratio_, level); }
   /// The level nearest to `size` in the logarithm.
   int of(double size) const;
+  /// The sizes of a level, but for those halfway to another one: at least `lo`, below `hi`.
+  struct Range {
+    double lo, hi;
+    bool holds(double size) const { return size >= lo && size < hi; }
+  };
+  Range range(int level) const {
+    return {level == 0 ? 0 : size(level) / half_step_, level + 1 == count_ ? HUGE_VAL : size(level + 1) / half_step_};
+  }
 
  private:
+  double half_step_ = 1;  // square root of the ratio
   double smallest_, log_ratio_ = 0, ratio_ = 1;
   int count_ = 1;
 };

@@ -31,6 +31,7 @@ std::vector<KeptSite> CellSites::find(const BccLattice& lattice, const Box3& box
   first_ = lattice.first_site(box.lo), end_ = lattice.first_site(box.hi);
   if (first_.i >= end_.i || first_.j >= end_.j || first_.k >= end_.k) return {};
   enter_sites(questions);
+  if (wanted_first_.i >= wanted_end_.i) return {};
   if (questions.tree) measure_distances(*questions.tree);
   group_sites();
   return take_inside(questions);
@@ -55,36 +56,45 @@ bool CellSites::is_kept(const Entry& entry) const {
 void CellSites::enter_sites(const Questions& questions) {
   const double reach = kNearSurface * lattice_->size();
   entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite});
+  wanted_first_ = end_, wanted_end_ = first_;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
     entry.point = lattice_->point(site);
-    if (!questions.is_wanted || questions.is_wanted(entry.point)) entry.group = kNoGroup;
+    if (questions.is_wanted && !questions.is_wanted(entry.point)) return;
+    entry.group = kNoGroup;
+    wanted_first_ = {std::min(wanted_first_.i, site.i), std::min(wanted_first_.j, site.j),
+                     std::min(wanted_first_.k, site.k)};
+    wanted_end_ = {std::max(wanted_end_.i, site.i + 1), std::max(wanted_end_.j, site.j + 1),
+                   std::max(wanted_end_.k, site.k + 1)};
   });
 }
 
 void CellSites::measure_distances(const intersection::TriangleTree& tree) {
   const double reach = kNearSurface * lattice_->size();
   Box3 box;
-  for (const Site& corner : {first_, end_}) box.add(lattice_->point(corner));
+  for (const Site& corner : {wanted_first_, wanted_end_}) box.add(lattice_->point(corner));
   const Vec3 margin{reach, reach, reach};
-  tree.for_each_in({box.lo - margin, box.hi + margin}, [&](std::uint32_t triangle) { measure_to(tree, triangle); });
+  tree.for_each_leaf_in({box.lo - margin, box.hi + margin}, 0, [&](std::size_t leaf) {
+    for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) measure_to(tree.corners_of(triangle));
+  });
 }
 
-void CellSites::measure_to(const intersection::TriangleTree& tree, std::uint32_t triangle) {
-  const auto& [a, b, c] = tree.corners_of(triangle);
+void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
   const double reach = kNearSurface * lattice_->size();
-  const Vec3 margin{reach, reach, reach}, normal = cross(b - a, c - a);
-  const double length2 = norm2(normal), reach2 = length2 * reach * reach;
+  const Vec3 margin{reach, reach, reach};
   Box3 box;
-  for (const Vec3& x : {a, b, c}) box.add(x);
+  for (const Vec3& x : triangle) box.add(x);
   const Site lo = lattice_->first_site(box.lo - margin), hi = lattice_->first_site(box.hi + margin);
-  const Site from{std::max(lo.i, first_.i), std::max(lo.j, first_.j), std::max(lo.k, first_.k)};
-  const Site to{std::min(hi.i, end_.i), std::min(hi.j, end_.j), std::min(hi.k, end_.k)};
+  const Site from{std::max(lo.i, wanted_first_.i), std::max(lo.j, wanted_first_.j), std::max(lo.k, wanted_first_.k)};
+  const Site to{std::min(hi.i, wanted_end_.i), std::min(hi.j, wanted_end_.j), std::min(hi.k, wanted_end_.k)};
+  if (from.i >= to.i || from.j >= to.j || from.k >= to.k) return;
+  const Vec3 normal = cross(b - a, c - a);
+  const double length2 = norm2(normal);
   lattice_->for_each_between(from, to, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
-    if (entry.group == kNoSite) return;
     const double height = dot(entry.point - a, normal);
-    if (height * height > reach2) return;
+    if (entry.group == kNoSite || height * height > length2 * entry.distance2) return;
     entry.distance2 = std::min(entry.distance2, intersection::distance2_to_triangle(entry.point, a, b, c));
   });
 }

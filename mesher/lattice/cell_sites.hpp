@@ -1,5 +1,6 @@
 #pragma once
 // The sites of one lattice in one box, how far each is from the surface, and which lie on the same side of it.
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -44,7 +45,7 @@ class CellSites {
 
   void enter_sites(const Questions& questions);
   void measure_distances(const intersection::TriangleTree& tree);
-  void measure_to(const intersection::TriangleTree& tree, std::uint32_t triangle);
+  void measure_to(const std::array<Vec3, 3>& triangle);
   void group_sites();
   void spread_group(std::size_t seed, std::uint32_t group);
   std::vector<KeptSite> take_inside(const Questions& questions) const;
@@ -53,7 +54,7 @@ class CellSites {
   bool is_kept(const Entry& entry) const;
 
   const BccLattice* lattice_ = nullptr;
-  Site first_{}, end_{};
+  Site first_{}, end_{}, wanted_first_{}, wanted_end_{};
   std::vector<Entry> entries_;              // of all sites between first_ and end_, by k, j, i
   std::vector<std::size_t> stack_, heads_;  // heads_: one site per group
 };

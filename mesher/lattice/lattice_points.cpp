@@ -80,7 +80,7 @@ class Filler {
     const Box3& box = node.box;
     Cell cell = sized_cell(box);
     const Vec3 center = box.center();
-    cell.meets_surface = node.may_meet_surface && request_.tree->any_in(box);
+    cell.meets_surface = node.may_meet_surface && request_.tree->may_meet(box);
     if (node.may_meet_surface && !cell.meets_surface && !inside(center)) return;
     if (box.hi.x - box.lo.x > kSizesPerCell * cell.lo && node.depth < kDeepestCell) {
       for (int octant = 0; octant < 8; ++octant) {
@@ -94,7 +94,7 @@ class Filler {
     }
     const double reach = kNearSurface * cell.hi * 1.3;  // the lattice's size may be larger than the field's
     const Vec3 margin{reach, reach, reach};
-    cell.near_surface = cell.meets_surface || request_.tree->any_in({box.lo - margin, box.hi + margin});
+    cell.near_surface = cell.meets_surface || request_.tree->may_meet({box.lo - margin, box.hi + margin});
     cells_.push_back(cell);
     if (static_cast<double>(cells_.size()) * 64 > kMostPoints)
       throw Error(ErrorCode::OutOfMemory, "the size field asks for more than a thousand million points");
@@ -119,8 +119,11 @@ class Filler {
     CellSites::Questions questions{cell.near_surface ? request_.tree : nullptr, {}, {}};
     if (cell.meets_surface) questions.is_inside = [this](const Vec3& x) { return inside(x); };
     for (int level = first; level <= last; ++level) {
-      if (levels_.count() > 1)
-        questions.is_wanted = [&](const Vec3& x) { return levels_.of(request_.sizes->size_at(x)) == level; };
+      if (levels_.count() > 1) {
+        questions.is_wanted = [this, range = levels_.range(level)](const Vec3& x) {
+          return range.holds(request_.sizes->size_at(x));
+        };
+      }
       level_to_sites[static_cast<std::size_t>(level)] =
           sites.find(lattices_[static_cast<std::size_t>(level)], cell.box, questions);
     }
