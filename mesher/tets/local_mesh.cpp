@@ -179,6 +179,7 @@ std::uint32_t LocalMesh::add_point(const Vec3& p) {
 void LocalMesh::tidy(std::uint32_t first) {
   if (!free_.empty()) compact(mesh_);
   free_.clear();
+  if (mesh_.points.size() == first) return;
   std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
   for (const std::uint32_t v : mesh_.to_vert) {
     if (v >= first) to_new[v - first] = 0;

@@ -23,10 +23,10 @@ struct MissingEdge {
 
 class Recovery {
  public:
-  Recovery(TetMesh& mesh, std::span<const TriangleVerts> triangles, const TriangleTable& table,
+  Recovery(TetMesh& mesh, std::span<const TriangleVerts> triangles, const TriangleIndex& index,
            const RecoverOptions& options, const TaskRunner& runner)
       : triangles_(triangles),
-        table_(table),
+        index_(index),
         options_(options),
         runner_(runner),
         local_(mesh),
@@ -63,7 +63,7 @@ class Recovery {
       report_.unrecovered.push_back({t, RecoveryFault::Degenerate, known ? local_.point(v[0]) : Vec3{}, kNone});
       return false;
     }
-    const std::uint32_t first = table_.find(sorted(v))->value;
+    const std::uint32_t first = index_.find(sorted(v))->triangle;
     if (first == t) return true;
     report_.unrecovered.push_back({t, RecoveryFault::Duplicate, local_.point(v[0]), first});
     return false;
@@ -165,13 +165,13 @@ class Recovery {
     const Vec3 center = (local_.point(v[0]) + local_.point(v[1]) + local_.point(v[2])) / 3;
     UnrecoveredTriangle entry{t, why.fault, why.blocked ? why.point : center, kNone};
     if (why.face != kNone) {
-      if (const TriangleTable::Entry* other = table_.find(sorted(local_.face(why.face)))) entry.other = other->value;
+      if (const TriangleIndex::Entry* other = index_.find(sorted(local_.face(why.face)))) entry.other = other->triangle;
     }
     report_.unrecovered.push_back(entry);
   }
 
   std::span<const TriangleVerts> triangles_;
-  const TriangleTable& table_;
+  const TriangleIndex& index_;
   RecoverOptions options_;
   const TaskRunner& runner_;
   LocalMesh local_;
@@ -187,10 +187,10 @@ class Recovery {
 
 RecoveryReport recover_boundary(TetMesh& mesh, std::span<const TriangleVerts> triangles, const RecoverOptions& options,
                                 const TaskRunner& runner) {
-  const TriangleTable table = make_table(triangles);
-  const std::vector<std::uint32_t> missing = fix_triangles(mesh, triangles, table, runner);
+  const TriangleIndex index(triangles, mesh.points.size());
+  const std::vector<std::uint32_t> missing = fix_triangles(mesh, triangles, index, runner);
   if (missing.empty()) return {};
-  return Recovery(mesh, triangles, table, options, runner).run(missing);
+  return Recovery(mesh, triangles, index, options, runner).run(missing);
 }
 
 }  // namespace tetloom::tets

@@ -47,11 +47,15 @@ struct RecoveryReport {
 
 /// Makes every triangle a face of `mesh` and fixes it on both sides. Faces that were fixed stay.
 ///
-/// Pre: `mesh` is free of faults (find_fault), covers a convex box whose corners alone are not points of the surface
-/// or the inside, and its faces are all free or wanted. The triangles should meet in common vertices and edges only;
-/// where they do not, they are reported and the mesh stays free of faults. New points lie inside, behind the given
-/// ones, whose ids, number and places stay. Tets may be renumbered. The result depends on ids only, not on threads.
-/// Always ends. Linear where nothing is missing: one pass over the tets.
+/// Pre: `mesh` is free of faults (find_fault), its domain is convex, and the surface touches neither its hull nor its
+/// outer points. The triangles should meet in common vertices and edges only; where they do not, they are reported and
+/// the mesh stays free of faults. New points lie off the surface, behind the given points, whose ids and places stay.
+/// Tets may be renumbered; new ones get the region of one that they replace. The result depends on ids only, not on
+/// threads. Always ends. Linear where nothing is missing: one pass over the tets. Errors: Cancelled (the mesh is sound
+/// then, too), OutOfMemory.
+///
+/// Missing edges come first, then triangles; each by a search over the tetrahedra of the small polyhedron that it
+/// crosses, which grows where the search fails, then with new points (see SteinerRecovery).
 RecoveryReport recover_boundary(TetMesh& mesh, std::span<const TriangleVerts> triangles, const RecoverOptions& options,
                                 const TaskRunner& runner);
 

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "core/base/growing_array.hpp"
+#include "core/base/ids.hpp"
 #include "core/base/vec.hpp"
 
 namespace tetloom::tets {
 
-/// No tet, no vertex, no region, no face.
-inline constexpr std::uint32_t kNone = 0xffffffffu;
+using tetloom::kNone;  // no tet, vertex, region or face
 
 /// Face `i` of a tet is opposite to its vertex `i`; kFaceVerts[i] are its vertices, counter-clockwise from outside.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
