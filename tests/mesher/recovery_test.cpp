@@ -61,7 +61,7 @@ Recovered recover(const Shape& shape, const RecoverOptions& options = {}, int th
 void check_wholly_recovered(const Shape& shape, const Recovered& result) {
   CHECK(result.report.unrecovered.empty());
   for (const FaceCode face : result.tri_to_face) {
-    REQUIRE(face != kNone);
+    REQUIRE(face != tets::kNone);
     CHECK(result.mesh.is_fixed(face));
     CHECK(result.mesh.is_fixed(result.mesh.to_neighbor[face]));
   }
@@ -116,7 +116,7 @@ TEST_CASE("without new points Schoenhardt's polyhedron is reported and the mesh 
     for (const auto& entry : result.report.unrecovered) {
       CHECK(entry.fault == RecoveryFault::NotRecovered);
       CHECK(norm(entry.point) < 2);
-      CHECK(result.tri_to_face[entry.triangle] == kNone);
+      CHECK(result.tri_to_face[entry.triangle] == tets::kNone);
     }
   }
 }
@@ -145,7 +145,7 @@ TEST_CASE("open surfaces with edges of any number of triangles leave a sound mes
     const Recovered result = recover(shape);
     std::vector<std::uint32_t> absent;
     for (std::uint32_t i = 0; i < shape.triangles.size(); ++i) {
-      if (result.tri_to_face[i] == kNone) absent.push_back(i);
+      if (result.tri_to_face[i] == tets::kNone) absent.push_back(i);
     }
     REQUIRE(result.report.unrecovered.size() == absent.size());
     for (std::size_t i = 0; i < absent.size(); ++i) CHECK(result.report.unrecovered[i].triangle == absent[i]);
@@ -181,7 +181,7 @@ TEST_CASE("faces that were fixed before stay") {
     CHECK(recover_boundary(mesh, second, {}, runner).unrecovered.empty());
     CHECK(find_fault(mesh) == "");
     for (const FaceCode face : find_triangles(mesh, both.triangles, runner)) {
-      REQUIRE(face != kNone);
+      REQUIRE(face != tets::kNone);
       CHECK(mesh.is_fixed(face));
     }
   }
