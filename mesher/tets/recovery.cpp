@@ -12,7 +12,8 @@ namespace tetloom::tets {
 namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
-constexpr int kRounds = 4;
+constexpr int kRounds = 2;
+constexpr std::uint64_t kThorough = 10;       // times as long a search before a point is put
 constexpr std::size_t kMissingAtMost = 1000;  // for new points: more says that the input is not sound
 
 struct MissingEdge {
@@ -31,6 +32,8 @@ class Recovery {
         runner_(runner),
         local_(mesh),
         recoverer_(local_, kept_, options_, report_),
+        thorough_options_(options),
+        thorough_recoverer_(local_, kept_, thorough_options_, report_),
         given_points_(static_cast<std::uint32_t>(mesh.points.size())) {}
 
   RecoveryReport run(std::span<const std::uint32_t> missing) {
@@ -131,16 +134,17 @@ class Recovery {
   }
 
   void use_new_points() {
+    thorough_options_.search_steps *= kThorough;
     std::uint64_t steps_left = options_.steps_in_all;
     for (const std::vector<std::uint32_t>& triangles : missing_groups()) {
       runner_.check_cancelled();
       const std::uint64_t granted = std::min(steps_left, options_.steps_of_group);
       if (granted == 0) break;
-      recoverer_.grant_steps(granted);
-      SteinerRecovery steiner(local_, kept_, recoverer_, options_);
+      thorough_recoverer_.grant_steps(granted);
+      SteinerRecovery steiner(local_, kept_, thorough_recoverer_, options_);
       for (const std::uint32_t t : triangles) steiner.add(triangles_[t]);
       steiner.run();
-      steps_left -= granted - recoverer_.steps_left();
+      steps_left -= granted - thorough_recoverer_.steps_left();
     }
     std::erase_if(missing_, [&](std::uint32_t t) {
       const FaceCode code = local_.find_face(triangles_[t]);
@@ -178,6 +182,8 @@ class Recovery {
   EdgeSet kept_;
   RecoveryReport report_;
   Recoverer recoverer_;
+  RecoverOptions thorough_options_;
+  Recoverer thorough_recoverer_;
   std::uint32_t given_points_;
   std::vector<std::uint32_t> missing_;
   std::vector<MissingEdge> edges_;
