@@ -134,7 +134,7 @@ class MeshRun {
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
     const VolumeInput input{mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes};
-    VolumeMesh volume = fill_volume(input, {options_.volume_worker}, runner_);
+    VolumeMesh volume = fill_volume(input, {options_.volume_worker, options_.worker_only}, runner_);
     result_.seconds.volume += watch.lap();
     result_.filling = volume.figures;
     append(volume.errors, volume.warnings);

@@ -53,6 +53,7 @@ struct MeshOptions {
   int parts = 0;                 ///< 0: from the estimated number of elements
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   std::string volume_worker;     ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
+  bool worker_only = false;      ///< fill volumes by TetGen alone, to compare
 };
 
 enum class MeshStatus { Ok, Failed, Cancelled };

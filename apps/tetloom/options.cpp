@@ -46,7 +46,7 @@ struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
   std::optional<int> threads, parts;
   std::string input, output, sizes_file, report, worker, max_memory;
-  bool surface_only = false, imprint = false, no_heal = false, quiet = false;
+  bool surface_only = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
 };
 
 struct RawPartition {
@@ -144,6 +144,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
   command.options.volume_worker = raw.worker;
+  command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
     const std::optional<std::uint64_t> bytes = parse_bytes(raw.max_memory);
     require(bytes.has_value(),
@@ -207,6 +208,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
                    "Refuse what is estimated to need more, such as 8G; default: what the machine has free")
       ->type_name("BYTES")
       ->group(group);
+  mesh->add_flag("--tetgen", raw.tetgen, "Fill volumes by TetGen alone, to compare");
   mesh->add_option("--worker", raw.worker, "The tetloom-tetgen to use; default: beside tetloom, then in PATH")
       ->type_name("FILE")
       ->group(group);

@@ -40,21 +40,22 @@ struct Failure {
 
 class ComplexFiller {
  public:
-  ComplexFiller(const VolumeInput& input, const Complex& complex, const std::string& worker, const TaskRunner& runner)
+  ComplexFiller(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
+                const TaskRunner& runner)
       : input_(input),
         complex_(complex),
-        worker_(worker),
+        options_(options),
         runner_(runner),
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
   FilledComplex run() {
     FilledComplex result;
-    result.filling = fill_by_own_means(result.figures);
+    if (!options_.worker_only) result.filling = fill_by_own_means(result.figures);
     if (result.filling || surface_crosses_itself(result.errors)) return result;
     result.filling = ask_worker();
     if (result.filling) {
       result.figures.worker_complexes = 1;
-      result.warnings.push_back(describe_fallback());
+      if (failure_) result.warnings.push_back(describe_fallback());
     } else {
       result.errors.push_back(describe_failure());
     }
@@ -71,7 +72,7 @@ class ComplexFiller {
   }
 
   std::optional<Filling> ask_worker() {
-    if (worker_.empty()) return std::nullopt;
+    if (options_.worker.empty()) return std::nullopt;
     make_interior();
     for (const Attempt& attempt : kAttempts) {
       if (std::optional<Filling> filling = try_once(attempt)) {
@@ -104,7 +105,7 @@ class ComplexFiller {
   // The worker's answer, when it says that it has filled the complex.
   std::optional<WorkerResponse> ask(const WorkerRequest& request) {
     try {
-      const WorkerRun run = run_worker(worker_, encode(request), runner_);
+      const WorkerRun run = run_worker(options_.worker, encode(request), runner_);
       if (run.response.empty()) {
         note({ErrorCode::WorkerFailed, run.failure, {}, {}});
         hopeless_ = !run.crashed;
@@ -196,7 +197,7 @@ class ComplexFiller {
 
   const VolumeInput& input_;
   const Complex& complex_;
-  const std::string& worker_;
+  const ComplexOptions& options_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
   std::vector<Vec3> interior_;
@@ -207,9 +208,9 @@ class ComplexFiller {
 
 }  // namespace
 
-FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
+FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
                            const TaskRunner& runner) {
-  return ComplexFiller(input, complex, worker, runner).run();
+  return ComplexFiller(input, complex, options, runner).run();
 }
 
 }  // namespace tetloom::volume

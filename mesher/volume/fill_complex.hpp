@@ -16,10 +16,15 @@ struct FilledComplex {
   FillingFigures figures;
 };
 
-/// Fills `complex` as fill_volume promises. `worker` is the path of the worker, empty where there is none. Errors:
+struct ComplexOptions {
+  std::string worker;        ///< path; empty: there is none
+  bool worker_only = false;  ///< no attempt by our own means
+};
+
+/// Fills `complex` as fill_volume promises. Errors:
 /// Cancelled and OutOfMemory are thrown, everything else is in the result. The result depends on the input and the
 /// worker alone.
-FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const std::string& worker,
+FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
                            const TaskRunner& runner);
 
 }  // namespace tetloom::volume

@@ -31,14 +31,15 @@ void check_input(const VolumeInput& input) {
   }
 }
 
-// Empty where there is none.
-std::string find_any_worker(const VolumeOptions& options) {
-  try {
-    return volume::find_worker(options.worker);
-  } catch (const Error&) {
-    if (!options.worker.empty()) throw;
-    return {};
+Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, const Error& error) {
+  Diagnostic diagnostic = error.diagnostic();
+  diagnostic.message = volume::describe_regions(input, complex.regions) + " cannot be filled: " + diagnostic.message;
+  diagnostic.entities = volume::faces_of(input, complex.to_input_tri);
+  for (const std::uint32_t region : complex.regions) {
+    diagnostic.entities.push_back(volume::named_entity(input, {3, region}));
   }
+  diagnostic.point = complex.points[0];
+  return diagnostic;
 }
 
 void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh) {
@@ -66,10 +67,18 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
   runner.begin_stage(Stage::Volume, complexes.size());
   if (complexes.empty()) return;
-  const std::string worker = find_any_worker(options);
+  volume::ComplexOptions how{{}, options.worker_only};
+  try {
+    how.worker = volume::find_worker(options.worker);
+  } catch (const Error& error) {
+    if (options.worker_only || !options.worker.empty()) {
+      for (const Complex& complex : complexes) mesh.errors.push_back(worker_missing(input, complex, error));
+      return;
+    }
+  }
   std::vector<FilledComplex> filled(complexes.size());
   runner.for_each_largest_first(work, [&](std::size_t i) {
-    filled[i] = volume::fill_complex(input, complexes[i], worker, runner);
+    filled[i] = volume::fill_complex(input, complexes[i], how, runner);
     runner.advance(1, {3, complexes[i].regions.front()});
   });
   for (std::size_t i = 0; i < complexes.size(); ++i) {

@@ -54,7 +54,8 @@ struct VolumeMesh {
 };
 
 struct VolumeOptions {
-  std::string worker;  ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
+  std::string worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH, or none
+  bool worker_only = false;  ///< fill by TetGen alone, to compare
 };
 
 /// Fills every region of `input`, keeping the given surface exactly: each triangle that bounds a filled region is a

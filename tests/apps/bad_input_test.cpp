@@ -196,7 +196,7 @@ TEST_CASE("a worker that is killed, or is none, becomes an error") {
   const std::string liar = folder.write("liar", "#!/bin/sh\necho nonsense\n");
   for (const std::string& path : {suicide, liar}) {
     std::filesystem::permissions(path, std::filesystem::perms::owner_all);
-    check_failure(folder, demo_model("assembly"), 4, "worker_failed", {"--size", "4", "--worker", path});
+    check_failure(folder, demo_model("assembly"), 4, "worker_failed", {"--size", "4", "--tetgen", "--worker", path});
   }
   check_failure(folder, demo_model("assembly"), 4, "worker_failed", {"--size", "4", "--worker", folder / "none"});
 }

@@ -59,7 +59,7 @@ std::vector<pid_t> children() {
 VolumeMesh fill_cube(const std::string& worker) {
   const Surface cube = cube_surface(2);
   const SizeField sizes = SizeField::uniform(0.5);
-  return fill_volume(cube.input(sizes), {worker}, TaskRunner(2));
+  return fill_volume(cube.input(sizes), {worker, true}, TaskRunner(2));
 }
 
 Diagnostic only_error(const std::string& worker) {
@@ -180,7 +180,7 @@ TEST_CASE("a worker killed from outside is an error at once, and no second one i
       }
     }
   });
-  const VolumeMesh mesh = fill_volume(ball.input(sizes), {TETLOOM_WORKER}, TaskRunner(2));
+  const VolumeMesh mesh = fill_volume(ball.input(sizes), {TETLOOM_WORKER, true}, TaskRunner(2));
   REQUIRE(mesh.errors.size() == 1);
   CHECK(mesh.errors[0].code == ErrorCode::WorkerFailed);
   CHECK(mesh.errors[0].message.find("signal 9") != std::string::npos);
@@ -194,14 +194,14 @@ TEST_CASE("cancelling ends a busy worker within a second and leaves no process")
   CancelToken token;
   std::chrono::steady_clock::time_point cancelled_at;
   std::jthread canceller([&] {
-    while (children().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (int i = 0; i < 4000 && children().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     cancelled_at = std::chrono::steady_clock::now();
     token.cancel();
   });
   const TaskRunner runner(2, Host{{}, &token});
   try {
-    fill_volume(ball.input(sizes), {TETLOOM_WORKER}, runner);
+    fill_volume(ball.input(sizes), {TETLOOM_WORKER, true}, runner);
     FAIL("the run was not cancelled");
   } catch (const Error& error) {
     CHECK(error.code() == ErrorCode::Cancelled);
@@ -221,7 +221,7 @@ TEST_CASE("cancelling ends a worker that hangs without reading or writing") {
   const SizeField sizes = SizeField::uniform(0.5);
   const TaskRunner runner(2, Host{{}, &token});
   const std::string worker = folder.script("trap '' TERM INT; while :; do sleep 1; done");
-  CHECK_THROWS_AS(fill_volume(cube_surface(40).input(sizes), {worker}, runner), Error);
+  CHECK_THROWS_AS(fill_volume(cube_surface(40).input(sizes), {worker, true}, runner), Error);
   CHECK(seconds_since(start) < 1.3);
 }
 
