@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "threading/balance/hilbert_detail.hpp"
+#include "core/base/hilbert.hpp"
 
 namespace tetloom::tets {
 
@@ -42,8 +42,8 @@ std::vector<std::uint32_t> make_insertion_order(std::span<const Vec3> points, st
   places.reserve(verts.size());
   for (const std::uint32_t v : verts) {
     const Vec3 x = scale * (points[v] - box.lo);
-    const std::uint64_t key = balance_detail::hilbert_key(
-        static_cast<std::int64_t>(x.x) << 2, static_cast<std::int64_t>(x.y) << 2, static_cast<std::int64_t>(x.z) << 2);
+    const std::uint64_t key = hilbert_key(static_cast<std::int64_t>(x.x) << 2, static_cast<std::int64_t>(x.y) << 2,
+                                          static_cast<std::int64_t>(x.z) << 2);
     places.push_back({round_of(v) << 60 | key >> 6, v});
   }
   std::sort(places.begin(), places.end());

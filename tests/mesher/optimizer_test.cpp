@@ -8,7 +8,7 @@
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/vertex_removal.hpp"
-#include "tet_fixtures.hpp"
+#include "tests/mesher/tet_fixtures.hpp"
 
 namespace tetloom {
 namespace {

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "core/base/hilbert.hpp"
 #include "tests/support/simulated_ranks.hpp"
-#include "threading/balance/hilbert_detail.hpp"
 #include "threading/balance/partitioners.hpp"
 
 using namespace tetloom;
@@ -207,7 +207,6 @@ TEST_CASE("bad weights and places are refused on every rank") {
 }
 
 TEST_CASE("neighbours along the curve share a face") {
-  using balance_detail::hilbert_key;
   constexpr int kSide = 16;
   const std::int64_t origin = (std::int64_t{1} << 20);
   std::vector<std::array<int, 3>> by_key(kSide * kSide * kSide);

@@ -1,7 +1,7 @@
 #include <vector>
 
+#include "core/base/hilbert.hpp"
 #include "threading/balance/bisection_detail.hpp"
-#include "threading/balance/hilbert_detail.hpp"
 
 namespace tetloom {
 

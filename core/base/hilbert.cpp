@@ -1,9 +1,9 @@
-#include "threading/balance/hilbert_detail.hpp"
+#include "core/base/hilbert.hpp"
 
 #include <array>
 #include <bit>
 
-namespace tetloom::balance_detail {
+namespace tetloom {
 
 namespace {
 
@@ -57,4 +57,4 @@ std::uint64_t hilbert_key(std::int64_t x, std::int64_t y, std::int64_t z) {
   return key;
 }
 
-}  // namespace tetloom::balance_detail
+}  // namespace tetloom

@@ -2,7 +2,7 @@
 // Places along a Hilbert curve in three dimensions.
 #include <cstdint>
 
-namespace tetloom::balance_detail {
+namespace tetloom {
 
 /// Bits of each coordinate.
 constexpr int kHilbertBits = 21;
@@ -11,4 +11,4 @@ constexpr int kHilbertBits = 21;
 /// After Hamilton & Rau-Chaplin 2008; see partition_sfc.
 std::uint64_t hilbert_key(std::int64_t x, std::int64_t y, std::int64_t z);
 
-}  // namespace tetloom::balance_detail
+}  // namespace tetloom
