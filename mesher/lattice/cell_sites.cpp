@@ -24,6 +24,41 @@ constexpr std::array<Site, 14> kAround{{{-1, -1, -1},
                                         {0, 0, -2},
                                         {0, 0, 2}}};
 
+// A triangle ready for many distances.
+class TriangleFrame {
+ public:
+  TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c)
+      : corner_{a, b, c}, along_{b - a, c - b, a - c}, normal_(cross(b - a, c - a)), area2_(norm2(normal_)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      inwards_[i] = cross(normal_, along_[i]);
+      const double length2 = norm2(along_[i]);
+      per_length2_[i] = length2 > 0 ? 1 / length2 : 0;
+    }
+  }
+
+  // The squared distance to x where it is below `best`, otherwise `best`. What is nearest to a point that does not
+  // project into the triangle lies on one of the edges beyond which the point is.
+  double nearer(const Vec3& x, double best) const {
+    const double height = dot(x - corner_[0], normal_);
+    if (height * height > area2_ * best) return best;
+    bool is_above = area2_ > 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 from = x - corner_[i];
+      if (area2_ > 0 && dot(from, inwards_[i]) >= 0) continue;
+      is_above = false;
+      const double t = std::clamp(dot(from, along_[i]) * per_length2_[i], 0.0, 1.0);
+      best = std::min(best, norm2(from - t * along_[i]));
+    }
+    return is_above ? std::min(best, height * height / area2_) : best;
+  }
+
+ private:
+  std::array<Vec3, 3> corner_, along_, inwards_;
+  std::array<double, 3> per_length2_;
+  Vec3 normal_;
+  double area2_;
+};
+
 }  // namespace
 
 std::vector<KeptSite> CellSites::find(const BccLattice& lattice, const Box3& box, const Questions& questions) {
@@ -89,13 +124,10 @@ void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
   const Site from{std::max(lo.i, wanted_first_.i), std::max(lo.j, wanted_first_.j), std::max(lo.k, wanted_first_.k)};
   const Site to{std::min(hi.i, wanted_end_.i), std::min(hi.j, wanted_end_.j), std::min(hi.k, wanted_end_.k)};
   if (from.i >= to.i || from.j >= to.j || from.k >= to.k) return;
-  const Vec3 normal = cross(b - a, c - a);
-  const double length2 = norm2(normal);
+  const TriangleFrame frame(a, b, c);
   lattice_->for_each_between(from, to, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
-    const double height = dot(entry.point - a, normal);
-    if (entry.group == kNoSite || height * height > length2 * entry.distance2) return;
-    entry.distance2 = std::min(entry.distance2, intersection::distance2_to_triangle(entry.point, a, b, c));
+    if (entry.group != kNoSite) entry.distance2 = frame.nearer(entry.point, entry.distance2);
   });
 }
 

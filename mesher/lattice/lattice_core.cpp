@@ -111,12 +111,12 @@ class LevelEmitter {
   LevelEmitter(TetMesh& mesh, const LevelPoints& level, std::uint32_t first_vert, LatticeCore& core)
       : mesh_(mesh), core_(core), blocks_(make_site_blocks(level, first_vert)) {}
 
-  void emit() {
+  void emit(bool is_alone) {
     complete_.resize(blocks_.size());
     pure_.resize(blocks_.size());
     tets_.resize(blocks_.size());
     for (std::size_t b = 0; b < blocks_.size(); ++b) find_complete(b);
-    for (std::size_t b = 0; b < blocks_.size(); ++b) find_pure(b);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) find_pure(b, is_alone);
     std::size_t count = mesh_.size();
     for (std::size_t b = 0; b < blocks_.size(); ++b) count = number_tets(b, count);
     reserve(count);
@@ -164,11 +164,15 @@ class LevelEmitter {
     }));
   }
 
-  void find_pure(std::size_t b) {
-    pure_[b] = all_around(pad<char>(b, 0, [&](std::uint32_t block, std::size_t half, std::size_t cube) -> char {
+  void find_pure(std::size_t b, bool is_alone) {
+    pure_[b] = is_alone ? complete_[b] : complete_around(b);
+    for (std::size_t half = 0; half < 2; ++half) pure_[b][half] &= ~blocks_[b].near_surface[half];
+  }
+
+  SiteBits complete_around(std::size_t b) const {
+    return all_around(pad<char>(b, 0, [&](std::uint32_t block, std::size_t half, std::size_t cube) -> char {
       return complete_[block][half] >> cube & 1;
     }));
-    for (std::size_t half = 0; half < 2; ++half) pure_[b][half] &= ~blocks_[b].near_surface[half];
   }
 
   std::size_t number_tets(std::size_t b, std::size_t count) {
@@ -273,7 +277,7 @@ LatticeCore emit_core(TetMesh& mesh, std::span<const LevelPoints> levels) {
     const auto first_vert = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.reserve(mesh.points.size() + level.sites.size());
     for (const Site& site : level.sites) mesh.points.push_back(level.lattice.point(site));
-    LevelEmitter(mesh, level, first_vert, core).emit();
+    LevelEmitter(mesh, level, first_vert, core).emit(levels.size() == 1);
   }
   std::sort(core.shell_verts.begin(), core.shell_verts.end());
   return core;

@@ -44,6 +44,7 @@ class Joiner {
         tri_table_(surface.tri_to_vert.size()) {
     for (std::uint32_t t = 0; t < surface.tri_to_vert.size(); ++t) tri_table_.add(surface.tri_to_vert[t], t);
     core_size_ = static_cast<std::uint32_t>(core.size());
+    shell_.to_region.release();
     seen_.assign(surface.tri_to_vert.size(), 0);
   }
 
@@ -56,8 +57,9 @@ class Joiner {
     if (Fault fault = check_sides(); fault.any()) return fault;
     number_kept();
     append_kept();
-    flood_core();
     core_.points = std::move(shell_.points);
+    shell_ = TetMesh();
+    flood_core();
     return {};
   }
 
