@@ -1,7 +1,7 @@
 #pragma once
 // Body-centred cubic lattices: the sizes they come in and where their points lie.
 //
-// The Delaunay tetrahedra of such a lattice are all alike, of mean ratio .945; a lattice of size h has cubes 1.083 h
+// The Delaunay tetrahedra of such a lattice are all alike, of mean ratio .945; a lattice of size h has cubes 1.07 h
 // wide, so that its mean edge is h. There is one lattice per size, in steps of about the cube root of 4 (Labelle &
 // Shewchuk 2007 grade by octrees in steps of 2, too coarse to keep edges near the size asked).
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace tetloom::lattice {
 
-inline constexpr double kCubePerSize = 1.083;
+inline constexpr double kCubePerSize = 1.07;
 
 /// Sizes smallest · ratio^k for 0 <= k < count.
 class Levels {
