@@ -1,12 +1,9 @@
 // The claim: tetloom meshes surfaces at least twice as fast as gmsh's 2D stage with 2 threads, and from 1 to 2 threads
 // at least 1.8 times as fast on models of 20 or more faces. Both meshers run on the same file, size and number of
 // threads, in alternation, each run in a process of its own; the median counts.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -20,6 +17,7 @@
 #include "bench/support/peer.hpp"
 #include "bench/support/surface_run.hpp"
 #include "bench/support/surface_table.hpp"
+#include "bench/support/temporary_folder.hpp"
 #include "core/cad/read_model.hpp"
 #include "core/sizing/size_field.hpp"
 
@@ -36,26 +34,6 @@ struct Options {
   bool quick = false, no_peer = false;
   std::string json_path, commit = kCommit;
   std::string measure;  ///< a task, when this process is one of the measured ones
-};
-
-/// A folder that is gone with its content when the bench ends.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "tetloom-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// A model file, or the name of a demo model, with what the sizes follow from.

@@ -39,6 +39,9 @@ std::vector<DemoPart> make_holed_plate(int holes);
 /// Throws std::runtime_error unless 3 <= sides <= 100 and 1 <= levels <= 100.
 std::vector<DemoPart> make_spline_body(int sides, int levels);
 
+/// A ball about the origin, of one face. Throws std::runtime_error unless 1 <= radius <= 10000.
+std::vector<DemoPart> make_ball(int radius);
+
 /// Throws std::runtime_error unless every shape passes BRepCheck_Analyzer and has a positive volume.
 void check_parts(const std::vector<DemoPart>& parts);
 

@@ -19,32 +19,43 @@ namespace {
 /// One model that can be asked for.
 struct Recipe {
   std::string_view name, short_name, what;
+  std::string_view number_names;
   std::vector<int> numbers;  ///< what may follow the file's name, with the values used otherwise
   std::vector<DemoPart> (*make)(std::span<const int> numbers);
 };
 
-const std::array<Recipe, 4>& recipes() {
-  static const std::array<Recipe, 4> all = {{
+const std::array<Recipe, 5>& recipes() {
+  static const std::array<Recipe, 5> all = {{
       {"machined-part",
        "part",
        "a bracket with fillets, holes, a pocket and a B-spline top face",
+       "",
        {},
        [](std::span<const int>) { return make_machined_part(); }},
       {"assembly",
        "assembly",
        "a steel body in a rubber seal; they share faces after --imprint",
+       "",
        {},
        [](std::span<const int>) { return make_assembly(); }},
       {"filleted-plate",
        "plate",
        "a plate with HOLES holes whose rims are rounded (30: 100 faces)",
+       "HOLES",
        {30},
        [](std::span<const int> n) { return make_holed_plate(n[0]); }},
       {"spline-block",
        "spline",
        "SIDES x LEVELS wavy B-spline patches and two ends (5 4: 22 faces)",
+       "SIDES LEVELS",
        {5, 4},
        [](std::span<const int> n) { return make_spline_body(n[0], n[1]); }},
+      {"sphere",
+       "ball",
+       "a ball of radius RADIUS (50: 1 face)",
+       "RADIUS",
+       {50},
+       [](std::span<const int> n) { return make_ball(n[0]); }},
   }};
   return all;
 }
@@ -53,8 +64,7 @@ void print_usage(std::FILE* where) {
   std::fputs("usage: tetloom-demo-model MODEL FILE.step [NUMBERS]\n       tetloom-demo-model list\n\n", where);
   for (const Recipe& recipe : recipes()) {
     std::string name(recipe.name);
-    if (recipe.numbers.size() == 1) name += " [HOLES]";
-    if (recipe.numbers.size() == 2) name += " [SIDES LEVELS]";
+    if (!recipe.number_names.empty()) name += " [" + std::string(recipe.number_names) + "]";
     std::fprintf(where, "  %-29s %.*s\n", name.c_str(), static_cast<int>(recipe.what.size()), recipe.what.data());
   }
 }
