@@ -128,8 +128,9 @@ VolumeSample measure_tetgen(const PeerTask& peer, const fs::path& surface) {
 VolumeSample measure_netgen(const PeerTask& peer) {
   const fs::path folder = peer.folder / "netgen", output = folder / "netgen.msh", library = netgen_library();
   fs::create_directories(folder);
-  std::ofstream(folder / "ng.opt") << "options.meshsize " << exact_text(peer.task.size)
-                                   << "\noptions.minmeshsize 0\noptions.curvature 0\noptions.grading 1\n";
+  // A smallest size below h would let curvature decide, which this release cannot be told to leave alone.
+  const std::string size = exact_text(peer.task.size);
+  std::ofstream(folder / "ng.opt") << "options.meshsize " << size << "\noptions.minmeshsize " << size << '\n';
   std::vector<std::string> command{"env", "-C", folder};
   if (!library.empty()) {
     if (!fs::is_symlink(folder / "libgui.so")) fs::create_symlink(library, folder / "libgui.so");
