@@ -63,6 +63,8 @@ class Bench {
     std::printf("\n");
     print_speed(cases_);
     std::printf("\n");
+    print_stages(cases_);
+    std::printf("\n");
     print_misses(cases_);
     check_meshes();
     if (!options_.json_path.empty()) write_json();

@@ -115,25 +115,36 @@ void print_quality(std::span<const VolumeCase> cases) {
 }
 
 void print_speed(std::span<const VolumeCase> cases) {
-  std::printf("  %-8s %3s %8s %8s %9s %6s %7s  %s\n", "mesher", "thr", "3D s", "2D s", "k tets/s", "/hxt", "B/tet",
-              "points  core Delaun recov.  join optim. (s), M core tets/s, recovery: missing, points, TetGen");
+  std::printf("  %-8s %3s %8s %8s %7s %9s %6s %7s\n", "mesher", "thr", "3D s", "2D s", "sizes s", "k tets/s", "/hxt",
+              "B/tet");
   for (const VolumeCase& one : cases) {
     std::printf("%s\n", one.title().c_str());
     for (const VolumeSeries* series : one.all()) {
       if (series->empty()) continue;
       const VolumeSample& s = series->median();
-      std::printf("  %-8s %3d %8.3f %8.3f %9.1f %6s %7.0f ", series->mesher.c_str(), one.task.threads, s.seconds,
-                  s.surface_seconds, 1e-3 * series->tets_per_second(),
+      std::printf("  %-8s %3d %8.3f %8.3f %7.3f %9.1f %6s %7.0f\n", series->mesher.c_str(), one.task.threads, s.seconds,
+                  s.surface_seconds, s.size_seconds, 1e-3 * series->tets_per_second(),
                   ratio_text(series->tets_per_second(), one.hxt.tets_per_second()).c_str(), bytes_per_tet(s));
-      const FillingSeconds& f = s.filling;
-      if (series == &one.tetloom)
-        std::printf(" %6.3f %5.3f %6.3f %6.3f %5.3f %6.3f, %.1f, %llu, %llu, %llu", f.points, f.core, f.delaunay,
-                    f.recovery, f.join, f.optimize, millions(static_cast<double>(s.core_tets), f.core),
-                    static_cast<unsigned long long>(s.missing_triangles),
-                    static_cast<unsigned long long>(s.recovery_points),
-                    static_cast<unsigned long long>(s.worker_complexes));
-      std::printf("\n");
     }
+  }
+}
+
+void print_stages(std::span<const VolumeCase> cases) {
+  std::printf("%-44s %3s %7s %7s %7s %7s %7s %7s %7s  %6s %6s  %7s %6s %6s\n", "tetloom's stages, s", "thr", "points",
+              "core", "Delaun.", "recov.", "join", "optim.", "rest", "core %", "Mcore/s", "missing", "points",
+              "tetgen");
+  for (const VolumeCase& one : cases) {
+    if (one.tetloom.empty()) continue;
+    const VolumeSample& s = one.tetloom.median();
+    const FillingSeconds& f = s.filling;
+    const double rest = s.seconds - (f.points + f.core + f.delaunay + f.recovery + f.join + f.optimize);
+    const auto core_tets = static_cast<double>(s.core_tets);
+    std::printf("%-44s %3d %7.3f %7.3f %7.3f %7.3f %7.3f %7.3f %7.3f  %6.1f %6.1f  %7llu %6llu %6llu\n",
+                one.title().c_str(), one.task.threads, f.points, f.core, f.delaunay, f.recovery, f.join, f.optimize,
+                rest, 100 * core_tets / static_cast<double>(s.tets), millions(core_tets, f.core),
+                static_cast<unsigned long long>(s.missing_triangles),
+                static_cast<unsigned long long>(s.recovery_points),
+                static_cast<unsigned long long>(s.worker_complexes));
   }
 }
 

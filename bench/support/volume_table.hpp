@@ -34,8 +34,10 @@ struct VolumeCase {
 
 /// Shapes and sizes, one line per mesher and case.
 void print_quality(std::span<const VolumeCase> cases);
-/// Seconds, tets per second and memory, likewise, and tetloom's stages.
+/// Seconds, tets per second and memory, likewise.
 void print_speed(std::span<const VolumeCase> cases);
+/// Where tetloom's seconds went, and what the recovery had to do, one line per case.
+void print_stages(std::span<const VolumeCase> cases);
 /// What is asked of tetloom, and where it is not reached: one line each.
 void print_misses(std::span<const VolumeCase> cases);
 
