@@ -2,8 +2,9 @@
 // Body-centred cubic lattices: the sizes they come in and where their points lie.
 //
 // The Delaunay tetrahedra of such a lattice are all alike, of mean ratio .945; a lattice of size h has cubes 1.07 h
-// wide, so that its mean edge is h. There is one lattice per size, in steps of about the cube root of 4 (Labelle &
-// Shewchuk 2007 grade by octrees in steps of 2, too coarse to keep edges near the size asked).
+// wide: its mean edge is .99 h, and that of a whole mesh, with what lies at the surface, h. There is one lattice per
+// size, in steps of about the cube root of 4 (Labelle & Shewchuk 2007 grade by octrees in steps of 2, too coarse to
+// keep edges near the size asked).
 #include <array>
 #include <cmath>
 #include <cstdint>
