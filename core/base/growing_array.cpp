@@ -17,18 +17,26 @@ namespace {
 
 constexpr std::size_t kMapped = std::size_t{1} << 18;  // bytes from which storage is a mapping of its own
 
+constexpr std::size_t kHuge = std::size_t{1} << 22;  // bytes from which huge pages are asked for
+
 bool is_mapped(std::size_t bytes) { return bytes >= kMapped; }
+
+// Fewer, larger pages: the first touch of small ones costs more than most of what is then written there.
+void* with_huge_pages(void* storage, std::size_t bytes) {
+  if (bytes >= kHuge) ::madvise(storage, bytes, MADV_HUGEPAGE);  // a wish; may fail
+  return storage;
+}
 
 void* map(std::size_t bytes) {
   void* storage = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (storage == MAP_FAILED) throw std::bad_alloc();
-  return storage;
+  return with_huge_pages(storage, bytes);
 }
 
 void* remap(void* storage, std::size_t old_bytes, std::size_t new_bytes) {
   void* moved = ::mremap(storage, old_bytes, new_bytes, MREMAP_MAYMOVE);
   if (moved == MAP_FAILED) throw std::bad_alloc();
-  return moved;
+  return with_huge_pages(moved, new_bytes);
 }
 
 void unmap(void* storage, std::size_t bytes) { ::munmap(storage, bytes); }

@@ -83,6 +83,15 @@ constexpr std::array<Type, kTypes> make_types() {
 }
 constexpr std::array<Type, kTypes> kTypeTable = make_types();
 
+// Bits set in a set of types: a table, since the baseline of x86-64 has no instruction for it.
+constexpr std::array<std::uint8_t, 1 << kTypes> make_type_counts() {
+  std::array<std::uint8_t, 1 << kTypes> counts{};
+  for (std::size_t types = 1; types < counts.size(); ++types)
+    counts[types] = static_cast<std::uint8_t>(counts[types >> 1] + (types & 1));
+  return counts;
+}
+constexpr std::array<std::uint8_t, 1 << kTypes> kTypeCounts = make_type_counts();
+
 // What a block gives: its tets stand one after the other from first_tet on, by corner, then by type.
 struct BlockTets {
   std::array<std::uint32_t, kBlockCubes> first_tet;
@@ -185,13 +194,14 @@ class LevelEmitter {
       std::uint16_t types = 0;
       if (verts[place] != kNone) types = types_at(verts.data() + place, pure.data() + place);
       tets_[b].types[cube] = types;
-      count += static_cast<std::size_t>(std::popcount(types));
+      count += kTypeCounts[types];
     });
     if (count > kMostTets) throw std::bad_alloc();
     return count;
   }
 
   static std::uint16_t types_at(const std::uint32_t* verts, const char* pure) {
+    if (pure[0]) return (1 << kTypes) - 1;  // everything around is there
     std::uint16_t types = 0;
     for (int type = 0; type < kTypes; ++type) {
       const auto& [a, b, c, d] = kTypeTable[type].half_offset;
@@ -229,7 +239,7 @@ class LevelEmitter {
           const std::size_t other = place + type.behind_offset[i];
           const unsigned bit = 1u << type.behind_type[i];
           const bool there = (types[other] & bit) != 0;
-          n[i] = there ? (first[other] + std::popcount(types[other] & (bit - 1))) * 4 + type.behind_face[i] : kNone;
+          n[i] = there ? (first[other] + kTypeCounts[types[other] & (bit - 1)]) * 4 + type.behind_face[i] : kNone;
           if (!there) core_.open_faces.push_back(tet * 4 + i);
         }
       }

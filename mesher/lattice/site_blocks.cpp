@@ -24,7 +24,10 @@ class BlockMaker {
   void add(const Site& site, std::uint32_t vert, bool near_surface) {
     const std::array<std::int32_t, 3> cube{site.i >> 1, site.j >> 1, site.k >> 1};
     const std::array<std::int32_t, 3> place{cube[0] >> 2, cube[1] >> 2, cube[2] >> 2};
-    if (blocks_.empty() || blocks_[last_].place != place) last_ = block_at(place);
+    if (const std::uint64_t key = key_of(place); blocks_.empty() || key != last_key_) {
+      last_ = block_at(key, place);
+      last_key_ = key;
+    }
     const int half = site.i & 1, index = cube_index(cube[0] & 3, cube[1] & 3, cube[2] & 3);
     blocks_[last_].to_vert[static_cast<std::size_t>(half * kBlockCubes + index)] = vert;
     if (near_surface) blocks_[last_].near_surface[static_cast<std::size_t>(half)] |= std::uint64_t{1} << index;
@@ -42,8 +45,8 @@ class BlockMaker {
   }
 
  private:
-  std::uint32_t block_at(const std::array<std::int32_t, 3>& place) {
-    const auto [at, is_new] = index_of_.try_emplace(key_of(place), static_cast<std::uint32_t>(blocks_.size()));
+  std::uint32_t block_at(std::uint64_t key, const std::array<std::int32_t, 3>& place) {
+    const auto [at, is_new] = index_of_.try_emplace(key, static_cast<std::uint32_t>(blocks_.size()));
     if (is_new) {
       SiteBlock& block = blocks_.emplace_back();
       block.place = place;
@@ -55,6 +58,7 @@ class BlockMaker {
   std::unordered_map<std::uint64_t, std::uint32_t> index_of_;
   std::vector<SiteBlock> blocks_;
   std::uint32_t last_ = 0;
+  std::uint64_t last_key_ = 0;
 };
 
 }  // namespace
