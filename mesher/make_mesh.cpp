@@ -133,8 +133,10 @@ class MeshRun {
     Mesh& mesh = result_.mesh;
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
-    const VolumeInput input{mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes};
-    VolumeMesh volume = fill_volume(input, {options_.volume_worker, options_.worker_only}, runner_);
+    const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
+                            mesh.point_to_entity, mesh.edge_to_vert};
+    const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface};
+    VolumeMesh volume = fill_volume(input, options, runner_);
     result_.seconds.volume += watch.lap();
     result_.filling = volume.figures;
     append(volume.errors, volume.warnings);
@@ -149,6 +151,8 @@ class MeshRun {
   void add_volume(VolumeMesh&& volume) {
     Mesh& mesh = result_.mesh;
     const std::size_t given = mesh.points.size();
+    for (const MovedPoint& moved : volume.moved_points) mesh.points[moved.point] = moved.to;
+    for (const ChangedTriangle& changed : volume.changed_triangles) mesh.tri_to_vert[changed.triangle] = changed.verts;
     mesh.points.insert(mesh.points.end(), volume.new_points.begin(), volume.new_points.end());
     mesh.point_to_entity.resize(mesh.points.size());
     mesh.tet_to_vert = std::move(volume.tet_to_vert);

@@ -49,6 +49,9 @@ struct SizeOptions {
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
+  bool improve_surface = true;   ///< surface points may slide on the model and edges inside of its faces be swapped
+                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
+                                 ///< keeps the surface mesh exactly
   int threads = 0;               ///< 0: all cores that the process may use
   int parts = 0;                 ///< 0: from the estimated number of elements
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free

@@ -1,5 +1,5 @@
 #pragma once
-// The exact test of two triangles that may share vertices. Private to mesher/intersection.
+// The exact test of two triangles that may share vertices. Private to the mesher.
 #include <array>
 #include <cstdint>
 #include <optional>

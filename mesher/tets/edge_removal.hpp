@@ -27,12 +27,13 @@ enum class EdgeVerdict {
 };
 
 inline constexpr int kLongestRing = 7;
+inline constexpr int kMostRingVerts = 12;  // that there is room for
 
 /// The tets around the edge a-b: tet i is (a, b, verts[i], verts[i + 1]).
 struct EdgeRing {
   std::uint32_t a, b;
   int count = 0;
-  std::array<std::uint32_t, kLongestRing> verts, tets;
+  std::array<std::uint32_t, kMostRingVerts> verts, tets;
 
   std::span<const std::uint32_t> old() const { return {tets.data(), static_cast<std::size_t>(count)}; }
 };

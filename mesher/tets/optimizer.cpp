@@ -1,21 +1,17 @@
 #include "mesher/tets/optimizer.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "core/base/error.hpp"
-#include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
+#include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/vertex_removal.hpp"
 
 namespace tetloom::tets {
 
 namespace {
-
-double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
 
 void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
   const auto refuse = [](const char* why) { throw Error(ErrorCode::InvalidArgument, why); };
@@ -23,34 +19,6 @@ void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
   if (!(options.goal > 0 && options.goal < 1)) refuse("the goal must lie between 0 and 1");
   if (!(options.least_dihedral >= 0 && options.least_dihedral <= 60))
     refuse("the least dihedral angle must lie between 0 and 60 degrees");
-}
-
-struct QualitySummary {
-  double least = 1, mean = 0;
-  std::size_t below = 0;
-};
-
-// The mean comes from a histogram, as a root per tet would take longer than edge removal.
-QualitySummary summarize(WorkingMesh& mesh, double goal) {
-  constexpr std::size_t kBins = 8192;
-  std::array<std::uint32_t, kBins + 1> histogram{};
-  QualitySummary summary;
-  float least = 1;
-  const auto bound = static_cast<float>(cube(goal));
-  for (const float quality : mesh.qualities()) {
-    if (quality == WorkingMesh::kDeadQuality) continue;
-    least = std::min(least, quality);
-    summary.below += quality < bound;
-    ++histogram[static_cast<std::size_t>(std::min(quality, 1.0f) * kBins)];
-  }
-  summary.least = std::cbrt(double{least});
-  double count = 0;
-  for (std::size_t bin = 0; bin <= kBins; ++bin) {
-    summary.mean += histogram[bin] * std::cbrt((static_cast<double>(bin) + 0.5) / kBins);
-    count += histogram[bin];
-  }
-  if (count > 0) summary.mean /= count;
-  return summary;
 }
 
 class Optimizer {
@@ -70,7 +38,7 @@ class Optimizer {
       repair();
       smooth(.90);  // body-centred lattices have .945
     }
-    summarize_result();
+    summarize_result(mesh_, options_, report_);
     mesh_.finish();
     report_.tets = mesh_.mesh().size();
     return report_;
@@ -82,7 +50,7 @@ class Optimizer {
 
   // What is still so poor that an angle may be too small gets another choice of points.
   void repair() {
-    const double poor = std::min(largest_quality_with_dihedral(radians(options_.least_dihedral)), cube(.8));
+    const double poor = poor_quality(options_);
     for (int i = 0; i < 2; ++i) {
       const std::size_t removed = remove_vertices(mesh_, poor, runner_);
       const std::size_t inserted = insert_points(mesh_, poor, runner_);
@@ -90,14 +58,6 @@ class Optimizer {
       if (removed + inserted == 0) return;
       swap(.60), smooth(.70);
     }
-  }
-
-  void summarize_result() {
-    const QualitySummary after = summarize(mesh_, options_.goal);
-    report_.least = after.least, report_.mean = after.mean, report_.below_goal = after.below;
-    const DihedralSummary angles = summarize_dihedrals(mesh_, radians(options_.least_dihedral));
-    report_.least_dihedral = angles.least / radians(1);
-    report_.below_dihedral = angles.below, report_.forced = angles.forced;
   }
 
   WorkingMesh mesh_;
@@ -120,9 +80,9 @@ void OptimizeReport::add(const OptimizeReport& other) {
   for (const auto least_of : {&OptimizeReport::least_before, &OptimizeReport::least, &OptimizeReport::least_dihedral})
     this->*least_of = std::min(this->*least_of, other.*least_of);
   for (const auto count :
-       {&OptimizeReport::edges_removed, &OptimizeReport::vertices_moved, &OptimizeReport::points_inserted,
-        &OptimizeReport::vertices_removed, &OptimizeReport::below_goal, &OptimizeReport::below_dihedral,
-        &OptimizeReport::forced, &OptimizeReport::tets})
+       {&OptimizeReport::edges_swapped, &OptimizeReport::vertices_slid, &OptimizeReport::edges_removed,
+        &OptimizeReport::vertices_moved, &OptimizeReport::points_inserted, &OptimizeReport::vertices_removed,
+        &OptimizeReport::below_goal, &OptimizeReport::below_dihedral, &OptimizeReport::forced, &OptimizeReport::tets})
     this->*count += other.*count;
 }
 

@@ -31,6 +31,8 @@ struct OptimizeReport {
   std::size_t vertices_moved = 0;  ///< moves, not vertices
   std::size_t points_inserted = 0;
   std::size_t vertices_removed = 0;
+  std::size_t edges_swapped = 0;             ///< of the surface, where it may change: see surface_improvement.hpp
+  std::size_t vertices_slid = 0;             ///< on the surface; moves, not vertices
   double least_before = 0, mean_before = 0;  ///< mean ratio
   double least = 0, mean = 0;                ///< mean ratio
   std::size_t below_goal = 0;                ///< tets that stay below the goal

@@ -20,6 +20,8 @@ Triangle face_key(const std::uint32_t* verts, std::uint32_t face) {
   return sorted(verts[corners[0]], verts[corners[1]], verts[corners[2]]);
 }
 
+Triangle sorted(const Triangle& t) { return sorted(t[0], t[1], t[2]); }
+
 // A face on the boundary of a cavity, or of a new tet: `code` is the face behind it, or the new face.
 struct CavityFace {
   Triangle key;
@@ -36,6 +38,12 @@ struct CavityFace {
 class FaceList {
  public:
   void add(const CavityFace& face) { faces_[count_++] = face; }
+  // Forgets `key` where nothing lies behind it.
+  void drop_open(const Triangle& key) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (faces_[i].key == key && faces_[i].code == kNone) faces_[i--] = faces_[--count_];
+    }
+  }
   std::span<CavityFace> faces() { return {faces_.data(), count_}; }
 
  private:
@@ -54,13 +62,32 @@ void collect_outer_faces(const TetMesh& mesh, std::span<const std::uint32_t> old
   }
 }
 
+void fix(TetMesh& mesh, FaceCode face) { mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4); }
+
 void link(TetMesh& mesh, const CavityFace& a, const CavityFace& b) {
   const CavityFace& inner = a.is_outer ? b : a;
   const CavityFace& other = a.is_outer ? a : b;
   TETLOOM_DEBUG_ASSERT(a.key == b.key && !inner.is_outer);
   mesh.to_neighbor[inner.code] = other.code;
   if (other.code != kNone) mesh.to_neighbor[other.code] = inner.code;
-  if (other.is_fixed) mesh.to_fixed[inner.code / 4] |= static_cast<std::uint8_t>(1u << inner.code % 4);
+  if (other.is_fixed) fix(mesh, inner.code);
+}
+
+// Links faces in pairs, but for those of `fixed` with a tet on one side only.
+void link_all(TetMesh& mesh, std::span<CavityFace> faces, const std::array<Triangle, 2>& fixed) {
+  std::sort(faces.begin(), faces.end());
+  for (std::size_t i = 0; i < faces.size();) {
+    const bool is_fixed = faces[i].key == fixed[0] || faces[i].key == fixed[1];
+    const std::size_t count = i + 1 < faces.size() && faces[i + 1].key == faces[i].key ? 2 : 1;
+    TETLOOM_DEBUG_ASSERT(count == 2 || is_fixed);
+    if (count == 2) {
+      link(mesh, faces[i], faces[i + 1]);
+    } else {
+      mesh.to_neighbor[faces[i].code] = kNone;
+    }
+    for (std::size_t k = i; is_fixed && k < i + count; ++k) fix(mesh, faces[k].code);
+    i += count;
+  }
 }
 
 }  // namespace
@@ -112,6 +139,13 @@ void WorkingMesh::drop_tet(std::uint32_t tet) {
   first_dead_ = tet;
 }
 
+void WorkingMesh::write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region) {
+  std::copy(made.verts.begin(), made.verts.end(), &mesh_.to_vert[std::size_t{tet} * 4]);
+  mesh_.to_region[tet] = region;
+  mesh_.to_fixed[tet] = 0;
+  set_quality(tet, made.quality);
+}
+
 void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
   FaceList list;
   collect_outer_faces(mesh_, old, list);
@@ -123,16 +157,37 @@ void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const Ne
   for (std::size_t i = old.size(); i < made.size(); ++i) ids[i] = take_tet();
   for (std::size_t i = 0; i < made.size(); ++i) {
     const std::uint32_t tet = ids[i];
-    std::copy(made[i].verts.begin(), made[i].verts.end(), &mesh_.to_vert[std::size_t{tet} * 4]);
-    mesh_.to_region[tet] = region;
-    mesh_.to_fixed[tet] = 0;
-    set_quality(tet, made[i].quality);
+    write_tet(tet, made[i], region);
     for (std::uint32_t f = 0; f < 4; ++f) list.add({face_key(made[i].verts.data(), f), tet * 4 + f, false, false});
   }
   const std::span<CavityFace> faces = list.faces();
   std::sort(faces.begin(), faces.end());
   TETLOOM_DEBUG_ASSERT(faces.size() % 2 == 0);
   for (std::size_t i = 0; i < faces.size(); i += 2) link(mesh_, faces[i], faces[i + 1]);
+}
+
+void WorkingMesh::replace_at_surface(const SurfaceSwap& swap, const std::array<CavitySide, 2>& sides) {
+  std::array<std::uint32_t, kMostTets> ids;
+  std::size_t old_count = 0, made_count = sides[0].made.size() + sides[1].made.size();
+  std::array<std::uint32_t, 2> regions{kNone, kNone};
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (const std::uint32_t tet : sides[side].old) ids[old_count++] = tet, regions[side] = mesh_.to_region[tet];
+  }
+  std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(old_count));
+  FaceList list;
+  collect_outer_faces(mesh_, std::span(ids).first(old_count), list);
+  list.drop_open(sorted(swap.before[0])), list.drop_open(sorted(swap.before[1]));
+  for (std::size_t i = made_count; i < old_count; ++i) drop_tet(ids[i]);
+  for (std::size_t i = old_count; i < made_count; ++i) ids[i] = take_tet();
+  const std::uint32_t* id = ids.data();
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (const NewTet& made : sides[side].made) {
+      write_tet(*id, made, regions[side]);
+      for (std::uint32_t f = 0; f < 4; ++f) list.add({face_key(made.verts.data(), f), *id * 4 + f, false, false});
+      ++id;
+    }
+  }
+  link_all(mesh_, list.faces(), {sorted(swap.after[0]), sorted(swap.after[1])});
 }
 
 std::uint32_t WorkingMesh::add_point(const Vec3& point) {

@@ -15,6 +15,17 @@ struct NewTet {
   double quality;
 };
 
+/// Two fixed faces that give way to two others: a diagonal of four points of the surface is exchanged.
+struct SurfaceSwap {
+  std::array<std::array<std::uint32_t, 3>, 2> before, after;
+};
+
+/// What is replaced on one side of a surface; nothing where nothing lies.
+struct CavitySide {
+  std::span<const std::uint32_t> old;
+  std::span<const NewTet> made;
+};
+
 /// Invariant between two calls: to_quality[t] is the cubed quality of tet t in single precision, kDeadQuality for a
 /// dead one. Dead tets form a list through their first neighbour, so that nothing is allocated for them.
 class WorkingMesh {
@@ -65,6 +76,11 @@ class WorkingMesh {
   /// inside the cavity is fixed. Post: neighbours, fixed faces, regions and qualities are right.
   void replace(std::span<const std::uint32_t> old, std::span<const NewTet> made);
 
+  /// The same on both sides of a surface at once, where two of its triangles are exchanged: they alone, of the fixed
+  /// faces, may lie inside the cavity. Each side is of one region; a side may be filled by nothing, the surface then
+  /// passes to the tets behind it.
+  void replace_at_surface(const SurfaceSwap& swap, const std::array<CavitySide, 2>& sides);
+
   /// Adds a point, or takes the place of one that was given up.
   std::uint32_t add_point(const Vec3& point);
   /// No tet may have `vertex` any more.
@@ -75,6 +91,7 @@ class WorkingMesh {
 
  private:
   void read_tet(std::uint32_t tet);
+  void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
   std::uint32_t take_tet();
   void drop_tet(std::uint32_t tet);

@@ -50,7 +50,7 @@ class ComplexFiller {
 
   FilledComplex run() {
     FilledComplex result;
-    if (!options_.worker_only) result.filling = fill_by_own_means(result.figures);
+    if (!options_.worker_only) result.filling = fill_by_own_means(result);
     if (result.filling || surface_crosses_itself(result.errors)) return result;
     result.filling = ask_worker();
     if (result.filling) {
@@ -63,9 +63,10 @@ class ComplexFiller {
   }
 
  private:
-  std::optional<Filling> fill_by_own_means(FillingFigures& figures) {
-    LatticeFilling own = fill_by_lattice(complex_, tree_, *input_.sizes, runner_);
-    figures = own.figures;
+  std::optional<Filling> fill_by_own_means(FilledComplex& result) {
+    LatticeFilling own = fill_by_lattice({complex_, tree_, *input_.sizes, options_.freedom}, runner_);
+    result.figures = own.figures;
+    result.tri_to_vert = std::move(own.tri_to_vert);
     if (own.verdict.good()) return to_filling(std::move(own.mesh), complex_.points.size());
     note({ErrorCode::VolumeFailed, own.verdict.message, own.verdict.triangles, own.verdict.point});
     return std::nullopt;

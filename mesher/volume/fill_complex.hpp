@@ -7,21 +7,25 @@
 
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/region_coloring.hpp"
+#include "mesher/volume/surface_freedom.hpp"
 
 namespace tetloom::volume {
 
 struct FilledComplex {
   std::optional<Filling> filling;  ///< nothing when no attempt succeeded
+  std::vector<std::array<std::uint32_t, 3>>
+      tri_to_vert;  ///< the complex's triangles as they have become; empty: as before
   std::vector<Diagnostic> errors, warnings;
   FillingFigures figures;
 };
 
 struct ComplexOptions {
-  std::string worker;        ///< path; empty: there is none
-  bool worker_only = false;  ///< no attempt by our own means
+  std::string worker;                       ///< path; empty: there is none
+  bool worker_only = false;                 ///< no attempt by our own means
+  const SurfaceFreedom* freedom = nullptr;  ///< null: the surface has to stay
 };
 
-/// Fills `complex` as fill_volume promises. Errors:
+/// Fills `complex` as fill_volume promises; a filling's first points are the complex's, where they have become. Errors:
 /// Cancelled and OutOfMemory are thrown, everything else is in the result. The result depends on the input and the
 /// worker alone.
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,

@@ -21,9 +21,8 @@ constexpr double kStrongGradation = 0.1;
 
 class LatticeFiller {
  public:
-  LatticeFiller(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
-                const TaskRunner& runner)
-      : complex_(complex), tree_(tree), sizes_(sizes), runner_(runner) {}
+  LatticeFiller(const LatticeInput& input, const TaskRunner& runner)
+      : complex_(input.complex), tree_(input.tree), sizes_(input.sizes), freedom_(input.freedom), runner_(runner) {}
 
   LatticeFilling run() {
     LatticeFilling filling;
@@ -32,7 +31,7 @@ class LatticeFiller {
     const lattice::LatticeCore core = make_core(mesh);
     Fault fault = make_shell(mesh, core);
     if (!fault.any()) fault = join(mesh, core);
-    if (!fault.any()) optimise(mesh);
+    if (!fault.any()) optimise(mesh, filling);
     filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
     filling.figures = figures_;
     return filling;
@@ -87,17 +86,21 @@ class LatticeFiller {
     return fault;
   }
 
-  void optimise(TetMesh& mesh) {
+  void optimise(TetMesh& mesh, LatticeFilling& filling) {
     tets::OptimizeOptions options;
     options.fixed_points = static_cast<std::uint32_t>(complex_.points.size());
     options.strong_gradation = sizes_.gradation() > kStrongGradation;
     figures_.optimizer = optimize(mesh, options, runner_);
     figures_.seconds.optimize = watch_.lap();
+    if (!freedom_) return;
+    filling.tri_to_vert = improve(mesh, {complex_, tree_, *freedom_, options}, figures_.optimizer, runner_);
+    figures_.seconds.surface = watch_.lap();
   }
 
   const Complex& complex_;
   const intersection::TriangleTree& tree_;
   const SizeField& sizes_;
+  const SurfaceFreedom* freedom_;
   const TaskRunner& runner_;
   TetMesh shell_;
   FillingFigures figures_;
@@ -106,9 +109,8 @@ class LatticeFiller {
 
 }  // namespace
 
-LatticeFilling fill_by_lattice(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
-                               const TaskRunner& runner) {
-  return LatticeFiller(complex, tree, sizes, runner).run();
+LatticeFilling fill_by_lattice(const LatticeInput& input, const TaskRunner& runner) {
+  return LatticeFiller(input, runner).run();
 }
 
 Filling to_filling(TetMesh&& mesh, std::size_t given) {

@@ -8,18 +8,26 @@
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/volume/region_coloring.hpp"
+#include "mesher/volume/surface_freedom.hpp"
 
 namespace tetloom::volume {
 
+struct LatticeInput {
+  const Complex& complex;
+  const intersection::TriangleTree& tree;  ///< of the complex
+  const SizeField& sizes;
+  const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
+};
+
 struct LatticeFilling {
   tets::TetMesh mesh;  ///< points: the complex's, then new ones; some may be used by no tet
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles; empty: as they were
   FillingFigures figures;
   FillingVerdict verdict;  ///< not good: what is in the way, and the mesh is unspecified
 };
 
 /// The result depends on the arguments alone. Errors: Cancelled, OutOfMemory.
-LatticeFilling fill_by_lattice(const Complex& complex, const intersection::TriangleTree& tree, const SizeField& sizes,
-                               const TaskRunner& runner);
+LatticeFilling fill_by_lattice(const LatticeInput& input, const TaskRunner& runner);
 
 /// The tets and the points that they use; the first `given` points are kept in any case. `mesh` is emptied on the way,
 /// so that the two are never there at once.

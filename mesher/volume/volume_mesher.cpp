@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "mesher/volume/complex.hpp"
@@ -23,6 +24,11 @@ void check_input(const VolumeInput& input) {
   const std::size_t count = input.tri_to_vert.size();
   if (input.tri_to_sides.size() != count || input.tri_to_face.size() != count) refuse("its arrays differ in length");
   if (input.points.size() >= std::numeric_limits<std::uint32_t>::max()) refuse("there are too many points");
+  if (!input.point_to_entity.empty() && input.point_to_entity.size() != input.points.size())
+    refuse("its arrays differ in length");
+  for (const auto& edge : input.edge_to_vert) {
+    if (std::max(edge[0], edge[1]) >= input.points.size()) refuse("an edge refers to a point that does not exist");
+  }
   for (const auto& triangle : input.tri_to_vert) {
     for (const std::uint32_t vertex : triangle) {
       if (vertex >= input.points.size()) refuse("a triangle refers to a point that does not exist");
@@ -40,6 +46,20 @@ Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, cons
   }
   diagnostic.point = complex.points[0];
   return diagnostic;
+}
+
+// What has become of the complex's surface.
+void append_changes(const Complex& complex, const FilledComplex& filled, VolumeMesh& mesh) {
+  for (std::size_t v = 0; v < complex.points.size(); ++v) {
+    const Vec3& now = filled.filling->points[v];
+    if (now != complex.points[v]) mesh.moved_points.push_back({complex.to_input_vert[v], now});
+  }
+  for (std::size_t t = 0; t < filled.tri_to_vert.size(); ++t) {
+    const auto& [a, b, c] = filled.tri_to_vert[t];
+    if (filled.tri_to_vert[t] == complex.tri_to_vert[t]) continue;
+    const auto& to_input = complex.to_input_vert;
+    mesh.changed_triangles.push_back({complex.to_input_tri[t], {to_input[a], to_input[b], to_input[c]}});
+  }
 }
 
 void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh) {
@@ -67,7 +87,7 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
   runner.begin_stage(Stage::Volume, complexes.size());
   if (complexes.empty()) return;
-  volume::ComplexOptions how{{}, options.worker_only};
+  volume::ComplexOptions how{{}, options.worker_only, nullptr};
   try {
     how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
@@ -76,13 +96,18 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
       return;
     }
   }
+  std::optional<volume::SurfaceFreedom> freedom;
+  if (options.improve_surface) how.freedom = &freedom.emplace(input, complexes);
   std::vector<FilledComplex> filled(complexes.size());
   runner.for_each_largest_first(work, [&](std::size_t i) {
     filled[i] = volume::fill_complex(input, complexes[i], how, runner);
     runner.advance(1, {3, complexes[i].regions.front()});
   });
   for (std::size_t i = 0; i < complexes.size(); ++i) {
-    if (filled[i].filling) append(input, complexes[i], *filled[i].filling, mesh);
+    if (filled[i].filling) {
+      append_changes(complexes[i], filled[i], mesh);
+      append(input, complexes[i], *filled[i].filling, mesh);
+    }
     for (auto* to : {&mesh.errors, &mesh.warnings}) {
       auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;
       std::move(from.begin(), from.end(), std::back_inserter(*to));
@@ -90,6 +115,8 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
     mesh.figures.add(filled[i].figures);
     filled[i] = {};
   }
+  std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
+  std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
 }
 
 }  // namespace
@@ -101,8 +128,8 @@ void FillingFigures::add(const FillingFigures& other) {
   missing_triangles += other.missing_triangles;
   recovery_points += other.recovery_points;
   optimizer.add(other.optimizer);
-  for (const auto member :
-       {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join, &Seconds::optimize})
+  for (const auto member : {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join,
+                            &Seconds::optimize, &Seconds::surface})
     seconds.*member += other.seconds.*member;
 }
 

@@ -21,10 +21,12 @@ namespace tetloom {
 struct VolumeInput {
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
-  std::span<const FaceSides> tri_to_sides;     ///< one per triangle; invalid id: outside of every region
-  std::span<const std::uint32_t> tri_to_face;  ///< model face index, for error messages
-  const GeometricModel* model = nullptr;       ///< for names in error messages; may be null
-  const SizeField* sizes = nullptr;            ///< never null
+  std::span<const FaceSides> tri_to_sides;            ///< one per triangle; invalid id: outside of every region
+  std::span<const std::uint32_t> tri_to_face;         ///< model face index, for error messages
+  const GeometricModel* model = nullptr;              ///< for names in error messages; may be null
+  const SizeField* sizes = nullptr;                   ///< never null
+  std::span<const ModelEntity> point_to_entity = {};  ///< one per point, or empty: then no point may slide
+  std::span<const std::array<std::uint32_t, 2>> edge_to_vert = {};  ///< pieces of model edges: they stay edges
 };
 
 /// How a volume came to be filled. Seconds are of wall time; those of complexes filled at once add up.
@@ -36,10 +38,20 @@ struct FillingFigures {
   std::size_t recovery_points = 0;    ///< put inside to recover them
   tets::OptimizeReport optimizer;
   struct Seconds {
-    double points = 0, core = 0, delaunay = 0, recovery = 0, join = 0, optimize = 0;
+    double points = 0, core = 0, delaunay = 0, recovery = 0, join = 0, optimize = 0, surface = 0;
   } seconds;
 
   void add(const FillingFigures& other);
+};
+
+struct MovedPoint {
+  std::uint32_t point = 0;  ///< of the input
+  Vec3 to;
+};
+
+struct ChangedTriangle {
+  std::uint32_t triangle = 0;  ///< of the input; its face and its sides are as before
+  std::array<std::uint32_t, 3> verts{};
 };
 
 /// New points follow the given ones: vertex ids below `input.points.size()` are the given points, the others index
@@ -48,6 +60,8 @@ struct VolumeMesh {
   std::vector<Vec3> new_points;
   std::vector<std::array<std::uint32_t, 4>> tet_to_vert;  ///< positive volume
   std::vector<std::uint32_t> tet_to_region;
+  std::vector<MovedPoint> moved_points;            ///< ascending; none unless the surface may change
+  std::vector<ChangedTriangle> changed_triangles;  ///< ascending; none unless the surface may change
   std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
   std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
   FillingFigures figures;
@@ -56,17 +70,20 @@ struct VolumeMesh {
 struct VolumeOptions {
   std::string worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH, or none
   bool worker_only = false;  ///< fill by TetGen alone, to compare
+  /// Whether points may slide within their model face, and edges inside of a model face be swapped, where that makes
+  /// poor tets better. Without a model, only edges between triangles in one plane are.
+  bool improve_surface = false;
 };
 
-/// Fills every region of `input`, keeping the given surface exactly: each triangle that bounds a filled region is a
-/// face of the result. Regions that share no triangle are filled independently and in parallel, also where they touch,
-/// and the result does not depend on how many threads do it.
-/// Guaranteed for the result, checked after the fact: all tetrahedra have positive volume in exact arithmetic, each
-/// lies in the region that all triangles around it name, and every side of a triangle that names a region has its
-/// tetrahedron. Pre: indices valid, spans of equal length. Coordinates must be finite. Errors: InvalidArgument (broken
-/// pre-conditions), Cancelled, OutOfMemory are thrown. In the result: OpenShell for a region whose boundary does not
-/// close, SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: may be called from
-/// any thread, several calls at once.
+/// Fills every region of `input`: each triangle that bounds a filled region is a face of the result. The given surface
+/// is kept exactly, unless the options allow to improve it: then it is the surface with the result's moved points and
+/// changed triangles that is kept. Regions that share no triangle are filled independently and in parallel, also where
+/// they touch, and the result does not depend on how many threads do it. Guaranteed for the result, checked after the
+/// fact: all tetrahedra have positive volume in exact arithmetic, each lies in the region that all triangles around it
+/// name, and every side of a triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal
+/// length. Coordinates must be finite. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory are
+/// thrown. In the result: OpenShell for a region whose boundary does not close, SelfIntersection, VolumeFailed and
+/// WorkerFailed for what cannot be filled. Thread safety: may be called from any thread, several calls at once.
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
 
 }  // namespace tetloom

@@ -61,6 +61,26 @@ TEST_CASE("a model without regions gives a surface mesh") {
   CHECK_FALSE(result.mesh.tri_to_vert.empty());
 }
 
+TEST_CASE("the volume improves the surface on the model, or keeps it bit for bit") {
+  const auto model = make_torus(1, 0.3);
+  MeshOptions options = options_of_size(0.15);
+  options.surface_only = true;
+  const Mesh surface = make_mesh(*model, options).mesh;
+  options.surface_only = false;
+  options.improve_surface = false;
+  const Mesh kept = make_mesh(*model, options).mesh;
+  REQUIRE(kept.tet_to_vert.size() > 0);
+  CHECK(kept.tri_to_vert == surface.tri_to_vert);
+  CHECK(std::equal(surface.points.begin(), surface.points.end(), kept.points.begin()));
+  options.improve_surface = true;
+  const MeshResult improved = make_mesh(*model, options);
+  CHECK(validate_mesh(improved.mesh).problems.empty());
+  CHECK(improved.mesh.tri_to_vert.size() == surface.tri_to_vert.size());
+  CHECK(improved.mesh.tri_to_entity == surface.tri_to_entity);
+  CHECK(compute_quality(improved.mesh, nullptr).tets.min_dihedral_deg >=
+        compute_quality(kept, nullptr).tets.min_dihedral_deg);
+}
+
 TEST_CASE("surface_only leaves the solid empty") {
   MeshOptions options = options_of_size(0.3);
   options.surface_only = true;

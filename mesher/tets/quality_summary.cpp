@@ -1,0 +1,52 @@
+#include "mesher/tets/quality_summary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mesher/tets/dihedral.hpp"
+
+namespace tetloom::tets {
+
+namespace {
+
+double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
+
+}  // namespace
+
+// The mean comes from a histogram, as a root per tet would take longer than edge removal.
+QualitySummary summarize(WorkingMesh& mesh, double goal) {
+  constexpr std::size_t kBins = 8192;
+  std::array<std::uint32_t, kBins + 1> histogram{};
+  QualitySummary summary;
+  float least = 1;
+  const auto bound = static_cast<float>(cube(goal));
+  for (const float quality : mesh.qualities()) {
+    if (quality == WorkingMesh::kDeadQuality) continue;
+    least = std::min(least, quality);
+    summary.below += quality < bound;
+    ++histogram[static_cast<std::size_t>(std::min(quality, 1.0f) * kBins)];
+  }
+  summary.least = std::cbrt(double{least});
+  double count = 0;
+  for (std::size_t bin = 0; bin <= kBins; ++bin) {
+    summary.mean += histogram[bin] * std::cbrt((static_cast<double>(bin) + 0.5) / kBins);
+    count += histogram[bin];
+  }
+  if (count > 0) summary.mean /= count;
+  return summary;
+}
+
+double poor_quality(const OptimizeOptions& options) {
+  return std::min(largest_quality_with_dihedral(radians(options.least_dihedral)), cube(.8));
+}
+
+void summarize_result(WorkingMesh& mesh, const OptimizeOptions& options, OptimizeReport& report) {
+  const QualitySummary after = summarize(mesh, options.goal);
+  report.least = after.least, report.mean = after.mean, report.below_goal = after.below;
+  const DihedralSummary angles = summarize_dihedrals(mesh, radians(options.least_dihedral));
+  report.least_dihedral = angles.least / radians(1);
+  report.below_dihedral = angles.below, report.forced = angles.forced;
+}
+
+}  // namespace tetloom::tets

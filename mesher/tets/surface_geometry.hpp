@@ -1,0 +1,53 @@
+#pragma once
+// What a surface has to stay true to while it is changed.
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "core/base/ids.hpp"
+#include "mesher/tets/surface_triangles.hpp"
+
+namespace tetloom::tets {
+
+/// A place on a model face or edge. The direction has length 1: a face's normal, which points to the side from which
+/// the face's triangles turn counter-clockwise, or an edge's tangent.
+struct SurfaceSpot {
+  Vec3 point, direction;
+};
+
+/// The place on a model face or edge nearest to a point; nothing where that cannot be said.
+using SurfaceProjector = std::function<std::optional<SurfaceSpot>(ModelEntity, const Vec3& x)>;
+
+/// Triangles as they would become.
+struct SurfaceChange {
+  std::span<const Vec3> points;              ///< of the whole surface
+  std::span<const std::uint32_t> triangles;  ///< that change
+  std::span<const TriangleVerts> verts;      ///< of those, afterwards
+};
+
+/// A surface that may change. Its points are the first ones of the mesh.
+struct ChangeableSurface {
+  std::span<TriangleVerts> tri_to_vert;          ///< changed in place
+  std::span<const std::uint32_t> tri_to_face;    ///< model face of each triangle
+  std::span<const ModelEntity> point_to_entity;  ///< the model face or edge inside of which a point lies and may slide;
+                                                 ///< those on anything else stay; empty: all stay
+  /// Whether an edge is a piece of a model edge: it stays an edge. Empty: none is.
+  std::function<bool(std::uint32_t, std::uint32_t)> is_kept{};
+  SurfaceProjector project{};  ///< empty: only what lies in a plane is changed
+  /// Whether the triangles would meet no others where no tets are to tell; when they do not, the change is made. Empty:
+  /// they never do.
+  std::function<bool(const SurfaceChange&)> is_clear{};
+};
+
+/// Mean ratio of a triangle: 1 for an equilateral one, 0 for a flat one.
+inline double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 p = b - a, q = c - a;
+  const double squares = norm2(p) + norm2(q) + norm2(q - p);
+  return squares > 0 ? 2 * std::sqrt(3.0) * norm(cross(p, q)) / squares : 0;
+}
+
+inline Vec3 triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return normalized(cross(b - a, c - a)); }
+
+}  // namespace tetloom::tets
