@@ -135,7 +135,8 @@ class MeshRun {
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
     const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
                             mesh.point_to_entity, mesh.edge_to_vert};
-    const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface};
+    const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
+                                options_.max_memory};
     VolumeMesh volume = fill_volume(input, options, runner_);
     result_.seconds.volume += watch.lap();
     result_.filling = volume.figures;

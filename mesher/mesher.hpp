@@ -78,11 +78,6 @@ struct MeshResult {
   FillingFigures filling;   ///< how the volume came to be filled
 };
 
-/// How much a mesh will hold and need, from the size field alone.
-struct MeshEstimate {
-  double triangles = 0, tets = 0, bytes = 0;
-};
-
 /// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.
 /// Errors: throws Error(InvalidArgument) for options out of range. Everything that happens later is in the result.
 /// Thread safety: may be called from any thread, several calls at once.

@@ -15,7 +15,7 @@ namespace tetloom {
 namespace {
 
 MeshEstimate with_bytes(double triangles, double tets) {
-  constexpr double kBytesPerTriangle = 2500, kBytesPerTet = 300;
+  constexpr double kBytesPerTriangle = 800, kBytesPerTet = 90;
   return {triangles, tets, kBytesPerTriangle * triangles + kBytesPerTet * tets};
 }
 
@@ -132,6 +132,25 @@ MeshEstimate estimate_least_mesh(const GeometricModel& model, const SizeOptions&
   for (std::size_t r = 0; r < targets.region.size(); ++r)
     tets += std::abs(model.volume(ModelRegionId(r))) * kTetsPerCube / cube(std::min(targets.region[r], targets.global));
   return with_bytes(triangles, tets);
+}
+
+MeshEstimate estimate_filling(const VolumeInput& input) {
+  Box3 box;
+  double volume = 0;  // of all regions, by cones from a point of the surface
+  for (std::size_t t = 0; t < input.tri_to_vert.size(); ++t) {
+    const FaceSides& sides = input.tri_to_sides[t];
+    const auto& [a, b, c] = input.tri_to_vert[t];
+    for (const std::uint32_t v : {a, b, c}) box.add(input.points[v]);
+    const Vec3& apex = input.points[input.tri_to_vert[0][0]];
+    const Vec3 p = input.points[a] - apex, q = input.points[b] - apex, r = input.points[c] - apex;
+    volume += dot(cross(p, q), r) / 6 * (int{sides.back.valid()} - int{sides.front.valid()});
+  }
+  if (box.empty()) return {};
+  const Vec3 extent = box.hi - box.lo;
+  const double box_volume = extent.x * extent.y * extent.z;
+  const double share = box_volume > 0 ? std::clamp(std::abs(volume) / box_volume, 0.0, 1.0) : 0;
+  const auto triangles = static_cast<double>(input.tri_to_vert.size());
+  return with_bytes(triangles, std::max(share * input.sizes->estimate_tets(box), triangles));
 }
 
 MeshEstimate surface_part(const MeshEstimate& estimate) { return with_bytes(estimate.triangles, 0); }

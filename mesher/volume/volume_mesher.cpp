@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "mesher/sizing/mesh_estimate.hpp"
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
 #include "mesher/volume/worker_process.hpp"
@@ -135,6 +136,7 @@ void FillingFigures::add(const FillingFigures& other) {
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
   check_input(input);
+  check_memory(estimate_filling(input), options.max_memory);
   VolumeMesh mesh;
   try {
     fill_complexes(input, options, runner, mesh);

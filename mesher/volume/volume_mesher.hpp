@@ -29,6 +29,11 @@ struct VolumeInput {
   std::span<const std::array<std::uint32_t, 2>> edge_to_vert = {};  ///< pieces of model edges: they stay edges
 };
 
+/// How much a mesh will hold and need, from the size field alone.
+struct MeshEstimate {
+  double triangles = 0, tets = 0, bytes = 0;
+};
+
 /// How a volume came to be filled. Seconds are of wall time; those of complexes filled at once add up.
 struct FillingFigures {
   std::size_t core_tets = 0;          ///< exact lattice tets, as emitted
@@ -73,7 +78,12 @@ struct VolumeOptions {
   /// Whether points may slide within their model face, and edges inside of a model face be swapped, where that makes
   /// poor tets better. Without a model, only edges between triangles in one plane are.
   bool improve_surface = false;
+  std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
 };
+
+/// The tetrahedra that fill_volume will make, within about a tenth for uniform sizes: the size field over the box of
+/// the surface, times the share of the box that the regions take; and the memory for them. Pre: as fill_volume.
+MeshEstimate estimate_filling(const VolumeInput& input);
 
 /// Fills every region of `input`: each triangle that bounds a filled region is a face of the result. The given surface
 /// is kept exactly, unless the options allow to improve it: then it is the surface with the result's moved points and
@@ -81,9 +91,10 @@ struct VolumeOptions {
 /// they touch, and the result does not depend on how many threads do it. Guaranteed for the result, checked after the
 /// fact: all tetrahedra have positive volume in exact arithmetic, each lies in the region that all triangles around it
 /// name, and every side of a triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal
-/// length. Coordinates must be finite. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory are
-/// thrown. In the result: OpenShell for a region whose boundary does not close, SelfIntersection, VolumeFailed and
-/// WorkerFailed for what cannot be filled. Thread safety: may be called from any thread, several calls at once.
+/// length. Coordinates must be finite. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory (also
+/// when the estimate does not fit) are thrown. In the result: OpenShell for a region whose boundary does not close,
+/// SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: may be called from any
+/// thread, several calls at once.
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
 
 }  // namespace tetloom

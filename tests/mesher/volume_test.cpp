@@ -60,6 +60,47 @@ TEST_CASE("a cube is filled to the size asked for") {
   CHECK(statistics.lowest_quality > 0.2);
 }
 
+TEST_CASE("what cannot fit in memory is refused before any work, with the numbers") {
+  const Surface cube = cube_surface(4);
+  const SizeField sizes = SizeField::uniform(1e-4);
+  const MeshEstimate estimate = estimate_filling(cube.input(sizes));
+  CHECK(estimate.tets == Approx(9.3e12).epsilon(0.01));
+  VolumeOptions options{TETLOOM_WORKER};
+  options.max_memory = 1'000'000'000;
+  try {
+    fill_volume(cube.input(sizes), options, TaskRunner(1));
+    FAIL("it was not refused");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::OutOfMemory);
+    CHECK(std::string(error.what()).find("1 GB") != std::string::npos);
+  }
+}
+
+TEST_CASE("without a worker everything but its last resort works") {
+  const Surface ball = ball_surface(3, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+  const SizeField sizes = SizeField::uniform(0.2);
+  const VolumeMesh mesh = fill_volume(ball.input(sizes), {}, TaskRunner(1));
+  CHECK(mesh.errors.empty());
+  CHECK(mesh.figures.worker_complexes == 0);
+  CHECK(mesh.figures.shell_tets > 0);
+  check_filling(ball, mesh);
+}
+
+TEST_CASE("scaling a surface by powers of two changes nothing but the coordinates") {
+  const Surface ball = ball_surface(4, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+  const SizeField sizes = SizeField::uniform(0.1);
+  const VolumeMesh mesh = fill_volume(ball.input(sizes), {}, TaskRunner(1));
+  for (const double scale : {0x1p-20, 0x1p20}) {
+    Surface scaled = ball;
+    for (Vec3& x : scaled.points) x = scale * x;
+    const SizeField other = SizeField::uniform(0.1 * scale);
+    const VolumeMesh again = fill_volume(scaled.input(other), {}, TaskRunner(2));
+    CHECK((again.tet_to_vert == mesh.tet_to_vert));
+    REQUIRE(again.new_points.size() == mesh.new_points.size());
+    for (std::size_t i = 0; i < mesh.new_points.size(); ++i) REQUIRE(again.new_points[i] == scale * mesh.new_points[i]);
+  }
+}
+
 TEST_CASE("a coarse cube without room for interior points is filled") {
   const Surface cube = cube_surface(1);
   const VolumeMesh mesh = fill(cube, 1);
