@@ -12,7 +12,8 @@ namespace tetloom::lattice {
 namespace {
 
 constexpr double kFromFinerLattice = 0.65;
-constexpr double kSizesPerCell = 4;
+// Large cells look at fewer triangles twice; small ones follow sizes that vary.
+constexpr double kSizesPerCell = 4, kSizesPerUniformCell = 8;
 constexpr int kDeepestCell = 24;
 constexpr int kLevelsThatReach = 3;  // lattices finer by more are never near
 constexpr double kMostPoints = 1e9;
@@ -82,7 +83,8 @@ class Filler {
     const Vec3 center = box.center();
     cell.meets_surface = node.may_meet_surface && request_.tree->may_meet(box);
     if (node.may_meet_surface && !cell.meets_surface && !inside(center)) return;
-    if (box.hi.x - box.lo.x > kSizesPerCell * cell.lo && node.depth < kDeepestCell) {
+    const double sizes_per_cell = request_.sizes->is_uniform() ? kSizesPerUniformCell : kSizesPerCell;
+    if (box.hi.x - box.lo.x > sizes_per_cell * cell.lo && node.depth < kDeepestCell) {
       for (int octant = 0; octant < 8; ++octant) {
         const Vec3 lo{octant & 1 ? center.x : box.lo.x, octant & 2 ? center.y : box.lo.y,
                       octant & 4 ? center.z : box.lo.z};

@@ -30,9 +30,9 @@ struct EdgeUseOfRegion {
   auto key() const { return std::tuple(region, low, high); }
 };
 
-std::vector<EdgeUseOfRegion> edge_uses(const VolumeInput& input) {
-  std::vector<EdgeUseOfRegion> uses;
-  uses.reserve(input.tri_to_vert.size() * 3);
+// Calls visit(use) for the edges of all triangles as the regions beside them use them.
+template <class Visit>
+void for_each_use(const VolumeInput& input, const Visit& visit) {
   for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t) {
     const FaceSides& sides = input.tri_to_sides[t];
     if (sides.front == sides.back) continue;  // a sheet inside a region needs no closing
@@ -40,13 +40,28 @@ std::vector<EdgeUseOfRegion> edge_uses(const VolumeInput& input) {
       if (!region.valid()) continue;
       for (int i = 0; i < 3; ++i) {
         const std::uint32_t a = input.tri_to_vert[t][i], b = input.tri_to_vert[t][(i + 1) % 3];
-        uses.push_back({region.value, std::min(a, b), std::max(a, b), t, a < b ? sign : -sign});
+        visit(EdgeUseOfRegion{region.value, std::min(a, b), std::max(a, b), t, a < b ? sign : -sign});
       }
     }
   }
-  std::sort(uses.begin(), uses.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.key(), a.triangle) < std::pair(b.key(), b.triangle);
-  });
+}
+
+bool comes_before(const EdgeUseOfRegion& a, const EdgeUseOfRegion& b) {
+  return std::pair(a.key(), a.triangle) < std::pair(b.key(), b.triangle);
+}
+
+// By `low`, and among those as comes_before says: buckets first, since sorting all at once takes longer than meshing.
+std::vector<EdgeUseOfRegion> edge_uses(const VolumeInput& input) {
+  std::vector<std::size_t> first(input.points.size() + 1, 0);
+  for_each_use(input, [&](const EdgeUseOfRegion& use) { ++first[use.low + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<EdgeUseOfRegion> uses(first.back());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for_each_use(input, [&](const EdgeUseOfRegion& use) { uses[next[use.low]++] = use; });
+  for (std::size_t v = 0; v < input.points.size(); ++v) {
+    const auto at = [&](std::size_t i) { return uses.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::sort(at(first[v]), at(first[v + 1]), comes_before);
+  }
   return uses;
 }
 
@@ -83,13 +98,15 @@ class RegionSets {
   std::vector<std::uint32_t> parent_;
 };
 
+// `to_local` holds kNone for all vertices, before and after.
 void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std::uint32_t>& to_local) {
-  for (const std::uint32_t t : complex.to_input_tri) {
-    complex.to_input_vert.insert(complex.to_input_vert.end(), input.tri_to_vert[t].begin(), input.tri_to_vert[t].end());
-  }
   auto& vertices = complex.to_input_vert;
+  for (const std::uint32_t t : complex.to_input_tri) {
+    for (const std::uint32_t v : input.tri_to_vert[t]) {
+      if (std::exchange(to_local[v], 0u) == kNone) vertices.push_back(v);
+    }
+  }
   std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) {
     to_local[vertices[i]] = i;
     complex.points.push_back(input.points[vertices[i]]);
@@ -98,22 +115,25 @@ void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std
     const auto& [a, b, c] = input.tri_to_vert[t];
     complex.tri_to_vert.push_back({to_local[a], to_local[b], to_local[c]});
   }
+  for (const std::uint32_t v : vertices) to_local[v] = kNone;
 }
 
 }  // namespace
 
 OpenRegions find_open_regions(const VolumeInput& input) {
   const std::vector<EdgeUseOfRegion> uses = edge_uses(input);
-  OpenRegions result;
   std::vector<EdgeUseOfRegion> open;
   for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
     int balance = 0;
     for (end = begin; end < uses.size() && uses[end].key() == uses[begin].key(); ++end) balance += uses[end].step;
     if (balance != 0) open.insert(open.end(), uses.begin() + begin, uses.begin() + end);
-    if (open.empty() || (end < uses.size() && uses[end].region == open[0].region)) continue;
-    result.regions.push_back(open[0].region);
-    result.diagnostics.push_back(open_shell(input, open));
-    open.clear();
+  }
+  std::sort(open.begin(), open.end(), comes_before);
+  OpenRegions result;
+  for (std::size_t begin = 0, end = 0; begin < open.size(); begin = end) {
+    while (end < open.size() && open[end].region == open[begin].region) ++end;
+    result.regions.push_back(open[begin].region);
+    result.diagnostics.push_back(open_shell(input, std::span(open).subspan(begin, end - begin)));
   }
   return result;
 }
@@ -150,7 +170,7 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
     complex.to_input_tri.push_back(t);
     complex.tri_to_sides.push_back(sides);
   }
-  std::vector<std::uint32_t> to_local(input.points.size());
+  std::vector<std::uint32_t> to_local(input.points.size(), kNone);
   for (Complex& complex : complexes) number_vertices(input, complex, to_local);
   return complexes;
 }
