@@ -35,8 +35,8 @@ int Levels::of(double size) const {
   return std::clamp(static_cast<int>(std::lround(level)), 0, count_ - 1);
 }
 
-BccLattice::BccLattice(const Vec3& origin, double size, int level)
-    : size_(size), half_(0.5 * kCubePerSize * size), level_(static_cast<std::uint64_t>(level)) {
+BccLattice::BccLattice(const Vec3& origin, double size, double cube_per_size, int level)
+    : size_(size), half_(0.5 * cube_per_size * size), level_(static_cast<std::uint64_t>(level)) {
   const double turn = level * 0.7548776662466927;
   const auto share = [&](double x) { return 2 * half_ * (x + turn - std::floor(x + turn)); };
   origin_ = origin - Vec3{share(0.3819660113), share(0.2360679775), share(0.1458980338)};

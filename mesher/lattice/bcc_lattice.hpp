@@ -13,7 +13,8 @@
 
 namespace tetloom::lattice {
 
-inline constexpr double kCubePerSize = 1.07;
+/// Widths of cubes, in sizes: with one size, and with several, where edges between lattices are shorter.
+inline constexpr double kCubePerSize = 1.07, kGradedCubePerSize = 1.083;
 
 /// Sizes smallest · ratio^k for 0 <= k < count.
 class Levels {
@@ -49,7 +50,8 @@ struct Site {
 /// up to 1e-4 h, by a hash of its site: exact lattices are full of coplanar points, which are slow to insert.
 class BccLattice {
  public:
-  BccLattice(const Vec3& origin, double size, int level);
+  /// Pre: size > 0 and finite, cube_per_size below 1.1 (cell_sites.hpp counts on it).
+  BccLattice(const Vec3& origin, double size, double cube_per_size, int level);
 
   Vec3 point(const Site& site) const {
     return origin_ + half_ * Vec3{double(site.i), double(site.j), double(site.k)} + shift(site);

@@ -23,7 +23,7 @@ struct KeptSite {
 /// Finds the sites of `lattice` in the half-open box that are wanted, far enough from the triangles of `tree` and
 /// inside, by k, then j, then i.
 ///
-/// Two sites next to each other (14 around each, up to 1.07 sizes away) that are both at least .55 sizes from the
+/// Two sites next to each other (14 around each, up to 1.083 sizes away) that are both at least .55 sizes from the
 /// surface lie on the same side of it: what lies between them is nearer to one of them than the surface. So `is_inside`
 /// is asked once for each connected group.
 class CellSites {

@@ -28,8 +28,9 @@ class Filler {
  public:
   Filler(const LatticeRequest& request, const TaskRunner& runner)
       : request_(request), runner_(runner), levels_(levels_of(request)) {
+    const double cube_per_size = levels_.count() > 1 ? kGradedCubePerSize : kCubePerSize;
     for (int level = 0; level < levels_.count(); ++level)
-      lattices_.emplace_back(request.box.lo, levels_.size(level), level);
+      lattices_.emplace_back(request.box.lo, levels_.size(level), cube_per_size, level);
   }
 
   std::vector<LevelPoints> fill() {
