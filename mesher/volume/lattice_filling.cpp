@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "core/predicates/predicates.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/recovery.hpp"
@@ -32,6 +33,7 @@ class LatticeFiller {
     Fault fault = make_shell(mesh, core);
     if (!fault.any()) fault = join(mesh, core);
     if (!fault.any()) optimise(mesh, filling);
+    if (!fault.any()) fault = check_volumes(mesh);
     filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
     filling.figures = figures_;
     return filling;
@@ -95,6 +97,15 @@ class LatticeFiller {
     if (!freedom_) return;
     filling.tri_to_vert = improve(mesh, {complex_, tree_, *freedom_, options}, figures_.optimizer, runner_);
     figures_.seconds.surface = watch_.lap();
+  }
+
+  // By construction there are none; but what is promised is looked at.
+  static Fault check_volumes(const TetMesh& mesh) {
+    for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+      const Vec3 &a = mesh.point_of(t, 0), &b = mesh.point_of(t, 1), &c = mesh.point_of(t, 2), &d = mesh.point_of(t, 3);
+      if (orient3d(a, b, c, d) <= 0) return {"a tetrahedron has no volume", {}, a};
+    }
+    return {};
   }
 
   const Complex& complex_;
