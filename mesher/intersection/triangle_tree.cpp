@@ -38,8 +38,6 @@ int perturbed_side(const Vec3& u, const Vec3& v, const Vec3& x) {
   return v.x > u.x ? 1 : v.x < u.x ? -1 : 0;
 }
 
-double square(double x) { return x * x; }
-
 double distance_to_segment2(const Vec3& x, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length2 = norm2(d);
@@ -54,17 +52,14 @@ double distance_to_box2(const Vec3& x, const Box3& box) {
 
 }  // namespace
 
-double distance2_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = cross(b - a, c - a);
   const double area2 = norm2(normal);
   const bool above = area2 > 0 && dot(cross(b - a, x - a), normal) >= 0 && dot(cross(c - b, x - b), normal) >= 0 &&
                      dot(cross(a - c, x - c), normal) >= 0;
-  if (above) return square(dot(x - a, normal)) / area2;
-  return std::min({distance_to_segment2(x, a, b), distance_to_segment2(x, b, c), distance_to_segment2(x, c, a)});
-}
-
-double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  return std::sqrt(distance2_to_triangle(x, a, b, c));
+  if (above) return std::abs(dot(x - a, normal)) / std::sqrt(area2);
+  return std::sqrt(
+      std::min({distance_to_segment2(x, a, b), distance_to_segment2(x, b, c), distance_to_segment2(x, c, a)}));
 }
 
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,

@@ -108,9 +108,7 @@ class TriangleTree {
   std::size_t first_leaf_ = 1;
 };
 
-/// Distance from `x` to the triangle a, b, c (closed), and its square; right up to rounding, for degenerate triangles
-/// too.
+/// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.
 double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
-double distance2_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace tetloom::intersection
