@@ -182,7 +182,7 @@ class Bench {
     std::vector<std::string> command{program_, "--measure", task.dump()};
     if (task.contains("ranks")) {
       const std::string ranks = std::to_string(task.at("ranks").get<int>());
-      command.insert(command.begin(), {"mpirun", "-n", ranks});
+      command.insert(command.begin(), {"mpirun", "--bind-to", "none", "-n", ranks});
     }
     const ChildResult child = run_child(command);
     if (child.exit_status != 0) throw std::runtime_error("a measured run failed: " + child.output);

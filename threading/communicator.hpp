@@ -31,6 +31,8 @@ class Communicator {
 
   virtual int rank() const = 0;
   virtual int rank_count() const = 0;
+  /// How many ranks share this rank's machine and its cores, itself included.
+  virtual int ranks_on_machine() const { return 1; }
 
   /// Opens a run of messages: from here to `close`, what arrives for a part of this rank goes to `receiver`. All ranks
   /// open together. A message that was sent by another rank before this one opened is kept and delivered.

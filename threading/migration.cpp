@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "threading/exchange.hpp"
+#include "threading/idle_ranks.hpp"
 #include "threading/packet_detail.hpp"
 
 namespace tetloom {
@@ -58,7 +59,8 @@ void pack_all(PartitionedMesh& mesh, PerPart<Destinations>& destinations, std::s
        {},
        [&](PartId part) { return static_cast<double>(mesh.parts.at(part).mesh.cell_count()); }}};
   try {
-    Schedule(*mesh.communicator, runner, mesh.part_count(), trace).run(steps);
+    const TaskRunner wide = runner_for_cells(mesh, runner);
+    Schedule(*mesh.communicator, wide, mesh.part_count(), trace).run(steps);
   } catch (...) {
     for (const PartId part : mesh.local()) {
       packings.at(part).packets = std::vector<Message>();

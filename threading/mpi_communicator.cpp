@@ -63,6 +63,15 @@ void wait_for(MPI_Request request, const char* what) {
   }
 }
 
+int count_ranks_on_machine(MPI_Comm all) {
+  MPI_Comm machine;
+  check(MPI_Comm_split_type(all, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine), "MPI_Comm_split_type");
+  int count = 1;
+  check(MPI_Comm_size(machine, &count), "MPI_Comm_size");
+  check(MPI_Comm_free(&machine), "MPI_Comm_free");
+  return count;
+}
+
 class MpiCommunicator : public Communicator {
  public:
   explicit MpiCommunicator(std::size_t largest_piece);
@@ -70,6 +79,7 @@ class MpiCommunicator : public Communicator {
 
   int rank() const override { return rank_; }
   int rank_count() const override { return rank_count_; }
+  int ranks_on_machine() const override { return ranks_on_machine_; }
   std::optional<int> mpi_handle() const override { return static_cast<int>(MPI_Comm_c2f(comm_)); }
 
   void open(Receiver receiver) override;
@@ -103,7 +113,7 @@ class MpiCommunicator : public Communicator {
   bool is_over();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
-  int rank_ = 0, rank_count_ = 1;
+  int rank_ = 0, rank_count_ = 1, ranks_on_machine_ = 1;
   std::size_t largest_piece_;
   Receiver receiver_;
   std::uint64_t epoch_ = 0;
@@ -138,6 +148,7 @@ MpiCommunicator::MpiCommunicator(std::size_t largest_piece) : largest_piece_(lar
   check(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
   check(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
   check(MPI_Comm_size(comm_, &rank_count_), "MPI_Comm_size");
+  ranks_on_machine_ = count_ranks_on_machine(comm_);
   const auto ranks = static_cast<std::size_t>(rank_count_);
   outgoing_.resize(ranks);
   partial_.resize(ranks);

@@ -18,15 +18,10 @@ namespace tetloom {
 
 namespace tbb = oneapi::tbb;
 
-struct TaskRunner::State {
-  State(int threads, Host given) : arena(threads), host(std::move(given)) {
-    // oneTBB prints a warning to stderr when it is asked for more threads than cores without being told first.
-    if (threads > tbb::info::default_concurrency())
-      more_threads_than_cores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  }
+// What runners of one call have in common.
+struct TaskRunner::Ties {
+  explicit Ties(Host given) : host(std::move(given)) {}
 
-  std::optional<tbb::global_control> more_threads_than_cores;
-  tbb::task_arena arena;
   Host host;
   // Raised by report() when the callback refuses to go on, read by cancelled() in all workers; carries no data.
   std::atomic<bool> refused{false};
@@ -42,18 +37,30 @@ struct TaskRunner::State {
   }
 };
 
+struct TaskRunner::Threads {
+  explicit Threads(int count) : arena(count) {
+    // oneTBB prints a warning to stderr when it is asked for more threads than cores without being told first.
+    if (count > tbb::info::default_concurrency())
+      more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+  }
+
+  std::optional<tbb::global_control> more_than_cores;
+  tbb::task_arena arena;
+};
+
 TaskRunner::TaskRunner(int threads, Host host) {
   if (threads < 0) throw Error(ErrorCode::InvalidArgument, "the number of threads must not be negative");
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
-  state_ = std::make_shared<State>(count, std::move(host));
+  threads_ = std::make_shared<Threads>(count);
+  ties_ = std::make_shared<Ties>(std::move(host));
 }
 
-TaskRunner::TaskRunner(std::shared_ptr<State> state, bool hears_cancel)
-    : state_(std::move(state)), hears_cancel_(hears_cancel) {}
+TaskRunner::TaskRunner(std::shared_ptr<Threads> threads, std::shared_ptr<Ties> ties, bool hears_cancel)
+    : threads_(std::move(threads)), ties_(std::move(ties)), hears_cancel_(hears_cancel) {}
 
 TaskRunner::~TaskRunner() = default;
 
-int TaskRunner::threads() const { return state_->arena.max_concurrency(); }
+int TaskRunner::threads() const { return threads_->arena.max_concurrency(); }
 
 void TaskRunner::for_each(std::size_t count, const std::function<void(std::size_t)>& body) const {
   for_blocks(count, 1, [&](std::size_t begin, std::size_t) { body(begin); });
@@ -87,7 +94,7 @@ void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
     if (lanes == 1) return run_lane(0);
     tbb::parallel_for(std::size_t{0}, lanes, run_lane, tbb::simple_partitioner{});
   };
-  state_->arena.execute([&] { tbb::this_task_arena::isolate(loop); });
+  threads_->arena.execute([&] { tbb::this_task_arena::isolate(loop); });
   for (const std::exception_ptr& error : thrown)
     if (error) std::rethrow_exception(error);
   check_cancelled();
@@ -103,7 +110,7 @@ void TaskRunner::for_each_largest_first(std::span<const double> work,
 
 void TaskRunner::execute(const std::function<void()>& call) const {
   std::exception_ptr thrown;
-  state_->arena.execute([&] {
+  threads_->arena.execute([&] {
     try {
       call();
     } catch (...) {
@@ -113,25 +120,31 @@ void TaskRunner::execute(const std::function<void()>& call) const {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-TaskRunner TaskRunner::uninterruptible() const { return TaskRunner(state_, false); }
+TaskRunner TaskRunner::uninterruptible() const { return TaskRunner(threads_, ties_, false); }
+
+TaskRunner TaskRunner::with_idle_threads(int factor) const {
+  const int cores = std::max(threads(), tbb::info::default_concurrency());
+  const int count = factor < cores / threads() ? factor * threads() : cores;
+  return TaskRunner(count > threads() ? std::make_shared<Threads>(count) : threads_, ties_, hears_cancel_);
+}
 
 void TaskRunner::begin_stage(Stage stage, std::uint64_t total) const {
-  const std::lock_guard lock(state_->mutex);
-  state_->event = {stage, {}, 0, total};
-  state_->report();
+  const std::lock_guard lock(ties_->mutex);
+  ties_->event = {stage, {}, 0, total};
+  ties_->report();
 }
 
 void TaskRunner::advance(std::uint64_t amount, ModelEntity entity) const {
-  const std::lock_guard lock(state_->mutex);
-  state_->event.done += amount;
-  state_->event.entity = entity;
-  const auto since = std::chrono::steady_clock::now() - state_->last_report;
-  if (since >= std::chrono::milliseconds(20) || state_->event.done == state_->event.total) state_->report();
+  const std::lock_guard lock(ties_->mutex);
+  ties_->event.done += amount;
+  ties_->event.entity = entity;
+  const auto since = std::chrono::steady_clock::now() - ties_->last_report;
+  if (since >= std::chrono::milliseconds(20) || ties_->event.done == ties_->event.total) ties_->report();
 }
 
 bool TaskRunner::cancelled() const {
   if (!hears_cancel_) return false;
-  return state_->refused.load(std::memory_order_relaxed) || (state_->host.cancel && state_->host.cancel->cancelled());
+  return ties_->refused.load(std::memory_order_relaxed) || (ties_->host.cancel && ties_->host.cancel->cancelled());
 }
 
 void TaskRunner::check_cancelled() const {

@@ -46,15 +46,20 @@ class TaskRunner {
   void check_cancelled() const;
   /// The same threads and progress, deaf to the host's wish to stop: for what must not be torn apart.
   TaskRunner uninterruptible() const;
+  /// The same progress and cancellation on `factor` times the threads, for a while in which the others' owners are
+  /// idle; no more than the cores that the process may use, and never fewer than before. Pre: factor >= 1.
+  TaskRunner with_idle_threads(int factor) const;
 
  private:
   friend class Schedule;
-  struct State;
-  TaskRunner(std::shared_ptr<State> state, bool hears_cancel);
+  struct Threads;
+  struct Ties;
+  TaskRunner(std::shared_ptr<Threads> threads, std::shared_ptr<Ties> ties, bool hears_cancel);
 
   /// Carries out `call` on the calling thread as one of the runner's threads: what it hands to oneTBB stays with them.
   void execute(const std::function<void()>& call) const;
-  std::shared_ptr<State> state_;
+  std::shared_ptr<Threads> threads_;
+  std::shared_ptr<Ties> ties_;
   bool hears_cancel_ = true;
 };
 

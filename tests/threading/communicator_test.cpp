@@ -31,6 +31,11 @@ TEST_CASE("every part lives on one rank, in blocks") {
   }
 }
 
+TEST_CASE("all ranks of a test share one machine") {
+  const auto communicator = make_communicator();
+  CHECK(communicator->ranks_on_machine() == communicator->rank_count());
+}
+
 TEST_CASE("collectives give every rank the same") {
   const auto communicator = make_communicator();
   const int ranks = communicator->rank_count(), rank = communicator->rank();

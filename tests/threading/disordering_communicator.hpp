@@ -21,6 +21,7 @@ class DisorderingCommunicator : public Communicator {
 
   int rank() const override { return inner_.rank(); }
   int rank_count() const override { return inner_.rank_count(); }
+  int ranks_on_machine() const override { return inner_.ranks_on_machine(); }
   void open(Receiver receiver) override {
     inner_.open(std::move(receiver));
     closing_ = false;

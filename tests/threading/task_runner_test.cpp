@@ -24,6 +24,32 @@ TEST_CASE("every item is visited once, on any number of threads") {
   }
 }
 
+TEST_CASE("idle threads are borrowed up to the cores of the process, with the same host") {
+  int events = 0;
+  const auto count_event = [&](const ProgressEvent&) {
+    ++events;
+    return true;
+  };
+  const int cores = TaskRunner(0).threads();
+  for (const int threads : {1, cores, cores + 3}) {
+    CancelToken token;
+    const TaskRunner runner(threads, {count_event, &token});
+    CHECK(runner.with_idle_threads(1).threads() == threads);
+    CHECK(runner.with_idle_threads(1 << 30).threads() == std::max(threads, cores));
+    const TaskRunner wide = runner.with_idle_threads(2);
+    CHECK(wide.threads() == std::max(threads, std::min(2 * threads, cores)));
+    std::atomic<int> visits{0};
+    wide.for_each(1000, [&](std::size_t) { ++visits; });
+    CHECK(visits == 1000);
+    events = 0;
+    wide.begin_stage(Stage::Volume, 1);
+    CHECK(events == 1);
+    token.cancel();
+    CHECK(wide.cancelled());
+    CHECK_FALSE(wide.uninterruptible().with_idle_threads(2).cancelled());
+  }
+}
+
 TEST_CASE("the largest item starts first") {
   const TaskRunner runner(1);
   std::vector<std::size_t> order;

@@ -9,6 +9,7 @@
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
+#include "threading/idle_ranks.hpp"
 #include "threading/parts_figures.hpp"
 
 namespace tetloom {
@@ -162,9 +163,10 @@ std::string_view to_string(PartitionMethod method) {
 }
 
 PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const BalanceOptions& options,
-                                           const TaskRunner& runner) {
+                                           const TaskRunner& given) {
   if (options.part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
   require_weights(mesh, options.weights);
+  const TaskRunner runner = runner_for_cells(mesh, given);
   const auto local = mesh.local();
   PerPart<PartItems> items(mesh.part_count(), local);
   PerPart<Destinations> destinations(mesh.part_count(), local);
