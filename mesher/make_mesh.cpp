@@ -1,11 +1,15 @@
 #include <algorithm>
+#include <map>
 #include <new>
+#include <optional>
+#include <sstream>
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
+#include "mesher/sizing/misfits.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 
@@ -38,41 +42,70 @@ class MeshRun {
   }
 
   void run_stages() {
-    if (!mesh_surface_without_crossings()) return;
+    if (!mesh_fitting_surface()) return;
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
   }
 
-  // Where the surface mesh crosses itself because its triangles are too coarse for the shape, the size is halved there
-  // and the surface made anew; what still crosses after a few rounds crosses in the model.
-  bool mesh_surface_without_crossings() {
+  // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross
+  // because they are too coarse for the shape, and as small as it takes where it is narrow. What still crosses after a
+  // few rounds crosses in the model.
+  bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    std::vector<PointSize> refinements;
-    constexpr int kMostRounds = 6;
+    std::vector<SizeRefinement> refinements;
+    std::optional<Candidate> good;
+    constexpr int kMostRounds = 6, kMostFittingRounds = 3;
     for (int round = 0;; ++round) {
+      Candidate candidate;
+      try {
+        candidate = make_surface(refinements);
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::OutOfMemory || !good) throw;
+        return accept(std::move(*good), Refined::TooLarge);
+      }
+      if (round == 0) first_sizes_ = candidate.sizes;
+      const Mesh& mesh = candidate.surface.mesh;
       Stopwatch watch;
-      make_sizes(refinements);
-      result_.seconds.size_field += watch.lap();
-      SurfaceMeshResult surface = mesh_surface(model_, result_.sizes, runner_);
-      const std::vector<TriangleIntersection> hits = find_intersections(surface.mesh, complexes);
+      const std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes);
+      const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
+      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
       result_.seconds.surface += watch.lap();
-      if (!surface.errors.empty()) return reject(std::move(surface));
-      if (hits.empty()) return accept(std::move(surface));
-      if (round == kMostRounds) return judge_crossings(std::move(surface), hits);
-      for (const TriangleIntersection& hit : hits) refine_at(hit, surface.mesh, refinements);
+      if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
+      if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
+      if (!options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate), hits);
+      for (const TriangleIntersection& hit : hits) refine_at(hit, mesh, refinements);
+      for (const Misfit& misfit : misfits) refine_at(misfit, mesh, refinements);
+      result_.refinement.crossings += hits.size();
+      result_.refinement.narrow_places += misfits.size();
+      result_.refinement.rounds = round + 1;
+      if (hits.empty()) good = std::move(candidate);
     }
   }
 
-  // The first field also says whether the mesh will fit in memory.
-  void make_sizes(const std::vector<PointSize>& refinements) {
-    if (!refinements.empty()) {
-      result_.sizes = build_size_field(model_, options_.sizes, refinements, runner_, options_.max_memory);
-      return;
-    }
+  enum class Refined { Done, TooLarge };
+
+  struct Candidate {
+    SizeField sizes = SizeField::uniform(1);
+    SurfaceMeshResult surface;
+  };
+
+  Candidate make_surface(const std::vector<SizeRefinement>& refinements) {
+    Stopwatch watch;
     const SizedModel sized = build_and_estimate(model_, options_.sizes, refinements, runner_, options_.max_memory);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
-    result_.sizes = sized.sizes;
+    result_.seconds.size_field += watch.lap();
+    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, runner_)};
+    result_.seconds.surface += watch.lap();
+    return candidate;
+  }
+
+  std::vector<Misfit> find_misfits(const Candidate& candidate) const {
+    const auto floor = [&](const Vec3& x) {
+      constexpr double kLeastShare = 0.1;
+      return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
+    };
+    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, runner_);
   }
 
   std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes) {
@@ -87,38 +120,80 @@ class MeshRun {
                      distance(mesh.points[c], mesh.points[a])});
   }
 
-  static void refine_at(const TriangleIntersection& hit, const Mesh& mesh, std::vector<PointSize>& refinements) {
+  void refine_at(const TriangleIntersection& hit, const Mesh& mesh, std::vector<SizeRefinement>& refinements) {
     const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
-    refinements.push_back({hit.point, 0.5 * length});
+    refinements.push_back({{hit.point, hit.point, hit.point}, 0.5 * length});
+    note(refinements.back(), {hit.first, hit.second}, mesh);
   }
 
-  bool reject(SurfaceMeshResult&& surface) {
-    append(surface.errors, surface.warnings);
-    result_.mesh = std::move(surface.mesh);
+  void refine_at(const Misfit& misfit, const Mesh& mesh, std::vector<SizeRefinement>& refinements) {
+    const auto& [a, b, c] = mesh.tri_to_vert[misfit.triangle];
+    refinements.push_back({{mesh.points[a], mesh.points[b], mesh.points[c]}, misfit.size});
+    note(refinements.back(), {misfit.triangle}, mesh);
+  }
+
+  void note(const SizeRefinement& refinement, std::initializer_list<std::uint32_t> triangles, const Mesh& mesh) {
+    for (const std::uint32_t triangle : triangles) ++refined_faces_[mesh.tri_to_entity[triangle]];
+    double& smallest = result_.refinement.smallest_size;
+    if (smallest > 0 && smallest <= refinement.size) return;
+    smallest = refinement.size;
+    const auto& [a, b, c] = refinement.corners;
+    smallest_place_ = (1.0 / 3) * (a + b + c);
+  }
+
+  Diagnostic describe_refinement(Refined refined) const {
+    std::ostringstream message;
+    message << "the size asked for does not fit everywhere (" << result_.refinement.narrow_places
+            << " triangles at walls, faces or edges narrower than 0.4 of it, " << result_.refinement.crossings
+            << " crossings): ";
+    if (refined == Refined::Done)
+      message << "it was made smaller there, down to " << result_.refinement.smallest_size;
+    else
+      message << "there is too little memory for sizes that do";
+    std::vector<std::pair<std::size_t, std::uint32_t>> most;
+    for (const auto& [face, count] : refined_faces_) most.push_back({count, face});
+    std::ranges::sort(most, [](const auto& s, const auto& t) {
+      return s.first != t.first ? s.first > t.first : s.second < t.second;
+    });
+    Diagnostic diagnostic{ErrorCode::SizeReduced, message.str(), {}, smallest_place_, {}};
+    for (const auto& [count, face] : most)
+      diagnostic.entities.push_back({{2, face}, model_.attributes({2, face}).name});
+    return diagnostic;
+  }
+
+  bool reject(Candidate&& candidate) {
+    append(candidate.surface.errors, candidate.surface.warnings);
+    take(std::move(candidate));
     result_.status = MeshStatus::Failed;
     return false;
   }
 
-  bool accept(SurfaceMeshResult&& surface) {
-    append({}, surface.warnings);
-    result_.mesh = std::move(surface.mesh);
+  bool accept(Candidate&& candidate, Refined refined) {
+    append({}, candidate.surface.warnings);
+    if (result_.refinement.rounds > 0) result_.warnings.push_back(describe_refinement(refined));
+    take(std::move(candidate));
     return true;
   }
 
+  void take(Candidate&& candidate) {
+    result_.mesh = std::move(candidate.surface.mesh);
+    result_.sizes = candidate.sizes;
+  }
+
   // Crossings spoil a solid; sheets may cross.
-  bool judge_crossings(SurfaceMeshResult&& surface, const std::vector<TriangleIntersection>& hits) {
-    const std::vector<Diagnostic> found = describe_intersections(hits, {surface.mesh.tri_to_entity, &model_});
+  bool judge_crossings(Candidate&& candidate, const std::vector<TriangleIntersection>& hits) {
+    const std::vector<Diagnostic> found = describe_intersections(hits, {candidate.surface.mesh.tri_to_entity, &model_});
     const auto bounds_region = [&](const NamedEntity& entity) {
       const FaceSides& sides = model_.topology().face_to_sides[entity.entity.index];
       return entity.entity.dim == 2 && (sides.front.valid() || sides.back.valid());
     };
-    std::vector<Diagnostic> errors, warnings = surface.warnings;
+    std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
     for (const Diagnostic& diagnostic : found) {
       const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
     }
     append(errors, warnings);
-    result_.mesh = std::move(surface.mesh);
+    take(std::move(candidate));
     if (!errors.empty()) result_.status = MeshStatus::Failed;
     return errors.empty();
   }
@@ -167,6 +242,9 @@ class MeshRun {
   const MeshOptions& options_;
   TaskRunner runner_;
   MeshResult result_;
+  SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
+  std::map<std::uint32_t, std::size_t> refined_faces_;
+  Vec3 smallest_place_;
 };
 
 }  // namespace

@@ -49,6 +49,10 @@ struct SizeOptions {
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
+  bool refine_surface = true;    ///< sizes become smaller where they do not fit: where walls, faces or model edges are
+                                 ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
+                                 ///< at the place), and where the surface mesh would cross itself; false: the sizes
+                                 ///< stay, whatever the shape of the elements
   bool improve_surface = true;   ///< surface points may slide on the model and edges inside of its faces be swapped
                                  ///< while the volume is filled, where poor tets get better by it; false: the volume
                                  ///< keeps the surface mesh exactly
@@ -65,6 +69,14 @@ struct StageSeconds {
   double size_field = 0, surface = 0, volume = 0;
 };
 
+/// Where the sizes asked for did not fit; a warning of code SizeReduced tells faces and a place.
+struct SurfaceRefinement {
+  std::size_t crossings = 0;      ///< of triangles, in all rounds but the last
+  std::size_t narrow_places = 0;  ///< triangles at walls, faces or edges that are too narrow, in all rounds
+  int rounds = 0;                 ///< of meshing the surface anew
+  double smallest_size = 0;       ///< model length; 0: nothing was refined
+};
+
 /// What became of a run. When `status` is not Ok, `mesh` holds what was finished: the surface mesh when the volume
 /// failed or was cancelled, nothing when the surface did.
 struct MeshResult {
@@ -74,6 +86,7 @@ struct MeshResult {
   std::vector<Diagnostic> errors;
   std::vector<Diagnostic> warnings;
   StageSeconds seconds;
+  SurfaceRefinement refinement;
   double model_volume = 0;  ///< sum over the regions; model length³
   FillingFigures filling;   ///< how the volume came to be filled
 };

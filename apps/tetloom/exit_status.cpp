@@ -9,6 +9,7 @@ ExitStatus exit_status(ErrorCode code) {
     case ErrorCode::InputUnsuitable: return ExitStatus::BadInput;
     case ErrorCode::EdgeFailed:
     case ErrorCode::FaceFailed:
+    case ErrorCode::SizeReduced:
     case ErrorCode::SelfIntersection:
     case ErrorCode::OpenShell:
     case ErrorCode::VolumeFailed:

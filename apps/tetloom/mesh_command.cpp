@@ -38,6 +38,13 @@ nlohmann::ordered_json filling_json(const FillingFigures& figures) {
             {"forced", optimizer.forced}}}};
 }
 
+nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
+  return {{"rounds", refinement.rounds},
+          {"narrow_places", refinement.narrow_places},
+          {"crossings", refinement.crossings},
+          {"smallest_size", refinement.smallest_size}};
+}
+
 void note_result(const MeshResult& result, RunReport& report) {
   const Mesh& mesh = result.mesh;
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
@@ -46,6 +53,7 @@ void note_result(const MeshResult& result, RunReport& report) {
   report.seconds.volume = result.seconds.volume;
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = mesh.entities;
+  report.extra["refinement"] = refinement_json(result.refinement);
   if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling);
 }
 

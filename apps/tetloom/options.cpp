@@ -46,7 +46,8 @@ struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
   std::optional<int> threads, parts;
   std::string input, output, sizes_file, report, worker, max_memory;
-  bool surface_only = false, keep_surface = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
+  bool surface_only = false, refine_surface = true, keep_surface = false, imprint = false, no_heal = false,
+       quiet = false, tetgen = false;
 };
 
 struct RawPartition {
@@ -141,6 +142,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.sizes = make_size_options(raw);
   // An STL file holds triangles alone: to fill the volume for it would be wasted.
   command.options.surface_only = raw.surface_only || lower_extension(command.output) == ".stl";
+  command.options.refine_surface = raw.refine_surface;
   command.options.improve_surface = !raw.keep_surface;
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
@@ -199,6 +201,9 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_reading_options(*mesh, raw);
   const std::string group = "Run";
   mesh->add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(group);
+  mesh->add_flag("--allow-surface-refinement,!--no-surface-refinement", raw.refine_surface,
+                 "Smaller sizes where walls, faces or edges are too narrow for those asked for (the default), or never")
+      ->group(group);
   mesh->add_flag("--keep-surface", raw.keep_surface,
                  "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
       ->group(group);

@@ -12,6 +12,7 @@ std::string_view to_string(ErrorCode code) {
     case ErrorCode::InputUnsuitable: return "input_unsuitable";
     case ErrorCode::EdgeFailed: return "edge_failed";
     case ErrorCode::FaceFailed: return "face_failed";
+    case ErrorCode::SizeReduced: return "size_reduced";
     case ErrorCode::SelfIntersection: return "self_intersection";
     case ErrorCode::OpenShell: return "open_shell";
     case ErrorCode::VolumeFailed: return "volume_failed";

@@ -19,6 +19,7 @@ enum class ErrorCode {
   InputUnsuitable,   ///< the file was read but holds nothing that can be meshed
   EdgeFailed,        ///< a model edge could not be discretised
   FaceFailed,        ///< a model face could not be meshed
+  SizeReduced,       ///< a warning: a size asked for does not fit somewhere and was made smaller
   SelfIntersection,  ///< the surface mesh crosses itself
   OpenShell,         ///< a region's boundary has a hole
   VolumeFailed,      ///< a region could not be filled

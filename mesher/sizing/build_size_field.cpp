@@ -18,16 +18,22 @@
 namespace tetloom {
 namespace {
 
-void check_refinements(std::span<const PointSize> refinements) {
+void check_refinements(std::span<const SizeRefinement> refinements) {
   for (std::size_t i = 0; i < refinements.size(); ++i)
-    if (!is_finite(refinements[i].point) || !(std::isfinite(refinements[i].size) && refinements[i].size > 0))
+    if (!std::ranges::all_of(refinements[i].corners, is_finite) ||
+        !(std::isfinite(refinements[i].size) && refinements[i].size > 0))
       throw Error(ErrorCode::InvalidArgument,
-                  "refinements[" + std::to_string(i) + "] must have a finite point and a positive size");
+                  "refinements[" + std::to_string(i) + "] must have finite corners and a positive size");
 }
 
 void append_points(std::span<const PointSize> points, double global, std::vector<SizeSource>& sources) {
   for (const PointSize& wish : points)
     if (wish.size < global) sources.push_back({wish.point, wish.point, wish.point, wish.size});
+}
+
+void append_refinements(std::span<const SizeRefinement> refinements, double global, std::vector<SizeSource>& sources) {
+  for (const auto& [corners, size] : refinements)
+    if (size < global) sources.push_back({corners[0], corners[1], corners[2], size});
 }
 
 void append(const std::vector<SizeSource>& list, std::vector<SizeSource>& sources) {
@@ -54,7 +60,8 @@ std::size_t cell_limit(std::uint64_t max_memory) {
 }
 
 /// Whether anything at all is asked for beside the global size.
-bool asks_for_more(const SizeTargets& targets, const SizeOptions& options, std::span<const PointSize> refinements) {
+bool asks_for_more(const SizeTargets& targets, const SizeOptions& options,
+                   std::span<const SizeRefinement> refinements) {
   const auto any_below = [&](const std::vector<double>& sizes) {
     return std::ranges::any_of(sizes, [&](double size) { return size < targets.global; });
   };
@@ -71,11 +78,11 @@ struct Workpiece {
   const FacetTree& tree;
 };
 
-std::vector<SizeSource> collect_sources(const Workpiece& work, std::span<const PointSize> refinements,
+std::vector<SizeSource> collect_sources(const Workpiece& work, std::span<const SizeRefinement> refinements,
                                         const TaskRunner& runner) {
   std::vector<SizeSource> sources;
   append_points(work.options.point_sizes, work.targets.global, sources);
-  append_points(refinements, work.targets.global, sources);
+  append_refinements(refinements, work.targets.global, sources);
   append(edge_sources(work.model, work.targets, runner), sources);
   append(face_sources(work.model, work.targets, work.facets, runner), sources);
   if (work.targets.proximity > 0)
@@ -99,7 +106,7 @@ SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std:
 struct Request {
   const GeometricModel& model;
   const SizeOptions& options;
-  std::span<const PointSize> refinements;
+  std::span<const SizeRefinement> refinements;
   std::uint64_t max_memory;
   bool with_estimate;
 };
@@ -123,12 +130,13 @@ SizedModel build(const Request& request, const TaskRunner& runner) {
 }  // namespace
 
 SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
-                           std::span<const PointSize> refinements, const TaskRunner& runner, std::uint64_t max_memory) {
+                           std::span<const SizeRefinement> refinements, const TaskRunner& runner,
+                           std::uint64_t max_memory) {
   return build({model, options, refinements, max_memory, false}, runner).sizes;
 }
 
 SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
-                              std::span<const PointSize> refinements, const TaskRunner& runner,
+                              std::span<const SizeRefinement> refinements, const TaskRunner& runner,
                               std::uint64_t max_memory) {
   return build({model, options, refinements, max_memory, true}, runner);
 }

@@ -1,5 +1,6 @@
 #pragma once
 // From a model and the sizes asked for to the size field.
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -10,6 +11,12 @@
 #include "threading/task_runner.hpp"
 
 namespace tetloom {
+
+/// A triangle on which a size is asked for; a point where its corners coincide.
+struct SizeRefinement {
+  std::array<Vec3, 3> corners;
+  double size = 0;  ///< model length, > 0
+};
 
 /// The size field that meets all of `options`. At a point the smallest wins of
 /// - the global size: `size`, else `relative_size` or 1/40 of the bounding box's diagonal;
@@ -31,7 +38,7 @@ namespace tetloom {
 /// Errors: InvalidArgument naming the option; InputUnsuitable (a model without extent); OutOfMemory when the mesh or
 /// the field could not fit in `max_memory` bytes (0: what the machine has free); Cancelled; what the callback throws.
 SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
-                           std::span<const PointSize> refinements, const TaskRunner& runner,
+                           std::span<const SizeRefinement> refinements, const TaskRunner& runner,
                            std::uint64_t max_memory = 0);
 
 /// A size field and what a mesh on it will hold.
@@ -42,7 +49,7 @@ struct SizedModel {
 
 /// build_size_field and estimate_mesh in one, which facets the model once instead of twice.
 SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
-                              std::span<const PointSize> refinements, const TaskRunner& runner,
+                              std::span<const SizeRefinement> refinements, const TaskRunner& runner,
                               std::uint64_t max_memory = 0);
 
 }  // namespace tetloom

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMostGrowth = 12;  // tets that join a cavity after its start
 constexpr int kSteps = 4;                // of Newton's method, for one cavity
 constexpr double kMuchBetter = 1.3;      // in cubed quality, where as many tets stay poor
+constexpr double kOutOfFlatness = 27;    // the same, where more tets become poor: three times the quality
 
 // Faces are listed counter-clockwise from outside; turned, they are seen from inside.
 std::array<std::uint32_t, 3> inward_face(const TetMesh& mesh, FaceCode face) {
@@ -51,6 +52,13 @@ bool PointInserter::set_cavity(std::span<const std::uint32_t> tets) {
   now_.least_before = 1;
   now_.poor_before = 0;
   return std::all_of(tets.begin(), tets.end(), [&](std::uint32_t tet) { return add_tet(tet); });
+}
+
+Vec3 PointInserter::middle() const {
+  Vec3 sum{};
+  for (std::size_t i = 0; i < now_.facet_count; ++i)
+    for (const std::uint32_t v : now_.facets[i].verts) sum += mesh_.point(v);
+  return (1.0 / (3.0 * static_cast<double>(now_.facet_count))) * sum;
 }
 
 // The star of the cavity's boundary, seen from the point.
@@ -98,15 +106,19 @@ bool PointInserter::lead_point() {
 void PointInserter::try_cavity(std::span<const std::uint32_t> tets, const Vec3& point) {
   if (!set_cavity(tets)) return;
   now_.point = point;
-  if (!lead_point()) return;
+  if (!lead_point()) {
+    // In the plane of a flat tet, say; the middle of the cavity may do.
+    now_.point = middle();
+    if (!lead_point()) return;
+  }
   kept_ = now_;
   for (std::size_t i = 0; i < kMostGrowth; ++i) {
     const FaceCode behind = now_.facets[worst_facet()].behind;
     if (behind == kNone || !add_tet(behind / 4) || !lead_point() || now_.least <= kept_.least) break;
     kept_ = now_;
   }
-  const double gain = kept_.gain > 0 ? kGain : kMuchBetter;
-  if (kept_.gain < 0 || kept_.least <= kept_.least_before * gain) return;
+  const double gain = kept_.gain > 0 ? kGain : kept_.gain == 0 ? kMuchBetter : kOutOfFlatness;
+  if (kept_.least <= kept_.least_before * gain) return;
   if (best_.tet_count == 0 || kept_.least > best_.least) best_ = kept_;
 }
 

@@ -83,6 +83,7 @@ TEST_CASE("every option of mesh reaches its place") {
                                     "--report",
                                     "r.json",
                                     "--surface-only",
+                                    "--no-surface-refinement",
                                     "--keep-surface",
                                     "--imprint",
                                     "--no-heal",
@@ -104,6 +105,7 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.options.threads == 3);
   CHECK(c.options.parts == 4);
   CHECK(c.options.surface_only);
+  CHECK_FALSE(c.options.refine_surface);
   CHECK_FALSE(c.options.improve_surface);
   CHECK(c.options.max_memory == std::uint64_t{2} << 30);
   CHECK(c.options.volume_worker == "w");

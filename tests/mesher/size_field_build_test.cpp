@@ -105,7 +105,8 @@ TEST_CASE("the size of a region holds in its interior and not in its neighbour")
 
 TEST_CASE("point sizes and refinements are met, below every floor") {
   const auto model = unit_box();
-  const std::vector<PointSize> refinements{{{0.3, 0.4, 0.5}, 1e-4}};
+  const Vec3 place{0.3, 0.4, 0.5};
+  const std::vector<SizeRefinement> refinements{{{place, place, place}, 1e-4}};
   const SizeField field =
       build(*model, {.size = 0.2, .min_size = 0.1, .point_sizes = {{{0.8, 0.8, 0.8}, 3e-3}}}, 2, refinements);
   CHECK(field.size_at({0.3, 0.4, 0.5}) == Approx(1e-4).epsilon(0.05));

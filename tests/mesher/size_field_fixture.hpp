@@ -9,13 +9,13 @@
 namespace tetloom::test_sizes {
 
 inline SizeField build(const GeometricModel& model, const SizeOptions& options, int threads = 2,
-                       std::span<const PointSize> refinements = {}) {
+                       std::span<const SizeRefinement> refinements = {}) {
   return build_size_field(model, options, refinements, TaskRunner(threads));
 }
 
 /// The option that was refused, by the error's message; empty when nothing was thrown.
 inline std::string refusal(const GeometricModel& model, const SizeOptions& options, ErrorCode code,
-                           std::span<const PointSize> refinements = {}) {
+                           std::span<const SizeRefinement> refinements = {}) {
   try {
     build(model, options, 1, refinements);
   } catch (const Error& error) {

@@ -72,7 +72,7 @@ TEST_CASE("wishes for entities and points that do not exist are refused by name"
              Contains("point_sizes[0].size"));
   CHECK_THAT(refusal(*model, {.point_sizes = {{{0, std::nan(""), 0}, 1}}}, ErrorCode::InvalidArgument),
              Contains("point_sizes[0].point"));
-  const std::vector<PointSize> refinements{{{0, 0, 0}, -1}};
+  const std::vector<SizeRefinement> refinements{{{}, -1}};
   CHECK_THAT(refusal(*model, {}, ErrorCode::InvalidArgument, refinements), Contains("refinements[0]"));
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+// Where a surface mesh cannot have the sizes asked for: walls and faces much thinner than these, edges much shorter.
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/geometry/model.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/sizing/size_field.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+/// A triangle on which the size does not fit, and one that does.
+struct Misfit {
+  std::uint32_t triangle = 0;
+  double size = 0;  ///< model length, below the present size there
+};
+
+/// The largest width of a wall, of a face or of a model edge, in sizes, that calls for a smaller size. A single layer
+/// of tets across a wall of this width has dihedral angles of 15 degrees and more (measured on plates: 14.7 at 0.3
+/// sizes, 18.3 at 0.4, 9.4 at 0.2), and so have triangles across a face of this width.
+inline constexpr double kLeastWidth = 0.4;
+
+/// Triangles that face another wall of the same region at less than kLeastWidth sizes, measured along their normal, and
+/// triangles with an angle below 15 degrees and a height below that, in ascending order. Their size is what makes the
+/// width or height kLeastWidth, but at least `floor` of the place.
+///
+/// Not told are walls that meet at a common model edge, as in a wedge, and angles between two model edges: smaller
+/// sizes would not make them any better. Widths are sampled once per triangle, at its centre. `sizes`: those that the
+/// mesh was made with. Complexity: O(n log n). Errors: Cancelled.
+std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
+                                 const std::function<double(const Vec3&)>& floor, const TaskRunner& runner);
+
+}  // namespace tetloom

@@ -1,0 +1,160 @@
+#include <catch2/catch.hpp>
+
+#include "core/mesh/digest.hpp"
+#include "core/mesh/quality.hpp"
+#include "core/mesh/validate.hpp"
+#include "mesher/mesher.hpp"
+#include "tests/support/analytic_model.hpp"
+
+using namespace tetloom;
+using namespace tetloom::test_models;
+
+namespace {
+
+MeshOptions options_of_size(double size) {
+  MeshOptions options;
+  options.sizes.size = size;
+  options.threads = 2;
+  options.volume_worker = TETLOOM_WORKER;
+  return options;
+}
+
+/// With its quality; checks that it is whole.
+struct Made {
+  MeshResult result;
+  QualityReport quality;
+
+  Made(const GeometricModel& model, const MeshOptions& options) : result(make_mesh(model, options)) {
+    REQUIRE(result.status == MeshStatus::Ok);
+    CHECK(validate_mesh(result.mesh).problems.empty());
+    quality = compute_quality(result.mesh, &result.sizes);
+    CHECK(quality.tets.volume == Approx(result.model_volume).epsilon(0.03));
+    CHECK(result.filling.worker_complexes == 0);
+  }
+};
+
+const Diagnostic* find_warning(const MeshResult& result) {
+  for (const Diagnostic& warning : result.warnings)
+    if (warning.code == ErrorCode::SizeReduced) return &warning;
+  return nullptr;
+}
+
+/// Over a triangle with this angle, in degrees, at the edge from (0, 0) to (0, width).
+std::unique_ptr<GeometricModel> make_wedge(double degrees, double length, double width) {
+  const double height = length * std::tan(degrees * std::numbers::pi / 180);
+  const std::vector<Vec3> points{{0, 0, 0},     {length, 0, 0},     {length, 0, height},
+                                 {0, width, 0}, {length, width, 0}, {length, width, height}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {0, 2, 5, 3}, {1, 4, 5, 2}};
+  return make_polyhedron(points, faces);
+}
+
+/// A cube whose edge along y at x = z = 1 is cut off by a face this wide.
+std::unique_ptr<GeometricModel> make_chamfered_cube(double width) {
+  const double c = 1 - width / std::sqrt(2);
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 0, c}, {c, 0, 1}, {0, 0, 1},
+                                 {0, 1, 0}, {1, 1, 0}, {1, 1, c}, {c, 1, 1}, {0, 1, 1}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}, {0, 5, 6, 1}, {1, 6, 7, 2},
+                                                      {2, 7, 8, 3},    {3, 8, 9, 4},    {4, 9, 5, 0}};
+  return make_polyhedron(points, faces);
+}
+
+}  // namespace
+
+TEST_CASE("plates however thin get tets of 15 degrees and more") {
+  for (const double thickness : {0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4}) {
+    INFO("thickness " << thickness);
+    const auto model = make_box({0, 0, 0}, {6, 5, thickness});
+    MeshOptions options = options_of_size(1);
+    options.sizes.min_size = 0.01;
+    const Made fitting(*model, options);
+    CHECK(fitting.quality.tets.min_dihedral_deg >= 15);
+    options.refine_surface = false;
+    const Made kept(*model, options);
+    CHECK(kept.result.sizes.is_uniform());
+    CHECK(find_warning(kept.result) == nullptr);
+    CHECK(kept.result.refinement.rounds == 0);
+    if (thickness > 0.25) continue;
+    CHECK(kept.quality.tets.min_dihedral_deg < 15);
+    CHECK(fitting.result.refinement.smallest_size == Approx(2.5 * thickness).epsilon(0.05));
+    const Diagnostic* const warning = find_warning(fitting.result);
+    REQUIRE(warning != nullptr);
+    CHECK(warning->point.has_value());
+    CHECK_FALSE(warning->entities.empty());
+  }
+}
+
+TEST_CASE("sizes are reduced to min_size, or to a tenth, and no further") {
+  const auto model = make_box({0, 0, 0}, {2, 2, 0.002});
+  MeshOptions options = options_of_size(1);
+  CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.1));
+  options.sizes.min_size = 0.3;
+  CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.3));
+}
+
+TEST_CASE("needles and narrow faces have finer elements beside them") {
+  MeshOptions options = options_of_size(0.5);
+  const Made needle(*make_box({0, 0, 0}, {8, 0.1, 0.1}), options);
+  CHECK(needle.quality.tets.min_dihedral_deg >= 15);
+  CHECK(needle.result.refinement.narrow_places > 0);
+  const Made chamfered(*make_chamfered_cube(0.06), options);
+  CHECK(chamfered.quality.tets.min_dihedral_deg >= 15);
+  CHECK(chamfered.result.refinement.narrow_places > 0);
+  options.refine_surface = false;
+  CHECK(Made(*make_chamfered_cube(0.06), options).quality.tets.min_dihedral_deg < 15);
+}
+
+TEST_CASE("what a smaller size would not make better stays as it is") {
+  const auto expect_no_refinement = [](const GeometricModel& model, double size) {
+    const Made made(model, options_of_size(size));
+    CHECK(made.result.refinement.rounds == 0);
+    CHECK(find_warning(made.result) == nullptr);
+  };
+  expect_no_refinement(*make_wedge(15, 4, 3), 0.3);
+  // Solids that touch are no walls to each other.
+  const std::vector<std::shared_ptr<const GeometricModel>> bodies{
+      make_box({0, 0, 0}, {1, 1, 1}), make_box({1, 0, 0}, {2, 1, 1}), make_box({0, 0, 1.001}, {1, 1, 2})};
+  expect_no_refinement(*combine(bodies), 0.2);
+  expect_no_refinement(*make_sphere({0, 0, 0}, 1), 0.2);
+}
+
+TEST_CASE("along a wedge only the corners of its side faces are refined") {
+  MeshOptions options = options_of_size(0.3);
+  const Made fitting(*make_wedge(5, 4, 3), options);
+  options.refine_surface = false;
+  const Made kept(*make_wedge(5, 4, 3), options);
+  CHECK(fitting.result.mesh.tet_to_vert.size() < 2 * kept.result.mesh.tet_to_vert.size());
+}
+
+TEST_CASE("a size may jump by ten thousand") {
+  MeshOptions options = options_of_size(0.2);
+  options.sizes.gradation = 1;
+  for (const Vec3& place : {Vec3{0.4, 0.5, 0.6}, Vec3{0, 0, 0}, Vec3{0.3, 0, 0.2}}) {
+    options.sizes.point_sizes = {{place, 2e-5}};
+    const Made made(*make_box({0, 0, 0}, {1, 1, 1}), options);
+    CHECK(made.result.sizes.size_at(place) < 4e-5);
+    CHECK(made.quality.tets.min_dihedral_deg >= 5);
+    CHECK(made.quality.tets.mean_ratio_mean > 0.7);
+  }
+}
+
+TEST_CASE("sizes that fit but not in memory are not used") {
+  const auto model = make_box({0, 0, 0}, {40, 30, 0.1});
+  MeshOptions options = options_of_size(1);
+  options.max_memory = std::uint64_t{12} << 20;
+  const Made made(*model, options);
+  const Diagnostic* const warning = find_warning(made.result);
+  REQUIRE(warning != nullptr);
+  CHECK_THAT(warning->message, Catch::Contains("memory"));
+  CHECK(made.result.sizes.smallest() == Approx(1));
+}
+
+TEST_CASE("refined surfaces are the same on any number of threads") {
+  const auto model = make_box({0, 0, 0}, {6, 5, 0.1});
+  MeshOptions options = options_of_size(1);
+  options.threads = 1;
+  const std::string reference = mesh_digest(make_mesh(*model, options).mesh);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    CHECK(mesh_digest(make_mesh(*model, options).mesh) == reference);
+  }
+}
