@@ -15,8 +15,12 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
+// A width that is less of the smallest size allowed would leave more poor elements than it found.
+constexpr double kHopeless = 0.2;
 // Cosines between a ray and what is called the opposite wall.
 constexpr double kOpposite = 0.7, kParallel = 0.9998;
+// Cosine between model edges that narrow a face towards a corner.
+constexpr double kAcute = 0.85;
 
 bool share_a_vertex(const Triangle& s, const Triangle& t) {
   return std::ranges::any_of(s, [&](std::uint32_t v) { return std::ranges::find(t, v) != t.end(); });
@@ -34,6 +38,7 @@ class MisfitSearch {
         for (const EdgeUse& use : loop) face_to_edges_[f].push_back(use.edge.value);
       std::ranges::sort(face_to_edges_[f]);
     }
+    find_acute_corners();
   }
 
   /// The size that fits on the triangle, where it is smaller than the present one; else infinity.
@@ -46,11 +51,55 @@ class MisfitSearch {
     const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
     if (sides.front.valid()) width = std::min(width, wall_width(sides.front, triangle, center, reach * normal));
     if (sides.back.valid()) width = std::min(width, wall_width(sides.back, triangle, center, -reach * normal));
-    const double size = std::max(width / kLeastWidth, floor(center));
-    return size < kWorthwhile * present ? size : HUGE_VAL;
+    if (width == HUGE_VAL) return HUGE_VAL;
+    const double least = floor(center), size = std::max(width / kLeastWidth, least);
+    return width >= kHopeless * least && size < kWorthwhile * present ? size : HUGE_VAL;
   }
 
  private:
+  /// Pairs of model edges that meet at less than kAcute, as the mesh has them.
+  void find_acute_corners() {
+    struct End {
+      std::uint32_t corner, edge;
+      Vec3 direction;
+    };
+    std::vector<End> ends;
+    for (std::size_t i = 0; i < mesh_.edge_to_vert.size(); ++i) {
+      const auto [a, b] = mesh_.edge_to_vert[i];
+      const Vec3 along = normalized(mesh_.points[b] - mesh_.points[a]);
+      if (mesh_.point_to_entity[a].dim == 0) ends.push_back({a, mesh_.edge_to_entity[i], along});
+      if (mesh_.point_to_entity[b].dim == 0) ends.push_back({b, mesh_.edge_to_entity[i], -along});
+    }
+    std::ranges::stable_sort(ends, {}, &End::corner);
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      for (std::size_t j = i + 1; j < ends.size() && ends[j].corner == ends[i].corner; ++j)
+        if (ends[i].edge != ends[j].edge && dot(ends[i].direction, ends[j].direction) > kAcute)
+          acute_pairs_.push_back({std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)});
+    std::ranges::sort(acute_pairs_);
+  }
+
+  /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle.
+  bool lies_in_acute_corner(std::uint32_t triangle) const {
+    const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
+    const auto lies_on = [&](std::uint32_t v, std::uint32_t edge) {
+      const ModelEntity at = mesh_.point_to_entity[v];
+      if (at.dim == 1) return at.index == edge;
+      return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
+                                                [&](ModelVertexId vertex) { return vertex.value == at.index; });
+    };
+    const auto holds = [&](const std::array<std::uint32_t, 2>& pair) {
+      return std::ranges::binary_search(edges, pair[0]) && std::ranges::binary_search(edges, pair[1]) &&
+             std::ranges::all_of(mesh_.tri_to_vert[triangle],
+                                 [&](std::uint32_t v) { return lies_on(v, pair[0]) || lies_on(v, pair[1]); });
+    };
+    for (const std::uint32_t edge : edges) {
+      const auto first = std::ranges::lower_bound(acute_pairs_, std::array{edge, std::uint32_t{0}});
+      for (auto pair = first; pair != acute_pairs_.end() && (*pair)[0] == edge; ++pair)
+        if (holds(*pair)) return true;
+    }
+    return false;
+  }
+
   /// The least height of a triangle with an angle that is too small and not the model's; else infinity.
   double height_of_flat(std::uint32_t triangle, const std::array<Vec3, 3>& x) const {
     std::array<double, 3> length2{};  // of the edge opposite to each corner
@@ -61,6 +110,7 @@ class MisfitSearch {
     if (std::atan2(twice_area, dot(u, v)) >= kFlatAngle) return HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
     if (is_model_piece(verts[i], verts[(i + 1) % 3]) && is_model_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
+    if (lies_in_acute_corner(triangle)) return HUGE_VAL;
     return twice_area / std::sqrt(std::ranges::max(length2));
   }
 
@@ -127,6 +177,7 @@ class MisfitSearch {
   intersection::TriangleTree tree_;
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
   std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
+  std::vector<std::array<std::uint32_t, 2>> acute_pairs_;   // of model edges, ascending, the lower first
 };
 
 }  // namespace
