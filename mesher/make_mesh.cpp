@@ -53,13 +53,14 @@ class MeshRun {
   // few rounds crosses in the model.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
+    SizeFieldBuilder sizing(model_, options_.sizes, runner_, options_.max_memory);
     std::vector<SizeRefinement> refinements;
     std::optional<Candidate> good;
     constexpr int kMostRounds = 6, kMostFittingRounds = 3;
     for (int round = 0;; ++round) {
       Candidate candidate;
       try {
-        candidate = make_surface(refinements);
+        candidate = make_surface(sizing, refinements);
       } catch (const Error& error) {
         if (error.code() != ErrorCode::OutOfMemory || !good) throw;
         return accept(std::move(*good), Refined::TooLarge);
@@ -90,9 +91,9 @@ class MeshRun {
     SurfaceMeshResult surface;
   };
 
-  Candidate make_surface(const std::vector<SizeRefinement>& refinements) {
+  Candidate make_surface(SizeFieldBuilder& sizing, const std::vector<SizeRefinement>& refinements) {
     Stopwatch watch;
-    const SizedModel sized = build_and_estimate(model_, options_.sizes, refinements, runner_, options_.max_memory);
+    const SizedModel sized = sizing.build(refinements);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
     result_.seconds.size_field += watch.lap();
     Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, runner_)};

@@ -78,11 +78,9 @@ struct Workpiece {
   const FacetTree& tree;
 };
 
-std::vector<SizeSource> collect_sources(const Workpiece& work, std::span<const SizeRefinement> refinements,
-                                        const TaskRunner& runner) {
+std::vector<SizeSource> collect_sources(const Workpiece& work, const TaskRunner& runner) {
   std::vector<SizeSource> sources;
   append_points(work.options.point_sizes, work.targets.global, sources);
-  append_refinements(refinements, work.targets.global, sources);
   append(edge_sources(work.model, work.targets, runner), sources);
   append(face_sources(work.model, work.targets, work.facets, runner), sources);
   if (work.targets.proximity > 0)
@@ -103,42 +101,61 @@ SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std:
   return SizeField::from_octree(std::move(octree));
 }
 
-struct Request {
+}  // namespace
+
+/// What does not depend on refinements.
+struct SizeFieldBuilder::State {
+  State(const GeometricModel& given_model, const SizeOptions& given_options, const TaskRunner& given_runner,
+        std::uint64_t given_memory)
+      : model(given_model),
+        options(given_options),
+        runner(given_runner),
+        max_memory(given_memory),
+        targets(resolve_sizes(model, options)) {}
+
+  void facet_model() {
+    if (tree) return;
+    facets = facet_faces(model, source_tolerances(model, targets), runner);
+    tree.emplace(model, facets, runner);
+    sources = collect_sources({model, options, targets, facets, *tree}, runner);
+  }
+
+  SizedModel build(std::span<const SizeRefinement> refinements) {
+    check_refinements(refinements);
+    check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
+    if (!asks_for_more(targets, options, refinements)) {
+      const SizeField uniform = SizeField::uniform(targets.global);
+      return {uniform, estimate_mesh(model, uniform, runner)};
+    }
+    facet_model();
+    std::vector<SizeSource> all = sources;
+    append_refinements(refinements, targets.global, all);
+    const SizeField sizes = grow_tree({model, options, targets, facets, *tree}, std::move(all), max_memory, runner);
+    return {sizes, estimate_mesh(model, sizes, facets, *tree, runner)};
+  }
+
   const GeometricModel& model;
   const SizeOptions& options;
-  std::span<const SizeRefinement> refinements;
+  const TaskRunner& runner;
   std::uint64_t max_memory;
-  bool with_estimate;
+  SizeTargets targets;
+  std::vector<Tessellation> facets;
+  std::optional<FacetTree> tree;
+  std::vector<SizeSource> sources;
 };
 
-SizedModel build(const Request& request, const TaskRunner& runner) {
-  const auto& [model, options, refinements, max_memory, with_estimate] = request;
-  const SizeTargets targets = resolve_sizes(model, options);
-  check_refinements(refinements);
-  check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
-  if (!asks_for_more(targets, options, refinements)) {
-    const SizeField uniform = SizeField::uniform(targets.global);
-    return {uniform, estimate_mesh(model, uniform, runner)};
-  }
-  const std::vector<Tessellation> facets = facet_faces(model, source_tolerances(model, targets), runner);
-  const FacetTree tree(model, facets, runner);
-  const Workpiece work{model, options, targets, facets, tree};
-  const SizeField sizes = grow_tree(work, collect_sources(work, refinements, runner), max_memory, runner);
-  return {sizes, with_estimate ? estimate_mesh(model, sizes, facets, tree, runner) : MeshEstimate{}};
-}
+SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const TaskRunner& runner,
+                                   std::uint64_t max_memory)
+    : state_(std::make_unique<State>(model, options, runner, max_memory)) {}
 
-}  // namespace
+SizeFieldBuilder::~SizeFieldBuilder() = default;
+
+SizedModel SizeFieldBuilder::build(std::span<const SizeRefinement> refinements) { return state_->build(refinements); }
 
 SizeField build_size_field(const GeometricModel& model, const SizeOptions& options,
                            std::span<const SizeRefinement> refinements, const TaskRunner& runner,
                            std::uint64_t max_memory) {
-  return build({model, options, refinements, max_memory, false}, runner).sizes;
-}
-
-SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
-                              std::span<const SizeRefinement> refinements, const TaskRunner& runner,
-                              std::uint64_t max_memory) {
-  return build({model, options, refinements, max_memory, true}, runner);
+  return SizeFieldBuilder(model, options, runner, max_memory).build(refinements).sizes;
 }
 
 }  // namespace tetloom

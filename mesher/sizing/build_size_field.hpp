@@ -2,6 +2,7 @@
 // From a model and the sizes asked for to the size field.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "core/geometry/model.hpp"
@@ -47,9 +48,20 @@ struct SizedModel {
   MeshEstimate estimate;
 };
 
-/// build_size_field and estimate_mesh in one, which facets the model once instead of twice.
-SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options,
-                              std::span<const SizeRefinement> refinements, const TaskRunner& runner,
-                              std::uint64_t max_memory = 0);
+/// build_size_field and estimate_mesh in one, again and again with other refinements: the model is facetted, and its
+/// own sources are found, once. Refers to its arguments, which must outlive it. Thread safety: one call at a time.
+class SizeFieldBuilder {
+ public:
+  /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.
+  SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const TaskRunner& runner,
+                   std::uint64_t max_memory = 0);
+  ~SizeFieldBuilder();
+
+  SizedModel build(std::span<const SizeRefinement> refinements);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace tetloom

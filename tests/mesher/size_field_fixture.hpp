@@ -13,6 +13,11 @@ inline SizeField build(const GeometricModel& model, const SizeOptions& options, 
   return build_size_field(model, options, refinements, TaskRunner(threads));
 }
 
+inline SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options) {
+  const TaskRunner runner(2);
+  return SizeFieldBuilder(model, options, runner).build({});
+}
+
 /// The option that was refused, by the error's message; empty when nothing was thrown.
 inline std::string refusal(const GeometricModel& model, const SizeOptions& options, ErrorCode code,
                            std::span<const SizeRefinement> refinements = {}) {

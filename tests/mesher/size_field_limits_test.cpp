@@ -78,7 +78,7 @@ TEST_CASE("wishes for entities and points that do not exist are refused by name"
 
 TEST_CASE("faces whose geometry fails give no sizes, but the edges still do") {
   const SizedModel sized =
-      build_and_estimate(FacelessCylinder(ErrorCode::FaceFailed), {.size = 0.5, .curvature = 24}, {}, TaskRunner(2));
+      test_sizes::build_and_estimate(FacelessCylinder(ErrorCode::FaceFailed), {.size = 0.5, .curvature = 24});
   CHECK(sized.sizes.size_at({1, 0, 0}) == Approx(std::sqrt(27.0) / 24).epsilon(0.05));
   CHECK(sized.sizes.size_at({1, 0, 1}) > 0.4);
   CHECK(sized.estimate.tets > 100);
@@ -107,7 +107,7 @@ TEST_CASE("the estimate integrates graded sizes") {
   const auto box = unit_box();
   SizeOptions options{.size = 0.2, .gradation = 1};
   options.callback = [](const Vec3& x) { return 0.02 + 0.1 * x.x; };
-  const SizedModel sized = build_and_estimate(*box, options, {}, TaskRunner(2));
+  const SizedModel sized = test_sizes::build_and_estimate(*box, options);
   const double a = 0.02, b = 0.12;
   const double mean2 = 1 / (a * b), mean3 = (1 / (a * a) - 1 / (b * b)) / (2 * (b - a));
   CHECK(sized.estimate.tets == Approx(9.3 * mean3).epsilon(0.1));
@@ -122,7 +122,7 @@ TEST_CASE("the estimate integrates graded sizes") {
     const std::vector<std::vector<std::uint32_t>> rings = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const auto tetrahedron = test_models::make_polyhedron(corners, rings);
     SizeOptions region{.size = 0.2, .entity_sizes = {{ModelRegionId(std::size_t{0}), 0.02}}};
-    const SizedModel small = build_and_estimate(*tetrahedron, region, {}, TaskRunner(2));
+    const SizedModel small = test_sizes::build_and_estimate(*tetrahedron, region);
     CHECK(small.estimate.tets == Approx(9.3 / 6 / std::pow(0.02, 3)).epsilon(0.1));
   }
 }
