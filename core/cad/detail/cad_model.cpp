@@ -52,7 +52,7 @@ constexpr double kToleranceMargin = 1.25;
 
 CadModel::CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes,
                    double metres_per_unit)
-    : shapes_(std::move(parts.shapes)) {
+    : shapes_(std::move(parts.shapes)), areas_(parts.topology.face_count()), volumes_(parts.topology.region_count()) {
   topology_ = std::move(parts.topology);
   attributes_ = make_entity_attributes(root, attributes, shapes_);
   metres_per_unit_ = metres_per_unit;
@@ -114,9 +114,11 @@ std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
 double CadModel::area(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
   return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] {
-    GProp_GProps properties;
-    BRepGProp::SurfaceProperties(shapes_.face(id), properties);
-    return properties.Mass();
+    return areas_.get(id.value, [&] {
+      GProp_GProps properties;
+      BRepGProp::SurfaceProperties(shapes_.face(id), properties);
+      return properties.Mass();
+    });
   });
 }
 
@@ -126,9 +128,11 @@ double CadModel::volume(ModelRegionId id) const {
     // Adaptive integration: with the fixed number of Gauss points of the plain call, solids of spline faces come out
     // wrong by up to two percent.
     constexpr double kRelativeError = 1e-4;
-    GProp_GProps properties;
-    BRepGProp::VolumeProperties(shapes_.solid(id), properties, kRelativeError);
-    return properties.Mass();
+    return volumes_.get(id.value, [&] {
+      GProp_GProps properties;
+      BRepGProp::VolumeProperties(shapes_.solid(id), properties, kRelativeError);
+      return properties.Mass();
+    });
   });
 }
 

@@ -1,9 +1,29 @@
 #pragma once
 // An OpenCASCADE shape as a GeometricModel. Private to core/cad.
+#include <memory>
+#include <mutex>
+#include <vector>
+
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
 
 namespace tetloom::cad {
+
+/// Numbers that are dear to compute, each found when it is first asked for. Thread safety: any number of threads.
+class LazyNumbers {
+ public:
+  explicit LazyNumbers(std::size_t count) : found_(new std::once_flag[count]), values_(count) {}
+  /// What `compute` throws reaches the caller, and the next one computes again.
+  template <class Compute>
+  double get(std::size_t i, const Compute& compute) const {
+    std::call_once(found_[i], [&] { values_[i] = compute(); });
+    return values_[i];
+  }
+
+ private:
+  std::unique_ptr<std::once_flag[]> found_;
+  mutable std::vector<double> values_;
+};
 
 class CadModel final : public GeometricModel {
  public:
@@ -22,6 +42,7 @@ class CadModel final : public GeometricModel {
   void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use);
 
   ShapeTables shapes_;
+  LazyNumbers areas_, volumes_;
 };
 
 }  // namespace tetloom::cad
