@@ -101,7 +101,7 @@ class Joiner {
 
   // What lies on the side of the face's tet. Open faces tell only when the core is on that side.
   std::uint32_t told_by(FaceCode face) {
-    if (shell_.to_neighbor[face] == kNone) return kOutside;
+    if (!shell_.is_fixed(face)) return kOutside;
     const TriangleVerts verts = verts_of(shell_, face);
     const SortedTriangle key = sorted(verts);
     if (const auto* open = open_.find(verts)) return key.turned == open->turned ? kInCore : kUnnamed;

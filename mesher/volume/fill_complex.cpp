@@ -7,8 +7,8 @@
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/lattice_points.hpp"
+#include "mesher/tets/link_tets.hpp"
 #include "mesher/volume/lattice_filling.hpp"
-#include "mesher/volume/smoothing.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 
@@ -49,40 +49,42 @@ class ComplexFiller {
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
   FilledComplex run() {
-    FilledComplex result;
-    if (!options_.worker_only) result.filling = fill_by_own_means(result);
-    if (result.filling || surface_crosses_itself(result.errors)) return result;
-    result.filling = ask_worker();
-    if (result.filling) {
-      result.figures.worker_complexes = 1;
-      if (failure_) result.warnings.push_back(describe_fallback());
-    } else {
-      result.errors.push_back(describe_failure());
+    if (!options_.worker_only) fill_by_own_means();
+    if (result_.filling || surface_crosses_itself(result_.errors)) return std::move(result_);
+    ask_worker();
+    if (!result_.filling) {
+      result_.errors.push_back(describe_failure());
+    } else if (failure_) {
+      result_.warnings.push_back(describe_fallback());
     }
-    return result;
+    return std::move(result_);
   }
 
  private:
-  std::optional<Filling> fill_by_own_means(FilledComplex& result) {
-    LatticeFilling own = fill_by_lattice({complex_, tree_, *input_.sizes, options_.freedom}, runner_);
-    result.figures = own.figures;
-    result.tri_to_vert = std::move(own.tri_to_vert);
-    if (own.verdict.good()) return to_filling(std::move(own.mesh), complex_.points.size());
-    note({ErrorCode::VolumeFailed, own.verdict.message, own.verdict.triangles, own.verdict.point});
-    return std::nullopt;
+  void fill_by_own_means() {
+    FilledMesh own = fill_by_lattice(filling_input(), runner_);
+    if (own.fault.any()) own.figures.core_tets = own.figures.shell_tets = own.figures.recovery_points = 0;
+    accept(std::move(own));
   }
 
-  std::optional<Filling> ask_worker() {
-    if (options_.worker.empty()) return std::nullopt;
+  FillingInput filling_input() const { return {complex_, tree_, *input_.sizes, options_.freedom}; }
+
+  void accept(FilledMesh&& filled) {
+    result_.figures.add(filled.figures);
+    if (filled.fault.any())
+      return note({ErrorCode::VolumeFailed, filled.fault.message, filled.fault.triangles, filled.fault.point});
+    result_.tri_to_vert = std::move(filled.tri_to_vert);
+    result_.filling = to_filling(std::move(filled.mesh), complex_.points.size());
+  }
+
+  void ask_worker() {
+    if (options_.worker.empty()) return;
     make_interior();
     for (const Attempt& attempt : kAttempts) {
-      if (std::optional<Filling> filling = try_once(attempt)) {
-        has_interior_ = attempt.interior_points;
-        return filling;
-      }
-      if (hopeless_) break;
+      try_once(attempt);
+      has_interior_ = attempt.interior_points;
+      if (result_.filling || hopeless_) return;
     }
-    return std::nullopt;
   }
 
   void make_interior() {
@@ -93,14 +95,14 @@ class ComplexFiller {
     }
   }
 
-  std::optional<Filling> try_once(const Attempt& attempt) {
+  void try_once(const Attempt& attempt) {
     WorkerRequest request{attempt.switches, complex_.points, complex_.tri_to_vert};
     if (attempt.interior_points) request.points.insert(request.points.end(), interior_.begin(), interior_.end());
     if (attempt.reversed) reverse(request);
     std::optional<WorkerResponse> response = ask(request);
-    if (!response) return std::nullopt;
+    if (!response) return;
     if (attempt.reversed) reverse(request, *response);
-    return judged(std::move(request.points), std::move(*response));
+    take(request.points, *response);
   }
 
   // The worker's answer, when it says that it has filled the complex.
@@ -124,18 +126,17 @@ class ComplexFiller {
     return std::nullopt;
   }
 
-  std::optional<Filling> judged(std::vector<Vec3> points, WorkerResponse response) {
-    Filling filling;
-    filling.points = std::move(points);
-    filling.points.insert(filling.points.end(), response.new_points.begin(), response.new_points.end());
-    filling.tet_to_vert = std::move(response.tet_to_vert);
-    const FillingVerdict verdict = color_regions(complex_, filling);
-    if (verdict.good()) {
-      smooth_interior(filling, {complex_.points.size()}, runner_);
-      return filling;
-    }
-    note({ErrorCode::VolumeFailed, verdict.message, verdict.triangles, verdict.point});
-    return std::nullopt;
+  void take(const std::vector<Vec3>& points, const WorkerResponse& response) {
+    FilledMesh filled;
+    tets::TetMesh all;
+    all.points = GrowingArray<Vec3>(std::span(points));
+    all.points.append(response.new_points);
+    filled.fault = link_tets(all, response.tet_to_vert, complex_.tri_to_vert);
+    const tets::Surface surface{complex_.tri_to_vert, complex_.tri_to_sides};
+    if (!filled.fault.any()) filled.fault = join_shell(filled.mesh, std::move(all), {}, surface);
+    if (!filled.fault.any()) finish_filling(filled, filling_input(), runner_);
+    filled.figures.worker_complexes = filled.fault.any() ? 0 : 1;
+    accept(std::move(filled));
   }
 
   static void reverse(WorkerRequest& request) {
@@ -201,10 +202,11 @@ class ComplexFiller {
   const ComplexOptions& options_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
+  FilledComplex result_;
   std::vector<Vec3> interior_;
   std::optional<Failure> failure_;
   bool hopeless_ = false;      // other attempts would end like this one
-  bool has_interior_ = false;  // of the attempt that succeeded
+  bool has_interior_ = false;  // of the last attempt
 };
 
 }  // namespace

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "mesher/volume/complex.hpp"
-#include "mesher/volume/region_coloring.hpp"
-#include "mesher/volume/surface_freedom.hpp"
+#include "mesher/volume/filling.hpp"
 
 namespace tetloom::volume {
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "core/predicates/predicates.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/recovery.hpp"
@@ -17,31 +16,26 @@ namespace {
 using tets::Fault;
 using tets::TetMesh;
 
-// Growth of the size per unit of distance from which on the optimiser works twice as hard.
-constexpr double kStrongGradation = 0.1;
-
 class LatticeFiller {
  public:
-  LatticeFiller(const LatticeInput& input, const TaskRunner& runner)
-      : complex_(input.complex), tree_(input.tree), sizes_(input.sizes), freedom_(input.freedom), runner_(runner) {}
+  LatticeFiller(const FillingInput& input, const TaskRunner& runner)
+      : input_(input), complex_(input.complex), runner_(runner) {}
 
-  LatticeFilling run() {
-    LatticeFilling filling;
-    TetMesh& mesh = filling.mesh;
+  FilledMesh run() {
+    FilledMesh filled;
+    TetMesh& mesh = filled.mesh;
     mesh.points = GrowingArray<Vec3>(std::span(complex_.points));
     const lattice::LatticeCore core = make_core(mesh);
-    Fault fault = make_shell(mesh, core);
-    if (!fault.any()) fault = join(mesh, core);
-    if (!fault.any()) optimise(mesh, filling);
-    if (!fault.any()) fault = check_volumes(mesh);
-    filling.verdict = {std::move(fault.message), std::move(fault.triangles), fault.point};
-    filling.figures = figures_;
-    return filling;
+    filled.fault = make_shell(mesh, core);
+    if (!filled.fault.any()) filled.fault = join(mesh, core);
+    filled.figures = figures_;
+    if (!filled.fault.any()) finish_filling(filled, input_, runner_);
+    return filled;
   }
 
  private:
   lattice::LatticeCore make_core(TetMesh& mesh) {
-    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, &sizes_};
+    lattice::LatticeRequest request{&input_.tree, complex_.tri_to_sides, {}, &input_.sizes};
     for (const Vec3& x : complex_.points) request.box.add(x);
     const std::vector<lattice::LevelPoints> levels = make_lattice_points(request, runner_);
     figures_.seconds.points = watch_.lap();
@@ -88,30 +82,8 @@ class LatticeFiller {
     return fault;
   }
 
-  void optimise(TetMesh& mesh, LatticeFilling& filling) {
-    tets::OptimizeOptions options;
-    options.fixed_points = static_cast<std::uint32_t>(complex_.points.size());
-    options.strong_gradation = sizes_.gradation() > kStrongGradation;
-    figures_.optimizer = optimize(mesh, options, runner_);
-    figures_.seconds.optimize = watch_.lap();
-    if (!freedom_) return;
-    filling.tri_to_vert = improve(mesh, {complex_, tree_, *freedom_, options}, figures_.optimizer, runner_);
-    figures_.seconds.surface = watch_.lap();
-  }
-
-  // By construction there are none; but what is promised is looked at.
-  static Fault check_volumes(const TetMesh& mesh) {
-    for (std::uint32_t t = 0; t < mesh.size(); ++t) {
-      const Vec3 &a = mesh.point_of(t, 0), &b = mesh.point_of(t, 1), &c = mesh.point_of(t, 2), &d = mesh.point_of(t, 3);
-      if (orient3d(a, b, c, d) <= 0) return {"a tetrahedron has no volume", {}, a};
-    }
-    return {};
-  }
-
+  const FillingInput& input_;
   const Complex& complex_;
-  const intersection::TriangleTree& tree_;
-  const SizeField& sizes_;
-  const SurfaceFreedom* freedom_;
   const TaskRunner& runner_;
   TetMesh shell_;
   FillingFigures figures_;
@@ -120,30 +92,8 @@ class LatticeFiller {
 
 }  // namespace
 
-LatticeFilling fill_by_lattice(const LatticeInput& input, const TaskRunner& runner) {
+FilledMesh fill_by_lattice(const FillingInput& input, const TaskRunner& runner) {
   return LatticeFiller(input, runner).run();
-}
-
-Filling to_filling(TetMesh&& mesh, std::size_t given) {
-  Filling filling;
-  mesh.to_neighbor.release();
-  mesh.to_fixed.release();
-  std::vector<std::uint32_t> to_new(mesh.points.size(), tets::kNone);
-  for (const std::uint32_t v : mesh.to_vert) to_new[v] = 0;
-  for (std::uint32_t v = 0; v < to_new.size(); ++v) {
-    if (v >= given && to_new[v] == tets::kNone) continue;
-    to_new[v] = static_cast<std::uint32_t>(filling.points.size());
-    filling.points.push_back(mesh.points[v]);
-  }
-  mesh.points.release();
-  filling.tet_to_vert.resize(mesh.to_region.size());
-  for (std::size_t tet = 0; tet < filling.tet_to_vert.size(); ++tet) {
-    for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
-  }
-  mesh.to_vert.release();
-  filling.tet_to_region.assign(mesh.to_region.begin(), mesh.to_region.end());
-  mesh.to_region.release();
-  return filling;
 }
 
 }  // namespace tetloom::volume

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "mesher/volume/smoothing.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 
 using namespace tetloom;
@@ -294,33 +293,46 @@ TEST_CASE("no surface gives an empty mesh") {
   CHECK(mesh.errors.empty());
 }
 
-TEST_CASE("smoothing mends interior vertices that were displaced and leaves the surface alone") {
-  const unsigned seed = 99;
-  CAPTURE(seed);
-  std::mt19937_64 engine(seed);
+TEST_CASE("what TetGen fills is finished as everything else: optimised, and with a surface that may change") {
   const Surface cube = cube_surface(6);
-  const VolumeMesh mesh = fill(cube, 1.0 / 6);
-  volume::Filling filling{all_points(cube, mesh), mesh.tet_to_vert, mesh.tet_to_region};
-  const auto lowest = [&] {
-    double low = 1;
-    for (const auto& t : filling.tet_to_vert) low = std::min(low, volume_of(filling.points, t));
-    return low;
-  };
-  std::uniform_real_distribution<double> shift(-0.04, 0.04);
-  for (std::size_t v = cube.points.size(); v < filling.points.size(); ++v) {
-    const Vec3 before = filling.points[v];
-    filling.points[v] += {shift(engine), shift(engine), shift(engine)};
-    if (lowest() <= 0) filling.points[v] = before;
+  const SizeField sizes = SizeField::uniform(1.0 / 6);
+  VolumeOptions options{TETLOOM_WORKER, true};
+  const VolumeMesh mesh = fill_volume(cube.input(sizes), options, TaskRunner(1));
+  REQUIRE(mesh.errors.empty());
+  CHECK(mesh.figures.worker_complexes == 1);
+  CHECK(mesh.figures.core_tets + mesh.figures.shell_tets == 0);
+  CHECK(mesh.figures.optimizer.tets == mesh.tet_to_vert.size());
+  CHECK(mesh.figures.optimizer.vertices_moved > 0);
+  CHECK(mesh.moved_points.empty());
+  CHECK(check_filling(cube, mesh).at(0) == Approx(1));
+  CHECK(measure(cube, mesh, 1.0 / 6).lowest_quality == Approx(mesh.figures.optimizer.least).epsilon(1e-3));
+
+  Surface needles = cube;  // edges inside of a face that a swap betters: long diagonals
+  for (Vec3& x : needles.points) x.x *= 4;
+  const VolumeMesh kept = fill_volume(needles.input(sizes), options, TaskRunner(1));
+  options.improve_surface = true;
+  const VolumeMesh improved = fill_volume(needles.input(sizes), options, TaskRunner(1));
+  REQUIRE(improved.errors.empty());
+  CHECK(kept.changed_triangles.empty());
+  CHECK(improved.changed_triangles.size() > 0);
+  CHECK(improved.figures.optimizer.edges_swapped > 0);
+  Surface changed = needles;
+  for (const ChangedTriangle& one : improved.changed_triangles) changed.tri_to_vert[one.triangle] = one.verts;
+  CHECK(check_filling(changed, improved).at(0) == Approx(4));
+}
+
+TEST_CASE("TetGen's tets are told apart by region, and those in voids are dropped") {
+  const SizeField sizes = SizeField::uniform(0.5);
+  for (const std::uint32_t core : {1u, kOutside}) {
+    CAPTURE(core);
+    const Surface surface = voxel_surface({3, 3, 3}, 2, [core](int i, int j, int k) {
+      return i == 1 && j == 1 && k == 1 ? core : i == 0 ? 2u : 0u;
+    });
+    const VolumeMesh mesh = fill_volume(surface.input(sizes), {TETLOOM_WORKER, true}, TaskRunner(1));
+    REQUIRE(mesh.errors.empty());
+    const auto volumes = check_filling(surface, mesh);
+    CHECK(volumes.size() == (core == kOutside ? 2 : 3));
+    CHECK(volumes.at(0) == Approx(17));
+    CHECK(volumes.at(2) == Approx(9));
   }
-  const auto start = filling.points;
-  const double before = lowest();
-  volume::smooth_interior(filling, {cube.points.size(), 0.9, 6}, TaskRunner(1));
-  CHECK(std::equal(cube.points.begin(), cube.points.end(), filling.points.begin()));
-  CHECK(filling.points != start);
-  CHECK(before < 0.3 * lowest());
-  VolumeMesh smoothed = mesh;
-  smoothed.new_points.assign(filling.points.begin() + static_cast<std::ptrdiff_t>(cube.points.size()),
-                             filling.points.end());
-  CHECK(check_filling(cube, smoothed).at(0) == Approx(1));
-  CHECK(measure(cube, smoothed, 1.0 / 6).lowest_quality > 0.3);
 }

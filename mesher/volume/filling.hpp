@@ -1,0 +1,46 @@
+#pragma once
+// What every way of filling a complex starts from and ends with.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/tets/shell.hpp"
+#include "mesher/tets/tet_mesh.hpp"
+#include "mesher/volume/surface_freedom.hpp"
+
+namespace tetloom::volume {
+
+using TetVertices = std::array<std::uint32_t, 4>;
+
+struct FillingInput {
+  const Complex& complex;
+  const intersection::TriangleTree& tree;  ///< of the complex
+  const SizeField& sizes;
+  const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
+};
+
+struct FilledMesh {
+  tets::TetMesh mesh;  ///< points: the complex's, then new ones; some may be used by no tet
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles; empty: as they were
+  FillingFigures figures;
+  tets::Fault fault;  ///< any: what is in the way, and the mesh is unspecified
+};
+
+/// The last steps, once the mesh fills the complex: optimises it, with the surface where that is free, and looks at the
+/// volume of every tet once more. Errors: Cancelled.
+void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner);
+
+/// Tets over the complex's points followed by new ones.
+struct Filling {
+  std::vector<Vec3> points;
+  std::vector<TetVertices> tet_to_vert;
+  std::vector<std::uint32_t> tet_to_region;
+};
+
+/// The tets and the points that they use; the first `given` points are kept in any case. `mesh` is emptied on the way,
+/// so that the two are never there at once.
+Filling to_filling(tets::TetMesh&& mesh, std::size_t given);
+
+}  // namespace tetloom::volume

@@ -1,0 +1,75 @@
+// Tets given by their vertices become a mesh, or a fault says why they cannot.
+#include "mesher/tets/link_tets.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "tests/mesher/tet_fixtures.hpp"
+
+using namespace tetloom;
+using namespace tetloom::tets;
+using namespace tetloom::tet_tests;
+
+namespace {
+
+using TetVerts = std::array<std::uint32_t, 4>;
+
+const std::vector<Vec3> kPoints{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0.1, 0.1, 2}};
+const TetVerts kBelow{0, 1, 2, 3}, kAbove{1, 2, 3, 4};
+
+TetMesh points_only() {
+  TetMesh mesh;
+  mesh.points = GrowingArray<Vec3>(std::span(kPoints));
+  return mesh;
+}
+
+Fault fault_of(const std::vector<TetVerts>& tets, const std::vector<TriangleVerts>& triangles = {}) {
+  TetMesh mesh = points_only();
+  return link_tets(mesh, tets, triangles);
+}
+
+std::string message_of(const std::vector<TetVerts>& tets, const std::vector<TriangleVerts>& triangles = {}) {
+  return fault_of(tets, triangles).message;
+}
+
+}  // namespace
+
+TEST_CASE("tets turned and numbered at random are linked as they were") {
+  const unsigned seed = 20240612;
+  CAPTURE(seed);
+  std::mt19937 random(seed);
+  const TetMesh expected = make_shaken_grid(4, 2, 0.3, seed).mesh;
+  std::vector<TetVerts> tets;
+  for (std::size_t t = 0; t < expected.size(); ++t) {
+    TetVerts& tet = tets.emplace_back();
+    std::copy_n(expected.to_vert.begin() + t * 4, 4, tet.begin());
+    std::shuffle(tet.begin(), tet.end(), random);
+  }
+  std::vector<TriangleVerts> surface = fixed_faces(expected);
+  surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
+  for (TriangleVerts& triangle : surface) std::shuffle(triangle.begin(), triangle.end(), random);
+  TetMesh mesh;
+  mesh.points = expected.points;
+  REQUIRE(!link_tets(mesh, tets, surface).any());
+  CHECK(find_fault(mesh).empty());
+  CHECK(fixed_faces(mesh) == fixed_faces(expected));
+  const auto count_hull = [](const TetMesh& m) {
+    return std::count(m.to_neighbor.begin(), m.to_neighbor.end(), kNone);
+  };
+  CHECK(count_hull(mesh) == count_hull(expected));
+}
+
+TEST_CASE("tets that make no mesh are a fault") {
+  CHECK(message_of({kBelow, kAbove}).empty());
+  CHECK(message_of({kBelow, {0, 1, 2, 2}}) == "a tetrahedron has no volume");
+  CHECK(message_of({kBelow, kAbove, {1, 2, 3, 5}}) == "more than two tetrahedra share a face");
+  CHECK(message_of({kAbove, {1, 2, 3, 5}}) == "two tetrahedra lie on one side of a face");
+}
+
+TEST_CASE("triangles that are no faces of the tets are named") {
+  const Fault fault = fault_of({kBelow, kAbove}, {{1, 3, 2}, {0, 1, 4}, {0, 2, 1}, {2, 3, 5}});
+  CHECK(fault.message == "2 surface triangles are not faces of the mesh");
+  CHECK(fault.triangles == std::vector<std::uint32_t>{1, 3});
+  CHECK(distance(fault.point, Vec3{2, 1, 1} / 3.0) < 1e-12);
+}
