@@ -212,7 +212,7 @@ class MeshRun {
     const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
                             mesh.point_to_entity, mesh.edge_to_vert};
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
-                                options_.max_memory};
+                                options_.max_memory, options_.goals};
     VolumeMesh volume = fill_volume(input, options, runner_);
     result_.seconds.volume += watch.lap();
     result_.filling = volume.figures;
@@ -251,6 +251,7 @@ class MeshRun {
 }  // namespace
 
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
+  check_goals(options.goals);
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
   return MeshRun(model, options, host).run();
 }

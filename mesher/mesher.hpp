@@ -56,6 +56,7 @@ struct MeshOptions {
   bool improve_surface = true;   ///< surface points may slide on the model and edges inside of its faces be swapped
                                  ///< while the volume is filled, where poor tets get better by it; false: the volume
                                  ///< keeps the surface mesh exactly
+  QualityGoals goals;            ///< of the tets
   int threads = 0;               ///< 0: all cores that the process may use
   int parts = 0;                 ///< 0: from the estimated number of elements
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free

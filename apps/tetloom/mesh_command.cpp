@@ -10,32 +10,34 @@
 namespace tetloom::app {
 namespace {
 
-nlohmann::ordered_json filling_json(const FillingFigures& figures) {
+nlohmann::ordered_json filling_json(const FillingFigures& figures, const QualityGoals& goals) {
   const FillingFigures::Seconds& seconds = figures.seconds;
   const tets::OptimizeReport& optimizer = figures.optimizer;
-  return {{"core_tets", figures.core_tets},
-          {"shell_tets", figures.shell_tets},
-          {"missing_triangles", figures.missing_triangles},
-          {"recovery_points", figures.recovery_points},
-          {"worker_complexes", figures.worker_complexes},
-          {"seconds",
-           {{"points", seconds.points},
-            {"core", seconds.core},
-            {"delaunay", seconds.delaunay},
-            {"recovery", seconds.recovery},
-            {"join", seconds.join},
-            {"optimize", seconds.optimize},
-            {"surface", seconds.surface}}},
-          {"optimizer",
-           {{"edges_removed", optimizer.edges_removed},
-            {"vertices_moved", optimizer.vertices_moved},
-            {"vertices_removed", optimizer.vertices_removed},
-            {"points_inserted", optimizer.points_inserted},
-            {"surface_edges_swapped", optimizer.edges_swapped},
-            {"surface_vertices_slid", optimizer.vertices_slid},
-            {"below_goal", optimizer.below_goal},
-            {"below_dihedral", optimizer.below_dihedral},
-            {"forced", optimizer.forced}}}};
+  return {
+      {"core_tets", figures.core_tets},
+      {"shell_tets", figures.shell_tets},
+      {"missing_triangles", figures.missing_triangles},
+      {"recovery_points", figures.recovery_points},
+      {"worker_complexes", figures.worker_complexes},
+      {"seconds",
+       {{"points", seconds.points},
+        {"core", seconds.core},
+        {"delaunay", seconds.delaunay},
+        {"recovery", seconds.recovery},
+        {"join", seconds.join},
+        {"optimize", seconds.optimize},
+        {"surface", seconds.surface}}},
+      {"goals", {{"min_dihedral_deg", goals.dihedral}, {"mean_ratio_min", goals.mean_ratio}, {"rounds", goals.rounds}}},
+      {"optimizer",
+       {{"edges_removed", optimizer.edges_removed},
+        {"vertices_moved", optimizer.vertices_moved},
+        {"vertices_removed", optimizer.vertices_removed},
+        {"points_inserted", optimizer.points_inserted},
+        {"surface_edges_swapped", optimizer.edges_swapped},
+        {"surface_vertices_slid", optimizer.vertices_slid},
+        {"below_goal", optimizer.below_goal},
+        {"below_dihedral", optimizer.below_dihedral},
+        {"forced", optimizer.forced}}}};
 }
 
 nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
@@ -45,7 +47,7 @@ nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
           {"smallest_size", refinement.smallest_size}};
 }
 
-void note_result(const MeshResult& result, RunReport& report) {
+void note_result(const MeshResult& result, const QualityGoals& goals, RunReport& report) {
   const Mesh& mesh = result.mesh;
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
   report.seconds.size_field = result.seconds.size_field;
@@ -54,7 +56,7 @@ void note_result(const MeshResult& result, RunReport& report) {
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = mesh.entities;
   report.extra["refinement"] = refinement_json(result.refinement);
-  if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling);
+  if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling, goals);
 }
 
 void measure(const MeshResult& result, RunReport& report) {
@@ -78,7 +80,7 @@ void mesh_model(const MeshCommand& command, Run& run) {
   apply_sizes(sizes, *document.model, options.sizes);
 
   const MeshResult result = make_mesh(*document.model, options, run.host());
-  note_result(result, report);
+  note_result(result, options.goals, report);
   if (!options.surface_only && document.model->topology().region_count() > 0) {
     report.model_volume = result.model_volume;
   }

@@ -44,7 +44,8 @@ Examples:
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
-  std::optional<int> threads, parts;
+  std::optional<double> min_dihedral, min_mean_ratio;
+  std::optional<int> threads, parts, rounds;
   std::string input, output, sizes_file, report, worker, max_memory;
   bool surface_only = false, refine_surface = true, keep_surface = false, imprint = false, no_heal = false,
        quiet = false, tetgen = false;
@@ -85,6 +86,19 @@ int count_between(const char* option, std::optional<int> value, int most) {
   require(*value >= 1 && *value <= most, std::string(option) + " must lie between 1 and " + std::to_string(most) +
                                              ", not be " + std::to_string(*value));
   return *value;
+}
+
+QualityGoals make_goals(const RawMeshOptions& raw) {
+  QualityGoals goals;
+  goals.dihedral = raw.min_dihedral.value_or(goals.dihedral);
+  goals.mean_ratio = raw.min_mean_ratio.value_or(goals.mean_ratio);
+  goals.rounds = raw.rounds.value_or(goals.rounds);
+  try {
+    check_goals(goals);
+  } catch (const Error& error) {
+    throw UsageError(std::string("--min-dihedral, --min-mean-ratio, --rounds: ") + error.what());
+  }
+  return goals;
 }
 
 double angle_from_degrees(std::optional<double> degrees) {
@@ -144,6 +158,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.surface_only = raw.surface_only || lower_extension(command.output) == ".stl";
   command.options.refine_surface = raw.refine_surface;
   command.options.improve_surface = !raw.keep_surface;
+  command.options.goals = make_goals(raw);
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
   command.options.volume_worker = raw.worker;
@@ -181,6 +196,19 @@ void add_size_options(CLI::App& mesh, RawMeshOptions& raw) {
       ->group(group);
 }
 
+void add_goal_options(CLI::App& mesh, RawMeshOptions& raw) {
+  const std::string group = "Goals for the tetrahedra (what stays below is reported)";
+  mesh.add_option("--min-dihedral", raw.min_dihedral, "Smallest dihedral angle, 0 to 60; default: 15")
+      ->type_name("DEG")
+      ->group(group);
+  mesh.add_option("--min-mean-ratio", raw.min_mean_ratio, "Mean ratio, 0 to 0.9; default: 0.5")
+      ->type_name("Q")
+      ->group(group);
+  mesh.add_option("--rounds", raw.rounds, "At most N rounds of repairs, four times as many of the surface; default: 2")
+      ->type_name("N")
+      ->group(group);
+}
+
 template <class Raw>
 void add_reading_options(CLI::App& command, Raw& raw) {
   const std::string group = "Reading";
@@ -198,6 +226,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
   mesh->add_option("-o,--output", raw.output, "The mesh: " + known_mesh_extensions())->required()->type_name("OUT");
   add_size_options(*mesh, raw);
+  add_goal_options(*mesh, raw);
   add_reading_options(*mesh, raw);
   const std::string group = "Run";
   mesh->add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(group);

@@ -14,11 +14,9 @@ namespace tetloom::tets {
 namespace {
 
 void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
-  const auto refuse = [](const char* why) { throw Error(ErrorCode::InvalidArgument, why); };
-  if (options.fixed_points > mesh.points.size()) refuse("more points are to stay than the mesh has");
-  if (!(options.goal > 0 && options.goal < 1)) refuse("the goal must lie between 0 and 1");
-  if (!(options.least_dihedral >= 0 && options.least_dihedral <= 60))
-    refuse("the least dihedral angle must lie between 0 and 60 degrees");
+  if (options.fixed_points > mesh.points.size())
+    throw Error(ErrorCode::InvalidArgument, "more points are to stay than the mesh has");
+  check_goals(options.goals);
 }
 
 class Optimizer {
@@ -27,7 +25,7 @@ class Optimizer {
       : mesh_(mesh, options.fixed_points), options_(options), runner_(runner) {}
 
   OptimizeReport run() {
-    const QualitySummary before = summarize(mesh_, options_.goal);
+    const QualitySummary before = summarize(mesh_, options_.goals.mean_ratio);
     report_.least_before = before.least, report_.mean_before = before.mean;
     if (options_.strong_gradation) {
       swap(.60), smooth(.80), swap(.80), smooth(.80), swap(.80), smooth(.92), swap(.80);
@@ -38,7 +36,7 @@ class Optimizer {
       repair();
       smooth(.90);  // body-centred lattices have .945
     }
-    summarize_result(mesh_, options_, report_);
+    summarize_result(mesh_, options_.goals, report_);
     mesh_.finish();
     report_.tets = mesh_.mesh().size();
     return report_;
@@ -50,8 +48,8 @@ class Optimizer {
 
   // What is still so poor that an angle may be too small gets another choice of points.
   void repair() {
-    const double poor = poor_quality(options_);
-    for (int i = 0; i < 2; ++i) {
+    const double poor = poor_quality(options_.goals);
+    for (int round = 0; round < options_.goals.rounds; ++round) {
       const std::size_t removed = remove_vertices(mesh_, poor, runner_);
       const std::size_t inserted = insert_points(mesh_, poor, runner_);
       report_.vertices_removed += removed, report_.points_inserted += inserted;

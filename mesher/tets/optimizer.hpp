@@ -8,12 +8,14 @@
 //   vertex motion     one damped Newton step per vertex on the sum of 1/q^3 over its tets;
 //   vertex removal    a vertex is merged into a neighbour, where that raises the minimum of its star;
 //   point insertion   a point into a poor tet, where that raises the cavity's minimum.
-// The last two are for what the others leave so poor that a dihedral angle may be below the one asked for: a tet with a
-// smallest angle of a has q^3 <= 2 sin^2 a, so that q > .506 rules out 15 degrees.
-// Departure from the papers: nothing visits what is good already, so that the cost is that of one look at every tet.
+// The last two, in rounds, are for what the others leave below the mean ratio asked for, or so poor that a dihedral
+// angle may be below the one asked for: a tet with a smallest angle of a has q^3 <= 2 sin^2 a, so that q > .512 rules
+// out 15 degrees. Departure from the papers: nothing visits what is good already, so that the cost is that of one look
+// at every tet.
 #include <cstddef>
 #include <cstdint>
 
+#include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "threading/task_runner.hpp"
 
@@ -22,8 +24,7 @@ namespace tetloom::tets {
 struct OptimizeOptions {
   std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
   bool strong_gradation = false;   ///< the size grows by more than about .1 per unit of distance: twice the passes
-  double goal = 0.6;               ///< mean ratio, within (0, 1); the report counts what stays below
-  double least_dihedral = 15;      ///< degrees, 0 to 60; what removing vertices and inserting points aim at
+  QualityGoals goals;              ///< what removing vertices and inserting points aim at
 };
 
 struct OptimizeReport {
@@ -35,7 +36,7 @@ struct OptimizeReport {
   std::size_t vertices_slid = 0;             ///< on the surface; moves, not vertices
   double least_before = 0, mean_before = 0;  ///< mean ratio
   double least = 0, mean = 0;                ///< mean ratio
-  std::size_t below_goal = 0;                ///< tets that stay below the goal
+  std::size_t below_goal = 0;                ///< tets of a smaller mean ratio than asked for
   double least_dihedral = 0;                 ///< degrees
   std::size_t below_dihedral = 0;            ///< tets with a smaller angle than asked for
   std::size_t forced = 0;                    ///< of those, tets to which the surface's triangles leave no choice

@@ -37,14 +37,14 @@ QualitySummary summarize(WorkingMesh& mesh, double goal) {
   return summary;
 }
 
-double poor_quality(const OptimizeOptions& options) {
-  return std::min(largest_quality_with_dihedral(radians(options.least_dihedral)), cube(.8));
+double poor_quality(const QualityGoals& goals) {
+  return std::min(std::max(largest_quality_with_dihedral(radians(goals.dihedral)), cube(goals.mean_ratio)), cube(.8));
 }
 
-void summarize_result(WorkingMesh& mesh, const OptimizeOptions& options, OptimizeReport& report) {
-  const QualitySummary after = summarize(mesh, options.goal);
+void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, OptimizeReport& report) {
+  const QualitySummary after = summarize(mesh, goals.mean_ratio);
   report.least = after.least, report.mean = after.mean, report.below_goal = after.below;
-  const DihedralSummary angles = summarize_dihedrals(mesh, radians(options.least_dihedral));
+  const DihedralSummary angles = summarize_dihedrals(mesh, radians(goals.dihedral));
   report.least_dihedral = angles.least / radians(1);
   report.below_dihedral = angles.below, report.forced = angles.forced;
 }

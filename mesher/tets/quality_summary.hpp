@@ -10,13 +10,13 @@ struct QualitySummary {
   std::size_t below = 0;
 };
 
-/// `goal` as in OptimizeOptions.
+/// `goal` is the mean ratio asked for.
 QualitySummary summarize(WorkingMesh& mesh, double goal);
 
-/// The cubed quality below which a dihedral angle may be smaller than asked for.
-double poor_quality(const OptimizeOptions& options);
+/// The cubed quality below which a goal may be missed, as far as it makes sense to try.
+double poor_quality(const QualityGoals& goals);
 
 /// Writes down how good the mesh has become; the counts of what was done stay.
-void summarize_result(WorkingMesh& mesh, const OptimizeOptions& options, OptimizeReport& report);
+void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, OptimizeReport& report);
 
 }  // namespace tetloom::tets

@@ -16,7 +16,7 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kRoundsPerRound = 4;                  // of the surface for one inside
 constexpr std::size_t kLeastShare = 10;             // rounds end when one changes less than the first over this
 constexpr std::size_t kVisitsBetweenChecks = 1024;  // for cancellation
 
@@ -29,11 +29,11 @@ class SurfaceImprover {
         triangles_(surface.tri_to_vert, options.fixed_points),
         options_(options),
         runner_(runner),
-        poor_(poor_quality(options)) {}
+        poor_(poor_quality(options.goals)) {}
 
   void run(OptimizeReport& report) {
     std::size_t first = 0;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kRoundsPerRound * options_.goals.rounds; ++round) {
       const std::size_t swapped = swap_edges(), slid = slide_vertices();
       report.edges_swapped += swapped, report.vertices_slid += slid;
       if (swapped + slid == 0) break;
@@ -41,7 +41,7 @@ class SurfaceImprover {
       if (round == 0) first = swapped + slid;
       if ((swapped + slid) * kLeastShare < first) break;
     }
-    if (first > 0) summarize_result(mesh_, options_, report);
+    if (first > 0) summarize_result(mesh_, options_.goals, report);
     mesh_.finish();
     report.tets = mesh_.mesh().size();
   }

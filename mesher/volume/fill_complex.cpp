@@ -67,7 +67,7 @@ class ComplexFiller {
     accept(std::move(own));
   }
 
-  FillingInput filling_input() const { return {complex_, tree_, *input_.sizes, options_.freedom}; }
+  FillingInput filling_input() const { return {complex_, tree_, *input_.sizes, options_.freedom, options_.goals}; }
 
   void accept(FilledMesh&& filled) {
     result_.figures.add(filled.figures);

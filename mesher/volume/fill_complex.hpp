@@ -22,6 +22,7 @@ struct ComplexOptions {
   std::string worker;                       ///< path; empty: there is none
   bool worker_only = false;                 ///< no attempt by our own means
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface has to stay
+  QualityGoals goals = {};
 };
 
 /// Fills `complex` as fill_volume promises; a filling's first points are the complex's, where they have become. Errors:

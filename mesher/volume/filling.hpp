@@ -19,6 +19,7 @@ struct FillingInput {
   const intersection::TriangleTree& tree;  ///< of the complex
   const SizeField& sizes;
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
+  QualityGoals goals = {};
 };
 
 struct FilledMesh {

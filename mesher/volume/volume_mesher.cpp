@@ -88,7 +88,7 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
   runner.begin_stage(Stage::Volume, complexes.size());
   if (complexes.empty()) return;
-  volume::ComplexOptions how{{}, options.worker_only, nullptr};
+  volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals};
   try {
     how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
@@ -136,6 +136,7 @@ void FillingFigures::add(const FillingFigures& other) {
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
   check_input(input);
+  check_goals(options.goals);
   check_memory(estimate_filling(input), options.max_memory);
   VolumeMesh mesh;
   try {

@@ -79,6 +79,7 @@ struct VolumeOptions {
   /// poor tets better. Without a model, only edges between triangles in one plane are.
   bool improve_surface = false;
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
+  QualityGoals goals = {};
 };
 
 /// The tetrahedra that fill_volume will make, within about a tenth for uniform sizes: the size field over the box of

@@ -91,6 +91,12 @@ TEST_CASE("every option of mesh reaches its place") {
                                     "30",
                                     "--max-memory",
                                     "2G",
+                                    "--min-dihedral",
+                                    "20",
+                                    "--min-mean-ratio",
+                                    "0.6",
+                                    "--rounds",
+                                    "5",
                                     "--quiet",
                                     "--worker",
                                     "w"});
@@ -102,6 +108,9 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.options.sizes.min_size == 0.5);
   CHECK(c.options.sizes.proximity == 3);
   CHECK(c.options.sizes.gradation == 0.2);
+  CHECK(c.options.goals.dihedral == 20);
+  CHECK(c.options.goals.mean_ratio == 0.6);
+  CHECK(c.options.goals.rounds == 5);
   CHECK(c.options.threads == 3);
   CHECK(c.options.parts == 4);
   CHECK(c.options.surface_only);
@@ -134,6 +143,14 @@ TEST_CASE("values that make no sense are refused") {
                                                     {"--curvature", "nan"},
                                                     {"--proximity", "-2"},
                                                     {"--gradation", "0"},
+                                                    {"--min-dihedral", "61"},
+                                                    {"--min-dihedral", "-1"},
+                                                    {"--min-dihedral", "nan"},
+                                                    {"--min-mean-ratio", "1"},
+                                                    {"--min-mean-ratio", "-0.1"},
+                                                    {"--rounds", "-1"},
+                                                    {"--rounds", "101"},
+                                                    {"--rounds", "0.5"},
                                                     {"--threads", "0"},
                                                     {"--threads", "-1"},
                                                     {"--threads", "99999999999"},
@@ -152,6 +169,7 @@ TEST_CASE("values that make no sense are refused") {
     CHECK_THROWS_AS(parse_mesh(arguments), UsageError);
   }
   CHECK_THROWS_WITH(parse_mesh({"--size", "1", "--relative-size", "0.1"}), Catch::Contains("--relative-size"));
+  CHECK_THROWS_WITH(parse_mesh({"--min-dihedral", "70"}), Catch::Contains("--min-dihedral") && Catch::Contains("60"));
 }
 
 TEST_CASE("a command line without what it needs is refused") {

@@ -62,6 +62,20 @@ TEST_CASE("the mesh does not depend on the number of threads") {
   CHECK(read_text(folder / "1.vtu") == read_text(folder / "3.vtu"));
 }
 
+TEST_CASE("goals for the tets are aimed at and reported") {
+  const TestFolder folder;
+  const std::string input = demo_model("part");
+  const auto usual = mesh_with_report(folder, input, "a.vtu", {"--relative-size", "0.04"})["filling"];
+  CHECK(usual["goals"]["min_dihedral_deg"] == 15);
+  const auto higher =
+      mesh_with_report(folder, input, "b.vtu", {"--relative-size", "0.04", "--min-dihedral", "25"})["filling"];
+  CHECK(higher["goals"]["min_dihedral_deg"] == 25);
+  const auto hasty = mesh_with_report(folder, input, "c.vtu",
+                                      {"--relative-size", "0.04", "--min-dihedral", "25", "--rounds", "0"})["filling"];
+  CHECK(hasty["optimizer"]["points_inserted"] == 0);
+  CHECK(higher["optimizer"]["below_dihedral"] < hasty["optimizer"]["below_dihedral"]);
+}
+
 TEST_CASE("every format holds the same mesh") {
   const TestFolder folder;
   const std::string input = demo_model("assembly");

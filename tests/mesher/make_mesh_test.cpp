@@ -134,6 +134,9 @@ TEST_CASE("options out of range are refused by name") {
   options.parts = -1;
   CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
   options = options_of_size(0.5);
+  options.goals.dihedral = 60.5;
+  CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
+  options = options_of_size(0.5);
   options.threads = -2;
   CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
   options = options_of_size(0.5);

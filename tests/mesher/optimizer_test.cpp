@@ -380,6 +380,37 @@ TEST_CASE("a host that cancels gets an error and a mesh that is whole") {
   CHECK(tets::find_fault(grid.mesh) == "");
 }
 
+TEST_CASE("higher goals leave fewer tets below them, and without rounds no point comes or goes") {
+  const ShakenGrid grid = make_shaken_grid(8, 1, 0.9, 7);
+  const auto optimized = [&](const QualityGoals& goals) {
+    TetMesh mesh = grid.mesh;
+    tets::OptimizeOptions options;
+    options.fixed_points = grid.fixed_points;
+    options.goals = goals;
+    const tets::OptimizeReport report = tets::optimize(mesh, options, TaskRunner(1));
+    std::size_t below = 0, acute = 0;
+    for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+      below += quality_of(mesh, t) < goals.mean_ratio;
+      acute += tets::smallest_dihedral(mesh, t).angle < goals.dihedral * 3.14159265358979 / 180;
+    }
+    CHECK(report.below_goal == below);
+    CHECK(report.below_dihedral == acute);
+    return std::pair(mesh, report);
+  };
+  const auto count_below = [](const TetMesh& mesh, double goal) {
+    std::size_t count = 0;
+    for (std::uint32_t t = 0; t < mesh.size(); ++t) count += quality_of(mesh, t) < goal;
+    return count;
+  };
+  const auto [usual, usual_report] = optimized({});
+  const auto [ratio, ratio_report] = optimized({15, 0.65, 2});
+  CHECK(ratio_report.below_goal < count_below(usual, 0.65));
+  CHECK(optimized({15, 0.65, 8}).second.below_goal <= ratio_report.below_goal);
+  const auto [none, none_report] = optimized({30, 0.65, 0});
+  CHECK(none_report.points_inserted + none_report.vertices_removed == 0);
+  CHECK(optimized({30, 0.5, 2}).second.below_dihedral < none_report.below_dihedral);
+}
+
 TEST_CASE("dead tets of the input are dropped") {
   ShakenGrid grid = make_shaken_grid(3, 1, 0.4, 5);
   TetMesh mesh = grid.mesh;
@@ -411,12 +442,16 @@ TEST_CASE("optimising refuses options out of range") {
     }
     return ErrorCode::Internal;
   };
-  tets::OptimizeOptions many, low, high, wide;
+  tets::OptimizeOptions many, low, high, wide, acute, backwards, endless;
   many.fixed_points = 8;
-  low.goal = 0;
-  high.goal = 1;
-  wide.least_dihedral = 61;
-  for (const auto& options : {many, low, high, wide}) CHECK(code_of(options) == ErrorCode::InvalidArgument);
+  low.goals.mean_ratio = -0.1;
+  high.goals.mean_ratio = 0.91;
+  wide.goals.dihedral = 61;
+  acute.goals.dihedral = std::nan("");
+  backwards.goals.rounds = -1;
+  endless.goals.rounds = 101;
+  for (const auto& options : {many, low, high, wide, acute, backwards, endless})
+    CHECK(code_of(options) == ErrorCode::InvalidArgument);
 }
 
 }  // namespace

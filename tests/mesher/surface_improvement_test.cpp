@@ -197,7 +197,7 @@ TEST_CASE("a vertex stays where the model, the surface or its entity forbid a sl
 tets::OptimizeReport improve(CubeGrid& grid) {
   tets::OptimizeOptions options;
   options.fixed_points = grid.fixed_points;
-  options.least_dihedral = 30;
+  options.goals.dihedral = 30;
   tets::OptimizeReport report;
   improve_surface(grid.mesh, grid.surface.view(), options, report, TaskRunner(1));
   return report;
