@@ -19,7 +19,7 @@ endforeach()
 install(FILES threading/task_runner.hpp DESTINATION ${tetloom_include_dir}/threading)
 install(FILES mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
-install(FILES mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
+install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
         DESTINATION ${tetloom_include_dir}/mesher/tets)
 if(TETLOOM_CAD)
   install(FILES core/cad/read_model.hpp DESTINATION ${tetloom_include_dir}/core/cad)

@@ -34,6 +34,22 @@ std::string tet_rows(const TetQuality& tets) {
   return text + render_histogram(tets.mean_ratio_histogram.data(), tets.mean_ratio_histogram.size(), 0, 1);
 }
 
+// Tets with smaller angles than asked for, and what forces them.
+std::string acute_row(const QualityGoals& goals, const tets::OptimizeReport& optimizer) {
+  if (optimizer.acute_tets.empty()) return {};
+  std::string text = plural(optimizer.below_dihedral, "tet") + " below " + format_number(goals.dihedral) +
+                     "°, the surface forces " + format_count(optimizer.forced) + ": " +
+                     format_count(optimizer.forced_by_angles) + " by angles, " +
+                     format_count(optimizer.forced_by_triangles) + " by triangles, " +
+                     format_count(optimizer.forced_by_points) + " by close points; the worst";
+  const AcuteTet& worst = optimizer.acute_tets.front();
+  const char* separator = " on ";
+  for (const NamedEntity& entity : worst.entities) text += separator + describe(entity), separator = ", ";
+  const Vec3& p = worst.point;
+  text += " near (" + format_number(p.x) + ", " + format_number(p.y) + ", " + format_number(p.z) + ")";
+  return row("angles", text);
+}
+
 std::string triangle_rows(const TriangleQuality& triangles) {
   return row("surface", "triangle quality " + format_number(std::round(1e3 * triangles.shape_mean) / 1e3) +
                             " on average, at least " + format_number(std::round(1e3 * triangles.shape_min) / 1e3) +
@@ -123,7 +139,7 @@ std::string render_summary(const RunReport& report, const std::string& output, c
   if (report.counts.tets > 0) {
     text += ", " + plural(report.counts.tets, "tet") + " in " + plural(report.counts.regions, "region");
   }
-  text += "\n" + render_quality(report) + time_row(report);
+  text += "\n" + render_quality(report) + acute_row(report.goals, report.optimizer) + time_row(report);
   text += row("memory", format_bytes(static_cast<double>(peak_bytes())) + " at most, " +
                             plural(static_cast<std::uint64_t>(report.threads), "thread"));
   if (!report.warnings.empty()) text += row("warnings", std::to_string(report.warnings.size()) + ", see above");

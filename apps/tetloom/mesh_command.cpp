@@ -37,7 +37,8 @@ nlohmann::ordered_json filling_json(const FillingFigures& figures, const Quality
         {"surface_vertices_slid", optimizer.vertices_slid},
         {"below_goal", optimizer.below_goal},
         {"below_dihedral", optimizer.below_dihedral},
-        {"forced", optimizer.forced}}}};
+        {"forced", optimizer.forced}}},
+      {"acute_tets", acute_tets_json(optimizer)}};
 }
 
 nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
@@ -56,6 +57,8 @@ void note_result(const MeshResult& result, const QualityGoals& goals, RunReport&
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = mesh.entities;
   report.extra["refinement"] = refinement_json(result.refinement);
+  report.goals = goals;
+  report.optimizer = result.filling.optimizer;
   if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling, goals);
 }
 

@@ -18,6 +18,30 @@ Json entity_json(ModelEntity entity, const std::string& name) {
 
 Json point_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
+Json entities_json(const std::vector<NamedEntity>& entities) {
+  Json list = Json::array();
+  for (const NamedEntity& named : entities) list.push_back(entity_json(named.entity, named.name));
+  return list;
+}
+
+Json cause_json(AngleCause cause) {
+  switch (cause) {
+    case AngleCause::SurfaceAngle: return "surface_angle";
+    case AngleCause::SurfaceTriangle: return "surface_triangle";
+    case AngleCause::SurfacePoints: return "surface_points";
+    case AngleCause::NotForced: break;
+  }
+  return nullptr;
+}
+
+Json acute_tet_json(const AcuteTet& tet) {
+  return {{"dihedral_deg", tet.angle},
+          {"point", point_json(tet.point)},
+          {"cause", cause_json(tet.cause)},
+          {"cause_deg", tet.cause_angle > 0 ? Json(tet.cause_angle) : Json(nullptr)},
+          {"entities", entities_json(tet.entities)}};
+}
+
 Json diagnostics_json(const std::vector<Diagnostic>& diagnostics) {
   Json list = Json::array();
   for (const Diagnostic& diagnostic : diagnostics) list.push_back(to_json(diagnostic));
@@ -106,14 +130,23 @@ std::uint64_t peak_bytes() {
 }
 
 nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {
-  Json entities = Json::array();
-  for (const NamedEntity& named : diagnostic.entities) entities.push_back(entity_json(named.entity, named.name));
   Json json = {{"code", to_string(diagnostic.code)},
                {"message", diagnostic.message},
-               {"entities", std::move(entities)},
+               {"entities", entities_json(diagnostic.entities)},
                {"point", diagnostic.point ? point_json(*diagnostic.point) : Json(nullptr)}};
   if (!diagnostic.elements.empty()) json["elements"] = diagnostic.elements;
   return json;
+}
+
+nlohmann::ordered_json acute_tets_json(const tets::OptimizeReport& optimizer) {
+  Json worst = Json::array();
+  for (const AcuteTet& tet : optimizer.acute_tets) worst.push_back(acute_tet_json(tet));
+  return {{"count", optimizer.below_dihedral},
+          {"forced_by_angles", optimizer.forced_by_angles},
+          {"forced_by_triangles", optimizer.forced_by_triangles},
+          {"forced_by_points", optimizer.forced_by_points},
+          {"not_forced", optimizer.below_dihedral - optimizer.forced},
+          {"worst", std::move(worst)}};
 }
 
 std::string to_json(const RunReport& report) {

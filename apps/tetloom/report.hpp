@@ -13,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/quality.hpp"
+#include "mesher/tets/optimizer.hpp"
 
 namespace tetloom::app {
 
@@ -35,7 +36,9 @@ struct RunReport {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   std::optional<QualityReport> quality;
   std::optional<double> model_volume;
-  std::string digest;  ///< empty while there is no mesh
+  QualityGoals goals;              ///< of the tets, where a volume was filled
+  tets::OptimizeReport optimizer;  ///< how far they were reached
+  std::string digest;              ///< empty while there is no mesh
   std::vector<Diagnostic> errors, warnings;
   /// What a command adds of its own; its members stand beside the others.
   nlohmann::ordered_json extra = nlohmann::ordered_json::object();
@@ -61,5 +64,10 @@ void write_report(const RunReport& report, const std::filesystem::path& path);
 
 /// One diagnostic as in "errors".
 nlohmann::ordered_json to_json(const Diagnostic& diagnostic);
+
+/// {"count", "forced_by_angles", "forced_by_triangles", "forced_by_points", "not_forced", "worst": [{"dihedral_deg",
+/// "point", "cause", "cause_deg", "entities"}, …]}: the tets with a smaller dihedral angle than asked for; "cause" is
+/// "surface_angle", "surface_triangle", "surface_points" or null.
+nlohmann::ordered_json acute_tets_json(const tets::OptimizeReport& optimizer);
 
 }  // namespace tetloom::app

@@ -80,8 +80,12 @@ void OptimizeReport::add(const OptimizeReport& other) {
   for (const auto count :
        {&OptimizeReport::edges_swapped, &OptimizeReport::vertices_slid, &OptimizeReport::edges_removed,
         &OptimizeReport::vertices_moved, &OptimizeReport::points_inserted, &OptimizeReport::vertices_removed,
-        &OptimizeReport::below_goal, &OptimizeReport::below_dihedral, &OptimizeReport::forced, &OptimizeReport::tets})
+        &OptimizeReport::below_goal, &OptimizeReport::below_dihedral, &OptimizeReport::forced,
+        &OptimizeReport::forced_by_angles, &OptimizeReport::forced_by_triangles, &OptimizeReport::forced_by_points,
+        &OptimizeReport::tets})
     this->*count += other.*count;
+  acute_tets.insert(acute_tets.end(), other.acute_tets.begin(), other.acute_tets.end());
+  keep_worst(acute_tets);
 }
 
 OptimizeReport optimize(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner) {

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "threading/task_runner.hpp"
@@ -39,10 +40,12 @@ struct OptimizeReport {
   std::size_t below_goal = 0;                ///< tets of a smaller mean ratio than asked for
   double least_dihedral = 0;                 ///< degrees
   std::size_t below_dihedral = 0;            ///< tets with a smaller angle than asked for
-  std::size_t forced = 0;                    ///< of those, tets to which the surface's triangles leave no choice
-  std::size_t tets = 0;                      ///< that were looked at
+  std::size_t forced = 0;                    ///< of those, tets to which the surface leaves little choice, and why:
+  std::size_t forced_by_angles = 0, forced_by_triangles = 0, forced_by_points = 0;
+  std::vector<AcuteTet> acute_tets;  ///< the worst of those tets, the worst first
+  std::size_t tets = 0;              ///< that were looked at
 
-  /// Takes another mesh into account: sums of counts, means over all tets, the lower of the extremes.
+  /// Takes another mesh into account: sums of counts, means over all tets, the lower of the extremes, the worst tets.
   void add(const OptimizeReport& other);
 };
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/dihedral.hpp"
 
 namespace tetloom::tets {
@@ -44,9 +46,12 @@ double poor_quality(const QualityGoals& goals) {
 void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, OptimizeReport& report) {
   const QualitySummary after = summarize(mesh, goals.mean_ratio);
   report.least = after.least, report.mean = after.mean, report.below_goal = after.below;
-  const DihedralSummary angles = summarize_dihedrals(mesh, radians(goals.dihedral));
+  DihedralSummary angles = summarize_dihedrals(mesh, radians(goals.dihedral));
   report.least_dihedral = angles.least / radians(1);
-  report.below_dihedral = angles.below, report.forced = angles.forced;
+  report.below_dihedral = angles.below, report.forced = angles.forced();
+  report.forced_by_angles = angles.angles, report.forced_by_triangles = angles.triangles;
+  report.forced_by_points = angles.points;
+  report.acute_tets = std::move(angles.worst);
 }
 
 }  // namespace tetloom::tets

@@ -8,6 +8,7 @@
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/lattice_points.hpp"
 #include "mesher/tets/link_tets.hpp"
+#include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/lattice_filling.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
@@ -70,6 +71,8 @@ class ComplexFiller {
   FillingInput filling_input() const { return {complex_, tree_, *input_.sizes, options_.freedom, options_.goals}; }
 
   void accept(FilledMesh&& filled) {
+    const auto& triangles = filled.tri_to_vert.empty() ? complex_.tri_to_vert : filled.tri_to_vert;
+    name_causes(input_, complex_, triangles, filled.figures.optimizer.acute_tets);
     result_.figures.add(filled.figures);
     if (filled.fault.any())
       return note({ErrorCode::VolumeFailed, filled.fault.message, filled.fault.triangles, filled.fault.point});

@@ -76,6 +76,40 @@ TEST_CASE("goals for the tets are aimed at and reported") {
   CHECK(higher["optimizer"]["below_dihedral"] < hasty["optimizer"]["below_dihedral"]);
 }
 
+TEST_CASE("small angles are told with the faces and the edge that force them") {
+  const TestFolder folder;
+  // A wedge of 5 degrees at the z axis: the prism over the triangle (0, 0), (1, 0), (cos 5, sin 5).
+  const std::array<std::string, 6> corners{"0 0 0", "1 0 0", "0.99619469809 0.08715574275 0",
+                                           "0 0 1", "1 0 1", "0.99619469809 0.08715574275 1"};
+  std::string stl = "solid wedge\n";
+  for (const auto& [a, b, c] :
+       {std::array{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}})
+    stl += "facet normal 0 0 0\nouter loop\nvertex " + corners[a] + "\nvertex " + corners[b] + "\nvertex " +
+           corners[c] + "\nendloop\nendfacet\n";
+  const std::string input = folder.write("wedge.stl", stl + "endsolid wedge\n");
+  const ProcessResult result =
+      run_tetloom({"mesh", input, "-o", folder / "w.vtu", "--size", "0.1", "--report", folder / "report.json"});
+  CAPTURE(result.out, result.err);
+  REQUIRE(result.status == 0);
+  const auto acute = read_json(folder / "report.json")["filling"]["acute_tets"];
+  CHECK(acute["count"] > 0);
+  CHECK(acute["count"] == acute["not_forced"].get<int>() + acute["forced_by_angles"].get<int>() +
+                              acute["forced_by_triangles"].get<int>() + acute["forced_by_points"].get<int>());
+  REQUIRE(acute["worst"].size() > 0);
+  std::size_t by_edge = 0;
+  for (const auto& tet : acute["worst"]) {
+    if (tet["cause"] != "surface_angle") continue;
+    CHECK(tet["cause_deg"].get<double>() == Approx(5));
+    REQUIRE(tet["entities"].size() == 3);
+    CHECK(tet["entities"][0]["dim"] == 2);
+    CHECK(tet["entities"][1]["dim"] == 2);
+    CHECK(tet["entities"][2]["dim"] == 1);
+    ++by_edge;
+  }
+  CHECK(by_edge >= 5);
+  CHECK_THAT(result.out, Catch::Contains("below 15°, the surface forces") && Catch::Contains("the worst on "));
+}
+
 TEST_CASE("every format holds the same mesh") {
   const TestFolder folder;
   const std::string input = demo_model("assembly");

@@ -252,13 +252,68 @@ TEST_CASE("small angles are told from those that the surface forces") {
   tets::DihedralSummary summary = tets::summarize_dihedrals(working, 0.25);
   CHECK(summary.least == Approx(0.1));
   CHECK(summary.below == 1);
-  CHECK(summary.forced == 1);
+  CHECK(summary.forced() == 1);
   mesh.to_fixed[0] = 0;
   mesh.points[3] = {0.5, 0.9, 0.35};
   mesh.points[2] = {0.5, 1, 0.2};
   WorkingMesh free(mesh, 0);
   summary = tets::summarize_dihedrals(free, 1.2);
   CHECK(summary.below == 1);
+}
+
+TEST_CASE("the cause of a small angle is found: an angle of the surface, a poor triangle, close points, or none") {
+  // Two tets share the 0.2 between the two surface triangles at the edge from (0, 0, 0) to (1, 0, 0).
+  const auto at = [](double angle) { return Vec3{0.5, std::cos(angle), std::sin(angle)}; };
+  TetMesh wedge = make_tets({{0, 0, 0}, {1, 0, 0}, at(0), at(0.1), at(0.2)}, {{0, 1, 2, 3}, {0, 1, 3, 4}});
+  const auto summary_of = [](TetMesh& mesh, double least_wanted) {
+    WorkingMesh working(mesh, static_cast<std::uint32_t>(mesh.points.size()));
+    return tets::summarize_dihedrals(working, least_wanted);
+  };
+  const tets::DihedralSummary at_angle = summary_of(wedge, 0.25);
+  CHECK(at_angle.below == 2);
+  CHECK(at_angle.angles == 2);
+  REQUIRE(at_angle.worst.size() == 2);
+  CHECK(at_angle.worst[0].cause == AngleCause::SurfaceAngle);
+  CHECK(at_angle.worst[0].angle == Approx(0.1 * 180 / 3.14159265358979));
+  CHECK(at_angle.worst[0].cause_angle == Approx(0.2 * 180 / 3.14159265358979));
+  REQUIRE(at_angle.worst[0].triangles.size() == 2);
+  CHECK(summary_of(wedge, 0.15).angles == 0);  // the surface's angle alone would allow that
+
+  // A flat tet with one face on the surface, and one whose edges are all as long as its points allow.
+  const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0.5, 0.9, 0}, {0.5, 0.3, 0.05}};
+  TetMesh needle = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 0.1, 0}, {0.5, 0.04, 0.005}}, {{0, 1, 2, 3}});
+  needle.to_fixed[0] = 8;  // the face of the first three points
+  const tets::DihedralSummary at_triangle = summary_of(needle, 0.25);
+  CHECK(at_triangle.triangles == 1);
+  CHECK(at_triangle.worst.at(0).cause_angle == Approx(std::atan(0.2) * 180 / 3.14159265358979));
+  CHECK(at_triangle.worst.at(0).triangles.size() == 1);
+
+  TetMesh free = make_tets(flat, {{0, 1, 2, 3}});
+  free.to_fixed[0] = 8;
+  const tets::DihedralSummary not_forced = summary_of(free, 0.25);
+  CHECK(not_forced.below == 1);
+  CHECK(not_forced.forced() == 0);
+  CHECK(distance(not_forced.worst.at(0).point, Vec3{0.5, 0.3, 0.0125}) < 1e-12);
+
+  TetMesh close = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 0.9, 0}, {0, 0.01, 0.1}}, {{0, 1, 2, 3}});
+  close.to_fixed[0] = 8;
+  const tets::DihedralSummary at_points = summary_of(close, 0.25);
+  CHECK(at_points.points == 1);
+  CHECK(at_points.worst.at(0).points == std::vector<std::uint32_t>{0, 3});
+}
+
+TEST_CASE("of many small angles the worst are told, in order") {
+  const ShakenGrid grid = make_shaken_grid(6, 1, 0.9, 5);
+  TetMesh mesh = grid.mesh;
+  WorkingMesh working(mesh, grid.fixed_points);
+  const tets::DihedralSummary summary = tets::summarize_dihedrals(working, 1.1);
+  CHECK(summary.below > 1000);
+  REQUIRE(summary.worst.size() == kMostAcuteTets);
+  std::vector<double> angles;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t)
+    angles.push_back(tets::smallest_dihedral(mesh, t).angle * 180 / 3.14159265358979324);
+  std::sort(angles.begin(), angles.end());
+  for (std::size_t i = 0; i < kMostAcuteTets; ++i) REQUIRE(summary.worst[i].angle == Approx(angles[i]));
 }
 
 TEST_CASE("points that are given up are filled by the last ones") {

@@ -1,0 +1,160 @@
+#include "mesher/tets/acute_tets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "mesher/tets/dihedral.hpp"
+#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/working_mesh.hpp"
+
+namespace tetloom {
+
+void keep_worst(std::vector<AcuteTet>& tets) {
+  const auto key = [](const AcuteTet& tet) { return std::tie(tet.angle, tet.point.x, tet.point.y, tet.point.z); };
+  std::ranges::stable_sort(tets, [&](const AcuteTet& a, const AcuteTet& b) { return key(a) < key(b); });
+  if (tets.size() > kMostAcuteTets) tets.resize(kMostAcuteTets);
+}
+
+}  // namespace tetloom
+
+namespace tetloom::tets {
+
+namespace {
+
+constexpr double kRegularAngle = 1.2309594173407747;  // arccos(1/3)
+constexpr double kPoorTriangle = 0.5;
+constexpr double kShortEdge = 1.0 / 3;
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+// 1 for an equilateral triangle, 0 for a degenerate one.
+double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double squares = norm2(b - a) + norm2(c - b) + norm2(a - c);
+  return squares > 0 ? 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / squares : 0;
+}
+
+double smallest_angle(const std::array<Vec3, 3>& corners) {
+  double largest_cosine = -1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 &a = corners[i], &b = corners[(i + 1) % 3], &c = corners[(i + 2) % 3];
+    largest_cosine = std::max(largest_cosine, dot(normalized(b - a), normalized(c - a)));
+  }
+  return std::acos(std::min(largest_cosine, 1.0));
+}
+
+// What forces the angle of one tet.
+class CauseFinder {
+ public:
+  CauseFinder(const WorkingMesh& mesh, std::uint32_t tet, const Dihedral& dihedral, double least_wanted)
+      : mesh_(mesh), tet_(tet), dihedral_(dihedral), least_wanted_(least_wanted) {}
+
+  AcuteTet find() {
+    found_.angle = degrees(dihedral_.angle);
+    for (const std::uint32_t v : mesh_.verts(tet_)) found_.point += 0.25 * mesh_.point(v);
+    if (!find_surface_angle() && !find_triangle()) find_close_points();
+    return found_;
+  }
+
+ private:
+  bool find_surface_angle() {
+    double angle = dihedral_.angle;
+    const FaceCode one = turn(tet_ * 4 + dihedral_.face, angle);
+    const FaceCode other = one == kNone ? kNone : turn(tet_ * 4 + dihedral_.other, angle);
+    if (other == kNone || angle >= least_wanted_) return false;
+    found_.cause = AngleCause::SurfaceAngle;
+    found_.cause_angle = degrees(angle);
+    found_.triangles = {verts_of(mesh_.mesh(), one), verts_of(mesh_.mesh(), other)};
+    return true;
+  }
+
+  // Goes from tet to tet around the edge of the angle, through `out` first, up to a face that has to stay, and adds
+  // their angles; kNone when that leads back to the tet.
+  FaceCode turn(FaceCode out, double& angle) const {
+    const TetMesh& mesh = mesh_.mesh();
+    const auto is_of_edge = [&](std::uint32_t vertex) {
+      const std::uint32_t corner = mesh_.corner_of(tet_, vertex);
+      return mesh_.verts(tet_)[corner] == vertex && corner != dihedral_.face && corner != dihedral_.other;
+    };
+    while (!mesh.is_fixed(out)) {
+      const FaceCode in = mesh.to_neighbor[out];
+      if (in == kNone || in / 4 == tet_) return kNone;
+      std::uint32_t corner = 0;
+      while (corner == in % 4 || is_of_edge(mesh_.verts(in / 4)[corner])) ++corner;
+      out = in / 4 * 4 + corner;
+      angle += dihedral_between(mesh, in / 4, in % 4, corner);
+    }
+    return out;
+  }
+
+  bool find_triangle() {
+    double least = kPoorTriangle;
+    for (FaceCode face = tet_ * 4; face < tet_ * 4 + 4; ++face) {
+      if (!mesh_.mesh().is_fixed(face)) continue;
+      const TriangleVerts verts = verts_of(mesh_.mesh(), face);
+      const std::array corners{mesh_.point(verts[0]), mesh_.point(verts[1]), mesh_.point(verts[2])};
+      const double quality = triangle_quality(corners[0], corners[1], corners[2]);
+      if (quality >= least) continue;
+      least = quality;
+      found_.cause = AngleCause::SurfaceTriangle;
+      found_.cause_angle = degrees(smallest_angle(corners));
+      found_.triangles = {verts};
+    }
+    return found_.cause == AngleCause::SurfaceTriangle;
+  }
+
+  void find_close_points() {
+    const auto verts = mesh_.verts(tet_);
+    double shortest = HUGE_VAL, longest = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const double length = distance(mesh_.point(verts[i]), mesh_.point(verts[j]));
+        longest = std::max(longest, length);
+        if (length >= shortest || !mesh_.is_fixed_point(verts[i]) || !mesh_.is_fixed_point(verts[j])) continue;
+        shortest = length;
+        found_.points = {verts[i], verts[j]};
+      }
+    }
+    if (shortest < kShortEdge * longest) {
+      found_.cause = AngleCause::SurfacePoints;
+    } else {
+      found_.points.clear();
+    }
+  }
+
+  const WorkingMesh& mesh_;
+  std::uint32_t tet_;
+  const Dihedral& dihedral_;
+  double least_wanted_;
+  AcuteTet found_;
+};
+
+void count(const AcuteTet& tet, DihedralSummary& summary) {
+  ++summary.below;
+  summary.angles += tet.cause == AngleCause::SurfaceAngle;
+  summary.triangles += tet.cause == AngleCause::SurfaceTriangle;
+  summary.points += tet.cause == AngleCause::SurfacePoints;
+}
+
+}  // namespace
+
+DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted) {
+  DihedralSummary summary;
+  summary.least = kRegularAngle;
+  const auto bound_of = [&] { return largest_quality_with_dihedral(std::max(summary.least, least_wanted)) * kGain; };
+  double bound = bound_of();
+  for (std::uint32_t tet = 0; tet < mesh.qualities().size(); ++tet) {
+    if (mesh.quality(tet) > bound || mesh.mesh().is_dead(tet)) continue;
+    const Dihedral dihedral = smallest_dihedral(mesh.mesh(), tet);
+    if (dihedral.angle < summary.least) summary.least = dihedral.angle, bound = bound_of();
+    if (dihedral.angle >= least_wanted) continue;
+    summary.worst.push_back(CauseFinder(mesh, tet, dihedral, least_wanted).find());
+    count(summary.worst.back(), summary);
+    if (summary.worst.size() == 10 * kMostAcuteTets) keep_worst(summary.worst);
+  }
+  keep_worst(summary.worst);
+  return summary;
+}
+
+}  // namespace tetloom::tets

@@ -1,0 +1,55 @@
+#pragma once
+// The tets whose smallest dihedral angle is below the one asked for, and what forces it on them.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/vec.hpp"
+
+namespace tetloom {
+
+enum class AngleCause : std::uint8_t {
+  NotForced,        ///< nothing that was looked for
+  SurfaceAngle,     ///< the angle lies between two triangles of the surface that meet at less than what was asked for
+  SurfaceTriangle,  ///< the tet has a triangle of the surface whose quality is below 1/2
+  SurfacePoints     ///< two of its points are of the surface, and nearer than a third of its longest edge
+};
+
+struct AcuteTet {
+  double angle = 0;  ///< degrees, the smallest of its dihedral angles
+  Vec3 point;        ///< its centre
+  AngleCause cause = AngleCause::NotForced;
+  double cause_angle = 0;  ///< degrees: between the two triangles, or the smallest of the one triangle; else 0
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of the surface: two, one or none; by their vertices
+  std::vector<std::uint32_t> points;                    ///< the two near each other, or none
+  /// Where known: the model faces of the triangles and the model edge where they meet, or what the points lie on; the
+  /// highest dimension first.
+  std::vector<NamedEntity> entities;
+};
+
+inline constexpr std::size_t kMostAcuteTets = 100;
+
+/// Sorts by angle, then by place, and drops all but the first kMostAcuteTets.
+void keep_worst(std::vector<AcuteTet>& tets);
+
+}  // namespace tetloom
+
+namespace tetloom::tets {
+
+class WorkingMesh;
+
+struct DihedralSummary {
+  double least = 0;                                   ///< radians
+  std::size_t below = 0;                              ///< tets with a smaller angle than asked for
+  std::size_t angles = 0, triangles = 0, points = 0;  ///< of those, by cause
+  std::vector<AcuteTet> worst;                        ///< as keep_worst leaves them, without entities
+
+  std::size_t forced() const { return angles + triangles + points; }
+};
+
+/// Looks only at tets whose quality allows an angle below `least_wanted` (radians). The causes are tried in their
+/// order: where the surface leaves several tets at an edge less than that together, none of them has a choice.
+DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted);
+
+}  // namespace tetloom::tets

@@ -1,0 +1,80 @@
+#include "mesher/volume/angle_causes.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "mesher/tets/triangle_table.hpp"
+
+namespace tetloom::volume {
+
+namespace {
+
+using tets::TriangleTable;
+using tets::TriangleVerts;
+
+// The model faces of the triangles that tets name; kNone for others.
+class FaceFinder {
+ public:
+  FaceFinder(const VolumeInput& input, const Complex& complex, std::span<const TriangleVerts> tri_to_vert,
+             const std::vector<AcuteTet>& tets)
+      : wanted_(2 * tets.size()) {
+    for (const AcuteTet& tet : tets) {
+      for (const TriangleVerts& triangle : tet.triangles) {
+        if (wanted_.add(triangle, static_cast<std::uint32_t>(faces_.size()))) faces_.push_back(kNone);
+      }
+    }
+    for (std::size_t t = 0; t < tri_to_vert.size(); ++t) {
+      const TriangleTable::Entry* entry = wanted_.find(tets::sorted(tri_to_vert[t]));
+      if (entry) faces_[entry->value] = input.tri_to_face[complex.to_input_tri[t]];
+    }
+  }
+  std::uint32_t face_of(const TriangleVerts& triangle) const {
+    return faces_[wanted_.find(tets::sorted(triangle))->value];
+  }
+
+ private:
+  TriangleTable wanted_;
+  std::vector<std::uint32_t> faces_;
+};
+
+// The model edge on which two triangles meet: that of a common vertex, where one lies inside of an edge.
+ModelEntity common_edge(const VolumeInput& input, const AcuteTet& tet) {
+  if (tet.triangles.size() < 2 || input.point_to_entity.empty()) return {};
+  ModelEntity edge;
+  for (const std::uint32_t v : tet.triangles[0]) {
+    if (std::ranges::find(tet.triangles[1], v) == tet.triangles[1].end()) continue;
+    const ModelEntity entity = input.point_to_entity[v];
+    if (entity.dim == 2) return {};
+    if (entity.dim == 1) edge = entity;
+  }
+  return edge;
+}
+
+void add_entity(const VolumeInput& input, ModelEntity entity, AcuteTet& tet) {
+  const auto is_same = [&](const NamedEntity& one) { return one.entity == entity; };
+  if (entity.valid() && std::ranges::none_of(tet.entities, is_same))
+    tet.entities.push_back(named_entity(input, entity));
+}
+
+}  // namespace
+
+void name_causes(const VolumeInput& input, const Complex& complex, std::span<const TriangleVerts> tri_to_vert,
+                 std::vector<AcuteTet>& tets) {
+  const FaceFinder finder(input, complex, tri_to_vert, tets);
+  for (AcuteTet& tet : tets) {
+    for (TriangleVerts& triangle : tet.triangles) {
+      add_entity(input, {2, finder.face_of(triangle)}, tet);
+      for (std::uint32_t& v : triangle) v = complex.to_input_vert[v];
+    }
+    add_entity(input, common_edge(input, tet), tet);
+    for (std::uint32_t& v : tet.points) {
+      v = complex.to_input_vert[v];
+      if (!input.point_to_entity.empty()) add_entity(input, input.point_to_entity[v], tet);
+    }
+    std::ranges::stable_sort(tet.entities, std::ranges::greater{},
+                             [](const NamedEntity& one) { return std::pair(one.entity.dim, ~one.entity.index); });
+  }
+}
+
+}  // namespace tetloom::volume
