@@ -9,8 +9,11 @@ namespace tetloom::tets {
 
 namespace {
 
-Fault turn_tets(TetMesh& mesh) {
+constexpr std::uint32_t kBetweenChecks = 1 << 14;  // tets or faces between two looks at the cancellation
+
+Fault turn_tets(TetMesh& mesh, const TaskRunner& runner) {
   for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
+    if (tet % kBetweenChecks == 0) runner.check_cancelled();
     const Vec3& a = mesh.point_of(tet, 0);
     const int sign = orient3d(a, mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
     if (sign == 0) return {"a tetrahedron has no volume", {}, a};
@@ -26,8 +29,9 @@ std::vector<TriangleVerts> faces_of(const TetMesh& mesh) {
 }
 
 // Each face with the first one of the same vertices.
-Fault link_faces(TetMesh& mesh, const TriangleIndex& faces) {
+Fault link_faces(TetMesh& mesh, const TriangleIndex& faces, const TaskRunner& runner) {
   for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
+    if (face % kBetweenChecks == 0) runner.check_cancelled();
     const SortedTriangle key = sorted(verts_of(mesh, face));
     const TriangleIndex::Entry& first = *faces.find(key);
     if (first.triangle == face) continue;
@@ -65,16 +69,16 @@ Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const
 }  // namespace
 
 Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert,
-                std::span<const TriangleVerts> triangles) {
+                std::span<const TriangleVerts> triangles, const TaskRunner& runner) {
   mesh.to_vert.reserve(tet_to_vert.size() * 4);
   for (const auto& tet : tet_to_vert) mesh.to_vert.append(std::span<const std::uint32_t>(tet));
   mesh.to_neighbor.resize(tet_to_vert.size() * 4, kNone);
   mesh.to_region.resize(tet_to_vert.size(), kNone);
   mesh.to_fixed.resize(tet_to_vert.size(), 0);
-  if (Fault fault = turn_tets(mesh); fault.any()) return fault;
+  if (Fault fault = turn_tets(mesh, runner); fault.any()) return fault;
   const std::vector<TriangleVerts> verts = faces_of(mesh);
   const TriangleIndex faces(verts, mesh.points.size());
-  if (Fault fault = link_faces(mesh, faces); fault.any()) return fault;
+  if (Fault fault = link_faces(mesh, faces, runner); fault.any()) return fault;
   return fix_surface(mesh, triangles, faces);
 }
 

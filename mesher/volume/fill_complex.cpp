@@ -42,10 +42,11 @@ struct Failure {
 class ComplexFiller {
  public:
   ComplexFiller(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                const TaskRunner& runner)
+                FillingProgress& progress, const TaskRunner& runner)
       : input_(input),
         complex_(complex),
         options_(options),
+        progress_(progress),
         runner_(runner),
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
@@ -68,7 +69,9 @@ class ComplexFiller {
     accept(std::move(own));
   }
 
-  FillingInput filling_input() const { return {complex_, tree_, *input_.sizes, options_.freedom, options_.goals}; }
+  FillingInput filling_input() const {
+    return {complex_, tree_, *input_.sizes, progress_, options_.freedom, options_.goals};
+  }
 
   void accept(FilledMesh&& filled) {
     const auto& triangles = filled.tri_to_vert.empty() ? complex_.tri_to_vert : filled.tri_to_vert;
@@ -77,7 +80,7 @@ class ComplexFiller {
     if (filled.fault.any())
       return note({ErrorCode::VolumeFailed, filled.fault.message, filled.fault.triangles, filled.fault.point});
     result_.tri_to_vert = std::move(filled.tri_to_vert);
-    result_.filling = to_filling(std::move(filled.mesh), complex_.points.size());
+    result_.filling = to_filling(std::move(filled.mesh), complex_.points.size(), runner_);
   }
 
   void ask_worker() {
@@ -134,9 +137,11 @@ class ComplexFiller {
     tets::TetMesh all;
     all.points = GrowingArray<Vec3>(std::span(points));
     all.points.append(response.new_points);
-    filled.fault = link_tets(all, response.tet_to_vert, complex_.tri_to_vert);
+    runner_.check_cancelled();
+    filled.fault = link_tets(all, response.tet_to_vert, complex_.tri_to_vert, runner_);
     const tets::Surface surface{complex_.tri_to_vert, complex_.tri_to_sides};
     if (!filled.fault.any()) filled.fault = join_shell(filled.mesh, std::move(all), {}, surface);
+    runner_.check_cancelled();
     if (!filled.fault.any()) finish_filling(filled, filling_input(), runner_);
     filled.figures.worker_complexes = filled.fault.any() ? 0 : 1;
     accept(std::move(filled));
@@ -203,6 +208,7 @@ class ComplexFiller {
   const VolumeInput& input_;
   const Complex& complex_;
   const ComplexOptions& options_;
+  FillingProgress& progress_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
   FilledComplex result_;
@@ -215,8 +221,8 @@ class ComplexFiller {
 }  // namespace
 
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                           const TaskRunner& runner) {
-  return ComplexFiller(input, complex, options, runner).run();
+                           FillingProgress& progress, const TaskRunner& runner) {
+  return ComplexFiller(input, complex, options, progress, runner).run();
 }
 
 }  // namespace tetloom::volume

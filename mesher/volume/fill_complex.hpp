@@ -29,6 +29,6 @@ struct ComplexOptions {
 /// Cancelled and OutOfMemory are thrown, everything else is in the result. The result depends on the input and the
 /// worker alone.
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                           const TaskRunner& runner);
+                           FillingProgress& progress, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

@@ -1,5 +1,7 @@
 #include "mesher/volume/filling.hpp"
 
+#include <algorithm>
+
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
 
@@ -11,6 +13,7 @@ using tets::TetMesh;
 
 // Growth of the size per unit of distance from which on the optimiser works twice as hard.
 constexpr double kStrongGradation = 0.1;
+constexpr std::size_t kBlock = 1 << 16;  // tets of one task
 
 void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner) {
   Stopwatch watch;
@@ -21,34 +24,42 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
   options.strong_gradation = input.sizes.gradation() > kStrongGradation;
   figures.optimizer = optimize(filled.mesh, options, runner);
   figures.seconds.optimize += watch.lap();
+  input.progress.reach(FillingStep::Optimized, runner);
   if (!input.freedom) return;
   filled.tri_to_vert =
       improve(filled.mesh, {input.complex, input.tree, *input.freedom, options}, figures.optimizer, runner);
   figures.seconds.surface += watch.lap();
+  input.progress.reach(FillingStep::Improved, runner);
 }
 
 // By construction there are none; but what is promised is looked at.
-tets::Fault check_volumes(const TetMesh& mesh) {
-  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
-    const Vec3 &a = mesh.point_of(t, 0), &b = mesh.point_of(t, 1), &c = mesh.point_of(t, 2), &d = mesh.point_of(t, 3);
-    if (orient3d(a, b, c, d) <= 0) return {"a tetrahedron has no volume", {}, a};
-  }
-  return {};
+tets::Fault check_volumes(const TetMesh& mesh, const TaskRunner& runner) {
+  std::vector<std::uint32_t> block_to_fault((mesh.size() + kBlock - 1) / kBlock, tets::kNone);
+  runner.for_blocks(mesh.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+      const Vec3 &a = mesh.point_of(t, 0), &b = mesh.point_of(t, 1), &c = mesh.point_of(t, 2), &d = mesh.point_of(t, 3);
+      if (orient3d(a, b, c, d) <= 0) block_to_fault[begin / kBlock] = t;
+    }
+  });
+  const auto fault = std::ranges::find_if(block_to_fault, [](std::uint32_t t) { return t != tets::kNone; });
+  if (fault == block_to_fault.end()) return {};
+  return {"a tetrahedron has no volume", {}, mesh.point_of(*fault, 0)};
 }
 
 }  // namespace
 
 void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner) {
   optimise(filled, input, runner);
-  filled.fault = check_volumes(filled.mesh);
+  filled.fault = check_volumes(filled.mesh, runner);
 }
 
-Filling to_filling(TetMesh&& mesh, std::size_t given) {
+Filling to_filling(TetMesh&& mesh, std::size_t given, const TaskRunner& runner) {
   Filling filling;
   mesh.to_neighbor.release();
   mesh.to_fixed.release();
   std::vector<std::uint32_t> to_new(mesh.points.size(), tets::kNone);
   for (const std::uint32_t v : mesh.to_vert) to_new[v] = 0;
+  runner.check_cancelled();
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
     if (v >= given && to_new[v] == tets::kNone) continue;
     to_new[v] = static_cast<std::uint32_t>(filling.points.size());
@@ -56,9 +67,11 @@ Filling to_filling(TetMesh&& mesh, std::size_t given) {
   }
   mesh.points.release();
   filling.tet_to_vert.resize(mesh.to_region.size());
-  for (std::size_t tet = 0; tet < filling.tet_to_vert.size(); ++tet) {
-    for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
-  }
+  runner.for_blocks(filling.tet_to_vert.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
+    }
+  });
   mesh.to_vert.release();
   filling.tet_to_region.assign(mesh.to_region.begin(), mesh.to_region.end());
   mesh.to_region.release();

@@ -8,6 +8,7 @@
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/shell.hpp"
 #include "mesher/tets/tet_mesh.hpp"
+#include "mesher/volume/filling_progress.hpp"
 #include "mesher/volume/surface_freedom.hpp"
 
 namespace tetloom::volume {
@@ -18,6 +19,7 @@ struct FillingInput {
   const Complex& complex;
   const intersection::TriangleTree& tree;  ///< of the complex
   const SizeField& sizes;
+  FillingProgress& progress;
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
   QualityGoals goals = {};
 };
@@ -41,7 +43,7 @@ struct Filling {
 };
 
 /// The tets and the points that they use; the first `given` points are kept in any case. `mesh` is emptied on the way,
-/// so that the two are never there at once.
-Filling to_filling(tets::TetMesh&& mesh, std::size_t given);
+/// so that the two are never there at once. Errors: Cancelled.
+Filling to_filling(tets::TetMesh&& mesh, std::size_t given, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

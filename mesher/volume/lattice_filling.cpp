@@ -39,9 +39,11 @@ class LatticeFiller {
     for (const Vec3& x : complex_.points) request.box.add(x);
     const std::vector<lattice::LevelPoints> levels = make_lattice_points(request, runner_);
     figures_.seconds.points = watch_.lap();
+    input_.progress.reach(FillingStep::Points, runner_);
     lattice::LatticeCore core = emit_core(mesh, levels);
     figures_.core_tets = mesh.size();
     figures_.seconds.core = watch_.lap();
+    input_.progress.reach(FillingStep::Core, runner_);
     return core;
   }
 
@@ -52,12 +54,14 @@ class LatticeFiller {
     shell_.points = std::move(mesh.points);
     const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
     figures_.seconds.delaunay = watch_.lap();
+    input_.progress.reach(FillingStep::Delaunay, runner_);
     if (!delaunay.duplicates.empty())
       return {"two points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
     if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
       return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
     Fault fault = recover();
     figures_.seconds.recovery = watch_.lap();
+    input_.progress.reach(FillingStep::Recovery, runner_);
     return fault;
   }
 
@@ -79,6 +83,7 @@ class LatticeFiller {
     Fault fault = join_shell(mesh, std::move(shell_), core.open_faces, surface);
     figures_.shell_tets = mesh.size() - figures_.core_tets;
     figures_.seconds.join = watch_.lap();
+    input_.progress.reach(FillingStep::Join, runner_);
     return fault;
   }
 

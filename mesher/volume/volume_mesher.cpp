@@ -18,6 +18,8 @@ namespace {
 using volume::Complex;
 using volume::FilledComplex;
 
+constexpr std::size_t kTetsPerTask = 1 << 16;
+
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
 void check_input(const VolumeInput& input) {
@@ -63,19 +65,23 @@ void append_changes(const Complex& complex, const FilledComplex& filled, VolumeM
   }
 }
 
-void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh) {
+void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh,
+            const TaskRunner& runner) {
   const std::size_t given = complex.points.size(), offset = input.points.size() + mesh.new_points.size();
   if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
   mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
                          filling.points.end());
-  for (const volume::TetVertices& tet : filling.tet_to_vert) {
-    volume::TetVertices numbered;
-    for (int i = 0; i < 4; ++i) {
-      numbered[i] =
-          tet[i] < given ? complex.to_input_vert[tet[i]] : static_cast<std::uint32_t>(tet[i] - given + offset);
+  const std::size_t first = mesh.tet_to_vert.size();
+  mesh.tet_to_vert.resize(first + filling.tet_to_vert.size());
+  runner.for_blocks(filling.tet_to_vert.size(), kTetsPerTask, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint32_t v = filling.tet_to_vert[tet][i];
+        mesh.tet_to_vert[first + tet][i] =
+            v < given ? complex.to_input_vert[v] : static_cast<std::uint32_t>(v - given + offset);
+      }
     }
-    mesh.tet_to_vert.push_back(numbered);
-  }
+  });
   mesh.tet_to_region.insert(mesh.tet_to_region.end(), filling.tet_to_region.begin(), filling.tet_to_region.end());
 }
 
@@ -85,8 +91,13 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   mesh.errors = std::move(open.diagnostics);
   const std::vector<Complex> complexes = volume::split_complexes(input, open.regions);
   std::vector<double> work;
-  for (const Complex& complex : complexes) work.push_back(static_cast<double>(complex.tri_to_vert.size()));
-  runner.begin_stage(Stage::Volume, complexes.size());
+  std::vector<volume::FillingProgress> progress;
+  std::uint64_t whole = 0;
+  for (const Complex& complex : complexes) {
+    whole += progress.emplace_back(input, complex).whole();
+    work.push_back(static_cast<double>(progress.back().whole()));
+  }
+  runner.begin_stage(Stage::Volume, whole);
   if (complexes.empty()) return;
   volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals};
   try {
@@ -101,13 +112,13 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   if (options.improve_surface) how.freedom = &freedom.emplace(input, complexes);
   std::vector<FilledComplex> filled(complexes.size());
   runner.for_each_largest_first(work, [&](std::size_t i) {
-    filled[i] = volume::fill_complex(input, complexes[i], how, runner);
-    runner.advance(1, {3, complexes[i].regions.front()});
+    filled[i] = volume::fill_complex(input, complexes[i], how, progress[i], runner);
+    progress[i].reach(volume::FillingStep::Done, runner);
   });
   for (std::size_t i = 0; i < complexes.size(); ++i) {
     if (filled[i].filling) {
       append_changes(complexes[i], filled[i], mesh);
-      append(input, complexes[i], *filled[i].filling, mesh);
+      append(input, complexes[i], *filled[i].filling, mesh, runner);
     }
     for (auto* to : {&mesh.errors, &mesh.warnings}) {
       auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;

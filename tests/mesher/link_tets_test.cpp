@@ -26,7 +26,7 @@ TetMesh points_only() {
 
 Fault fault_of(const std::vector<TetVerts>& tets, const std::vector<TriangleVerts>& triangles = {}) {
   TetMesh mesh = points_only();
-  return link_tets(mesh, tets, triangles);
+  return link_tets(mesh, tets, triangles, TaskRunner(1));
 }
 
 std::string message_of(const std::vector<TetVerts>& tets, const std::vector<TriangleVerts>& triangles = {}) {
@@ -51,7 +51,7 @@ TEST_CASE("tets turned and numbered at random are linked as they were") {
   for (TriangleVerts& triangle : surface) std::shuffle(triangle.begin(), triangle.end(), random);
   TetMesh mesh;
   mesh.points = expected.points;
-  REQUIRE(!link_tets(mesh, tets, surface).any());
+  REQUIRE(!link_tets(mesh, tets, surface, TaskRunner(1)).any());
   CHECK(find_fault(mesh).empty());
   CHECK(fixed_faces(mesh) == fixed_faces(expected));
   const auto count_hull = [](const TetMesh& m) {
