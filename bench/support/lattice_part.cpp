@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/mix_bits.hpp"
 #include "core/part/adjacency.hpp"
 
 namespace tetloom::bench {
@@ -34,10 +35,8 @@ Solid find_solid(const std::string& name) {
 
 // In [-1, 1), from the place in the lattice alone.
 double jitter(std::uint64_t place, std::uint64_t axis) {
-  std::uint64_t hash = (place * 3 + axis + 1) * 0x9e3779b97f4a7c15u;
-  hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9u;
-  hash = (hash ^ hash >> 27) * 0x94d049bb133111ebu;
-  return static_cast<double>(static_cast<std::int64_t>(hash ^ hash >> 31)) * 0x1p-63;
+  const std::uint64_t hash = mix_bits((place * 3 + axis + 1) * 0x9e3779b97f4a7c15u);
+  return static_cast<double>(static_cast<std::int64_t>(hash)) * 0x1p-63;
 }
 
 class Lattice {

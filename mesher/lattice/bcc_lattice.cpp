@@ -2,18 +2,14 @@
 
 #include <algorithm>
 
+#include "core/base/mix_bits.hpp"
+
 namespace tetloom::lattice {
 
 namespace {
 
 constexpr double kStep = 1.5874010519681994;  // the cube root of 4
 constexpr double kJitter = 1e-4;
-
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 }  // namespace
 
@@ -45,7 +41,7 @@ BccLattice::BccLattice(const Vec3& origin, double size, double cube_per_size, in
 Vec3 BccLattice::shift(const Site& site) const {
   std::uint64_t hash = level_;
   for (const std::int32_t index : {site.i, site.j, site.k})
-    hash = mixed(hash * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(static_cast<std::int64_t>(index)));
+    hash = mix_bits(hash * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(static_cast<std::int64_t>(index)));
   const auto part = [&](int bits) { return kJitter * size_ * (double(hash >> bits & 0x1fffff) / 0x100000 - 1); };
   return {part(0), part(21), part(42)};
 }

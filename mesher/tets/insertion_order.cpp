@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "core/base/hilbert.hpp"
+#include "core/base/mix_bits.hpp"
 
 namespace tetloom::tets {
 
@@ -19,11 +20,7 @@ struct Place {
   friend bool operator<(const Place& a, const Place& b) { return a.key != b.key ? a.key < b.key : a.vert < b.vert; }
 };
 
-std::uint64_t hash_of(std::uint64_t x) {
-  x = (x + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
+std::uint64_t hash_of(std::uint64_t x) { return finish_mixing((x + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u); }
 
 std::uint64_t round_of(std::uint32_t vert) {
   const int zeros = std::countr_zero(hash_of(vert) | std::uint64_t{1} << 60);

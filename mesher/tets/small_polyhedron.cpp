@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "core/base/mix_bits.hpp"
 #include "mesher/tets/segment_triangle.hpp"
 #include "mesher/tets/simplex_numbers_detail.hpp"
 
@@ -14,12 +15,6 @@ namespace {
 using Face = std::array<std::uint8_t, 3>;
 using Edge = std::array<std::uint8_t, 2>;
 using Quad = std::array<std::uint8_t, 4>;
-
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 enum Known : std::uint8_t { Unknown, No, Yes };
 
@@ -91,7 +86,7 @@ class Search {
     if (front_[side_of(f)] != 0) return false;
     front_list_.push_back(f);
     front_[side_of(f)] = static_cast<std::uint32_t>(front_list_.size());
-    hash_ ^= mix(side_of(f) + 1);
+    hash_ ^= mix_bits(side_of(f) + 1);
     return true;
   }
   void remove_front(const Face& f) {
@@ -100,7 +95,7 @@ class Search {
     front_[side_of(front_list_[at])] = at + 1;
     front_list_.pop_back();
     front_[side_of(f)] = 0;
-    hash_ ^= mix(side_of(f) + 1);
+    hash_ ^= mix_bits(side_of(f) + 1);
   }
   void use_edge(std::uint8_t a, std::uint8_t b) {
     if (edge_uses_[pair_number(a, b)]++ == 0) edges_.push_back({a, b});
