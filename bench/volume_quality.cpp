@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,10 +17,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
-#include "bench/support/commit.hpp"
-#include "bench/support/machine.hpp"
 #include "bench/support/peer.hpp"
-#include "bench/support/temporary_folder.hpp"
+#include "bench/support/session.hpp"
 #include "bench/support/volume_peers.hpp"
 #include "bench/support/volume_run.hpp"
 #include "bench/support/volume_table.hpp"
@@ -38,25 +36,20 @@ struct Options {
   double graded_tets = 1e6;
   double netgen_tets = 2e5;  ///< the largest mesh that netgen is asked for
   std::vector<int> threads = {1};
-  int runs = 3;
-  bool quick = false, no_peer = false;
-  std::string json_path, commit = kCommit;
-  std::string measure;  ///< a task, when this process is one of the measured ones
+  SessionOptions session;
 };
 
 class Bench {
  public:
-  explicit Bench(const Options& options)
-      : options_(options), program_(fs::read_symlink("/proc/self/exe")), machine_(describe_machine()) {
-    load_before_ = load_average();
-    if (options_.no_peer) return;
+  explicit Bench(const Options& options) : options_(options), session_("volume_quality", options.session) {
+    if (options.session.no_peer) return;
     gmsh_ = gmsh_version();
     has_tetgen_ = is_installed("tetgen");
     has_netgen_ = is_netgen_usable();
   }
 
   void run() {
-    print_heading();
+    session_.print_heading(peer_text());
     for (const std::string& name : options_.models) measure_model(name);
     for (const std::string& name : options_.graded_models) measure_graded(name);
     print_quality(cases_);
@@ -67,41 +60,24 @@ class Bench {
     std::printf("\n");
     print_misses(cases_);
     check_meshes();
-    if (!options_.json_path.empty()) write_json();
+    write_json();
   }
 
  private:
-  void print_heading() const {
-    std::printf("volume_quality, commit %s, built by %s\n%s, %d cores, %.1f GiB, %s\n", options_.commit.c_str(),
-                TETLOOM_BUILD, machine_.processor.c_str(), machine_.cores,
-                static_cast<double>(machine_.memory) / (1 << 30), machine_.system.c_str());
-    std::printf("%d runs each in alternation, the median counts; beside gmsh/HXT %s, tetgen %s, netgen %s\n",
-                options_.runs, gmsh_.empty() ? "not run" : gmsh_.c_str(), has_tetgen_ ? "run" : "not run",
-                has_netgen_ ? "run on small meshes, once" : "not run");
-    if (load_before_ > 0.5)
-      std::printf("The machine is BUSY: a load of %.2f before this run. Its figures are not fit to be quoted.\n",
-                  load_before_);
-    std::printf("\n");
-    std::fflush(stdout);
-  }
-
-  fs::path model_path(const std::string& name) const {
-    if (fs::exists(name)) return name;
-    const fs::path path = folder_.path() / (name + ".step");
-    const ChildResult made = run_child({TETLOOM_DEMO_MODEL, name, path});
-    if (made.exit_status != 0) throw std::runtime_error("cannot make the model '" + name + "': " + made.output);
-    return path;
+  std::string peer_text() const {
+    return "beside gmsh/HXT " + (gmsh_.empty() ? "not run" : gmsh_) + ", tetgen " + (has_tetgen_ ? "run" : "not run") +
+           ", netgen " + (has_netgen_ ? "run on small meshes, once" : "not run");
   }
 
   void measure_model(const std::string& name) {
     VolumeTask task;
-    task.model = model_path(name);
+    task.model = session_.model_path(name);
     for (const double tets : options_.tets) measure_size(task, tets);
   }
 
   void measure_graded(const std::string& name) {
     VolumeTask task;
-    task.model = model_path(name);
+    task.model = session_.model_path(name);
     task.start = find_wave_start(task.model);
     for (const double gradient : options_.gradients) {
       task.gradient = gradient;
@@ -110,7 +86,7 @@ class Bench {
   }
 
   void measure_size(VolumeTask task, double tets) {
-    task.size = find_volume_size(program_, task, tets);
+    task.size = find_volume_size(session_.program(), task, tets);
     const std::size_t first = cases_.size();
     for (const int threads : options_.threads) {
       task.threads = threads;
@@ -118,16 +94,17 @@ class Bench {
       cases_.back().task = task;
     }
     const SizeField sizes = make_sizes(task);
-    for (int run = 0; run < options_.runs; ++run)
-      for (std::size_t c = first; c < cases_.size(); ++c) run_all(cases_[c], sizes, run, tets);
+    const auto title = [](const VolumeCase& one) {
+      return one.title() + ", " + std::to_string(one.task.threads) + " threads";
+    };
+    session_.take_turns(std::span(cases_).subspan(first), title,
+                        [&](VolumeCase& one, int run) { run_all(one, sizes, run, tets); });
   }
 
   /// Each mesher once. A peer that fails is noted; tetloom must not fail.
   void run_all(VolumeCase& one, const SizeField& sizes, int run, double tets) {
-    std::fprintf(stderr, "%s, %d threads, run %d of %d\n", one.title().c_str(), one.task.threads, run + 1,
-                 options_.runs);
-    one.tetloom.samples.push_back(measure_volume_apart(program_, one.task));
-    const PeerTask peer{one.task, sizes, folder_.path()};
+    one.tetloom.samples.push_back(measure_volume_apart(session_.program(), one.task));
+    const PeerTask peer{one.task, sizes, session_.folder()};
     if (!gmsh_.empty()) attempt(one.hxt, [&] { return measure_hxt(peer); });
     if (has_tetgen_ && one.task.threads == 1)
       attempt(one.tetgen, [&] { return measure_tetgen(peer, surface(one.task)); });
@@ -145,9 +122,9 @@ class Bench {
 
   /// tetloom's surface for TetGen, made once per task.
   fs::path surface(VolumeTask task) {
-    task.surface_path = (folder_.path() / "surface.smesh").string();
+    task.surface_path = (session_.folder() / "surface.smesh").string();
     const std::string key = nlohmann::json(task).dump();
-    if (key != surface_task_) measure_volume_apart(program_, task);
+    if (key != surface_task_) measure_volume_apart(session_.program(), task);
     surface_task_ = key;
     return task.surface_path;
   }
@@ -167,29 +144,13 @@ class Bench {
   void write_json() const {
     nlohmann::json cases = nlohmann::json::array();
     for (const VolumeCase& one : cases_) cases.push_back(to_json(one));
-    const nlohmann::json report = {{"bench", "volume_quality"},
-                                   {"schema", 1},
-                                   {"commit", options_.commit},
-                                   {"build", TETLOOM_BUILD},
-                                   {"machine",
-                                    {{"processor", machine_.processor},
-                                     {"cores", machine_.cores},
-                                     {"memory", machine_.memory},
-                                     {"system", machine_.system}}},
-                                   {"load_average", {{"before", load_before_}, {"after", load_average()}}},
-                                   {"gmsh", gmsh_.empty() ? nlohmann::json() : nlohmann::json(gmsh_)},
-                                   {"cases", cases}};
-    std::ofstream file(options_.json_path);
-    file << report.dump(2) << '\n';
-    if (!file.flush()) throw std::runtime_error("cannot write '" + options_.json_path + "'");
+    session_.write_json(cases, gmsh_);
   }
 
   Options options_;
-  std::string program_, gmsh_, surface_task_;
+  Session session_;
+  std::string gmsh_, surface_task_;
   bool has_tetgen_ = false, has_netgen_ = false;
-  Machine machine_;
-  double load_before_ = 0;
-  TemporaryFolder folder_;
   std::vector<VolumeCase> cases_;
 };
 
@@ -215,14 +176,9 @@ void add_options(CLI::App& app, Options& options) {
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--runs", options.runs, "runs of each")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--json", options.json_path, "write everything measured to this file as well");
-  app.add_option("--commit", options.commit, "the commit to name")->capture_default_str();
-  app.add_flag("--no-peer", options.no_peer, "run no peer beside");
   app.add_flag(
       "--uniform-only", [&options](std::int64_t) { options.graded_models.clear(); }, "no varying sizes");
-  app.add_flag("--quick", options.quick, "one run of small meshes, only to see that it works");
-  app.add_option("--measure", options.measure, "")->group("");
+  add_session_options(app, options.session);
 }
 
 int run(int argc, char** argv) {
@@ -231,13 +187,13 @@ int run(int argc, char** argv) {
                "volume_quality");
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
-  if (!options.measure.empty()) {
-    const VolumeTask task = nlohmann::json::parse(options.measure).get<VolumeTask>();
+  if (!options.session.measure.empty()) {
+    const VolumeTask task = nlohmann::json::parse(options.session.measure).get<VolumeTask>();
     std::puts(nlohmann::json(measure_volume_here(task)).dump().c_str());
     return 0;
   }
-  if (options.quick) {
-    options.runs = 1;
+  if (options.session.quick) {
+    options.session.runs = 1;
     options.tets = {2e4};
     options.graded_tets = 2e4;
     options.gradients = {0.3};
@@ -250,11 +206,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace tetloom::bench
 
-int main(int argc, char** argv) {
-  try {
-    return tetloom::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "volume_quality: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return tetloom::bench::run_bench("volume_quality", tetloom::bench::run, argc, argv); }

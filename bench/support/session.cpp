@@ -1,0 +1,78 @@
+#include "bench/support/session.hpp"
+
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "bench/support/child_process.hpp"
+
+namespace tetloom::bench {
+
+namespace fs = std::filesystem;
+
+void add_session_options(CLI::App& app, SessionOptions& options) {
+  app.add_option("--runs", options.runs, "runs of each")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--json", options.json_path, "write everything measured to this file as well");
+  app.add_option("--commit", options.commit, "the commit to name")->capture_default_str();
+  app.add_flag("--no-peer", options.no_peer, "run no peer beside");
+  app.add_flag("--quick", options.quick, "one run of small meshes with 1 and 2 threads, only to see that it works");
+  app.add_option("--measure", options.measure, "")->group("");
+}
+
+Session::Session(std::string name, const SessionOptions& options)
+    : name_(std::move(name)),
+      options_(options),
+      program_(fs::read_symlink("/proc/self/exe")),
+      machine_(describe_machine()),
+      load_before_(load_average()) {}
+
+void Session::print_heading(const std::string& peers) const {
+  std::printf("%s, commit %s, built by %s\n%s, %d cores, %.1f GiB, %s\n", name_.c_str(), options_.commit.c_str(),
+              TETLOOM_BUILD, machine_.processor.c_str(), machine_.cores,
+              static_cast<double>(machine_.memory) / (1 << 30), machine_.system.c_str());
+  std::printf("%d runs each in alternation, the median counts; %s\n", options_.runs, peers.c_str());
+  if (load_before_ > 0.5) {
+    std::printf("The machine is BUSY: a load of %.2f before this run. Its figures are not fit to be quoted.\n",
+                load_before_);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+fs::path Session::model_path(const std::string& name) const {
+  if (fs::exists(name)) return name;
+  const fs::path path = folder() / (name + ".step");
+  const ChildResult made = run_child({TETLOOM_DEMO_MODEL, name, path});
+  if (made.exit_status != 0) throw std::runtime_error("cannot make the model '" + name + "': " + made.output);
+  return path;
+}
+
+void Session::write_json(const nlohmann::json& cases, const std::string& gmsh) const {
+  if (options_.json_path.empty()) return;
+  const nlohmann::json report = {{"bench", name_},
+                                 {"schema", 1},
+                                 {"commit", options_.commit},
+                                 {"build", TETLOOM_BUILD},
+                                 {"machine",
+                                  {{"processor", machine_.processor},
+                                   {"cores", machine_.cores},
+                                   {"memory", machine_.memory},
+                                   {"system", machine_.system}}},
+                                 {"load_average", {{"before", load_before_}, {"after", load_average()}}},
+                                 {"gmsh", gmsh.empty() ? nlohmann::json() : nlohmann::json(gmsh)},
+                                 {"cases", cases}};
+  std::ofstream file(options_.json_path);
+  file << report.dump(2) << '\n';
+  if (!file.flush()) throw std::runtime_error("cannot write '" + options_.json_path + "'");
+}
+
+int run_bench(const char* name, int (*run)(int, char**), int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return 1;
+  }
+}
+
+}  // namespace tetloom::bench
