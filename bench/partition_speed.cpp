@@ -21,6 +21,7 @@
 #include "bench/support/commit.hpp"
 #include "bench/support/lattice_part.hpp"
 #include "bench/support/machine.hpp"
+#include "bench/support/temporary_folder.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/part/convert.hpp"
 #include "threading/agreement.hpp"
@@ -276,9 +277,8 @@ class Bench {
   }
 
   static double cut_of_metis(const PartMesh& part) {
-    std::string folder = (fs::temp_directory_path() / "tetloom-bench-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
-    const std::string file = folder + "/mesh";
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "mesh";
     {
       std::ofstream out(file);
       const auto& verts = part.block(CellKind::Tet).to_vert;
@@ -286,7 +286,6 @@ class Bench {
       for (std::size_t i = 0; i < verts.size(); ++i) out << verts[i] + 1 << (i % 4 == 3 ? '\n' : ' ');
     }
     const ChildResult child = run_child({"mpmetis", "-gtype=dual", "-ncommon=3", file, "16"});
-    fs::remove_all(folder);
     const std::size_t at = child.output.find("Edgecut:");
     return at == std::string::npos ? 0 : std::stod(child.output.substr(at + 8));
   }

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace tetloom::test {
 
 struct ProcessOptions {
@@ -33,24 +35,21 @@ ProcessResult run_process(const std::vector<std::string>& argv, const ProcessOpt
 /// Runs the tetloom command of this build.
 ProcessResult run_tetloom(std::vector<std::string> arguments, const ProcessOptions& options = {});
 
-/// A folder of its own, removed at the end together with everything in it.
+/// A temporary folder whose paths are arguments of commands.
 class TestFolder {
  public:
-  TestFolder();
-  ~TestFolder();
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
   /// Names of all files, sorted; temporaries too.
   std::vector<std::string> files() const;
-  std::string write(const std::string& name, const std::string& text) const;
+  std::string write(const std::string& name, const std::string& text) const {
+    return folder_.write(name, text).string();
+  }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
 };
 
-std::string read_text(const std::string& path);
+inline std::string read_text(const std::string& path) { return file_content(path); }
 nlohmann::json read_json(const std::string& path);
 
 /// The demo model of that kind ("part", "assembly", "plate", "spline"), made once per test run.

@@ -1,5 +1,4 @@
 // Questions to faces and edges of every kind of surface: derivatives, normals, curvatures, projection, facets.
-#include <unistd.h>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <map>
@@ -9,6 +8,7 @@
 #include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/model_checks.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
 using test::Sample;
@@ -39,12 +39,10 @@ constexpr NamedSample kSamples[] = {
 };
 
 std::unique_ptr<GeometricModel> model_of(Sample sample, const char* extension = "brep") {
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("tetloom_geometry_" + std::to_string(getpid()) + "." + extension);
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder / (std::string("sample.") + extension);
   test::write_sample(sample, path);
-  ModelDocument document = read_model(path);
-  std::filesystem::remove(path);
-  return std::move(document.model);
+  return std::move(read_model(path).model);
 }
 
 Vec2 random_uv(const ParameterBox& box, std::mt19937& random) {

@@ -6,13 +6,13 @@
 
 #include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
-#include "tests/cad/scratch.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
-using test::read_bytes;
+using test::file_content;
 using test::Sample;
-using test::Scratch;
-using test::write_bytes;
+using test::TemporaryFolder;
+using test::write_file;
 
 namespace {
 
@@ -29,7 +29,7 @@ ErrorCode code_of(const std::function<void()>& call) {
 
 /// What a piece of code writes to standard output and standard error.
 std::string captured_output(const std::function<void()>& call) {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const std::string file = (scratch / "output").string();
   std::fflush(nullptr);
   const int out = dup(1), err = dup(2);
@@ -46,29 +46,29 @@ std::string captured_output(const std::function<void()>& call) {
   close(out);
   close(err);
   std::fclose(target);
-  return read_bytes(file);
+  return file_content(file);
 }
 
 }  // namespace
 
 TEST_CASE("missing files, directories, empty files and files of another kind are unreadable") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   for (const char* extension : {"step", "stp", "iges", "igs", "brep"}) {
     INFO(extension);
-    const std::filesystem::path path = scratch / (std::string("file.") + extension).c_str();
+    const std::filesystem::path path = scratch / (std::string("file.") + extension);
     CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
     std::filesystem::create_directory(path);
     CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
     std::filesystem::remove(path);
-    write_bytes(path, "");
+    write_file(path, "");
     CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
-    write_bytes(path, "this is no geometry\n");
+    write_file(path, "this is no geometry\n");
     CHECK(code_of([&] { read_model(path); }) == ErrorCode::InputUnreadable);
   }
 }
 
 TEST_CASE("a file under the extension of another format is unreadable") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_sample(Sample::Box, scratch / "box.step");
   test::write_sample(Sample::Box, scratch / "box.igs");
   test::write_sample(Sample::Box, scratch / "box.brep");
@@ -83,21 +83,21 @@ TEST_CASE("a file under the extension of another format is unreadable") {
 }
 
 TEST_CASE("truncated files are unreadable wherever they are cut") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   for (const char* name : {"cut.step", "cut.igs", "cut.brep"}) {
     test::write_sample(Sample::DrilledBox, scratch / name);
-    const std::string whole = read_bytes(scratch / name);
+    const std::string whole = file_content(scratch / name);
     for (int i = 1; i < 40; ++i) {
       const std::size_t length = whole.size() * static_cast<std::size_t>(i) / 40;
       INFO(name << " cut after " << length << " of " << whole.size() << " bytes");
-      write_bytes(scratch / name, whole.substr(0, length));
+      write_file(scratch / name, whole.substr(0, length));
       CHECK(code_of([&] { read_model(scratch / name); }) == ErrorCode::InputUnreadable);
     }
   }
 }
 
 TEST_CASE("random bytes are unreadable") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const unsigned seed = 20260101;
   std::printf("random bytes: seed %u\n", seed);
   std::mt19937 random(seed);
@@ -105,24 +105,24 @@ TEST_CASE("random bytes are unreadable") {
     for (const char* head : {"", "ISO-10303-21;\n", "\nCASCADE Topology V1, (c) Matra-Datavision\n"}) {
       std::string bytes = head;
       for (int i = 0; i < 20000; ++i) bytes += static_cast<char>(random() & 255u);
-      write_bytes(scratch / name, bytes);
+      write_file(scratch / name, bytes);
       CHECK(code_of([&] { read_model(scratch / name); }) == ErrorCode::InputUnreadable);
     }
   }
 }
 
 TEST_CASE("damaged files give a model or an error, and never end the process") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const unsigned seed = 20260102;
   std::printf("damaged files: seed %u\n", seed);
   std::mt19937 random(seed);
   for (const char* name : {"damaged.step", "damaged.igs", "damaged.brep"}) {
     test::write_sample(Sample::DrilledBox, scratch / name);
-    const std::string whole = read_bytes(scratch / name);
+    const std::string whole = file_content(scratch / name);
     for (int round = 0; round < 60; ++round) {
       std::string bytes = whole;
       for (int i = 0; i < 1 + round % 8; ++i) bytes[random() % bytes.size()] = "0123456789-+.#$()*' \n"[random() % 21];
-      write_bytes(scratch / name, bytes);
+      write_file(scratch / name, bytes);
       try {
         const ModelDocument document = read_model(scratch / name);
         CHECK(document.model->topology().face_count() > 0);
@@ -134,7 +134,7 @@ TEST_CASE("damaged files give a model or an error, and never end the process") {
 }
 
 TEST_CASE("files without a face are unsuitable") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_step_without_shape(scratch / "empty.step");
   CHECK(code_of([&] { read_model(scratch / "empty.step"); }) == ErrorCode::InputUnsuitable);
   test::write_sample(Sample::NoShape, scratch / "empty.brep");
@@ -152,7 +152,7 @@ TEST_CASE("unknown extensions and senseless angles are invalid arguments") {
 }
 
 TEST_CASE("a raised cancel token stops the reading") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_sample(Sample::DrilledBox, scratch / "box.step");
   CancelToken token;
   token.cancel();
@@ -160,15 +160,15 @@ TEST_CASE("a raised cancel token stops the reading") {
 }
 
 TEST_CASE("reading prints nothing") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   for (const char* name : {"box.step", "box.igs", "box.brep"}) {
     test::write_sample(Sample::DrilledBox, scratch / name);
     CHECK(captured_output([&] { read_model(scratch / name); }).empty());
-    std::string bytes = read_bytes(scratch / name);
+    std::string bytes = file_content(scratch / name);
     for (std::size_t i = bytes.size() / 3; i < bytes.size() / 3 + 40; ++i) bytes[i] = '9';
-    write_bytes(scratch / name, bytes);
+    write_file(scratch / name, bytes);
     CHECK(captured_output([&] { read_model(scratch / name); }).empty());
   }
-  write_bytes(scratch / "junk.step", "ISO-10303-21; junk END-ISO-10303-21;");
+  write_file(scratch / "junk.step", "ISO-10303-21; junk END-ISO-10303-21;");
   CHECK(captured_output([&] { read_model(scratch / "junk.step"); }).empty());
 }

@@ -12,17 +12,17 @@
 #include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/model_checks.hpp"
-#include "tests/cad/scratch.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
 using test::Sample;
-using test::Scratch;
-using test::write_bytes;
+using test::TemporaryFolder;
+using test::write_file;
 
 namespace {
 
 ModelDocument read_sample(Sample sample, const char* name, const ReadOptions& options = {}) {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_sample(sample, scratch / name);
   return read_model(scratch / name, options);
 }
@@ -51,10 +51,10 @@ bool has_warning(const ModelDocument& document, ErrorCode code) {
 TEST_CASE("a box has six faces, twelve edges, eight vertices and one region in every CAD format") {
   for (const char* name : {"box.step", "box.STP", "box.brep", "box.igs"}) {
     INFO(name);
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const std::string plain = std::string(name) == "box.STP" ? "box.step" : name;
-    test::write_sample(Sample::Box, scratch / plain.c_str());
-    if (plain != name) std::filesystem::rename(scratch / plain.c_str(), scratch / name);
+    test::write_sample(Sample::Box, scratch / plain);
+    if (plain != name) std::filesystem::rename(scratch / plain, scratch / name);
     const ModelDocument document = read_model(scratch / name);
     const ModelTopology& topology = document.model->topology();
     CHECK(topology.region_count() == 1);
@@ -90,7 +90,7 @@ TEST_CASE("a region lies in front of or behind its faces as their normals say") 
 }
 
 TEST_CASE("an assembly keeps names, colours, layers and the place of every instance") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_gearbox(scratch / "gearbox.step");
   const ModelDocument document = read_model(scratch / "gearbox.step");
   const GeometricModel& model = *document.model;
@@ -123,7 +123,7 @@ TEST_CASE("an assembly keeps names, colours, layers and the place of every insta
 }
 
 TEST_CASE("lengths are millimetres whatever the unit of the file, and BREP files have no unit") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_inch_box(scratch / "inch.step");
   const ModelDocument document = read_model(scratch / "inch.step");
   CHECK(document.model->metres_per_unit() == Approx(0.001));
@@ -222,7 +222,7 @@ TEST_CASE("boxes that touch share nothing, and share their common face after imp
 }
 
 TEST_CASE("imprinting keeps names and colours") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_gearbox(scratch / "gearbox.step");
   ReadOptions options;
   options.imprint = true;
@@ -305,15 +305,15 @@ TEST_CASE("edges and vertices that bound no face are left out with a warning") {
 }
 
 TEST_CASE("facetted models are read through the same call") {
-  const Scratch scratch;
-  write_bytes(scratch / "tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const TemporaryFolder scratch;
+  write_file(scratch / "tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
   const ModelDocument document = read_model(scratch / "tet.obj");
   CHECK(document.format == "OBJ");
   CHECK(document.model->topology().face_count() == 4);
 }
 
 TEST_CASE("several threads may read at once and get the same model") {
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   test::write_gearbox(scratch / "gearbox.step");
   std::array<ModelDocument, 4> documents;
   std::vector<std::thread> threads;

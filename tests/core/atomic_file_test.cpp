@@ -16,7 +16,7 @@
 using namespace tetloom;
 using test::error_of;
 using test::file_content;
-using test::ScratchFolder;
+using test::TemporaryFolder;
 
 namespace {
 
@@ -44,7 +44,7 @@ class FileSizeLimit {
 }  // namespace
 
 TEST_CASE("a file appears under its name only when it is committed") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder / "out.json";
   {
     AtomicFile file(path);
@@ -62,7 +62,7 @@ TEST_CASE("a file appears under its name only when it is committed") {
 }
 
 TEST_CASE("without a commit the old file stays and the temporary goes") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   test::write_file(folder / "out", "old");
   { AtomicFile(folder / "out").write("new"); }
   CHECK(file_content(folder / "out") == "old");
@@ -70,7 +70,7 @@ TEST_CASE("without a commit the old file stays and the temporary goes") {
 }
 
 TEST_CASE("much data in pieces of all sizes arrives as it was written") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::string expected;
   AtomicFile file(folder / "out");
   for (std::size_t size = 1; size < 3'000'000; size = size * 3 + 1) {
@@ -86,7 +86,7 @@ TEST_CASE("much data in pieces of all sizes arrives as it was written") {
 }
 
 TEST_CASE("targets that cannot be written are refused at once, with the reason") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto refuse = [](const std::filesystem::path& path, const std::string& reason) {
     const Diagnostic error = error_of([&] { AtomicFile file(path); });
     CHECK(error.code == ErrorCode::OutputFailed);
@@ -102,7 +102,7 @@ TEST_CASE("targets that cannot be written are refused at once, with the reason")
 }
 
 TEST_CASE("a folder without permission to write is refused") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "locked");
   std::filesystem::permissions(folder / "locked",
                                std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
@@ -115,7 +115,7 @@ TEST_CASE("a folder without permission to write is refused") {
 }
 
 TEST_CASE("a full disk is reported, and the temporary removed") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   test::write_file(folder / "out.vtu", "old");
   const Mesh mesh = test::make_box(20, 20, 20);
   const std::array<std::string, 5> names{"out.vtu", "out.msh", "out.mesh", "out.meshb", "out.stl"};
@@ -147,7 +147,7 @@ TEST_CASE("a device is written to directly and its errors are reported") {
 }
 
 TEST_CASE("a symbolic link is followed, and permissions of an old file are kept") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   test::write_file(folder / "real", "old");
   ::chmod((folder / "real").c_str(), 0640);
   std::filesystem::create_symlink(folder / "real", folder / "link");
@@ -162,7 +162,7 @@ TEST_CASE("a symbolic link is followed, and permissions of an old file are kept"
 }
 
 TEST_CASE("a cancelled write leaves nothing behind") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = test::make_box(10, 10, 10);
   CancelToken cancel;
   cancel.cancel();

@@ -1,18 +1,16 @@
 #pragma once
 // Facetted shapes and files of them, for the tests of the discrete model.
-#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "core/base/vec.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tetloom::shapes {
 
@@ -145,27 +143,7 @@ inline double area_of(const Facets& facets) {
   return sum;
 }
 
-/// A folder of its own for the test's files, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("tetloom_discrete_" + std::to_string(getpid()) + "_" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryFolder;
 
 inline std::string binary_stl(const Facets& facets, const std::string& header = "facets") {
   std::string bytes(84 + 50 * facets.triangles.size(), '\0');

@@ -16,7 +16,7 @@
 using namespace tetloom;
 using test::error_of;
 using test::file_content;
-using test::ScratchFolder;
+using test::TemporaryFolder;
 using test::write_file;
 
 namespace {
@@ -28,7 +28,7 @@ Diagnostic reading_error(const std::filesystem::path& path) {
 }
 
 Diagnostic error_for(const std::string& extension, const std::string& content) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_file(folder / test::joined("bad", extension), content);
   return reading_error(folder / test::joined("bad", extension));
 }
@@ -44,7 +44,7 @@ void survive(const std::filesystem::path& path) {
 }
 
 std::string content_of(const Mesh& mesh, const std::string& extension) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_mesh(mesh, folder / test::joined("good", extension));
   return file_content(folder / test::joined("good", extension));
 }
@@ -58,7 +58,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }  // namespace
 
 TEST_CASE("what is no file of meshes is refused with the reason") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   for (const char* extension : kExtensions) {
     INFO(extension);
     const auto path = folder / test::joined("x", extension);
@@ -85,7 +85,7 @@ TEST_CASE("what is no file of meshes is refused with the reason") {
 TEST_CASE("a file cut off anywhere is refused") {
   Mesh mesh = test::make_box(2, 1, 1, true);
   test::decorate(mesh);
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   for (const char* extension : kExtensions) {
     INFO(extension);
     const std::string content = content_of(mesh, extension);
@@ -106,7 +106,7 @@ TEST_CASE("a file cut off anywhere is refused") {
 TEST_CASE("random bytes are refused") {
   std::mt19937 random(1);
   INFO("seed 1");
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   for (const char* extension : kExtensions)
     for (int round = 0; round < 50; ++round) {
       std::string content(random() % 3000 + 1, '\0');
@@ -124,7 +124,7 @@ TEST_CASE("damaged files of all formats never do harm") {
   INFO("seed " << kSeed);
   Mesh mesh = test::make_box(2, 2, 1, true);
   test::decorate(mesh);
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   for (const char* extension : kExtensions) {
     const std::string content = content_of(mesh, extension);
     for (int round = 0; round < 1500; ++round) {
@@ -185,7 +185,7 @@ TEST_CASE("pieces that all claim the same data are refused before they fill the 
 }
 
 TEST_CASE("numbers beyond the range of doubles become the nearest ones") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_file(
       folder / "a.mesh",
       "MeshVersionFormatted 2\nDimension 3\nVertices\n2\n1e-999 -1.5e999 2e-310 0\n0 0 0 0\nEdges\n1\n1 2 1\nEnd\n");
@@ -240,7 +240,7 @@ TEST_CASE("elements that a mesh cannot hold are refused by name") {
 }
 
 TEST_CASE("keywords that are of no interest are passed over") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_file(folder / "a.mesh",
              "# a comment Vertices 7\nMeshVersionFormatted 1\nDimension\n3\nIdentifier\n\"G1 b\"\nNormals\n1\n0 0 1\n"
              "Vertices\n3\n0 0 0 1\n1 0 0 5\n0 1 0 0 # trailing\nRidges 1 1 Corners 1 2\nTangents\n1\nnan inf -1e5\n"
@@ -255,7 +255,7 @@ TEST_CASE("keywords that are of no interest are passed over") {
 }
 
 TEST_CASE("VTU files in several pieces are read") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto piece = [](const std::string& x) {
     return "<Piece NumberOfPoints='3' NumberOfCells='2'><Points><DataArray type='Float32' NumberOfComponents='3'>" + x +
            " 0 0 1 0 0 0 1 0</DataArray></Points><Cells><DataArray type='Int64' Name='connectivity'>0 1 2 1</DataArray>"
@@ -297,7 +297,7 @@ void check_is_one_triangle(const Mesh& mesh) {
 }  // namespace
 
 TEST_CASE("files of the other byte order are read") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::string meshb = big_endian<std::int32_t>({1, 2, 3, 20, 3, 4, 20 + 12 + 3 * 28, 3});
   for (const Vec3& point : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 0.1, 0}})
     meshb += big_endian<double>({point.x, point.y, point.z}) + big_endian<std::int32_t>({0});
@@ -324,7 +324,7 @@ TEST_CASE("files of the other byte order are read") {
 }
 
 TEST_CASE("reading stops when it is cancelled") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   CancelToken cancel;
   cancel.cancel();
   for (const char* extension : kExtensions) {

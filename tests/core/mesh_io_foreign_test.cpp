@@ -14,8 +14,8 @@
 using namespace tetloom;
 using test::file_content;
 using test::has_meshio;
-using test::ScratchFolder;
 using test::succeeds;
+using test::TemporaryFolder;
 
 namespace {
 
@@ -27,7 +27,7 @@ Mesh sample() {
 }
 
 /// Runs a Python program with arguments; its output on success.
-std::string python(const ScratchFolder& folder, const std::string& program, const std::string& arguments) {
+std::string python(const TemporaryFolder& folder, const std::string& program, const std::string& arguments) {
   test::write_file(folder / "program.py", program);
   const std::string command = "/usr/bin/python3 '" + (folder / "program.py").string() + "' " + arguments;
   const bool fine = succeeds(command, folder / "log");
@@ -78,7 +78,7 @@ double number_in(const std::string& json, const std::string& key) {
 
 TEST_CASE("meshio reads the same points and elements from every format") {
   if (!has_meshio()) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   for (const char* extension : {".vtu", ".mesh", ".meshb", ".msh"}) {
     INFO(extension);
@@ -110,7 +110,7 @@ TEST_CASE("meshio reads the same points and elements from every format") {
 
 TEST_CASE("meshio sees the regions and faces of every format") {
   if (!has_meshio()) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   const std::array<std::array<std::string, 2>, 4> cases{
       {{".vtu", "entity_tag"}, {".msh", "gmsh:physical"}, {".mesh", "medit:ref"}, {".meshb", "medit:ref"}}};
@@ -142,7 +142,7 @@ TEST_CASE("Gmsh opens our MSH files without a warning and keeps what is in them"
     std::cout << "gmsh is not installed: skipped\n";
     return;
   }
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   Mesh bare = mesh;
   bare.tet_to_entity.assign(bare.tet_to_vert.size(), ModelRegionId::kNone);
@@ -172,7 +172,7 @@ TEST_CASE("Gmsh opens our MSH files without a warning and keeps what is in them"
 
 TEST_CASE("VTU files of meshio come back in every encoding") {
   if (!has_meshio()) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   write_mesh(mesh, folder / "ours.vtu");
   for (const char* how : {"binary=False", "binary=True, compression=None", "binary=True, compression='zlib'",
@@ -195,7 +195,7 @@ TEST_CASE("VTU files of meshio come back in every encoding") {
 
 TEST_CASE("MSH files of meshio and Gmsh come back in every version") {
   if (!has_meshio()) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   write_mesh(mesh, folder / "ours.vtu");
   for (const char* how : {"'2.2', binary=False", "'4.1', binary=False", "'4.1', binary=True"}) {
@@ -226,7 +226,7 @@ meshio.gmsh.write(sys.argv[2], m, )") +
 
 TEST_CASE("meshes that Gmsh makes are valid") {
   if (!succeeds("gmsh --version")) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   test::write_file(folder / "two.geo",
                    "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1,1,1};\nBox(2) = {1,0,0, 1,1,1};\n"
                    "BooleanFragments{ Volume{1}; Delete; }{ Volume{2}; Delete; }\nMesh.MeshSizeMax = 0.3;\n"
@@ -260,7 +260,7 @@ TEST_CASE("the independent judge agrees about quality") {
     std::cout << "no judge in " << judge << ": skipped\n";
     return;
   }
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   Mesh mesh = test::make_box(12, 10, 14, true, 0.1);
   test::jitter(mesh, 0.03, 5);
   const SizeField sizes = SizeField::uniform(0.12);

@@ -15,7 +15,7 @@
 using namespace tetloom;
 using test::check_same_elements;
 using test::error_of;
-using test::ScratchFolder;
+using test::TemporaryFolder;
 
 namespace {
 
@@ -41,13 +41,13 @@ Mesh sample() {
 }
 
 Mesh written_and_read(const Mesh& mesh, const std::string& extension) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_mesh(mesh, folder / test::joined("mesh", extension));
   return read_mesh(folder / test::joined("mesh", extension));
 }
 
 Mesh read_text(const std::string& extension, const std::string& text) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   test::write_file(folder / test::joined("a", extension), text);
   return read_mesh(folder / test::joined("a", extension));
 }
@@ -124,7 +124,7 @@ TEST_CASE("prisms and wedges are turned as their formats want them") {
 
 TEST_CASE("meshio reads the same cells, volumes and fields") {
   if (!test::has_meshio()) return;
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = sample();
   write_mesh(mesh, folder / "mesh.vtu");
   const std::string script = R"(
@@ -200,7 +200,7 @@ TEST_CASE("of a view the first time step counts, parts of it are put together, a
 }
 
 TEST_CASE("fields that make no file are refused before one is begun") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto refuse = [&](const Mesh& mesh) {
     CHECK(error_of([&] { write_mesh(mesh, folder / "a.vtu"); }).code == ErrorCode::InvalidArgument);
     CHECK(folder.file_count() == 0);
@@ -222,7 +222,7 @@ TEST_CASE("fields that make no file are refused before one is begun") {
 }
 
 TEST_CASE("damaged files of mixed meshes with fields are refused with a reason, or hold some mesh") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   Mesh mesh = test::make_mixed_box(1, 1, 4);
   mesh.point_fields = {{"p", 2, std::vector<double>(2 * mesh.points.size(), 0.5)}};
   mesh.cell_fields = {{"c", 1, std::vector<double>(cell_count(mesh), 1)}};

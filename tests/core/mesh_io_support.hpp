@@ -1,59 +1,21 @@
 #pragma once
-// Comparing meshes field by field, and a scratch folder, for the tests of core/io.
-#include <unistd.h>
-
+// Comparing meshes field by field, for the tests of core/io.
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <string>
 
 #include "core/base/error.hpp"
 #include "core/mesh/mesh.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tetloom::test {
 
 /// A file name from its stem and its extension.
 inline std::string joined(std::string stem, const std::string& extension) { return stem += extension; }
-
-/// A folder that goes away with its content.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tetloom-io-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder");
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(
-        std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::string file_content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-inline void write_file(const std::filesystem::path& path, const std::string& content) {
-  std::filesystem::remove(path);  // some file systems flush a file that is cut and written anew, which takes long
-  std::ofstream(path, std::ios::binary) << content;
-}
 
 inline bool same_points(const Mesh& a, const Mesh& b) {
   if (a.points.size() != b.points.size()) return false;

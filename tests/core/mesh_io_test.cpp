@@ -14,7 +14,7 @@
 using namespace tetloom;
 using test::check_same_elements;
 using test::error_of;
-using test::ScratchFolder;
+using test::TemporaryFolder;
 
 namespace {
 
@@ -43,7 +43,7 @@ Mesh shuffled_elements(Mesh mesh) {
 }
 
 Mesh written_and_read(const Mesh& mesh, const std::string& extension) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write_mesh(mesh, folder / test::joined("mesh", extension));
   return read_mesh(folder / test::joined("mesh", extension));
 }
@@ -131,7 +131,7 @@ TEST_CASE("an STL file holds the triangles, with one point for each that was the
 }
 
 TEST_CASE("a text STL is read") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::string facet =
       "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex +1.0e0 -0 0\nvertex 0 1 0\nendloop\nendfacet\n";
   test::write_file(folder / "a.stl",
@@ -147,7 +147,7 @@ TEST_CASE("extensions are known in any case, others are refused with the list of
   CHECK_FALSE(is_mesh_extension("a.step"));
   CHECK_FALSE(is_writable_mesh_format("vtu"));
   CHECK_FALSE(is_writable_mesh_format(""));
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = test::make_box(1, 1, 1);
   write_mesh(mesh, folder / "UPPER.VTU");
   check_same_elements(read_mesh(folder / "UPPER.VTU"), mesh);
@@ -161,7 +161,7 @@ TEST_CASE("extensions are known in any case, others are refused with the list of
 }
 
 TEST_CASE("meshes that make no file are refused before one is begun") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto refuse = [&](const Mesh& mesh, const std::string& name) {
     CHECK(error_of([&] { write_mesh(mesh, folder / name); }).code == ErrorCode::InvalidArgument);
     CHECK(folder.file_count() == 0);

@@ -1,14 +1,12 @@
 // Real CAD models from STEP, IGES or BREP file to a validated tetrahedral mesh, at two sizes, judged by tetloom's own
 // checks and by an independent script, and filled without TetGen. Prints a table. Skipped with a message where the
 // models are not there.
-#include <unistd.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -17,6 +15,7 @@
 #include "core/mesh/quality.hpp"
 #include "core/mesh/validate.hpp"
 #include "mesher/mesher.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
 namespace fs = std::filesystem;
@@ -38,17 +37,13 @@ std::vector<fs::path> list_models() {
 // What shared/tools/quality.py says of the mesh, or an empty object where it cannot run.
 nlohmann::json ask_judge(const Mesh& mesh, double size) {
   if (!fs::exists(kJudge) || std::system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0) return {};
-  const fs::path folder = fs::temp_directory_path() / ("tetloom-shared-models-test-" + std::to_string(::getpid()));
-  fs::create_directories(folder);
+  const test::TemporaryFolder folder;
   const fs::path file = folder / "mesh.msh", answer = folder / "answer.json";
   write_mesh(mesh, file);
   const std::string command = "/usr/bin/python3 '" + kJudge.string() + "' '" + file.string() + "' " +
                               std::to_string(size) + " > '" + answer.string() + "'";
   REQUIRE(std::system(command.c_str()) == 0);
-  std::ifstream stream(answer);
-  nlohmann::json result = nlohmann::json::parse(stream);
-  fs::remove_all(folder);
-  return result;
+  return nlohmann::json::parse(test::file_content(answer));
 }
 
 struct Figures {

@@ -14,6 +14,7 @@
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;
@@ -22,29 +23,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Folder {
+class Folder : public test::TemporaryFolder {
  public:
-  Folder() : path_(fs::temp_directory_path() / ("tetloom-worker-test-" + std::to_string(::getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
   std::string script(const std::string& body) const {
-    const fs::path file = path_ / "worker";
+    const fs::path file = path() / "worker";
     std::ofstream(file) << "#!/bin/sh\n" << body << "\n";
     fs::permissions(file, fs::perms::owner_all);
     return file.string();
   }
   void write(const std::string& name, std::span<const std::byte> bytes) const {
-    std::ofstream(path_ / name, std::ios::binary)
+    std::ofstream(path() / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 std::vector<pid_t> children() {

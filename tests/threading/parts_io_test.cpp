@@ -1,7 +1,6 @@
 // Partitioned meshes go to files and come back, and files that do not fit together are refused with a place.
 #include "threading/parts_io.hpp"
 
-#include <unistd.h>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "core/mesh/mesh_access.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
 #include "threading/balance/balance.hpp"
 #include "threading/parts_figures.hpp"
@@ -21,25 +21,10 @@
 
 using namespace tetloom;
 using tetloom::test::error_of;
+using tetloom::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-class Folder {
- public:
-  Folder() : path_(fs::temp_directory_path() / ("tetloom_parts_" + std::to_string(::getpid()))) {
-    fs::remove_all(path_);
-    fs::create_directory(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
-  }
-
- private:
-  fs::path path_;
-};
 
 Mesh make_case(bool mixed) {
   Mesh mesh = mixed ? test::make_mixed_box(4, 3, 5, 7, true) : test::make_tet_box(5, 4, 3, 3, true);
@@ -76,7 +61,7 @@ std::string names_of(const Mesh& mesh) {
 
 /// Four parts of a box in `folder`/box.pvtu, and what reading them comes to after `damage`.
 struct DamagedParts {
-  Folder folder;
+  TemporaryFolder folder;
   std::unique_ptr<Communicator> communicator = make_communicator();
   TaskRunner runner{2};
 
@@ -90,8 +75,7 @@ struct DamagedParts {
     write_mesh_piece(piece_mesh.mesh, piece_mesh.global_ids, piece(part));
   }
   void replace_in_list(const std::string& from, const std::string& to) const {
-    std::ifstream in(folder / "box.pvtu");
-    std::string text((std::istreambuf_iterator<char>(in)), {});
+    std::string text = test::file_content(folder / "box.pvtu");
     REQUIRE(text.find(from) != std::string::npos);
     std::ofstream(folder / "box.pvtu") << text.replace(text.find(from), from.size(), to);
   }
@@ -118,12 +102,12 @@ TEST_CASE("parts come back from files as they were") {
     for (const std::size_t count : {1u, 2u, 5u, 33u, 2000u})
       for (const char* name : {"box.pvtu", "box.msh"}) {
         CAPTURE(mixed, count, name);
-        const Folder folder;
+        const TemporaryFolder folder;
         const Mesh whole = make_case(mixed);
         const PartitionedMesh parts = make_parts(whole, count, *communicator, runner);
         write_parts(parts, folder / name, runner);
         PartitionedMesh back = read_parts(folder / name, *communicator, runner);
-        CHECK(folder.count() == (is_piece_list(name) ? 2 : 1));
+        CHECK(folder.file_count() == (is_piece_list(name) ? 2 : 1));
         CHECK(is_partitioned_file(folder / name, *communicator));
         REQUIRE(back.part_count() == count);
         CHECK(validate_parts(back, runner).total == 0);
@@ -140,11 +124,7 @@ TEST_CASE("parts come back from files as they were") {
 
 TEST_CASE("parts that are written again are the same, byte for byte") {
   const auto communicator = make_communicator();
-  const Folder folder;
-  const auto text_of = [](const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return std::string((std::istreambuf_iterator<char>(in)), {});
-  };
+  const TemporaryFolder folder;
   for (const int threads : {1, 3}) {
     const TaskRunner runner(threads);
     write_parts(make_parts(make_case(true), 5, *communicator, runner), folder / "a.pvtu", runner);
@@ -153,14 +133,14 @@ TEST_CASE("parts that are written again are the same, byte for byte") {
   }
   for (int part = 0; part < 5; ++part) {
     const std::string name = "/a_" + std::to_string(part) + ".vtu";
-    CHECK(text_of(folder / ("1" + name)) == text_of(folder / ("3" + name)));
+    CHECK(test::file_content(folder / ("1" + name)) == test::file_content(folder / ("3" + name)));
   }
 }
 
 TEST_CASE("a partitioned MSH file is a mesh like any other to whom the parts are all the same") {
   const auto communicator = make_communicator();
   const TaskRunner runner(2);
-  const Folder folder;
+  const TemporaryFolder folder;
   const Mesh whole = make_case(true);
   write_parts(make_parts(whole, 5, *communicator, runner), folder / "a.msh", runner);
   const Mesh mesh = read_mesh(folder / "a.msh");
@@ -179,7 +159,7 @@ TEST_CASE("pieces are meshes of their own, whose global ids are no field") {
 }
 
 TEST_CASE("global ids keep all of their 63 bits") {
-  const Folder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = test::make_tet_box(1, 1, 1);
   std::vector<std::uint64_t> ids(mesh.points.size());
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = (std::uint64_t{1} << 62) + 1 + i;
@@ -241,7 +221,7 @@ TEST_CASE("pieces that do not fit each other are refused with a point") {
 TEST_CASE("without boundary elements, pieces that have come apart are noticed by their totals") {
   const auto communicator = make_communicator();
   const TaskRunner runner(2);
-  const Folder folder;
+  const TemporaryFolder folder;
   Mesh mesh = test::make_tet_box(3, 3, 3);
   mesh.tri_to_vert.clear(), mesh.tri_to_entity.clear();
   mesh.edge_to_vert.clear(), mesh.edge_to_entity.clear();
@@ -275,7 +255,7 @@ TEST_CASE("an output that cannot be completed leaves the old one as it was") {
           ErrorCode::OutputFailed);
     fs::remove(parts.folder / "other.pvtu");
   }
-  CHECK(parts.folder.count() == 2);
+  CHECK(parts.folder.file_count() == 2);
   CHECK(read_parts(parts.folder / "box.pvtu", *parts.communicator, parts.runner).part_count() == 4);
 }
 
@@ -283,7 +263,7 @@ TEST_CASE("an output that is there is replaced, with pieces that are no more gon
   DamagedParts parts;
   const PartitionedMesh mesh = make_parts(make_case(false), 2, *parts.communicator, parts.runner);
   write_parts(mesh, parts.folder / "box.pvtu", parts.runner);
-  CHECK(parts.folder.count() == 2);
+  CHECK(parts.folder.file_count() == 2);
   CHECK_FALSE(fs::exists(parts.piece(2)));
   CHECK(read_parts(parts.folder / "box.pvtu", *parts.communicator, parts.runner).part_count() == 2);
 }

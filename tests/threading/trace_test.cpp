@@ -1,10 +1,10 @@
 #include "threading/trace.hpp"
 
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/support/temporary_folder.hpp"
 #include "threading/schedule.hpp"
 
 using namespace tetloom;
@@ -12,12 +12,9 @@ using namespace tetloom;
 namespace {
 
 nlohmann::json written(const Trace& trace, int rank) {
-  const auto file = std::filesystem::temp_directory_path() / "tetloom_trace_test.json";
-  trace.write(file, rank);
-  std::ifstream stream(file);
-  auto json = nlohmann::json::parse(stream);
-  std::filesystem::remove(file);
-  return json;
+  const test::TemporaryFolder folder;
+  trace.write(folder / "trace.json", rank);
+  return nlohmann::json::parse(test::file_content(folder / "trace.json"));
 }
 
 }  // namespace
