@@ -144,7 +144,9 @@ void TaskRunner::advance(std::uint64_t amount, ModelEntity entity) const {
 
 bool TaskRunner::cancelled() const {
   if (!hears_cancel_) return false;
-  return ties_->refused.load(std::memory_order_relaxed) || (ties_->host.cancel && ties_->host.cancel->cancelled());
+  if (ties_->refused.load(std::memory_order_relaxed)) return true;
+  const Host& host = ties_->host;
+  return (host.cancel && host.cancel->cancelled()) || (host.wants_stop && host.wants_stop());
 }
 
 void TaskRunner::check_cancelled() const {

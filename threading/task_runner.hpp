@@ -13,6 +13,9 @@ namespace tetloom {
 struct Host {
   ProgressCallback progress;            ///< may be empty
   const CancelToken* cancel = nullptr;  ///< may be null
+  /// Asked wherever the call looks whether to go on: true ends it, like the token. Called from any thread, by several
+  /// at once; it must be quick and must not throw. May be empty.
+  std::function<bool()> wants_stop = {};
 };
 
 /// Runs the parallel loops of one call on a fixed number of threads, tells the host of progress and stops when it asks.

@@ -9,6 +9,7 @@ bool Recoverer::reconnect(const Wanted& wanted, TetList tets) {
     std::optional<Cavity> cavity = make_cavity(mesh_, kept_, tets, std::min(options_.cavity_points, 64u));
     if (!cavity) return false;
     wanted(*cavity);
+    check_cancelled();
     const SmallFilling filling = fill_small_polyhedron(cavity->shape, options_.search_steps);
     spend_steps(filling.steps);
     if (filling.outcome == SmallFilling::Found) {

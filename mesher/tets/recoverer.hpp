@@ -9,13 +9,17 @@ namespace tetloom::tets {
 
 class Recoverer {
  public:
-  Recoverer(LocalMesh& mesh, const EdgeSet& kept, const RecoverOptions& options, RecoveryReport& report)
-      : mesh_(mesh), kept_(kept), options_(options), report_(report) {}
+  Recoverer(LocalMesh& mesh, const EdgeSet& kept, const RecoverOptions& options, RecoveryReport& report,
+            const TaskRunner& runner)
+      : mesh_(mesh), kept_(kept), options_(options), report_(report), runner_(runner) {}
 
   /// Whether it is there afterwards; where not, `why` says what is in the way.
   bool recover_edge(std::uint32_t a, std::uint32_t b, Obstacles& why);
   /// Fixes the triangle, too. Pre: its edges are there.
   bool recover_triangle(const TriangleVerts& triangle, Obstacles& why);
+
+  /// Throws Error(Cancelled) once the run is cancelled; also done before each search.
+  void check_cancelled() const { runner_.check_cancelled(); }
 
   /// Searches take no more than this many steps, roughly, until more are granted.
   void grant_steps(std::uint64_t steps) { steps_left_ = steps; }
@@ -30,6 +34,7 @@ class Recoverer {
   const EdgeSet& kept_;
   const RecoverOptions& options_;
   RecoveryReport& report_;
+  const TaskRunner& runner_;
   std::uint64_t steps_left_ = 0;
 };
 

@@ -31,9 +31,9 @@ class Recovery {
         options_(options),
         runner_(runner),
         local_(mesh),
-        recoverer_(local_, kept_, options_, report_),
+        recoverer_(local_, kept_, options_, report_, runner),
         thorough_options_(options),
-        thorough_recoverer_(local_, kept_, thorough_options_, report_),
+        thorough_recoverer_(local_, kept_, thorough_options_, report_, runner),
         given_points_(static_cast<std::uint32_t>(mesh.points.size())) {}
 
   RecoveryReport run(std::span<const std::uint32_t> missing) {

@@ -74,6 +74,7 @@ class Joiner {
       if (to_flood_[seed] != kNone || shell_.is_dead(seed)) continue;
       const auto color = static_cast<std::uint32_t>(flood_to_region_.size());
       flood_to_region_.push_back(kUnnamed);
+      flood_to_namer_.push_back(kNone);
       to_flood_[seed] = color;
       stack.push_back(seed);
       while (!stack.empty()) {
@@ -94,8 +95,10 @@ class Joiner {
     std::uint32_t& name = flood_to_region_[to_flood_[face / 4]];
     const std::uint32_t told = told_by(face);
     if (told == kUnnamed || told == name) return {};
-    if (name != kUnnamed) return contradiction(face);
+    FaceCode& namer = flood_to_namer_[to_flood_[face / 4]];
+    if (name != kUnnamed) return contradiction(namer, face);
     name = told;
+    namer = face;
     return {};
   }
 
@@ -114,9 +117,17 @@ class Joiner {
     return (behind ? sides.back : sides.front).value;
   }
 
-  Fault contradiction(FaceCode face) const {
-    Fault fault{"the surface does not separate its regions", {}, center_of(shell_, face / 4)};
-    if (const auto* triangle = tri_table_.find(sorted(verts_of(shell_, face)))) fault.triangles = {triangle->value};
+  // Two faces of one flood that tell different things of it.
+  Fault contradiction(FaceCode one, FaceCode other) const {
+    Fault fault{"the surface does not separate its regions", {}, center_of(shell_, other / 4)};
+    for (const FaceCode face : {one, other}) {
+      if (shell_.to_neighbor[face] == kNone) fault.message = "a region lies outside of its surface: it is inside out";
+      const auto* triangle = tri_table_.find(sorted(verts_of(shell_, face)));
+      if (!triangle) continue;
+      fault.triangles.push_back(triangle->value);
+      const auto& [a, b, c] = surface_.tri_to_vert[triangle->value];
+      fault.point = (shell_.points[a] + shell_.points[b] + shell_.points[c]) / 3;
+    }
     return fault;
   }
 
@@ -208,7 +219,8 @@ class Joiner {
   std::uint32_t core_size_ = 0;
   GrowingArray<std::uint32_t> to_flood_, to_kept_;
   std::vector<std::uint32_t> flood_to_region_;
-  std::vector<char> seen_;  // per triangle: 1 from behind, 2 from in front
+  std::vector<FaceCode> flood_to_namer_;  // the face that told what the flood is
+  std::vector<char> seen_;                // per triangle: 1 from behind, 2 from in front
 };
 
 }  // namespace

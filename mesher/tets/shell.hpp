@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
 #include "mesher/tets/tet_mesh.hpp"
@@ -24,6 +25,7 @@ struct Fault {
   std::string message;
   std::vector<std::uint32_t> triangles;  ///< of the surface, where they are the trouble
   Vec3 point;
+  ErrorCode code = ErrorCode::VolumeFailed;
   bool any() const { return !message.empty(); }
 };
 

@@ -60,11 +60,15 @@ void SteinerRecovery::run() {
   const std::size_t splits_at_most = kSplitsPerTriangle * pieces_.size();
   std::reverse(open_.begin(), open_.end());
   while (!open_.empty() && splits_.size() < splits_at_most && recoverer_.steps_left() > 0) {
+    recoverer_.check_cancelled();
     const std::uint32_t piece = open_.back();
     open_.pop_back();
     if (!pieces_[piece].divided) realize(piece);
   }
-  while (!splits_.empty() && undo(splits_.back())) splits_.pop_back();
+  while (!splits_.empty() && undo(splits_.back())) {
+    splits_.pop_back();
+    recoverer_.check_cancelled();
+  }
   release_pieces();
 }
 

@@ -40,6 +40,7 @@ void for_each_use(const VolumeInput& input, const Visit& visit) {
       if (!region.valid()) continue;
       for (int i = 0; i < 3; ++i) {
         const std::uint32_t a = input.tri_to_vert[t][i], b = input.tri_to_vert[t][(i + 1) % 3];
+        if (a == b) continue;  // opens nothing; that the triangle has no area is told later
         visit(EdgeUseOfRegion{region.value, std::min(a, b), std::max(a, b), t, a < b ? sign : -sign});
       }
     }

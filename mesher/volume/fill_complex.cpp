@@ -52,7 +52,12 @@ class ComplexFiller {
 
   FilledComplex run() {
     if (!options_.worker_only) fill_by_own_means();
-    if (result_.filling || surface_crosses_itself(result_.errors)) return std::move(result_);
+    if (result_.filling) return std::move(result_);
+    if (failure_ && failure_->code == ErrorCode::SelfIntersection) {
+      result_.errors.push_back(describe_failure());
+      return std::move(result_);
+    }
+    if (surface_crosses_itself(result_.errors)) return std::move(result_);
     ask_worker();
     if (!result_.filling) {
       result_.errors.push_back(describe_failure());
@@ -78,7 +83,7 @@ class ComplexFiller {
     name_causes(input_, complex_, triangles, filled.figures.optimizer.acute_tets);
     result_.figures.add(filled.figures);
     if (filled.fault.any())
-      return note({ErrorCode::VolumeFailed, filled.fault.message, filled.fault.triangles, filled.fault.point});
+      return note({filled.fault.code, filled.fault.message, filled.fault.triangles, filled.fault.point});
     result_.tri_to_vert = std::move(filled.tri_to_vert);
     result_.filling = to_filling(std::move(filled.mesh), complex_.points.size(), runner_);
   }

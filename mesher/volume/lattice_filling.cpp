@@ -1,5 +1,7 @@
 #include "mesher/volume/lattice_filling.hpp"
 
+#include <algorithm>
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -55,13 +57,25 @@ class LatticeFiller {
     const tets::DelaunayResult delaunay = make_delaunay(shell_, verts, runner_);
     figures_.seconds.delaunay = watch_.lap();
     input_.progress.reach(FillingStep::Delaunay, runner_);
-    if (!delaunay.duplicates.empty())
-      return {"two points of the surface coincide", {}, complex_.points[delaunay.duplicates[0].vert]};
+    if (!delaunay.duplicates.empty()) return coinciding(delaunay.duplicates);
     if (const std::size_t missing = fix_core_faces(shell_, mesh, core.open_faces); missing > 0)
       return {std::to_string(missing) + " faces of the lattice core are not in the shell", {}, shell_.points[0]};
     Fault fault = recover();
     figures_.seconds.recovery = watch_.lap();
     input_.progress.reach(FillingStep::Recovery, runner_);
+    return fault;
+  }
+
+  // Lattice points keep their distance from the surface and from each other: these are its own.
+  Fault coinciding(std::span<const tets::Duplicate> duplicates) const {
+    Fault fault{std::to_string(duplicates.size()) + " points of its surface coincide with others of it", {}, {}};
+    fault.code = ErrorCode::SelfIntersection;
+    fault.point = shell_.points[duplicates[0].vert];
+    for (std::uint32_t t = 0; t < complex_.tri_to_vert.size(); ++t) {
+      const auto& verts = complex_.tri_to_vert[t];
+      const auto is_there = [&](std::uint32_t v) { return shell_.points[v] == fault.point; };
+      if (std::any_of(verts.begin(), verts.end(), is_there)) fault.triangles.push_back(t);
+    }
     return fault;
   }
 

@@ -1,6 +1,7 @@
 #include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <optional>
@@ -22,6 +23,28 @@ constexpr std::size_t kTetsPerTask = 1 << 16;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
+// Volumes of lengths between these are numbers.
+constexpr double kLargestCoordinate = 1e100, kLeastExtent = 1e-100;
+
+bool is_sound(const Vec3& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;
+}
+
+// The point is another corner of the triangle, where there is a sound one.
+[[noreturn]] void refuse_coordinate(const VolumeInput& input, std::uint32_t triangle) {
+  Diagnostic diagnostic;
+  diagnostic.code = ErrorCode::InvalidArgument;
+  diagnostic.elements = {triangle};
+  diagnostic.entities = volume::faces_of(input, std::span(&triangle, 1));
+  diagnostic.message = "volume input: a coordinate of a triangle on " + describe(diagnostic.entities[0]) +
+                       " is not finite or beyond 1e100";
+  for (const std::uint32_t vertex : input.tri_to_vert[triangle]) {
+    if (is_sound(input.points[vertex])) diagnostic.point = input.points[vertex];
+  }
+  throw Error(std::move(diagnostic));
+}
+
 void check_input(const VolumeInput& input) {
   if (!input.sizes) refuse("there is no size field");
   const std::size_t count = input.tri_to_vert.size();
@@ -35,9 +58,16 @@ void check_input(const VolumeInput& input) {
   for (const auto& triangle : input.tri_to_vert) {
     for (const std::uint32_t vertex : triangle) {
       if (vertex >= input.points.size()) refuse("a triangle refers to a point that does not exist");
-      if (!is_finite(input.points[vertex])) refuse("a coordinate is not finite");
     }
   }
+  Box3 box;
+  for (std::uint32_t t = 0; t < count; ++t) {
+    for (const std::uint32_t vertex : input.tri_to_vert[t]) {
+      if (!is_sound(input.points[vertex])) refuse_coordinate(input, t);
+      box.add(input.points[vertex]);
+    }
+  }
+  if (!box.empty() && box.lo != box.hi && box.diagonal() < kLeastExtent) refuse("its surface is smaller than 1e-100");
 }
 
 Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, const Error& error) {

@@ -254,3 +254,27 @@ TEST_CASE("a small polyhedron is filled between its points, or said to have no s
   CHECK(filled == 1);
   CHECK(impossible == 1);
 }
+
+TEST_CASE("a recovery with new points looks often whether to go on, and stopped at any time leaves a sound mesh") {
+  const Shape prism = twisted_prism(3, -0.5);
+  const TetMesh before = delaunay_of(prism.points);
+  const auto polls_of = [&](std::uint64_t last) {
+    std::uint64_t polls = 0;
+    Host host;
+    host.wants_stop = [&] { return ++polls == last; };
+    TetMesh mesh = before;
+    bool cancelled = false;
+    try {
+      recover_boundary(mesh, prism.triangles, {}, TaskRunner(1, host));
+    } catch (const Error& error) {
+      cancelled = error.code() == ErrorCode::Cancelled;
+    }
+    CHECK(cancelled == (polls == last));
+    CHECK(find_fault(mesh) == "");
+    return polls;
+  };
+  const std::uint64_t polls = polls_of(0);  // never stopped
+  // One per missing edge, triangle and group would be a dozen, with seconds between them.
+  CHECK(polls > 50);
+  for (std::uint64_t last = 1; last <= polls; ++last) polls_of(last);
+}

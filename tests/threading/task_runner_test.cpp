@@ -122,4 +122,22 @@ TEST_CASE("the host hears of the start and the end of a stage and can refuse to 
   CHECK(runner.cancelled());
 }
 
+TEST_CASE("a host that is asked whether to stop ends the run when it says so, for good") {
+  std::atomic<int> asked{0};
+  Host host;
+  host.wants_stop = [&] { return ++asked > 10; };
+  const TaskRunner runner(1, host);
+  int visits = 0;
+  try {
+    runner.for_each(100, [&](std::size_t) { ++visits; });
+    FAIL("it was not cancelled");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::Cancelled);
+  }
+  CHECK(visits > 0);
+  CHECK(visits <= 10);
+  CHECK(runner.cancelled());
+  CHECK_FALSE(runner.uninterruptible().cancelled());
+}
+
 TEST_CASE("a negative number of threads is refused") { CHECK_THROWS_AS(TaskRunner(-1), Error); }
