@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that tetloom needs. This is the one list of them: every other script calls this one.
 #
-# usage: scripts/install-deps.sh [build] [check] [picture] [peers] [tsan]
+# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [tsan]
 #   build    what configures, compiles and tests tetloom (the default)
 #   check    what .ci/run needs beside: formatter, naming checks
+#   oracles  libraries that tests compare tetloom with, where they are installed
 #   picture  what scripts/draw_mesh.py needs
 #   peers    other meshers, run beside tetloom by the benches where they are installed
 #   tsan     what scripts/build_tsan_tbb.sh needs beside
@@ -18,6 +19,7 @@ declare -A packages=(
     libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev
     libcli11-dev nlohmann-json3-dev catch2 libbenchmark-dev"
   [check]="git python3 clang-format-14 clang-tidy-14"
+  [oracles]="libcgal-dev"
   [picture]="python3 python3-numpy python3-meshio python3-pil"
   [peers]="gmsh netgen tetgen"
   [tsan]="dpkg-dev"

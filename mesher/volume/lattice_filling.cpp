@@ -1,7 +1,6 @@
 #include "mesher/volume/lattice_filling.hpp"
 
 #include <algorithm>
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
