@@ -81,6 +81,31 @@ void demand(Cavity& cavity, const TriangleVerts& triangle) {
   });
 }
 
+void leave_out(Cavity& cavity, std::uint32_t vert) {
+  const std::uint8_t gone = cavity.local(vert);
+  SmallPolyhedron& shape = cavity.shape;
+  const auto has_it = [&](const auto& simplex) {
+    return std::find(simplex.begin(), simplex.end(), gone) != simplex.end();
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < shape.faces.size(); ++i) {
+    if (has_it(shape.faces[i])) continue;
+    cavity.face_to_code[kept] = cavity.face_to_code[i];
+    shape.faces[kept++] = shape.faces[i];
+  }
+  shape.faces.resize(kept);
+  cavity.face_to_code.resize(kept);
+  std::erase_if(shape.edges, has_it);
+  const auto renumber = [&](auto& simplices) {
+    for (auto& simplex : simplices) {
+      for (std::uint8_t& v : simplex) v = static_cast<std::uint8_t>(v - (v > gone ? 1 : 0));
+    }
+  };
+  renumber(shape.faces), renumber(shape.edges);
+  shape.points.erase(shape.points.begin() + gone);
+  cavity.to_vert.erase(cavity.to_vert.begin() + gone);
+}
+
 void refill(LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling) {
   std::vector<Tet> fresh;
   for (const auto& t : filling.tets)

@@ -40,6 +40,10 @@ std::optional<Cavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, co
 void demand(Cavity& cavity, std::uint32_t a, std::uint32_t b);
 void demand(Cavity& cavity, const TriangleVerts& triangle);
 
+/// Leaves a point inside of the cavity out, with the fixed faces and kept edges that end there. Pre: its whole ball is
+/// in the cavity.
+void leave_out(Cavity& cavity, std::uint32_t vert);
+
 /// Fills the cavity anew.
 void refill(LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling);
 

@@ -2,15 +2,23 @@
 
 namespace tetloom::tets {
 
-// The cavity grows where its filling fails, as long as it stays small.
+namespace {
+
+constexpr std::uint64_t kShare = 4;  // one edge or triangle may take one in as many of the steps that are left
+
+}  // namespace
+
+// The cavity grows where its filling fails, as long as it stays small. One edge or triangle leaves steps for others.
 template <class Wanted>
 bool Recoverer::reconnect(const Wanted& wanted, TetList tets) {
-  for (std::uint32_t growth = 0; growth <= options_.growths && steps_left_ > 0; ++growth) {
+  const std::uint64_t left_to_others = steps_left_ - steps_left_ / kShare;
+  for (std::uint32_t growth = 0; growth <= options_.growths && steps_left_ > left_to_others; ++growth) {
     std::optional<Cavity> cavity = make_cavity(mesh_, kept_, tets, std::min(options_.cavity_points, 64u));
     if (!cavity) return false;
     wanted(*cavity);
     check_cancelled();
-    const SmallFilling filling = fill_small_polyhedron(cavity->shape, options_.search_steps);
+    const SmallFilling filling =
+        fill_small_polyhedron(cavity->shape, std::min(options_.search_steps, steps_left_ - left_to_others));
     spend_steps(filling.steps);
     if (filling.outcome == SmallFilling::Found) {
       refill(mesh_, *cavity, filling);
@@ -29,6 +37,14 @@ bool Recoverer::recover_edge(std::uint32_t a, std::uint32_t b, Obstacles& why) {
   why = find_obstacles(mesh_, a, b);
   if (why.blocked) return false;
   return reconnect([&](Cavity& cavity) { demand(cavity, a, b); }, why.tets);
+}
+
+bool Recoverer::remove_point(std::uint32_t point, std::span<const TriangleVerts> triangles) {
+  const auto wanted = [&](Cavity& cavity) {
+    leave_out(cavity, point);
+    for (const TriangleVerts& triangle : triangles) demand(cavity, triangle);
+  };
+  return reconnect(wanted, mesh_.find_ball(point));
 }
 
 bool Recoverer::recover_triangle(const TriangleVerts& triangle, Obstacles& why) {

@@ -18,6 +18,9 @@ class Recoverer {
   /// Fixes the triangle, too. Pre: its edges are there.
   bool recover_triangle(const TriangleVerts& triangle, Obstacles& why);
 
+  /// Whether the mesh is without the point afterwards and has these triangles instead of the fixed faces at it. They
+  /// are not fixed yet. Pre: these faces divide the triangles.
+  bool remove_point(std::uint32_t point, std::span<const TriangleVerts> triangles);
   /// Throws Error(Cancelled) once the run is cancelled; also done before each search.
   void check_cancelled() const { runner_.check_cancelled(); }
 

@@ -133,18 +133,25 @@ class Recovery {
     return members;
   }
 
+  // Whether the triangles are there then.
+  bool put_points(const std::vector<std::uint32_t>& triangles, SteinerOrder order, std::uint64_t& steps_left) {
+    runner_.check_cancelled();
+    const std::uint64_t granted = std::min(steps_left, options_.steps_of_group);
+    if (granted == 0) return false;
+    thorough_recoverer_.grant_steps(granted);
+    SteinerRecovery steiner(local_, kept_, thorough_recoverer_, options_);
+    for (const std::uint32_t t : triangles) steiner.add(triangles_[t]);
+    const bool all_there = steiner.run(order);
+    steps_left -= granted - thorough_recoverer_.steps_left();
+    return all_there;
+  }
+
   void use_new_points() {
     thorough_options_.search_steps *= kThorough;
     std::uint64_t steps_left = options_.steps_in_all;
     for (const std::vector<std::uint32_t>& triangles : missing_groups()) {
-      runner_.check_cancelled();
-      const std::uint64_t granted = std::min(steps_left, options_.steps_of_group);
-      if (granted == 0) break;
-      thorough_recoverer_.grant_steps(granted);
-      SteinerRecovery steiner(local_, kept_, thorough_recoverer_, options_);
-      for (const std::uint32_t t : triangles) steiner.add(triangles_[t]);
-      steiner.run();
-      steps_left -= granted - thorough_recoverer_.steps_left();
+      if (!put_points(triangles, SteinerOrder::SidesFirst, steps_left))
+        put_points(triangles, SteinerOrder::PieceByPiece, steps_left);
     }
     std::erase_if(missing_, [&](std::uint32_t t) {
       const FaceCode code = local_.find_face(triangles_[t]);

@@ -56,9 +56,11 @@ void SteinerRecovery::add(const TriangleVerts& triangle) {
   open_.push_back(add_piece(triangle, static_cast<std::uint32_t>(pieces_.size())));
 }
 
-void SteinerRecovery::run() {
+bool SteinerRecovery::run(SteinerOrder order) {
+  const std::vector<std::uint32_t> roots = open_;
   const std::size_t splits_at_most = kSplitsPerTriangle * pieces_.size();
   std::reverse(open_.begin(), open_.end());
+  if (order == SteinerOrder::SidesFirst) realize_sides(splits_at_most);
   while (!open_.empty() && splits_.size() < splits_at_most && recoverer_.steps_left() > 0) {
     recoverer_.check_cancelled();
     const std::uint32_t piece = open_.back();
@@ -70,6 +72,48 @@ void SteinerRecovery::run() {
     recoverer_.check_cancelled();
   }
   release_pieces();
+  const bool all_there =
+      std::ranges::all_of(roots, [&](std::uint32_t root) { return mesh_.find_face(pieces_[root].verts) != kNone; });
+  if (!all_there) withdraw();
+  return all_there;
+}
+
+// Takes the points that could not leave the triangles out of the mesh, as far as that is possible.
+void SteinerRecovery::withdraw() {
+  for (; !splits_.empty(); splits_.pop_back()) {
+    recoverer_.check_cancelled();
+    if (!recoverer_.remove_point(splits_.back().point, {})) return;
+  }
+}
+
+// Sides of triangles before what lies inside of them: as long as a side is missing, what crosses it pierces the
+// triangles beside it, nearer to the side with every point put there.
+void SteinerRecovery::realize_sides(std::size_t splits_at_most) {
+  for (std::uint32_t piece = 0; piece < pieces_.size(); ++piece) {
+    for (std::size_t i = 0; i < 3 && !pieces_[piece].divided; ++i) {
+      recoverer_.check_cancelled();
+      if (splits_.size() >= splits_at_most || recoverer_.steps_left() == 0) return;
+      const std::uint32_t a = pieces_[piece].verts[i], b = pieces_[piece].verts[(i + 1) % 3];
+      const std::vector<std::uint32_t> parents = pieces_at(a, b);
+      Obstacles why;
+      if (is_inside(parents) || recoverer_.recover_edge(a, b, why) || why.blocked) continue;
+      split_edge(a, b);
+    }
+  }
+}
+
+// Pieces that have the edge.
+std::vector<std::uint32_t> SteinerRecovery::pieces_at(std::uint32_t a, std::uint32_t b) const {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    if (!pieces_[i].divided && has_both(pieces_[i].verts, a, b)) found.push_back(i);
+  }
+  return found;
+}
+
+// Whether the edge of these pieces lies inside of a triangle.
+bool SteinerRecovery::is_inside(const std::vector<std::uint32_t>& parents) const {
+  return parents.size() == 2 && pieces_[parents[0]].root == pieces_[parents[1]].root;
 }
 
 // What is left of divided triangles is no part of the surface.
@@ -96,12 +140,9 @@ bool SteinerRecovery::realize(std::uint32_t piece) {
 
 bool SteinerRecovery::split_edge(std::uint32_t a, std::uint32_t b) {
   const TetList obstacles = find_obstacles(mesh_, a, b).tets;
-  std::vector<std::uint32_t> parents;
-  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-    if (!pieces_[i].divided && has_both(pieces_[i].verts, a, b)) parents.push_back(i);
-  }
+  const std::vector<std::uint32_t> parents = pieces_at(a, b);
   // Inside a triangle, what pierces it is split rather than what its division happens to meet: that comes to an end.
-  if (parents.size() == 2 && pieces_[parents[0]].root == pieces_[parents[1]].root) {
+  if (is_inside(parents)) {
     for (const std::uint32_t piece : parents) {
       const std::uint32_t point = split_obstacle(mesh_, kept_, pieces_[piece].verts, obstacles);
       if (point == kNone) continue;
@@ -142,6 +183,29 @@ void SteinerRecovery::divide(const std::vector<std::uint32_t>& parents, std::uin
 }
 
 bool SteinerRecovery::undo(const PieceSplit& split) {
+  std::vector<TriangleVerts> parents;
+  for (const std::uint32_t parent : split.parents) parents.push_back(pieces_[parent].verts);
+  if (!has_children(split)) return false;
+  if (!refill_sectors(split) && !recoverer_.remove_point(split.point, parents)) return false;
+  for (const std::uint32_t parent : split.parents) {
+    mesh_.fix(mesh_.find_face(pieces_[parent].verts));
+    pieces_[parent].divided = false;
+  }
+  return true;
+}
+
+bool SteinerRecovery::has_children(const PieceSplit& split) const {
+  for (const auto& children : split.children) {
+    for (const std::uint32_t child : children) {
+      const FaceCode code = mesh_.find_face(pieces_[child].verts);
+      if (code == kNone || !mesh_.mesh().is_fixed(code)) return false;
+    }
+  }
+  return true;
+}
+
+// Without the point, or with another one inside of a sector.
+bool SteinerRecovery::refill_sectors(const PieceSplit& split) {
   const TetList ball = mesh_.find_ball(split.point);
   const auto sector_of = number_sectors(mesh_, ball);
   std::vector<Sector> sectors(ball.size());
@@ -151,13 +215,9 @@ bool SteinerRecovery::undo(const PieceSplit& split) {
   }
   for (std::size_t i = 0; i < split.parents.size(); ++i) {
     const TriangleVerts verts = pieces_[split.parents[i]].verts;
-    for (const std::uint32_t child : split.children[i]) {
-      const FaceCode code = mesh_.find_face(pieces_[child].verts);
-      if (code == kNone || !mesh_.mesh().is_fixed(code)) return false;
-      if (child != split.children[i].front()) continue;
-      sectors[sector_of.at(code / 4)].faces.push_back(verts);
-      sectors[sector_of.at(mesh_.mesh().to_neighbor[code] / 4)].faces.push_back({verts[0], verts[2], verts[1]});
-    }
+    const FaceCode child = mesh_.find_face(pieces_[split.children[i].front()].verts);
+    sectors[sector_of.at(child / 4)].faces.push_back(verts);
+    sectors[sector_of.at(mesh_.mesh().to_neighbor[child] / 4)].faces.push_back({verts[0], verts[2], verts[1]});
   }
   std::vector<Tet> fresh;
   for (const Sector& sector : sectors) {
@@ -167,10 +227,6 @@ bool SteinerRecovery::undo(const PieceSplit& split) {
     fresh.insert(fresh.end(), tets->begin(), tets->end());
   }
   mesh_.replace(ball, fresh);
-  for (const std::uint32_t parent : split.parents) {
-    mesh_.fix(mesh_.find_face(pieces_[parent].verts));
-    pieces_[parent].divided = false;
-  }
   return true;
 }
 

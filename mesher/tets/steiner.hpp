@@ -4,6 +4,10 @@
 
 namespace tetloom::tets {
 
+/// Which missing edges are made first. Sides of triangles first comes to an end more often; now and then a point inside
+/// of a triangle makes others unnecessary.
+enum class SteinerOrder : std::uint8_t { SidesFirst, PieceByPiece };
+
 /// A triangle, or a piece of one that a point divided.
 struct SurfacePiece {
   TriangleVerts verts;
@@ -23,7 +27,9 @@ struct PieceSplit {
 /// the points are taken off the surface again, the last one first: the ball of a point falls into sectors between the
 /// surface's pieces, and each sector is filled anew with the undivided pieces, without the point where that is possible
 /// and else with one inside the sector. Departs from the paper: the pieces are recovered by reconnections of small
-/// polyhedra first, so that a point or two do for an edge, and the sectors' fillings are searched likewise.
+/// polyhedra first, so that a point or two do for an edge, and the sectors' fillings are searched likewise; where a
+/// sector has no filling, a larger cavity around the point has one perhaps. What still fails leaves no points behind,
+/// as far as that is possible.
 class SteinerRecovery {
  public:
   SteinerRecovery(LocalMesh& mesh, EdgeSet& kept, Recoverer& recoverer, const RecoverOptions& options)
@@ -31,16 +37,22 @@ class SteinerRecovery {
 
   /// Adds what is to be recovered. Pre: none of its missing edges belongs to a triangle that is not added.
   void add(const TriangleVerts& triangle);
-  /// Whether a triangle is there afterwards is to be asked of the mesh, which is without faults in any case.
-  void run();
+  /// Whether all are there afterwards, not fixed yet. The mesh is without faults in any case. Once only.
+  bool run(SteinerOrder order);
 
  private:
+  void withdraw();
+  void realize_sides(std::size_t splits_at_most);
+  std::vector<std::uint32_t> pieces_at(std::uint32_t a, std::uint32_t b) const;
+  bool is_inside(const std::vector<std::uint32_t>& parents) const;
   bool realize(std::uint32_t piece);
   bool split_edge(std::uint32_t a, std::uint32_t b);
   bool split_piece(std::uint32_t piece);
   void divide(const std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b, std::uint32_t point);
   std::uint32_t add_piece(const TriangleVerts& verts, std::uint32_t root);
   bool undo(const PieceSplit& split);
+  bool has_children(const PieceSplit& split) const;
+  bool refill_sectors(const PieceSplit& split);
   void release_pieces();
 
   LocalMesh& mesh_;

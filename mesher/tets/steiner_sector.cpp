@@ -29,24 +29,50 @@ double depth_at(const std::vector<Plane>& planes, const Vec3& p) {
   return depth;
 }
 
-// A point deep below all planes. The old place lies in some of them and below the others, so that a short way along
-// the normals of the former leads below all; a search along the axes goes on from there.
+// The direction that leads below all of these planes alike; none where there is no such. The point nearest to the
+// origin of the hull of the normals, step by step towards the normal that it looks along least (Gilbert 1966).
+Vec3 direction_below(const std::vector<Vec3>& normals) {
+  constexpr int kSteps = 100;
+  if (normals.empty()) return {};
+  Vec3 d = normals[0];
+  for (int step = 0; step < kSteps; ++step) {
+    const Vec3& least = *std::ranges::min_element(normals, {}, [&](const Vec3& n) { return dot(n, d); });
+    const Vec3 way = least - d;
+    if (way == Vec3{}) break;
+    d += std::clamp(-dot(d, way) / norm2(way), 0.0, 1.0) * way;
+  }
+  return normalized(d);
+}
+
+// The old place lies in some planes and below the others, so that a short way to below the former leads below all. How
+// near is in a plane is tried: beside needles all planes are near.
+std::optional<Vec3> find_point_below(const std::vector<Plane>& planes, const Vec3& start, double radius) {
+  for (const double near : {1e-9, 1e-12, 1e-15}) {
+    std::vector<Vec3> normals;
+    for (const Plane& plane : planes) {
+      if (dot(plane.normal, start - plane.point) < near * radius) normals.push_back(plane.normal);
+    }
+    const Vec3 direction = direction_below(normals);
+    Vec3 best;
+    double depth = 0;
+    for (double step = radius / 2; step > 1e-15 * radius; step /= 2) {
+      const Vec3 p = start + step * direction;
+      if (const double d = depth_at(planes, p); d > depth) depth = d, best = p;
+    }
+    if (depth > 0) return best;
+  }
+  return std::nullopt;
+}
+
+// A point deep below all planes: from one below them a search along the axes.
 std::optional<Vec3> find_deep_point(const LocalMesh& mesh, const Sector& sector, const Vec3& start) {
   const std::vector<Plane> planes = planes_of(mesh, sector);
   double radius = 0;
   for (const TriangleVerts& f : sector.faces) radius = std::max(radius, distance(start, mesh.point(f[0])));
-  Vec3 direction;
-  for (const Plane& plane : planes) {
-    if (dot(plane.normal, start - plane.point) < 1e-9 * radius) direction += plane.normal;
-  }
-  direction = normalized(direction);
-  Vec3 best = start;
-  double depth = -HUGE_VAL;
-  for (double step = radius / 2; step > 1e-8 * radius; step /= 2) {
-    const Vec3 p = start + step * direction;
-    if (const double d = depth_at(planes, p); d > depth) depth = d, best = p;
-  }
-  if (!(depth > 0)) return std::nullopt;
+  const std::optional<Vec3> below = find_point_below(planes, start, radius);
+  if (!below) return std::nullopt;
+  Vec3 best = *below;
+  double depth = depth_at(planes, best);
   for (double step = radius / 4; step > radius / 1000; step /= 2) {
     for (int k = 0; k < 6; ++k) {
       Vec3 p = best;

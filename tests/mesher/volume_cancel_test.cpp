@@ -70,6 +70,7 @@ TEST_CASE("stopped at any moment, filling ends as cancelled; else it is as if no
   std::mt19937_64 random(seed);
   for (const auto& [surface, runs] : {std::pair(ball_with_prism(), 20), std::pair(ball(3), 180)}) {
     const Polled whole = fill_polled(surface, kNever, 1);
+    for (const Diagnostic& error : whole.mesh.errors) UNSCOPED_INFO(error.message);
     REQUIRE(whole.mesh.errors.empty());
     check_filling(surface, whole.mesh);
     CAPTURE(whole.polls, whole.mesh.figures.recovery_points);
