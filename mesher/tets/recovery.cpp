@@ -13,8 +13,9 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 constexpr int kRounds = 2;
-constexpr std::uint64_t kThorough = 10;       // times as long a search before a point is put
-constexpr std::size_t kMissingAtMost = 1000;  // for new points: more says that the input is not sound
+constexpr std::uint64_t kStepsBeforeAsking = 5'000'000;  // whether it is in vain: .2 s
+constexpr std::uint64_t kThorough = 10;                  // times as long a search before a point is put
+constexpr std::size_t kMissingAtMost = 1000;             // for new points: more says that the input is not sound
 
 struct MissingEdge {
   Edge verts;
@@ -49,7 +50,8 @@ class Recovery {
       recover_triangles();
       if (missing_.size() == before) break;
     }
-    if (options_.allow_new_points && !missing_.empty() && missing_.size() <= kMissingAtMost) use_new_points();
+    const bool is_hopeless = missing_.size() > kMissingAtMost || is_in_vain();
+    if (options_.allow_new_points && !missing_.empty() && !is_hopeless) use_new_points();
     for (const std::uint32_t t : missing_) explain(t);
     std::sort(report_.unrecovered.begin(), report_.unrecovered.end(),
               [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
@@ -59,6 +61,15 @@ class Recovery {
   }
 
  private:
+  bool is_in_vain() {
+    const std::uint64_t taken = options_.steps_in_all - recoverer_.steps_left();
+    if (!asked_ && options_.is_in_vain && taken > kStepsBeforeAsking) {
+      asked_ = true;
+      in_vain_ = options_.is_in_vain();
+    }
+    return in_vain_;
+  }
+
   bool is_sound(std::uint32_t t) {
     const TriangleVerts& v = triangles_[t];
     const bool known = std::all_of(v.begin(), v.end(), [&](std::uint32_t x) { return x < given_points_; });
@@ -91,6 +102,7 @@ class Recovery {
   void recover_edges() {
     for (MissingEdge& edge : edges_) {
       runner_.check_cancelled();
+      if (is_in_vain()) return;
       Obstacles why;
       if (edge.there || !recoverer_.recover_edge(edge.verts[0], edge.verts[1], why)) continue;
       edge.there = true;
@@ -104,7 +116,7 @@ class Recovery {
     std::erase_if(missing_, [&](std::uint32_t t) {
       runner_.check_cancelled();
       Obstacles why;
-      return has_edges(t) && recoverer_.recover_triangle(triangles_[t], why);
+      return !is_in_vain() && has_edges(t) && recoverer_.recover_triangle(triangles_[t], why);
     });
   }
 
@@ -192,6 +204,7 @@ class Recovery {
   RecoverOptions thorough_options_;
   Recoverer thorough_recoverer_;
   std::uint32_t given_points_;
+  bool asked_ = false, in_vain_ = false;
   std::vector<std::uint32_t> missing_;
   std::vector<MissingEdge> edges_;
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct RecoverOptions {
   std::uint64_t steps_of_group = 20'000'000;  ///< of those with new points in triangles that hang together
   std::uint32_t growths = 8;                  ///< of a cavity that has no tetrahedra with what is wanted
   bool allow_new_points = true;               ///< inside; never on the surface
+  /// Asked once, when the searches have taken a while: whether the surface crosses itself, so that more of them are in
+  /// vain. May be empty.
+  std::function<bool()> is_in_vain = {};
 };
 
 /// Why a triangle is not a face of the mesh.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "mesher/intersection/self_intersection.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/recovery.hpp"
@@ -79,7 +80,11 @@ class LatticeFiller {
   }
 
   Fault recover() {
-    const tets::RecoveryReport report = recover_boundary(shell_, complex_.tri_to_vert, {}, runner_);
+    tets::RecoverOptions options;
+    options.is_in_vain = [&] {
+      return !find_self_intersections({complex_.points, complex_.tri_to_vert, {}, 1}, runner_).empty();
+    };
+    const tets::RecoveryReport report = recover_boundary(shell_, complex_.tri_to_vert, options, runner_);
     figures_.missing_triangles = report.missing_triangles;
     figures_.recovery_points = report.new_points;
     Fault fault;

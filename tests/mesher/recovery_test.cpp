@@ -228,6 +228,35 @@ TEST_CASE("triangles at random, most of which cross others, end in a sound mesh"
   }
 }
 
+TEST_CASE("a surface that crosses itself is asked about once, when the searches take long, and given up") {
+  std::mt19937_64 random(5);
+  Shape shape = loose_triangles(random, 200, 0, false);
+  for (int i = 0; i < 400; ++i) {
+    TriangleVerts t;
+    for (std::uint32_t& v : t) v = static_cast<std::uint32_t>(random() % 200);
+    shape.triangles.push_back(t);
+  }
+  for (const bool in_vain : {true, false}) {
+    int asked = 0;
+    std::uint64_t polls = 0, polls_before = 0;
+    Host host;
+    host.wants_stop = [&] { return ++polls == 0; };
+    RecoverOptions options;
+    options.steps_in_all = 20'000'000;
+    options.is_in_vain = [&] {
+      polls_before = polls;
+      return ++asked > 0 && in_vain;
+    };
+    TetMesh mesh = delaunay_of(shape.points);
+    CHECK_FALSE(recover_boundary(mesh, shape.triangles, options, TaskRunner(1, host)).unrecovered.empty());
+    CHECK(find_fault(mesh) == "");
+    CHECK(asked == 1);
+    const std::uint64_t searches_at_most = 2000;  // one look per edge and triangle that is passed over
+    if (in_vain) CHECK(polls - polls_before < searches_at_most);
+    if (!in_vain) CHECK(polls - polls_before > searches_at_most);
+  }
+}
+
 TEST_CASE("the recovery does not depend on threads") {
   std::mt19937_64 random(3);
   const Shape shape = cubes(random, 4, 3, {1, 1, 0.1}, 0.1);
