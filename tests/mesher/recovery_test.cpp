@@ -303,7 +303,7 @@ TEST_CASE("a recovery with new points looks often whether to go on, and stopped 
     return polls;
   };
   const std::uint64_t polls = polls_of(0);  // never stopped
-  // One per missing edge, triangle and group would be a dozen, with seconds between them.
+  // One per missing edge, triangle and group, with seconds between them, would be 28.
   CHECK(polls > 50);
   for (std::uint64_t last = 1; last <= polls; ++last) polls_of(last);
 }
