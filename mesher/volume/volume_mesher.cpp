@@ -23,8 +23,8 @@ constexpr std::size_t kTetsPerTask = 1 << 16;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
-// Volumes of lengths between these are numbers.
-constexpr double kLargestCoordinate = 1e100, kLeastExtent = 1e-100;
+// Between these, sixth powers of lengths are numbers: qualities are made of them.
+constexpr double kLargestCoordinate = 1e45, kLeastExtent = 1e-40;
 
 bool is_sound(const Vec3& p) {
   return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
@@ -38,7 +38,7 @@ bool is_sound(const Vec3& p) {
   diagnostic.elements = {triangle};
   diagnostic.entities = volume::faces_of(input, std::span(&triangle, 1));
   diagnostic.message = "volume input: a coordinate of a triangle on " + describe(diagnostic.entities[0]) +
-                       " is not finite or beyond 1e100";
+                       " is not finite or beyond 1e45";
   for (const std::uint32_t vertex : input.tri_to_vert[triangle]) {
     if (is_sound(input.points[vertex])) diagnostic.point = input.points[vertex];
   }
@@ -67,7 +67,7 @@ void check_input(const VolumeInput& input) {
       box.add(input.points[vertex]);
     }
   }
-  if (!box.empty() && box.lo != box.hi && box.diagonal() < kLeastExtent) refuse("its surface is smaller than 1e-100");
+  if (!box.empty() && box.lo != box.hi && box.diagonal() < kLeastExtent) refuse("its surface is smaller than 1e-40");
 }
 
 Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, const Error& error) {

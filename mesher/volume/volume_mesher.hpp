@@ -92,7 +92,7 @@ MeshEstimate estimate_filling(const VolumeInput& input);
 /// they touch, and the result does not depend on how many threads do it. Guaranteed for the result, checked after the
 /// fact: all tetrahedra have positive volume in exact arithmetic, each lies in the region that all triangles around it
 /// name, and every side of a triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal
-/// length. Coordinates must be finite and no larger than 1e100, the surface no smaller than 1e-100. Errors:
+/// length. Coordinates must be finite and no larger than 1e45, the surface no smaller than 1e-40. Errors:
 /// InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory (also when the estimate does not fit) are thrown. In
 /// the result: OpenShell for a region whose boundary does not close, SelfIntersection, VolumeFailed and WorkerFailed
 /// for what cannot be filled. Thread safety: may be called from any thread, several calls at once.

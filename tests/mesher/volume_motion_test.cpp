@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "tests/mesher/volume_surfaces.hpp"
-#include "tests/support/sanitized.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;
@@ -84,8 +83,8 @@ Figures fill_moved(const Surface& surface, double size, const Motion& motion) {
 }  // namespace
 
 TEST_CASE("turned, moved and scaled by any amount, a surface gets as many tetrahedra of the same quality") {
-  const int levels = test::kSanitized ? 3 : 5;
-  const double size = test::kSanitized ? 0.2 : 0.06;
+  const int levels = 5;
+  const double size = 0.06;
   const Surface body = ball_surface(levels, {0, 0, 0}, 0, [](const Vec3& d) { return 1 + 0.2 * d.x * d.y * d.z; });
   const Figures rest = fill_moved(body, size, {});
   CAPTURE(rest.tets, rest.mean_quality, rest.low_quality);
