@@ -1,5 +1,8 @@
 #include "core/predicates/predicates.hpp"
 
+#include <optional>
+
+#include "core/predicates/fixed_detail.hpp"
 #include "core/predicates/integer_detail.hpp"
 
 namespace tetloom::detail {
@@ -82,27 +85,78 @@ int insphere_sign(const std::array<Vec3, 5>& v, int lowest) {
   return (even - odd).sign();
 }
 
+// The same signs for coordinates whose differences fit in a word each once they are scaled: nothing where they do not.
+// Bits at most, for differences below 2^61: minors 2^123, determinants 2^186, squares 2^124, and 2^312 for insphere.
+using Word = Fixed<1>;
+
+Fixed<2> minor(const Word& ax, const Word& ay, const Word& bx, const Word& by) { return ax * by - bx * ay; }
+
+std::optional<int> orient2d_short(const Vec2& a, const Vec2& b, const Vec2& c) {
+  std::array<Word, 4> d;
+  if (!scale_differences<4>({b.u, b.v, c.u, c.v}, {a.u, a.v, a.u, a.v}, d)) return {};
+  return minor(d[0], d[1], d[2], d[3]).sign();
+}
+
+std::optional<int> orient3d_short(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  std::array<Word, 9> w;
+  if (!scale_differences<9>({b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z},
+                            {a.x, a.y, a.z, a.x, a.y, a.z, a.x, a.y, a.z}, w))
+    return {};
+  const Word *p = w.data(), *q = p + 3, *r = q + 3;
+  return (minor(q[0], q[1], r[0], r[1]) * p[2] + minor(r[0], r[1], p[0], p[1]) * q[2] +
+          minor(p[0], p[1], q[0], q[1]) * r[2])
+      .sign();
+}
+
+std::optional<int> incircle_short(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  std::array<Word, 6> w;
+  if (!scale_differences<6>({a.u, a.v, b.u, b.v, c.u, c.v}, {d.u, d.v, d.u, d.v, d.u, d.v}, w)) return {};
+  const Word *p = w.data(), *q = p + 2, *r = q + 2;
+  const auto square = [](const Word* x) { return x[0] * x[0] + x[1] * x[1]; };
+  return (square(p) * minor(q[0], q[1], r[0], r[1]) + square(q) * minor(r[0], r[1], p[0], p[1]) +
+          square(r) * minor(p[0], p[1], q[0], q[1]))
+      .sign();
+}
+
+std::optional<int> insphere_short(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& e) {
+  std::array<Word, 12> w;
+  if (!scale_differences<12>({a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z},
+                             {e.x, e.y, e.z, e.x, e.y, e.z, e.x, e.y, e.z, e.x, e.y, e.z}, w))
+    return {};
+  const Word *p = w.data(), *q = p + 3, *r = q + 3, *s = r + 3;
+  const auto xy = [](const Word* x, const Word* y) { return minor(x[0], x[1], y[0], y[1]); };
+  const auto square = [](const Word* x) { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; };
+  const Fixed<2> pq = xy(p, q), qr = xy(q, r), rs = xy(r, s), sp = xy(s, p), pr = xy(p, r), qs = xy(q, s);
+  const Fixed<3> pqr = qr * p[2] - pr * q[2] + pq * r[2], qrs = rs * q[2] - qs * r[2] + qr * s[2];
+  const Fixed<3> rsp = sp * r[2] + pr * s[2] + rs * p[2], spq = pq * s[2] + qs * p[2] + sp * q[2];
+  return ((square(p) * qrs - square(q) * rsp) + (square(r) * spq - square(s) * pqr)).sign();
+}
+
 }  // namespace
 
 int orient2d_exact(const Vec2& a, const Vec2& b, const Vec2& c) {
+  if (const std::optional<int> sign = orient2d_short(a, b, c)) return *sign;
   const BitRange range(std::array{a.u, a.v, b.u, b.v, c.u, c.v});
   if (words_needed(range.bits(), 2) <= kShort) return orient2d_sign<kShort>(a, b, c, range.lowest);
   return orient2d_sign<kLong>(a, b, c, range.lowest);
 }
 
 int orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  if (const std::optional<int> sign = orient3d_short(a, b, c, d)) return *sign;
   const BitRange range(std::array{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z});
   if (words_needed(range.bits(), 3) <= kShort) return orient3d_sign<kShort>(a, b, c, d, range.lowest);
   return orient3d_sign<kLong>(a, b, c, d, range.lowest);
 }
 
 int incircle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  if (const std::optional<int> sign = incircle_short(a, b, c, d)) return *sign;
   const BitRange range(std::array{a.u, a.v, b.u, b.v, c.u, c.v, d.u, d.v});
   if (words_needed(range.bits(), 4) <= kShort) return incircle_sign<kShort>({a, b, c, d}, range.lowest);
   return incircle_sign<kLong>({a, b, c, d}, range.lowest);
 }
 
 int insphere_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& e) {
+  if (const std::optional<int> sign = insphere_short(a, b, c, d, e)) return *sign;
   const BitRange range(std::array{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, e.x, e.y, e.z});
   if (words_needed(range.bits(), 5) <= kShort) return insphere_sign<kShort>({a, b, c, d, e}, range.lowest);
   return insphere_sign<kLong>({a, b, c, d, e}, range.lowest);
