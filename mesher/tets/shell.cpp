@@ -3,31 +3,63 @@
 #include <algorithm>
 #include <utility>
 
+#include "mesher/tets/find_triangles.hpp"
+
 namespace tetloom::tets {
 
 namespace {
 
-// Faces of a mesh by their vertices, and which vertices they have.
-class FaceIndex {
+std::vector<TriangleVerts> verts_of_all(const TetMesh& mesh, std::span<const FaceCode> faces) {
+  std::vector<TriangleVerts> verts;
+  verts.reserve(faces.size());
+  for (const FaceCode face : faces) verts.push_back(verts_of(mesh, face));
+  return verts;
+}
+
+// The open faces of a core by their vertices.
+class OpenFaces {
  public:
-  FaceIndex(const TetMesh& mesh, std::span<const FaceCode> faces, std::size_t vertex_count)
-      : table_(faces.size()), has_(vertex_count, 0) {
-    for (const FaceCode face : faces) {
-      const TriangleVerts verts = verts_of(mesh, face);
-      table_.add(verts, face);
-      for (const std::uint32_t v : verts) has_[v] = 1;
-    }
-  }
-  const TriangleTable::Entry* find(const TriangleVerts& verts) const {
-    for (const std::uint32_t v : verts) {
-      if (v >= has_.size() || !has_[v]) return nullptr;
-    }
-    return table_.find(sorted(verts));
+  OpenFaces(const TetMesh& core, std::span<const FaceCode> faces, std::size_t vertex_count)
+      : faces_(faces), index_(verts_of_all(core, faces), vertex_count), has_(vertex_count, 0) {
+    for (const FaceCode face : faces)
+      for (const std::uint32_t v : verts_of(core, face)) has_[v] = 1;
   }
 
+  bool has_three_of(const std::uint32_t* tet) const {
+    return has(tet[0]) + has(tet[1]) + has(tet[2]) + has(tet[3]) >= 3;
+  }
+  const TriangleIndex::Entry* find(const TriangleVerts& verts) const {
+    return has(verts[0]) && has(verts[1]) && has(verts[2]) ? index_.find(sorted(verts)) : nullptr;
+  }
+  FaceCode face(const TriangleIndex::Entry& entry) const { return faces_[entry.triangle]; }
+
  private:
-  TriangleTable table_;
+  int has(std::uint32_t v) const { return v < has_.size() ? has_[v] : 0; }
+
+  std::span<const FaceCode> faces_;
+  TriangleIndex index_;
   std::vector<char> has_;
+};
+
+// Which elements hang together: the root of each set is its lowest member.
+class Sets {
+ public:
+  std::uint32_t add() {
+    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    return parent_.back();
+  }
+  std::uint32_t root_of(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t i, std::uint32_t j) {
+    i = root_of(i), j = root_of(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+  std::size_t size() const { return parent_.size(); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
 };
 
 Vec3 center_of(const TetMesh& mesh, std::uint32_t tet) {
@@ -41,8 +73,7 @@ class Joiner {
         shell_(shell),
         surface_(surface),
         open_(core, open_faces, shell.points.size()),
-        tri_table_(surface.tri_to_vert.size()) {
-    for (std::uint32_t t = 0; t < surface.tri_to_vert.size(); ++t) tri_table_.add(surface.tri_to_vert[t], t);
+        triangles_(surface.tri_to_vert, shell.points.size()) {
     core_size_ = static_cast<std::uint32_t>(core.size());
     shell_.to_region.release();
     seen_.assign(surface.tri_to_vert.size(), 0);
@@ -67,27 +98,29 @@ class Joiner {
   // What a flood was found to be, beside a region.
   static constexpr std::uint32_t kOutside = kNone, kInCore = kNone - 1, kUnnamed = kNone - 2;
 
+  // By one pass in the order of memory, where each tet joins those before it.
   void flood() {
     to_flood_.resize(shell_.size(), kNone);
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t seed = 0; seed < shell_.size(); ++seed) {
-      if (to_flood_[seed] != kNone || shell_.is_dead(seed)) continue;
-      const auto color = static_cast<std::uint32_t>(flood_to_region_.size());
-      flood_to_region_.push_back(kUnnamed);
-      flood_to_namer_.push_back(kNone);
-      to_flood_[seed] = color;
-      stack.push_back(seed);
-      while (!stack.empty()) {
-        const std::uint32_t tet = stack.back();
-        stack.pop_back();
-        for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
-          const FaceCode next = shell_.to_neighbor[face];
-          if (next == kNone || shell_.is_fixed(face) || to_flood_[next / 4] != kNone) continue;
-          to_flood_[next / 4] = color;
-          stack.push_back(next / 4);
+    Sets sets;
+    for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) {
+      if (shell_.is_dead(tet)) continue;
+      std::uint32_t& flood = to_flood_[tet];
+      for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
+        const FaceCode next = shell_.to_neighbor[face];
+        if (next == kNone || next / 4 >= tet || shell_.is_fixed(face)) continue;
+        const std::uint32_t other = to_flood_[next / 4];
+        if (flood == kNone) {
+          flood = other;
+        } else if (flood != other) {
+          sets.join(flood, other);
         }
       }
+      if (flood == kNone) flood = sets.add();
     }
+    for (std::uint32_t& flood : to_flood_)
+      if (flood != kNone) flood = sets.root_of(flood);
+    flood_to_region_.assign(sets.size(), kUnnamed);
+    flood_to_namer_.assign(sets.size(), kNone);
   }
 
   Fault name_flood(FaceCode face) {
@@ -107,14 +140,22 @@ class Joiner {
     if (!shell_.is_fixed(face)) return kOutside;
     const TriangleVerts verts = verts_of(shell_, face);
     const SortedTriangle key = sorted(verts);
-    if (const auto* open = open_.find(verts)) return key.turned == open->turned ? kInCore : kUnnamed;
-    const auto* triangle = tri_table_.find(key);
+    if (const auto* open = open_.find(verts)) {
+      met_.push_back({face, open_.face(*open)});
+      return key.turned == open->turned ? kInCore : kUnnamed;
+    }
+    const auto* triangle = find_triangle(key);
     if (!triangle) return kUnnamed;
     // The triangle's normal points out of the tet where both run around alike.
     const bool behind = key.turned == triangle->turned;
-    seen_[triangle->value] = static_cast<char>(seen_[triangle->value] | (behind ? 1 : 2));
-    const FaceSides& sides = surface_.tri_to_sides[triangle->value];
+    seen_[triangle->triangle] = static_cast<char>(seen_[triangle->triangle] | (behind ? 1 : 2));
+    const FaceSides& sides = surface_.tri_to_sides[triangle->triangle];
     return (behind ? sides.back : sides.front).value;
+  }
+
+  // Points that recovery put inside are of no triangle; being new, they are the last.
+  const TriangleIndex::Entry* find_triangle(const SortedTriangle& key) const {
+    return key.verts[2] < shell_.points.size() ? triangles_.find(key) : nullptr;
   }
 
   // Two faces of one flood that tell different things of it.
@@ -122,10 +163,10 @@ class Joiner {
     Fault fault{"the surface does not separate its regions", {}, center_of(shell_, other / 4)};
     for (const FaceCode face : {one, other}) {
       if (shell_.to_neighbor[face] == kNone) fault.message = "a region lies outside of its surface: it is inside out";
-      const auto* triangle = tri_table_.find(sorted(verts_of(shell_, face)));
+      const auto* triangle = find_triangle(sorted(verts_of(shell_, face)));
       if (!triangle) continue;
-      fault.triangles.push_back(triangle->value);
-      const auto& [a, b, c] = surface_.tri_to_vert[triangle->value];
+      fault.triangles.push_back(triangle->triangle);
+      const auto& [a, b, c] = surface_.tri_to_vert[triangle->triangle];
       fault.point = (shell_.points[a] + shell_.points[b] + shell_.points[c]) / 3;
     }
     return fault;
@@ -167,11 +208,11 @@ class Joiner {
   }
 
   void link(FaceCode from, FaceCode to) {
-    const bool fixed = shell_.is_fixed(from);
-    if (fixed) {
-      if (const auto* open = open_.find(verts_of(shell_, from))) {
-        core_.to_neighbor[to] = open->value;
-        core_.to_neighbor[open->value] = to;
+    if (shell_.is_fixed(from)) {
+      while (next_met_ < met_.size() && met_[next_met_].shell < from) ++next_met_;
+      if (next_met_ < met_.size() && met_[next_met_].shell == from) {
+        core_.to_neighbor[to] = met_[next_met_].core;
+        core_.to_neighbor[met_[next_met_].core] = to;
         return;
       }
       core_.to_fixed[to / 4] = static_cast<std::uint8_t>(core_.to_fixed[to / 4] | 1 << to % 4);
@@ -214,26 +255,40 @@ class Joiner {
   TetMesh& core_;
   TetMesh& shell_;
   const Surface& surface_;
-  FaceIndex open_;
-  TriangleTable tri_table_;
+  OpenFaces open_;
+  TriangleIndex triangles_;
   std::uint32_t core_size_ = 0;
   GrowingArray<std::uint32_t> to_flood_, to_kept_;
   std::vector<std::uint32_t> flood_to_region_;
   std::vector<FaceCode> flood_to_namer_;  // the face that told what the flood is
-  std::vector<char> seen_;                // per triangle: 1 from behind, 2 from in front
+  // Faces of the shell that are open faces of the core, ascending; where appending has come to.
+  struct Meeting {
+    FaceCode shell, core;
+  };
+  std::vector<Meeting> met_;
+  std::size_t next_met_ = 0;
+  std::vector<char> seen_;  // per triangle: 1 from behind, 2 from in front
 };
 
 }  // namespace
 
 std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const FaceCode> open_faces) {
-  const FaceIndex open(core, open_faces, shell.points.size());
-  std::size_t found = 0;
-  for (FaceCode face = 0; face < shell.to_neighbor.size(); ++face) {
-    if (!open.find(verts_of(shell, face))) continue;
+  const OpenFaces open(core, open_faces, shell.points.size());
+  const auto fix = [&shell](FaceCode face) {
     shell.to_fixed[face / 4] = static_cast<std::uint8_t>(shell.to_fixed[face / 4] | 1 << face % 4);
-    ++found;
+  };
+  std::size_t found = 0;
+  for (std::uint32_t tet = 0; tet < shell.size(); ++tet) {
+    if (shell.is_dead(tet) || !open.has_three_of(&shell.to_vert[std::size_t{tet} * 4])) continue;
+    for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
+      const FaceCode behind = shell.to_neighbor[face];
+      if (behind < face || !open.find(verts_of(shell, face))) continue;
+      fix(face);
+      if (behind != kNone) fix(behind);
+      ++found;
+    }
   }
-  return open_faces.size() - found / 2;
+  return open_faces.size() - found;
 }
 
 Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface) {
