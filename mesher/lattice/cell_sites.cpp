@@ -76,11 +76,19 @@ bool CellSites::holds(const Site& s) const {
   return s.i >= first_.i && s.i < end_.i && s.j >= first_.j && s.j < end_.j && s.k >= first_.k && s.k < end_.k;
 }
 
-// One slot in four belongs to a site.
+// The coordinates of a site are all even or all odd, so every other one along i and j is enough.
 std::size_t CellSites::slot_of(const Site& s) const {
-  const auto ni = static_cast<std::size_t>(end_.i - first_.i), nj = static_cast<std::size_t>(end_.j - first_.j);
-  return (static_cast<std::size_t>(s.k - first_.k) * nj + static_cast<std::size_t>(s.j - first_.j)) * ni +
-         static_cast<std::size_t>(s.i - first_.i);
+  return (static_cast<std::size_t>(s.k - first_.k) * rows_ + static_cast<std::size_t>((s.j - first_.j) >> 1)) *
+             columns_ +
+         static_cast<std::size_t>((s.i - first_.i) >> 1);
+}
+
+Site CellSites::site_at(std::size_t slot) const {
+  const auto k = first_.k + static_cast<std::int32_t>(slot / columns_ / rows_);
+  const auto along = [k](std::int32_t first, std::size_t at) {
+    return first + ((first + k) & 1) + 2 * static_cast<std::int32_t>(at);
+  };
+  return {along(first_.i, slot % columns_), along(first_.j, slot / columns_ % rows_), k};
 }
 
 bool CellSites::is_kept(const Entry& entry) const {
@@ -90,6 +98,8 @@ bool CellSites::is_kept(const Entry& entry) const {
 
 void CellSites::enter_sites(const Questions& questions) {
   const double reach = kNearSurface * lattice_->size();
+  columns_ = static_cast<std::size_t>(end_.i - first_.i + 1) / 2;
+  rows_ = static_cast<std::size_t>(end_.j - first_.j + 1) / 2;
   entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite});
   wanted_first_ = end_, wanted_end_ = first_;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
@@ -141,14 +151,12 @@ void CellSites::group_sites() {
 }
 
 void CellSites::spread_group(std::size_t seed, std::uint32_t group) {
-  const auto ni = static_cast<std::size_t>(end_.i - first_.i), nj = static_cast<std::size_t>(end_.j - first_.j);
   stack_.assign(1, seed);
   entries_[seed].group = group;
   while (!stack_.empty()) {
     const std::size_t at = stack_.back();
     stack_.pop_back();
-    const Site site{first_.i + static_cast<std::int32_t>(at % ni), first_.j + static_cast<std::int32_t>(at / ni % nj),
-                    first_.k + static_cast<std::int32_t>(at / ni / nj)};
+    const Site site = site_at(at);
     for (const Site& step : kAround) {
       const Site next{site.i + step.i, site.j + step.j, site.k + step.k};
       if (!holds(next)) continue;

@@ -11,8 +11,9 @@
 
 namespace tetloom::lattice {
 
-/// How near to the surface a site is dropped, and how near it counts as near; in sizes of its lattice.
-inline constexpr double kFromSurface = 0.55, kNearSurface = 1.25;
+/// How near to the surface a site is dropped, and how near it counts as near; in sizes of its lattice. The spheres
+/// around the tets of a site reach 1.211 sizes from it, with cubes of 1.083 sizes.
+inline constexpr double kFromSurface = 0.55, kNearSurface = 1.215;
 
 struct KeptSite {
   Site site;
@@ -50,11 +51,13 @@ class CellSites {
   void spread_group(std::size_t seed, std::uint32_t group);
   std::vector<KeptSite> take_inside(const Questions& questions) const;
   std::size_t slot_of(const Site& site) const;
+  Site site_at(std::size_t slot) const;
   bool holds(const Site& site) const;
   bool is_kept(const Entry& entry) const;
 
   const BccLattice* lattice_ = nullptr;
   Site first_{}, end_{}, wanted_first_{}, wanted_end_{};
+  std::size_t columns_ = 0, rows_ = 0;      // of sites, along i and j
   std::vector<Entry> entries_;              // of all sites between first_ and end_, by k, j, i
   std::vector<std::size_t> stack_, heads_;  // heads_: one site per group
 };

@@ -95,13 +95,18 @@ void append_changes(const Complex& complex, const FilledComplex& filled, VolumeM
   }
 }
 
-void append(const VolumeInput& input, const Complex& complex, const volume::Filling& filling, VolumeMesh& mesh,
+void append(const VolumeInput& input, const Complex& complex, volume::Filling&& filling, VolumeMesh& mesh,
             const TaskRunner& runner) {
   const std::size_t given = complex.points.size(), offset = input.points.size() + mesh.new_points.size();
   if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
   mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
                          filling.points.end());
   const std::size_t first = mesh.tet_to_vert.size();
+  if (first == 0 && offset == given) {  // all numbers are the input's
+    mesh.tet_to_vert = std::move(filling.tet_to_vert);
+    mesh.tet_to_region = std::move(filling.tet_to_region);
+    return;
+  }
   mesh.tet_to_vert.resize(first + filling.tet_to_vert.size());
   runner.for_blocks(filling.tet_to_vert.size(), kTetsPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
@@ -148,7 +153,7 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   for (std::size_t i = 0; i < complexes.size(); ++i) {
     if (filled[i].filling) {
       append_changes(complexes[i], filled[i], mesh);
-      append(input, complexes[i], *filled[i].filling, mesh, runner);
+      append(input, complexes[i], std::move(*filled[i].filling), mesh, runner);
     }
     for (auto* to : {&mesh.errors, &mesh.warnings}) {
       auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;
