@@ -176,8 +176,7 @@ std::vector<KeptSite> CellSites::take_inside(const Questions& questions) const {
   std::vector<KeptSite> kept;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     const Entry& entry = entries_[slot_of(site)];
-    if (entry.group < inside.size() && inside[entry.group])
-      kept.push_back({site, entry.point, entry.distance2 < reach * reach});
+    if (entry.group < inside.size() && inside[entry.group]) kept.push_back({site, entry.distance2 < reach * reach});
   });
   return kept;
 }

@@ -17,7 +17,6 @@ inline constexpr double kFromSurface = 0.55, kNearSurface = 1.215;
 
 struct KeptSite {
   Site site;
-  Vec3 point;
   bool near_surface;
 };
 

@@ -214,7 +214,6 @@ class LevelEmitter {
   void reserve(std::size_t count) {
     mesh_.to_vert.resize_for_overwrite(count * 4);
     mesh_.to_neighbor.resize_for_overwrite(count * 4);
-    mesh_.to_region.resize(count, kNone);
     mesh_.to_fixed.resize(count, 0);
   }
 

@@ -21,8 +21,9 @@ struct LatticeCore {
   std::vector<tets::FaceCode> open_faces;  ///< faces of core tets with no core tet behind them, ascending
 };
 
-/// Appends the points of `levels` to `mesh`, in their order, and then all tetrahedra at pure sites, of region kNone and
-/// without fixed faces. Pre: `mesh` has no tets. Errors: OutOfMemory beyond 2^29 tets.
+/// Appends the points of `levels` to `mesh`, in their order, and then all tetrahedra at pure sites, without fixed
+/// faces; `to_region` stays empty, for join_shell to fill. Pre: `mesh` has no tets. Errors: OutOfMemory beyond 2^29
+/// tets.
 LatticeCore emit_core(tets::TetMesh& mesh, std::span<const LevelPoints> levels);
 
 }  // namespace tetloom::lattice

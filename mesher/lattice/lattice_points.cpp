@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "mesher/lattice/cell_sites.hpp"
@@ -44,8 +45,12 @@ class Filler {
     });
     std::vector<LevelPoints> result;
     for (int level = 0; level < levels_.count(); ++level) {
-      result.push_back({lattices_[level], {}, {}});
-      for (const auto& of_cell : cell_to_sites) append(of_cell[static_cast<std::size_t>(level)], result.back());
+      LevelPoints& points = result.emplace_back(LevelPoints{lattices_[level], {}, {}});
+      std::size_t count = 0;
+      for (const auto& of_cell : cell_to_sites) count += of_cell[static_cast<std::size_t>(level)].size();
+      points.sites.reserve(count);
+      points.near_surface.reserve(count);
+      for (auto& of_cell : cell_to_sites) append(std::exchange(of_cell[static_cast<std::size_t>(level)], {}), points);
     }
     drop_near_finer(result);
     return result;

@@ -66,6 +66,13 @@ Vec3 center_of(const TetMesh& mesh, std::uint32_t tet) {
   return 0.25 * (mesh.point_of(tet, 0) + mesh.point_of(tet, 1) + mesh.point_of(tet, 2) + mesh.point_of(tet, 3));
 }
 
+std::size_t count_points(const Surface& surface) {
+  std::size_t count = 0;
+  for (const TriangleVerts& verts : surface.tri_to_vert)
+    count = std::max(count, std::size_t{std::max({verts[0], verts[1], verts[2]})} + 1);
+  return count;
+}
+
 class Joiner {
  public:
   Joiner(TetMesh& core, TetMesh& shell, std::span<const FaceCode> open_faces, const Surface& surface)
@@ -73,7 +80,8 @@ class Joiner {
         shell_(shell),
         surface_(surface),
         open_(core, open_faces, shell.points.size()),
-        triangles_(surface.tri_to_vert, shell.points.size()) {
+        surface_points_(count_points(surface)),
+        triangles_(surface.tri_to_vert, surface_points_) {
     core_size_ = static_cast<std::uint32_t>(core.size());
     shell_.to_region.release();
     seen_.assign(surface.tri_to_vert.size(), 0);
@@ -153,9 +161,8 @@ class Joiner {
     return (behind ? sides.back : sides.front).value;
   }
 
-  // Points that recovery put inside are of no triangle; being new, they are the last.
   const TriangleIndex::Entry* find_triangle(const SortedTriangle& key) const {
-    return key.verts[2] < shell_.points.size() ? triangles_.find(key) : nullptr;
+    return key.verts[2] < surface_points_ ? triangles_.find(key) : nullptr;
   }
 
   // Two faces of one flood that tell different things of it.
@@ -181,38 +188,59 @@ class Joiner {
     return {};
   }
 
-  bool is_kept(std::uint32_t tet) const { return !shell_.is_dead(tet) && flood_to_region_[to_flood_[tet]] < kUnnamed; }
-
+  // From here on a tet's entry is its number in the result.
   void number_kept() {
+    const auto region_of = [&](std::uint32_t tet) {
+      return shell_.is_dead(tet) ? kOutside : flood_to_region_[to_flood_[tet]];
+    };
     std::uint32_t count = core_size_;
-    to_kept_.resize(shell_.size(), kNone);
-    for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) {
-      if (is_kept(tet)) to_kept_[tet] = count++;
-    }
+    for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) count += region_of(tet) < kUnnamed;
     core_.to_vert.resize_for_overwrite(std::size_t{count} * 4);
     core_.to_neighbor.resize_for_overwrite(std::size_t{count} * 4);
+    core_.to_region.resize(core_size_, kNone);
     core_.to_region.resize_for_overwrite(count);
     core_.to_fixed.resize(count, 0);
-  }
-
-  void append_kept() {
+    to_kept_ = std::move(to_flood_);
+    count = core_size_;
     for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) {
-      const std::uint32_t kept = to_kept_[tet];
-      if (kept == kNone) continue;
-      core_.to_region[kept] = flood_to_region_[to_flood_[tet]];
-      for (std::uint32_t i = 0; i < 4; ++i) {
-        core_.to_vert[std::size_t{kept} * 4 + i] = shell_.to_vert[std::size_t{tet} * 4 + i];
-        link(tet * 4 + i, kept * 4 + i);
-      }
+      const std::uint32_t region = shell_.is_dead(tet) ? kOutside : flood_to_region_[to_kept_[tet]];
+      to_kept_[tet] = region < kUnnamed ? count : kNone;
+      if (region < kUnnamed) core_.to_region[count++] = region;
     }
   }
 
+  // From the last tet to the first: what has been appended is dropped block by block, so that shell and result are
+  // never there at once.
+  void append_kept() {
+    constexpr std::uint32_t kBlock = 1 << 18;
+    next_met_ = met_.size();
+    for (auto end = static_cast<std::uint32_t>(shell_.size()); end > 0;) {
+      const std::uint32_t begin = (end - 1) / kBlock * kBlock;
+      for (std::uint32_t tet = end; tet-- > begin;)
+        if (to_kept_[tet] != kNone) append_tet(tet, to_kept_[tet]);
+      for (auto* array : {&shell_.to_vert, &shell_.to_neighbor}) {
+        array->resize_for_overwrite(std::size_t{begin} * 4);
+        array->shrink_to_fit();
+      }
+      end = begin;
+    }
+  }
+
+  void append_tet(std::uint32_t tet, std::uint32_t kept) {
+    for (std::uint32_t i = 4; i-- > 0;) {
+      core_.to_vert[std::size_t{kept} * 4 + i] = shell_.to_vert[std::size_t{tet} * 4 + i];
+      link(tet * 4 + i, kept * 4 + i);
+    }
+  }
+
+  // Pre: `from` descends from call to call.
   void link(FaceCode from, FaceCode to) {
     if (shell_.is_fixed(from)) {
-      while (next_met_ < met_.size() && met_[next_met_].shell < from) ++next_met_;
-      if (next_met_ < met_.size() && met_[next_met_].shell == from) {
-        core_.to_neighbor[to] = met_[next_met_].core;
-        core_.to_neighbor[met_[next_met_].core] = to;
+      while (next_met_ > 0 && met_[next_met_ - 1].shell > from) --next_met_;
+      if (next_met_ > 0 && met_[next_met_ - 1].shell == from) {
+        const FaceCode core = met_[next_met_ - 1].core;
+        core_.to_neighbor[to] = core;
+        core_.to_neighbor[core] = to;
         return;
       }
       core_.to_fixed[to / 4] = static_cast<std::uint8_t>(core_.to_fixed[to / 4] | 1 << to % 4);
@@ -256,9 +284,10 @@ class Joiner {
   TetMesh& shell_;
   const Surface& surface_;
   OpenFaces open_;
+  std::size_t surface_points_;  // those of higher ids are of no triangle
   TriangleIndex triangles_;
   std::uint32_t core_size_ = 0;
-  GrowingArray<std::uint32_t> to_flood_, to_kept_;
+  GrowingArray<std::uint32_t> to_flood_, to_kept_;  // one after the other
   std::vector<std::uint32_t> flood_to_region_;
   std::vector<FaceCode> flood_to_namer_;  // the face that told what the flood is
   // Faces of the shell that are open faces of the core, ascending; where appending has come to.

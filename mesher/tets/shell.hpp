@@ -37,8 +37,8 @@ std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const 
 /// the region of each tet, of the core too. A flood of tets that fixed faces surround is in the region that all surface
 /// triangles around it name, outside when they name none or when it reaches the hull where that is free, and in the
 /// core's place when an open face shows it its back. Fixed faces of the result are those of the surface. `shell` is
-/// emptied; its points go to the core. Pre: all triangles and all open faces are fixed faces of `shell`, and no others.
-/// Linear.
+/// emptied; its points go to the core. `core` needs no regions before. Pre: all triangles and all open faces are fixed
+/// faces of `shell`, and no others. Linear.
 Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface);
 
 }  // namespace tetloom::tets

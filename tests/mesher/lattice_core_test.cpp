@@ -51,6 +51,7 @@ struct Made {
     levels = make_lattice_points(request, runner);
     mesh.points = GrowingArray<Vec3>(std::span(surface.points));
     core = emit_core(mesh, levels);
+    mesh.to_region.resize(mesh.size(), tets::kNone);  // as a whole mesh has them
   }
 };
 
