@@ -234,6 +234,11 @@ class MeshRun {
     mesh.point_to_entity.resize(mesh.points.size());
     mesh.tet_to_vert = std::move(volume.tet_to_vert);
     mesh.tet_to_entity = std::move(volume.tet_to_region);
+    if (model_.topology().region_count() == 1) {
+      std::fill(mesh.point_to_entity.begin() + static_cast<std::ptrdiff_t>(given), mesh.point_to_entity.end(),
+                ModelRegionId(0));
+      return;
+    }
     for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t)
       for (const std::uint32_t v : mesh.tet_to_vert[t])
         if (v >= given) mesh.point_to_entity[v] = ModelRegionId(mesh.tet_to_entity[t]);

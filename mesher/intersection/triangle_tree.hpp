@@ -65,6 +65,7 @@ class TriangleTree {
   }
   const Box3& leaf_box(std::size_t leaf) const { return nodes_[first_leaf_ + leaf]; }
   Box3 box_of(std::uint32_t triangle) const;
+  const std::array<std::uint32_t, 3>& verts_of(std::uint32_t triangle) const { return tri_to_vert_[triangle]; }
   std::array<Vec3, 3> corners_of(std::uint32_t triangle) const {
     const auto& [a, b, c] = tri_to_vert_[triangle];
     return {points_[a], points_[b], points_[c]};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace tetloom::lattice {
 
@@ -97,10 +98,10 @@ bool CellSites::is_kept(const Entry& entry) const {
 }
 
 void CellSites::enter_sites(const Questions& questions) {
-  const double reach = kNearSurface * lattice_->size();
+  const double nearest = kFromSurface * lattice_->size();
   columns_ = static_cast<std::size_t>(end_.i - first_.i + 1) / 2;
   rows_ = static_cast<std::size_t>(end_.j - first_.j + 1) / 2;
-  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite});
+  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, nearest * nearest, kNoSite, false});
   wanted_first_ = end_, wanted_end_ = first_;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
@@ -119,24 +120,44 @@ void CellSites::measure_distances(const intersection::TriangleTree& tree) {
   Box3 box;
   for (const Site& corner : {wanted_first_, wanted_end_}) box.add(lattice_->point(corner));
   const Vec3 margin{reach, reach, reach};
+  ++cell_;
   tree.for_each_leaf_in({box.lo - margin, box.hi + margin}, 0, [&](std::size_t leaf) {
-    for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) measure_to(tree.corners_of(triangle));
+    for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) {
+      const std::array<Vec3, 3> corners = tree.corners_of(triangle);
+      const auto& verts = tree.verts_of(triangle);
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (verts[i] >= point_to_cell_.size()) point_to_cell_.resize(verts[i] + verts[i] / 2 + 1, 0);
+        if (std::exchange(point_to_cell_[verts[i]], cell_) != cell_) mark_near(corners[i]);
+      }
+      measure_to(corners);
+    }
   });
+}
+
+template <class Visit>
+void CellSites::for_each_wanted_in(const Box3& box, Visit&& visit) {
+  const Site lo = lattice_->first_site(box.lo), hi = lattice_->first_site(box.hi);
+  const Site from{std::max(lo.i, wanted_first_.i), std::max(lo.j, wanted_first_.j), std::max(lo.k, wanted_first_.k)};
+  const Site to{std::min(hi.i, wanted_end_.i), std::min(hi.j, wanted_end_.j), std::min(hi.k, wanted_end_.k)};
+  if (from.i >= to.i || from.j >= to.j || from.k >= to.k) return;
+  lattice_->for_each_between(from, to, [&](const Site& site) { visit(entries_[slot_of(site)]); });
+}
+
+void CellSites::mark_near(const Vec3& surface_point) {
+  const double reach = kNearSurface * lattice_->size();
+  const Vec3 margin{reach, reach, reach};
+  for_each_wanted_in({surface_point - margin, surface_point + margin},
+                     [&](Entry& entry) { entry.near |= norm2(entry.point - surface_point) < reach * reach; });
 }
 
 void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
   const auto& [a, b, c] = triangle;
-  const double reach = kNearSurface * lattice_->size();
+  const double reach = kFromSurface * lattice_->size();
   const Vec3 margin{reach, reach, reach};
   Box3 box;
   for (const Vec3& x : triangle) box.add(x);
-  const Site lo = lattice_->first_site(box.lo - margin), hi = lattice_->first_site(box.hi + margin);
-  const Site from{std::max(lo.i, wanted_first_.i), std::max(lo.j, wanted_first_.j), std::max(lo.k, wanted_first_.k)};
-  const Site to{std::min(hi.i, wanted_end_.i), std::min(hi.j, wanted_end_.j), std::min(hi.k, wanted_end_.k)};
-  if (from.i >= to.i || from.j >= to.j || from.k >= to.k) return;
   const TriangleFrame frame(a, b, c);
-  lattice_->for_each_between(from, to, [&](const Site& site) {
-    Entry& entry = entries_[slot_of(site)];
+  for_each_wanted_in({box.lo - margin, box.hi + margin}, [&](Entry& entry) {
     if (entry.group != kNoSite) entry.distance2 = frame.nearer(entry.point, entry.distance2);
   });
 }
@@ -172,11 +193,10 @@ std::vector<KeptSite> CellSites::take_inside(const Questions& questions) const {
   std::vector<char> inside;
   for (const std::size_t head : heads_)
     inside.push_back(!questions.is_inside || questions.is_inside(entries_[head].point));
-  const double reach = kNearSurface * lattice_->size();
   std::vector<KeptSite> kept;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     const Entry& entry = entries_[slot_of(site)];
-    if (entry.group < inside.size() && inside[entry.group]) kept.push_back({site, entry.distance2 < reach * reach});
+    if (entry.group < inside.size() && inside[entry.group]) kept.push_back({site, entry.near});
   });
   return kept;
 }

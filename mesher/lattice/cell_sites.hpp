@@ -11,9 +11,11 @@
 
 namespace tetloom::lattice {
 
-/// How near to the surface a site is dropped, and how near it counts as near; in sizes of its lattice. The spheres
-/// around the tets of a site reach 1.211 sizes from it, with cubes of 1.083 sizes.
-inline constexpr double kFromSurface = 0.55, kNearSurface = 1.215;
+/// How near to the surface a site is dropped, and how near to one of its points it counts as near; in sizes of its
+/// lattice, whose cubes are 1.083 sizes wide at most. Any place on a face of a lattice tet is within .5747 sizes of a
+/// site, so what is kept has no surface between it; and the spheres around the tets at a site reach 1.211 sizes from
+/// it.
+inline constexpr double kFromSurface = 0.575, kNearSurface = 1.215;
 
 struct KeptSite {
   Site site;
@@ -23,7 +25,7 @@ struct KeptSite {
 /// Finds the sites of `lattice` in the half-open box that are wanted, far enough from the triangles of `tree` and
 /// inside, by k, then j, then i.
 ///
-/// Two sites next to each other (14 around each, up to 1.083 sizes away) that are both at least .55 sizes from the
+/// Two sites next to each other (14 around each, up to 1.083 sizes away) that are both at least .575 sizes from the
 /// surface lie on the same side of it: what lies between them is nearer to one of them than the surface. So `is_inside`
 /// is asked once for each connected group.
 class CellSites {
@@ -39,13 +41,17 @@ class CellSites {
  private:
   struct Entry {
     Vec3 point;
-    double distance2;  // to the surface, at most that which counts as near
+    double distance2;  // to the surface, at most that from which on it is kept
     std::uint32_t group;
+    bool near;  // to a point of the surface
   };
 
   void enter_sites(const Questions& questions);
   void measure_distances(const intersection::TriangleTree& tree);
   void measure_to(const std::array<Vec3, 3>& triangle);
+  void mark_near(const Vec3& surface_point);
+  template <class Visit>
+  void for_each_wanted_in(const Box3& box, Visit&& visit);
   void group_sites();
   void spread_group(std::size_t seed, std::uint32_t group);
   std::vector<KeptSite> take_inside(const Questions& questions) const;
@@ -56,9 +62,11 @@ class CellSites {
 
   const BccLattice* lattice_ = nullptr;
   Site first_{}, end_{}, wanted_first_{}, wanted_end_{};
-  std::size_t columns_ = 0, rows_ = 0;      // of sites, along i and j
-  std::vector<Entry> entries_;              // of all sites between first_ and end_, by k, j, i
-  std::vector<std::size_t> stack_, heads_;  // heads_: one site per group
+  std::size_t columns_ = 0, rows_ = 0;        // of sites, along i and j
+  std::vector<Entry> entries_;                // of all sites between first_ and end_, by k, j, i
+  std::vector<std::size_t> stack_, heads_;    // heads_: one site per group
+  std::vector<std::uint32_t> point_to_cell_;  // the last cell whose sites it has marked, by its number
+  std::uint32_t cell_ = 0;
 };
 
 }  // namespace tetloom::lattice

@@ -25,7 +25,7 @@ struct LatticeRequest {
 struct LevelPoints {
   BccLattice lattice;
   std::vector<Site> sites;
-  std::vector<char> near_surface;  ///< per site: nearer than 1.25 of the lattice's size
+  std::vector<char> near_surface;  ///< per site: nearer to a point of the surface than kNearSurface
 };
 
 /// Finest level first; the points depend on the request alone. A point is inside when the surface around it says that
