@@ -91,7 +91,7 @@ struct CoreAndShell {
 
   explicit CoreAndShell(const Ball& ball) {
     mesh = ball.make_empty();
-    core = emit_core(mesh, ball.make_points());
+    core = emit_core(mesh, ball.make_points(), kSerial);
     shell.points = mesh.points;
     make_delaunay(shell, ball.shell_verts(core), kSerial);
     fix_core_faces(shell, mesh, core.open_faces);
@@ -102,7 +102,7 @@ struct CoreAndShell {
 TetMesh make_raw_filling(const Ball& ball) {
   CoreAndShell parts(ball);
   recover_boundary(parts.shell, ball.surface().tri_to_vert, {}, kSerial);
-  join_shell(parts.mesh, std::move(parts.shell), parts.core.open_faces, ball.sides());
+  join_shell(parts.mesh, std::move(parts.shell), parts.core.open_faces, ball.sides(), kSerial);
   return std::move(parts.mesh);
 }
 
@@ -212,7 +212,7 @@ void emit_core_tets(benchmark::State& state) {
   run_step(
       state, [&] { return ball.make_empty(); },
       [&](TetMesh& mesh) {
-        emit_core(mesh, levels);
+        emit_core(mesh, levels, kSerial);
         return mesh.size();
       });
 }
@@ -270,7 +270,7 @@ void join_shell_to_core(benchmark::State& state) {
   run_step(
       state, [&] { return std::pair(parts.mesh, parts.shell); },
       [&](std::pair<TetMesh, TetMesh>& copy) {
-        join_shell(copy.first, std::move(copy.second), parts.core.open_faces, ball.sides());
+        join_shell(copy.first, std::move(copy.second), parts.core.open_faces, ball.sides(), kSerial);
         return copy.first.size();
       });
 }

@@ -117,23 +117,38 @@ using Padded = std::array<Value, kPaddedSites>;
 
 class LevelEmitter {
  public:
-  LevelEmitter(TetMesh& mesh, const LevelPoints& level, std::uint32_t first_vert, LatticeCore& core)
-      : mesh_(mesh), core_(core), blocks_(make_site_blocks(level, first_vert)) {}
+  LevelEmitter(TetMesh& mesh, const LevelPoints& level, LatticeCore& core, const TaskRunner& runner)
+      : mesh_(mesh), core_(core), runner_(runner) {
+    const auto first_vert = static_cast<std::uint32_t>(mesh.points.size());
+    mesh.points.reserve(mesh.points.size() + level.sites.size());
+    for (const Site& site : level.sites) mesh.points.push_back(level.lattice.point(site));
+    runner.check_cancelled();
+    blocks_ = make_site_blocks(level, first_vert);
+  }
 
   void emit(bool is_alone) {
     complete_.resize(blocks_.size());
     pure_.resize(blocks_.size());
     tets_.resize(blocks_.size());
-    for (std::size_t b = 0; b < blocks_.size(); ++b) find_complete(b);
-    for (std::size_t b = 0; b < blocks_.size(); ++b) find_pure(b, is_alone);
+    for_each_block([&](std::size_t b) { find_complete(b); });
+    for_each_block([&](std::size_t b) { find_pure(b, is_alone); });
     std::size_t count = mesh_.size();
-    for (std::size_t b = 0; b < blocks_.size(); ++b) count = number_tets(b, count);
+    for_each_block([&](std::size_t b) { count = number_tets(b, count); });
     reserve(count);
-    for (std::size_t b = 0; b < blocks_.size(); ++b) write_tets(b);
-    for (std::size_t b = 0; b < blocks_.size(); ++b) note_shell(b);
+    for_each_block([&](std::size_t b) { write_tets(b); });
+    for_each_block([&](std::size_t b) { note_shell(b); });
   }
 
  private:
+  template <class Visit>
+  void for_each_block(const Visit& visit) const {
+    constexpr std::size_t kBetweenChecks = 1024;  // some ten milliseconds
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      if (b % kBetweenChecks == 0) runner_.check_cancelled();
+      visit(b);
+    }
+  }
+
   // value(block, half, cube) of all sites in and around block b; `absent` where no block is.
   template <class Value, class Get>
   Padded<Value> pad(std::size_t b, Value absent, const Get& value) const {
@@ -273,6 +288,7 @@ class LevelEmitter {
 
   TetMesh& mesh_;
   LatticeCore& core_;
+  const TaskRunner& runner_;
   std::vector<SiteBlock> blocks_;
   std::vector<SiteBits> complete_, pure_;  // per block
   std::vector<BlockTets> tets_;
@@ -280,14 +296,9 @@ class LevelEmitter {
 
 }  // namespace
 
-LatticeCore emit_core(TetMesh& mesh, std::span<const LevelPoints> levels) {
+LatticeCore emit_core(TetMesh& mesh, std::span<const LevelPoints> levels, const TaskRunner& runner) {
   LatticeCore core;
-  for (const LevelPoints& level : levels) {
-    const auto first_vert = static_cast<std::uint32_t>(mesh.points.size());
-    mesh.points.reserve(mesh.points.size() + level.sites.size());
-    for (const Site& site : level.sites) mesh.points.push_back(level.lattice.point(site));
-    LevelEmitter(mesh, level, first_vert, core).emit(levels.size() == 1);
-  }
+  for (const LevelPoints& level : levels) LevelEmitter(mesh, level, core, runner).emit(levels.size() == 1);
   std::sort(core.shell_verts.begin(), core.shell_verts.end());
   return core;
 }

@@ -23,7 +23,7 @@ struct LatticeCore {
 
 /// Appends the points of `levels` to `mesh`, in their order, and then all tetrahedra at pure sites, without fixed
 /// faces; `to_region` stays empty, for join_shell to fill. Pre: `mesh` has no tets. Errors: OutOfMemory beyond 2^29
-/// tets.
-LatticeCore emit_core(tets::TetMesh& mesh, std::span<const LevelPoints> levels);
+/// tets; Cancelled.
+LatticeCore emit_core(tets::TetMesh& mesh, std::span<const LevelPoints> levels, const TaskRunner& runner);
 
 }  // namespace tetloom::lattice

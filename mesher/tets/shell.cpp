@@ -75,9 +75,11 @@ std::size_t count_points(const Surface& surface) {
 
 class Joiner {
  public:
-  Joiner(TetMesh& core, TetMesh& shell, std::span<const FaceCode> open_faces, const Surface& surface)
+  Joiner(TetMesh& core, TetMesh& shell, std::span<const FaceCode> open_faces, const Surface& surface,
+         const TaskRunner& runner)
       : core_(core),
         shell_(shell),
+        runner_(runner),
         surface_(surface),
         open_(core, open_faces, shell.points.size()),
         surface_points_(count_points(surface)),
@@ -90,6 +92,7 @@ class Joiner {
   Fault run() {
     flood();
     for (FaceCode face = 0; face < shell_.to_neighbor.size(); ++face) {
+      if (face % (4 * kBlock) == 0) runner_.check_cancelled();
       if (shell_.is_dead(face / 4)) continue;
       if (Fault fault = name_flood(face); fault.any()) return fault;
     }
@@ -103,6 +106,7 @@ class Joiner {
   }
 
  private:
+  static constexpr std::uint32_t kBlock = 1 << 18;  // tets between two looks at the cancellation
   // What a flood was found to be, beside a region.
   static constexpr std::uint32_t kOutside = kNone, kInCore = kNone - 1, kUnnamed = kNone - 2;
 
@@ -111,6 +115,7 @@ class Joiner {
     to_flood_.resize(shell_.size(), kNone);
     Sets sets;
     for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) {
+      if (tet % kBlock == 0) runner_.check_cancelled();
       if (shell_.is_dead(tet)) continue;
       std::uint32_t& flood = to_flood_[tet];
       for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
@@ -212,9 +217,9 @@ class Joiner {
   // From the last tet to the first: what has been appended is dropped block by block, so that shell and result are
   // never there at once.
   void append_kept() {
-    constexpr std::uint32_t kBlock = 1 << 18;
     next_met_ = met_.size();
     for (auto end = static_cast<std::uint32_t>(shell_.size()); end > 0;) {
+      runner_.check_cancelled();
       const std::uint32_t begin = (end - 1) / kBlock * kBlock;
       for (std::uint32_t tet = end; tet-- > begin;)
         if (to_kept_[tet] != kNone) append_tet(tet, to_kept_[tet]);
@@ -282,6 +287,7 @@ class Joiner {
 
   TetMesh& core_;
   TetMesh& shell_;
+  const TaskRunner& runner_;
   const Surface& surface_;
   OpenFaces open_;
   std::size_t surface_points_;  // those of higher ids are of no triangle
@@ -320,8 +326,9 @@ std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const 
   return open_faces.size() - found;
 }
 
-Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface) {
-  return Joiner(core, shell, open_faces, surface).run();
+Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface,
+                 const TaskRunner& runner) {
+  return Joiner(core, shell, open_faces, surface, runner).run();
 }
 
 }  // namespace tetloom::tets

@@ -11,6 +11,7 @@
 #include "core/geometry/model.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/triangle_table.hpp"
+#include "threading/task_runner.hpp"
 
 namespace tetloom::tets {
 
@@ -38,7 +39,8 @@ std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const 
 /// triangles around it name, outside when they name none or when it reaches the hull where that is free, and in the
 /// core's place when an open face shows it its back. Fixed faces of the result are those of the surface. `shell` is
 /// emptied; its points go to the core. `core` needs no regions before. Pre: all triangles and all open faces are fixed
-/// faces of `shell`, and no others. Linear.
-Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface);
+/// faces of `shell`, and no others. Linear. Errors: Cancelled.
+Fault join_shell(TetMesh& core, TetMesh&& shell, std::span<const FaceCode> open_faces, const Surface& surface,
+                 const TaskRunner& runner);
 
 }  // namespace tetloom::tets

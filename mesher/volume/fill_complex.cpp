@@ -145,7 +145,7 @@ class ComplexFiller {
     runner_.check_cancelled();
     filled.fault = link_tets(all, response.tet_to_vert, complex_.tri_to_vert, runner_);
     const tets::Surface surface{complex_.tri_to_vert, complex_.tri_to_sides};
-    if (!filled.fault.any()) filled.fault = join_shell(filled.mesh, std::move(all), {}, surface);
+    if (!filled.fault.any()) filled.fault = join_shell(filled.mesh, std::move(all), {}, surface, runner_);
     runner_.check_cancelled();
     if (!filled.fault.any()) finish_filling(filled, filling_input(), runner_);
     filled.figures.worker_complexes = filled.fault.any() ? 0 : 1;

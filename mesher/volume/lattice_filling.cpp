@@ -42,7 +42,7 @@ class LatticeFiller {
     const std::vector<lattice::LevelPoints> levels = make_lattice_points(request, runner_);
     figures_.seconds.points = watch_.lap();
     input_.progress.reach(FillingStep::Points, runner_);
-    lattice::LatticeCore core = emit_core(mesh, levels);
+    lattice::LatticeCore core = emit_core(mesh, levels, runner_);
     figures_.core_tets = mesh.size();
     figures_.seconds.core = watch_.lap();
     input_.progress.reach(FillingStep::Core, runner_);
@@ -98,7 +98,7 @@ class LatticeFiller {
 
   Fault join(TetMesh& mesh, const lattice::LatticeCore& core) {
     const tets::Surface surface{complex_.tri_to_vert, complex_.tri_to_sides};
-    Fault fault = join_shell(mesh, std::move(shell_), core.open_faces, surface);
+    Fault fault = join_shell(mesh, std::move(shell_), core.open_faces, surface, runner_);
     figures_.shell_tets = mesh.size() - figures_.core_tets;
     figures_.seconds.join = watch_.lap();
     input_.progress.reach(FillingStep::Join, runner_);

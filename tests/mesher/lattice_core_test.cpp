@@ -50,7 +50,7 @@ struct Made {
     for (const Vec3& x : surface.points) request.box.add(x);
     levels = make_lattice_points(request, runner);
     mesh.points = GrowingArray<Vec3>(std::span(surface.points));
-    core = emit_core(mesh, levels);
+    core = emit_core(mesh, levels, runner);
     mesh.to_region.resize(mesh.size(), tets::kNone);  // as a whole mesh has them
   }
 };
@@ -149,7 +149,7 @@ TEST_CASE("core and shell fit face to face and fill the surface") {
     }
     REQUIRE(found == 2 * triangles.size());
     const tets::Surface surface{made.surface.tri_to_vert, made.surface.tri_to_sides};
-    const tets::Fault fault = join_shell(made.mesh, std::move(shell), made.core.open_faces, surface);
+    const tets::Fault fault = join_shell(made.mesh, std::move(shell), made.core.open_faces, surface, TaskRunner(1));
     CHECK(fault.message == "");
     CHECK(tets::find_fault(made.mesh) == "");
     double volume = 0;
