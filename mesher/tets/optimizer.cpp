@@ -14,6 +14,8 @@ namespace tetloom::tets {
 namespace {
 
 void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
+  if (options.lattice_tets > mesh.size())
+    throw Error(ErrorCode::InvalidArgument, "more tets are of the lattice than the mesh has");
   if (options.fixed_points > mesh.points.size())
     throw Error(ErrorCode::InvalidArgument, "more points are to stay than the mesh has");
   check_goals(options.goals);
@@ -22,7 +24,7 @@ void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
 class Optimizer {
  public:
   Optimizer(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner)
-      : mesh_(mesh, options.fixed_points), options_(options), runner_(runner) {}
+      : mesh_(mesh, options.fixed_points, options.lattice_tets), options_(options), runner_(runner) {}
 
   OptimizeReport run() {
     const QualitySummary before = summarize(mesh_, options_.goals.mean_ratio);

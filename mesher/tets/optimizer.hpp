@@ -24,6 +24,7 @@ namespace tetloom::tets {
 
 struct OptimizeOptions {
   std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
+  std::uint32_t lattice_tets = 0;  ///< the first so many are of undisturbed lattices: alike, alive, without fixed faces
   bool strong_gradation = false;   ///< the size grows by more than about .1 per unit of distance: twice the passes
   QualityGoals goals;              ///< what removing vertices and inserting points aim at
 };

@@ -110,6 +110,7 @@ class SurfaceImprover {
 
 void improve_surface(TetMesh& mesh, const ChangeableSurface& surface, const OptimizeOptions& options,
                      OptimizeReport& report, const TaskRunner& runner) {
+  if (cube(report.least) >= poor_quality(options.goals)) return;  // as the optimiser left it, nothing is poor
   SurfaceImprover(mesh, surface, options, runner).run(report);
 }
 

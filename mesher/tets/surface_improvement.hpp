@@ -8,8 +8,8 @@
 
 namespace tetloom::tets {
 
-/// Improves in place the mesh and the triangles of `surface`; what becomes of them is added to `report`, and its
-/// figures of quality are made anew.
+/// Improves in place the mesh and the triangles of `surface`; what becomes of them is added to `report`, which is the
+/// optimiser's of this mesh, or a new one, and its figures of quality are made anew.
 ///
 /// Only tets of so small a quality that a dihedral angle may be below the one asked for are touched, and tets that
 /// share a vertex with them. Pre: the invariants of TetMesh; the fixed faces are the triangles of `surface`, and

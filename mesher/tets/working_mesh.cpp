@@ -92,13 +92,17 @@ void link_all(TetMesh& mesh, std::span<CavityFace> faces, const std::array<Trian
 
 }  // namespace
 
-WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points) : mesh_(mesh) {
+WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike) : mesh_(mesh) {
   fixed_.resize(mesh.points.size() / 64 + 1);
   for (std::uint32_t v = 0; v < fixed_points; ++v) set_fixed_point(v);
   const auto count = static_cast<std::uint32_t>(mesh.size());
   to_quality_.reserve(count + count / 64);
   to_quality_.resize_for_overwrite(count);
-  for (std::uint32_t tet = 0; tet < count; ++tet) {
+  if (alike > 0) {
+    read_tet(0);
+    std::fill(to_quality_.begin(), to_quality_.begin() + alike, to_quality_[0]);
+  }
+  for (std::uint32_t tet = alike; tet < count; ++tet) {
     if (mesh.is_dead(tet)) {
       drop_tet(tet);
     } else {

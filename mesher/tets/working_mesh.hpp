@@ -33,7 +33,8 @@ class WorkingMesh {
   static constexpr float kDeadQuality = 2;
   static constexpr std::size_t kMostTets = 128;  // of a cavity, old or new
 
-  WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points);
+  /// The first `alike` tets are taken to have the quality of the first one, and no fixed faces.
+  WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike = 0);
 
   TetMesh& mesh() { return mesh_; }
   const TetMesh& mesh() const { return mesh_; }
