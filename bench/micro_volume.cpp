@@ -30,9 +30,9 @@
 namespace tetloom::bench {
 namespace {
 
-using lattice::BccLattice;
 using lattice::LatticeCore;
 using lattice::LevelPoints;
+using lattice::SiteLattice;
 using tets::TetMesh;
 
 const TaskRunner kSerial(1);
@@ -185,7 +185,7 @@ void insert_random_points(benchmark::State& state) {
 BENCHMARK(insert_random_points)->ArgName("points")->Arg(10000)->Arg(200000)->Unit(benchmark::kMillisecond);
 
 void insert_lattice_points(benchmark::State& state) {
-  const BccLattice lattice({0, 0, 0}, 1, lattice::kCubePerSize, 0);
+  const SiteLattice lattice(LatticeKind::Bcc, {0, 0, 0}, 1, 0, true);
   const auto width = static_cast<std::int32_t>(2 * std::cbrt(0.5 * static_cast<double>(state.range(0))));
   std::vector<Vec3> points;
   lattice.for_each_between({0, 0, 0}, {width, width, width},

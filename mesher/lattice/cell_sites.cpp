@@ -10,21 +10,6 @@ namespace {
 
 constexpr std::uint32_t kNoSite = 0xffffffffu, kNoGroup = 0xfffffffeu;
 
-constexpr std::array<Site, 14> kAround{{{-1, -1, -1},
-                                        {1, -1, -1},
-                                        {-1, 1, -1},
-                                        {1, 1, -1},
-                                        {-1, -1, 1},
-                                        {1, -1, 1},
-                                        {-1, 1, 1},
-                                        {1, 1, 1},
-                                        {-2, 0, 0},
-                                        {2, 0, 0},
-                                        {0, -2, 0},
-                                        {0, 2, 0},
-                                        {0, 0, -2},
-                                        {0, 0, 2}}};
-
 // A triangle ready for many distances.
 class TriangleFrame {
  public:
@@ -62,7 +47,7 @@ class TriangleFrame {
 
 }  // namespace
 
-std::vector<KeptSite> CellSites::find(const BccLattice& lattice, const Box3& box, const Questions& questions) {
+std::vector<KeptSite> CellSites::find(const SiteLattice& lattice, const Box3& box, const Questions& questions) {
   lattice_ = &lattice;
   first_ = lattice.first_site(box.lo), end_ = lattice.first_site(box.hi);
   if (first_.i >= end_.i || first_.j >= end_.j || first_.k >= end_.k) return {};
@@ -77,31 +62,23 @@ bool CellSites::holds(const Site& s) const {
   return s.i >= first_.i && s.i < end_.i && s.j >= first_.j && s.j < end_.j && s.k >= first_.k && s.k < end_.k;
 }
 
-// The coordinates of a site are all even or all odd, so every other one along i and j is enough.
+// Of the eight places in two by two by one parts of a cube's, from even coordinates on, no lattice has more than one.
 std::size_t CellSites::slot_of(const Site& s) const {
-  return (static_cast<std::size_t>(s.k - first_.k) * rows_ + static_cast<std::size_t>((s.j - first_.j) >> 1)) *
+  return (static_cast<std::size_t>(s.k - first_.k) * rows_ + static_cast<std::size_t>((s.j >> 1) - (first_.j >> 1))) *
              columns_ +
-         static_cast<std::size_t>((s.i - first_.i) >> 1);
-}
-
-Site CellSites::site_at(std::size_t slot) const {
-  const auto k = first_.k + static_cast<std::int32_t>(slot / columns_ / rows_);
-  const auto along = [k](std::int32_t first, std::size_t at) {
-    return first + ((first + k) & 1) + 2 * static_cast<std::int32_t>(at);
-  };
-  return {along(first_.i, slot % columns_), along(first_.j, slot / columns_ % rows_), k};
+         static_cast<std::size_t>((s.i >> 1) - (first_.i >> 1));
 }
 
 bool CellSites::is_kept(const Entry& entry) const {
-  const double nearest = kFromSurface * lattice_->size();
+  const double nearest = lattice_->shape().from_surface() * lattice_->size();
   return entry.group != kNoSite && entry.distance2 >= nearest * nearest;
 }
 
 void CellSites::enter_sites(const Questions& questions) {
-  const double nearest = kFromSurface * lattice_->size();
-  columns_ = static_cast<std::size_t>(end_.i - first_.i + 1) / 2;
-  rows_ = static_cast<std::size_t>(end_.j - first_.j + 1) / 2;
-  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, nearest * nearest, kNoSite, false});
+  const double reach = lattice_->shape().triangle_reach() * lattice_->size();
+  columns_ = static_cast<std::size_t>((end_.i >> 1) - (first_.i >> 1) + 1);
+  rows_ = static_cast<std::size_t>((end_.j >> 1) - (first_.j >> 1) + 1);
+  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite, false});
   wanted_first_ = end_, wanted_end_ = first_;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
@@ -116,7 +93,8 @@ void CellSites::enter_sites(const Questions& questions) {
 }
 
 void CellSites::measure_distances(const intersection::TriangleTree& tree) {
-  const double reach = kNearSurface * lattice_->size();
+  const double reach = lattice_->shape().near_surface() * lattice_->size();
+  const bool asks_points = lattice_->shape().triangle_reach() < lattice_->shape().near_surface();
   Box3 box;
   for (const Site& corner : {wanted_first_, wanted_end_}) box.add(lattice_->point(corner));
   const Vec3 margin{reach, reach, reach};
@@ -125,7 +103,7 @@ void CellSites::measure_distances(const intersection::TriangleTree& tree) {
     for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) {
       const std::array<Vec3, 3> corners = tree.corners_of(triangle);
       const auto& verts = tree.verts_of(triangle);
-      for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t i = 0; asks_points && i < 3; ++i) {
         if (verts[i] >= point_to_cell_.size()) point_to_cell_.resize(verts[i] + verts[i] / 2 + 1, 0);
         if (std::exchange(point_to_cell_[verts[i]], cell_) != cell_) mark_near(corners[i]);
       }
@@ -144,7 +122,7 @@ void CellSites::for_each_wanted_in(const Box3& box, Visit&& visit) {
 }
 
 void CellSites::mark_near(const Vec3& surface_point) {
-  const double reach = kNearSurface * lattice_->size();
+  const double reach = lattice_->shape().near_surface() * lattice_->size();
   const Vec3 margin{reach, reach, reach};
   for_each_wanted_in({surface_point - margin, surface_point + margin},
                      [&](Entry& entry) { entry.near |= norm2(entry.point - surface_point) < reach * reach; });
@@ -152,7 +130,7 @@ void CellSites::mark_near(const Vec3& surface_point) {
 
 void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
   const auto& [a, b, c] = triangle;
-  const double reach = kFromSurface * lattice_->size();
+  const double reach = lattice_->shape().triangle_reach() * lattice_->size();
   const Vec3 margin{reach, reach, reach};
   Box3 box;
   for (const Vec3& x : triangle) box.add(x);
@@ -164,39 +142,42 @@ void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
 
 void CellSites::group_sites() {
   heads_.clear();
-  for (std::size_t seed = 0; seed < entries_.size(); ++seed) {
-    if (entries_[seed].group != kNoGroup || !is_kept(entries_[seed])) continue;
+  lattice_->for_each_between(wanted_first_, wanted_end_, [&](const Site& seed) {
+    const Entry& entry = entries_[slot_of(seed)];
+    if (entry.group != kNoGroup || !is_kept(entry)) return;
     spread_group(seed, static_cast<std::uint32_t>(heads_.size()));
     heads_.push_back(seed);
-  }
+  });
 }
 
-void CellSites::spread_group(std::size_t seed, std::uint32_t group) {
+void CellSites::spread_group(const Site& seed, std::uint32_t group) {
+  const LatticeShape& shape = lattice_->shape();
   stack_.assign(1, seed);
-  entries_[seed].group = group;
+  entries_[slot_of(seed)].group = group;
   while (!stack_.empty()) {
-    const std::size_t at = stack_.back();
+    const Site site = stack_.back();
     stack_.pop_back();
-    const Site site = site_at(at);
-    for (const Site& step : kAround) {
+    for (const Site& step : shape.around(shape.kind_of(site))) {
       const Site next{site.i + step.i, site.j + step.j, site.k + step.k};
       if (!holds(next)) continue;
       Entry& entry = entries_[slot_of(next)];
       if (entry.group != kNoGroup || !is_kept(entry)) continue;
       entry.group = group;
-      stack_.push_back(slot_of(next));
+      stack_.push_back(next);
     }
   }
 }
 
 std::vector<KeptSite> CellSites::take_inside(const Questions& questions) const {
   std::vector<char> inside;
-  for (const std::size_t head : heads_)
-    inside.push_back(!questions.is_inside || questions.is_inside(entries_[head].point));
+  for (const Site& head : heads_)
+    inside.push_back(!questions.is_inside || questions.is_inside(entries_[slot_of(head)].point));
+  const double reach = lattice_->shape().triangle_reach() * lattice_->size();
   std::vector<KeptSite> kept;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     const Entry& entry = entries_[slot_of(site)];
-    if (entry.group < inside.size() && inside[entry.group]) kept.push_back({site, entry.near});
+    if (entry.group < inside.size() && inside[entry.group])
+      kept.push_back({site, entry.near || entry.distance2 < reach * reach});
   });
   return kept;
 }

@@ -7,15 +7,9 @@
 
 #include "core/base/vec.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/lattice/bcc_lattice.hpp"
+#include "mesher/lattice/site_lattice.hpp"
 
 namespace tetloom::lattice {
-
-/// How near to the surface a site is dropped, and how near to one of its points it counts as near; in sizes of its
-/// lattice, whose cubes are 1.083 sizes wide at most. Any place on a face of a lattice tet is within .5747 sizes of a
-/// site, so what is kept has no surface between it; and the spheres around the tets at a site reach 1.211 sizes from
-/// it.
-inline constexpr double kFromSurface = 0.575, kNearSurface = 1.215;
 
 struct KeptSite {
   Site site;
@@ -25,9 +19,8 @@ struct KeptSite {
 /// Finds the sites of `lattice` in the half-open box that are wanted, far enough from the triangles of `tree` and
 /// inside, by k, then j, then i.
 ///
-/// Two sites next to each other (14 around each, up to 1.083 sizes away) that are both at least .575 sizes from the
-/// surface lie on the same side of it: what lies between them is nearer to one of them than the surface. So `is_inside`
-/// is asked once for each connected group.
+/// Two sites next to each other that are both far enough from the surface lie on the same side of it: what lies between
+/// them is nearer to one of them than the surface. So `is_inside` is asked once for each connected group.
 class CellSites {
  public:
   struct Questions {
@@ -36,12 +29,12 @@ class CellSites {
     std::function<bool(const Vec3&)> is_inside;        ///< empty: all are
   };
 
-  std::vector<KeptSite> find(const BccLattice& lattice, const Box3& box, const Questions& questions);
+  std::vector<KeptSite> find(const SiteLattice& lattice, const Box3& box, const Questions& questions);
 
  private:
   struct Entry {
     Vec3 point;
-    double distance2;  // to the surface, at most that from which on it is kept
+    double distance2;  // to the surface, at most as far as that is measured
     std::uint32_t group;
     bool near;  // to a point of the surface
   };
@@ -53,18 +46,17 @@ class CellSites {
   template <class Visit>
   void for_each_wanted_in(const Box3& box, Visit&& visit);
   void group_sites();
-  void spread_group(std::size_t seed, std::uint32_t group);
+  void spread_group(const Site& seed, std::uint32_t group);
   std::vector<KeptSite> take_inside(const Questions& questions) const;
   std::size_t slot_of(const Site& site) const;
-  Site site_at(std::size_t slot) const;
   bool holds(const Site& site) const;
   bool is_kept(const Entry& entry) const;
 
-  const BccLattice* lattice_ = nullptr;
+  const SiteLattice* lattice_ = nullptr;
   Site first_{}, end_{}, wanted_first_{}, wanted_end_{};
   std::size_t columns_ = 0, rows_ = 0;        // of sites, along i and j
   std::vector<Entry> entries_;                // of all sites between first_ and end_, by k, j, i
-  std::vector<std::size_t> stack_, heads_;    // heads_: one site per group
+  std::vector<Site> stack_, heads_;           // heads_: one site per group
   std::vector<std::uint32_t> point_to_cell_;  // the last cell whose sites it has marked, by its number
   std::uint32_t cell_ = 0;
 };

@@ -1,12 +1,12 @@
 #pragma once
 // The tetrahedra that a lattice has where nothing disturbs it, written with their neighbours in closed form.
 //
-// A site is *pure* when it and the 14 sites around it are there, when the same holds for each of these unless there is
-// but one level, and when it is not near a point of the surface. No other point then lies within 1.2 of the lattice's
-// size of it: the circumspheres at it are empty (their radius is .6 of the size, and wherever a foreign point comes as
-// near, it displaces the lattice point next to it). So the 24 tetrahedra at a pure site are tetrahedra of the Delaunay
-// tetrahedralisation of all points, and whatever else that has needs no pure site: the Delaunay tetrahedralisation of
-// all but the pure ones holds it.
+// A site is *pure* when it and the sites next to it (12 or 14) are there, when the same holds for each of these unless
+// there is but one level, and when it is not near the surface. No other point then lies within
+// LatticeShape::near_surface() sizes of it: the circumspheres at it are empty (their radius is less than half of that,
+// and wherever a foreign point comes as near, it displaces the lattice point next to it). So the tetrahedra at a pure
+// site are tetrahedra of the Delaunay tetrahedralisation of all points, and whatever else that has needs no pure site:
+// the Delaunay tetrahedralisation of all but the pure ones holds it.
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -29,9 +29,8 @@ class Filler {
  public:
   Filler(const LatticeRequest& request, const TaskRunner& runner)
       : request_(request), runner_(runner), levels_(levels_of(request)) {
-    const double cube_per_size = levels_.count() > 1 ? kGradedCubePerSize : kCubePerSize;
     for (int level = 0; level < levels_.count(); ++level)
-      lattices_.emplace_back(request.box.lo, levels_.size(level), cube_per_size, level);
+      lattices_.emplace_back(request.kind, request.box.lo, levels_.size(level), level, levels_.count() == 1);
   }
 
   std::vector<LevelPoints> fill() {
@@ -100,7 +99,8 @@ class Filler {
       }
       return;
     }
-    const double reach = kNearSurface * cell.hi * 1.3;  // the lattice's size may be larger than the field's
+    const double near_surface = LatticeShape::of(request_.kind).near_surface();
+    const double reach = near_surface * cell.hi * 1.3;  // the lattice's size may be larger than the field's
     const Vec3 margin{reach, reach, reach};
     cell.near_surface = cell.meets_surface || request_.tree->may_meet({box.lo - margin, box.hi + margin});
     cells_.push_back(cell);
@@ -185,7 +185,7 @@ class Filler {
   const LatticeRequest& request_;
   const TaskRunner& runner_;
   Levels levels_;
-  std::vector<BccLattice> lattices_;
+  std::vector<SiteLattice> lattices_;
   std::vector<Cell> cells_;
 };
 

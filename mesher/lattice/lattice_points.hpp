@@ -2,14 +2,14 @@
 // Which lattice points fill a closed surface, as dense as a size field asks.
 //
 // Where the field calls for a level, the points of that level's lattice are taken. A point is left out where it is
-// nearer than .55 of its lattice's size to the surface, or nearer than .65 of it to a point of a finer level.
+// nearer than about .55 of its lattice's size to the surface, or nearer than .65 of it to a point of a finer level.
 #include <span>
 #include <vector>
 
 #include "core/geometry/model.hpp"
 #include "core/sizing/size_field.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/lattice/bcc_lattice.hpp"
+#include "mesher/lattice/site_lattice.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::lattice {
@@ -19,13 +19,14 @@ struct LatticeRequest {
   std::span<const FaceSides> tri_to_sides;
   Box3 box;  ///< of the surface
   const SizeField* sizes = nullptr;
+  LatticeKind kind = LatticeKind::Bcc;
 };
 
 /// The points of one level.
 struct LevelPoints {
-  BccLattice lattice;
+  SiteLattice lattice;
   std::vector<Site> sites;
-  std::vector<char> near_surface;  ///< per site: nearer to a point of the surface than kNearSurface
+  std::vector<char> near_surface;  ///< per site: too near for LatticeShape::near_surface()
 };
 
 /// Finest level first; the points depend on the request alone. A point is inside when the surface around it says that

@@ -36,7 +36,7 @@ class Optimizer {
     } else {
       swap(.60), smooth(.70), swap(.75), smooth(.75), swap(.70);
       repair();
-      smooth(.90);  // body-centred lattices have .945
+      smooth(.90);  // the tets of lattices have .945 and more
     }
     summarize_result(mesh_, options_.goals, report_);
     mesh_.finish();

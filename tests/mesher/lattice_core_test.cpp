@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <numeric>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
@@ -37,16 +39,27 @@ SizeField growing_sizes(double low, double high) {
   return SizeField::from_octree(tree);
 }
 
+constexpr LatticeKind kBoth[] = {LatticeKind::Bcc, LatticeKind::A15};
+
+std::vector<std::pair<SizeField, LatticeKind>> sizes_and_lattices() {
+  std::vector<std::pair<SizeField, LatticeKind>> both;
+  for (const LatticeKind kind : kBoth) {
+    both.emplace_back(SizeField::uniform(0.1), kind);
+    both.emplace_back(growing_sizes(0.05, 0.2), kind);
+  }
+  return both;
+}
+
 struct Made {
   Surface surface;
   std::vector<LevelPoints> levels;
   TetMesh mesh;
   LatticeCore core;
 
-  Made(Surface from, const SizeField& sizes) : surface(std::move(from)) {
+  Made(Surface from, const SizeField& sizes, LatticeKind kind) : surface(std::move(from)) {
     const TaskRunner runner(2);
     const intersection::TriangleTree tree(surface.points, surface.tri_to_vert, runner);
-    LatticeRequest request{&tree, surface.tri_to_sides, {}, &sizes};
+    LatticeRequest request{&tree, surface.tri_to_sides, {}, &sizes, kind};
     for (const Vec3& x : surface.points) request.box.add(x);
     levels = make_lattice_points(request, runner);
     mesh.points = GrowingArray<Vec3>(std::span(surface.points));
@@ -90,17 +103,20 @@ std::vector<std::uint32_t> ids_below(std::size_t count) {
 
 TEST_CASE("points of a uniform lattice keep their distance from the surface and lie inside") {
   const double size = 0.11;
-  const Made made(ball(), SizeField::uniform(size));
-  REQUIRE(made.levels.size() == 1);
-  const double expected = 2 * 4.18 * 0.83 / std::pow(kCubePerSize * size, 3);  // less a layer of .55 sizes
-  CHECK(double(made.levels[0].sites.size()) == Approx(expected).epsilon(0.05));
-  for (std::size_t i = made.surface.points.size(); i < made.mesh.points.size(); ++i)
-    REQUIRE(norm(made.mesh.points[i]) < 1 - 0.5 * size);
+  for (const LatticeKind kind : kBoth) {
+    const Made made(ball(), SizeField::uniform(size), kind);
+    REQUIRE(made.levels.size() == 1);
+    const LatticeShape& shape = LatticeShape::of(kind);
+    const double cubes = 4.18 * 0.83 / std::pow(shape.cube_per_size() * size, 3);  // less a layer of .55 sizes
+    CHECK(double(made.levels[0].sites.size()) == Approx(double(shape.sites().size()) * cubes).epsilon(0.05));
+    for (std::size_t i = made.surface.points.size(); i < made.mesh.points.size(); ++i)
+      REQUIRE(norm(made.mesh.points[i]) < 1 - 0.5 * size);
+  }
 }
 
 TEST_CASE("every core tet is a Delaunay tet of all points, at one size and at many") {
-  for (const SizeField& sizes : {SizeField::uniform(0.1), growing_sizes(0.05, 0.2)}) {
-    Made made(ball(), sizes);
+  for (const auto& [sizes, kind] : sizes_and_lattices()) {
+    Made made(ball(), sizes, kind);
     const std::size_t count = made.mesh.points.size();
     REQUIRE(made.mesh.size() > 1000);
     CHECK(tets::find_fault(made.mesh) == "");
@@ -114,22 +130,29 @@ TEST_CASE("every core tet is a Delaunay tet of all points, at one size and at ma
 }
 
 TEST_CASE("open faces are those without a neighbour, and shell vertices those that are not pure") {
-  const Made made(ball(), SizeField::uniform(0.1));
-  std::vector<FaceCode> open;
-  for (FaceCode face = 0; face < made.mesh.to_neighbor.size(); ++face)
-    if (made.mesh.to_neighbor[face] == tets::kNone) open.push_back(face);
-  CHECK((open == made.core.open_faces));
-  std::set<std::uint32_t> shell(made.core.shell_verts.begin(), made.core.shell_verts.end());
-  std::vector<int> tets_at(made.mesh.points.size(), 0);
-  for (const std::uint32_t v : made.mesh.to_vert) ++tets_at[v];
-  for (auto v = static_cast<std::uint32_t>(made.surface.points.size()); v < made.mesh.points.size(); ++v) {
-    if (shell.count(v) == 0) REQUIRE(tets_at[v] == 24);
+  for (const LatticeKind kind : kBoth) {
+    const Made made(ball(), SizeField::uniform(0.1), kind);
+    std::vector<FaceCode> open;
+    for (FaceCode face = 0; face < made.mesh.to_neighbor.size(); ++face)
+      if (made.mesh.to_neighbor[face] == tets::kNone) open.push_back(face);
+    CHECK((open == made.core.open_faces));
+    std::set<std::uint32_t> shell(made.core.shell_verts.begin(), made.core.shell_verts.end());
+    std::vector<std::size_t> tets_at(made.mesh.points.size(), 0);
+    for (const std::uint32_t v : made.mesh.to_vert) ++tets_at[v];
+    const std::vector<Site>& sites = made.levels[0].sites;
+    const LatticeShape& shape = LatticeShape::of(kind);
+    REQUIRE(shell.size() < sites.size());
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      const auto v = static_cast<std::uint32_t>(made.surface.points.size() + i);
+      const std::size_t around = shape.around(shape.kind_of(sites[i])).size();
+      if (shell.count(v) == 0) REQUIRE(tets_at[v] == 2 * around - 4);  // the faces of a polyhedron of triangles
+    }
   }
 }
 
 TEST_CASE("core and shell fit face to face and fill the surface") {
-  for (const SizeField& sizes : {SizeField::uniform(0.1), growing_sizes(0.05, 0.2)}) {
-    Made made(ball(), sizes);
+  for (const auto& [sizes, kind] : sizes_and_lattices()) {
+    Made made(ball(), sizes, kind);
     std::vector<std::uint32_t> verts = ids_below(made.surface.points.size());
     verts.insert(verts.end(), made.core.shell_verts.begin(), made.core.shell_verts.end());
     TetMesh shell;

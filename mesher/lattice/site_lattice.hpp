@@ -1,20 +1,16 @@
 #pragma once
-// Body-centred cubic lattices: the sizes they come in and where their points lie.
+// Lattices: the sizes they come in and where their points lie.
 //
-// The Delaunay tetrahedra of such a lattice are all alike, of mean ratio .945; a lattice of size h has cubes 1.07 h
-// wide: its mean edge is .99 h, and that of a whole mesh, with what lies at the surface, h. There is one lattice per
-// size, in steps of about the cube root of 4 (Labelle & Shewchuk 2007 grade by octrees in steps of 2, too coarse to
-// keep edges near the size asked).
-#include <array>
+// A lattice of size h has cubes in which its mean edge is .99 h, and that of a whole mesh, with what lies at the
+// surface, h. There is one lattice per size, in steps of about the cube root of 4 (Labelle & Shewchuk 2007 grade
+// body-centred lattices by octrees in steps of 2, too coarse to keep edges near the size asked).
 #include <cmath>
 #include <cstdint>
 
 #include "core/base/vec.hpp"
+#include "mesher/lattice/lattice_shape.hpp"
 
 namespace tetloom::lattice {
-
-/// Widths of cubes, in sizes: with one size, and with several, where edges between lattices are shorter.
-inline constexpr double kCubePerSize = 1.07, kGradedCubePerSize = 1.083;
 
 /// Sizes smallest · ratio^k for 0 <= k < count.
 class Levels {
@@ -40,37 +36,38 @@ class Levels {
   int count_ = 1;
 };
 
-/// A point of a lattice: its coordinates in half cubes, all even (a corner) or all odd (a centre).
-struct Site {
-  std::int32_t i, j, k;
-  friend constexpr auto operator<=>(const Site&, const Site&) = default;
-};
-
 /// One lattice, shifted off the axes of symmetry by shares of a cube that differ between levels. Each point is moved by
 /// up to 1e-4 h, by a hash of its site: exact lattices are full of coplanar points, which are slow to insert.
-class BccLattice {
+class SiteLattice {
  public:
-  /// Pre: size > 0 and finite, cube_per_size below 1.1 (cell_sites.hpp counts on it).
-  BccLattice(const Vec3& origin, double size, double cube_per_size, int level);
+  /// `is_alone`: there are no other levels. Pre: size > 0 and finite.
+  SiteLattice(LatticeKind kind, const Vec3& origin, double size, int level, bool is_alone);
 
   Vec3 point(const Site& site) const {
-    return origin_ + half_ * Vec3{double(site.i), double(site.j), double(site.k)} + shift(site);
+    return origin_ + part_ * Vec3{double(site.i), double(site.j), double(site.k)} + shift(site);
   }
   double size() const { return size_; }
+  LatticeKind kind() const { return kind_; }
+  const LatticeShape& shape() const { return *shape_; }
 
-  /// The least half-cube coordinates of which none lies below `x`; not a site unless they are of one parity.
+  /// The least parts of cubes of which none lies below `x`: seldom a site.
   Site first_site(const Vec3& x) const {
     const Vec3 y = x - origin_;
-    const auto first = [&](double value) { return static_cast<std::int32_t>(std::ceil(value / half_)); };
+    const auto first = [&](double value) { return static_cast<std::int32_t>(std::ceil(value / part_)); };
     return {first(y.x), first(y.y), first(y.z)};
   }
   /// Calls visit(site) for the sites in [first, end), by k, then j, then i. Between the first sites of two corners of a
   /// box lie the sites whose unmoved points lie in the half-open box.
   template <class Visit>
   void for_each_between(const Site& first, const Site& end, Visit&& visit) const {
+    const LatticeShape::Row* rows = shape_->rows();
+    const std::int32_t parts = shape_->parts(), mask = parts - 1;
     for (std::int32_t k = first.k; k < end.k; ++k) {
-      for (std::int32_t j = first.j + ((first.j + k) & 1); j < end.j; j += 2) {
-        for (std::int32_t i = first.i + ((first.i + k) & 1); i < end.i; i += 2) visit(Site{i, j, k});
+      for (std::int32_t j = first.j; j < end.j; ++j) {
+        const LatticeShape::Row row = rows[(k & mask) * parts + (j & mask)];
+        if (row.step == 0) continue;
+        for (std::int32_t i = first.i + ((row.first - first.i) & (row.step - 1)); i < end.i; i += row.step)
+          visit(Site{i, j, k});
       }
     }
   }
@@ -78,8 +75,10 @@ class BccLattice {
  private:
   Vec3 shift(const Site& site) const;
 
+  LatticeKind kind_;
+  const LatticeShape* shape_;
   Vec3 origin_;
-  double size_, half_;
+  double size_, part_;  // part_: of a cube, that sites are counted in
   std::uint64_t level_;
 };
 

@@ -1,4 +1,4 @@
-#include "mesher/lattice/bcc_lattice.hpp"
+#include "mesher/lattice/site_lattice.hpp"
 
 #include <algorithm>
 
@@ -31,14 +31,16 @@ int Levels::of(double size) const {
   return std::clamp(static_cast<int>(std::lround(level)), 0, count_ - 1);
 }
 
-BccLattice::BccLattice(const Vec3& origin, double size, double cube_per_size, int level)
-    : size_(size), half_(0.5 * cube_per_size * size), level_(static_cast<std::uint64_t>(level)) {
+SiteLattice::SiteLattice(LatticeKind kind, const Vec3& origin, double size, int level, bool is_alone)
+    : kind_(kind), shape_(&LatticeShape::of(kind)), size_(size), level_(static_cast<std::uint64_t>(level)) {
+  const double cube = (is_alone ? shape_->cube_per_size() : shape_->graded_cube_per_size()) * size;
+  part_ = cube / shape_->parts();
   const double turn = level * 0.7548776662466927;
-  const auto share = [&](double x) { return 2 * half_ * (x + turn - std::floor(x + turn)); };
+  const auto share = [&](double x) { return cube * (x + turn - std::floor(x + turn)); };
   origin_ = origin - Vec3{share(0.3819660113), share(0.2360679775), share(0.1458980338)};
 }
 
-Vec3 BccLattice::shift(const Site& site) const {
+Vec3 SiteLattice::shift(const Site& site) const {
   std::uint64_t hash = level_;
   for (const std::int32_t index : {site.i, site.j, site.k})
     hash = mix_bits(hash * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(static_cast<std::int64_t>(index)));
