@@ -49,16 +49,17 @@ struct SizeOptions {
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
-  bool refine_surface = true;    ///< sizes become smaller where they do not fit: where walls, faces or model edges are
-                                 ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
-                                 ///< at the place), and where the surface mesh would cross itself; false: the sizes
-                                 ///< stay, whatever the shape of the elements
-  bool improve_surface = true;   ///< surface points may slide on the model and edges inside of its faces be swapped
-                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
-                                 ///< keeps the surface mesh exactly
-  QualityGoals goals;            ///< of the tets
-  int threads = 0;               ///< 0: all cores that the process may use
-  int parts = 0;                 ///< 0: from the estimated number of elements
+  bool refine_surface = true;   ///< sizes become smaller where they do not fit: where walls, faces or model edges are
+                                ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
+                                ///< at the place), and where the surface mesh would cross itself; false: the sizes
+                                ///< stay, whatever the shape of the elements
+  bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
+                                ///< while the volume is filled, where poor tets get better by it; false: the volume
+                                ///< keeps the surface mesh exactly
+  QualityGoals goals;           ///< of the tets
+  LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
+  int threads = 0;                         ///< 0: all cores that the process may use
+  int parts = 0;                           ///< 0: from the estimated number of elements
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   std::string volume_worker;     ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
   bool worker_only = false;      ///< fill volumes by TetGen alone, to compare

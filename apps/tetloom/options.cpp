@@ -46,7 +46,7 @@ struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
   std::optional<double> min_dihedral, min_mean_ratio;
   std::optional<int> threads, parts, rounds;
-  std::string input, output, sizes_file, report, worker, max_memory;
+  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc";
   bool surface_only = false, refine_surface = true, keep_surface = false, imprint = false, no_heal = false,
        quiet = false, tetgen = false;
 };
@@ -159,6 +159,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.refine_surface = raw.refine_surface;
   command.options.improve_surface = !raw.keep_surface;
   command.options.goals = make_goals(raw);
+  command.options.lattice = raw.lattice == "a15" ? LatticeKind::A15 : LatticeKind::Bcc;
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
   command.options.volume_worker = raw.worker;
@@ -235,6 +236,11 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
       ->group(group);
   mesh->add_flag("--keep-surface", raw.keep_surface,
                  "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
+      ->group(group);
+  mesh->add_option("--lattice", raw.lattice,
+                   "The lattice inside: bcc (the default), or a15, of fewer tetrahedra that are nearer to regular")
+      ->check(CLI::IsMember({"bcc", "a15"}))
+      ->type_name("KIND")
       ->group(group);
   mesh->add_option("--threads", raw.threads, "Default: all cores; the mesh does not depend on it")
       ->type_name("T")

@@ -75,7 +75,7 @@ class ComplexFiller {
   }
 
   FillingInput filling_input() const {
-    return {complex_, tree_, *input_.sizes, progress_, options_.freedom, options_.goals};
+    return {complex_, tree_, *input_.sizes, progress_, options_.freedom, options_.goals, options_.lattice};
   }
 
   void accept(FilledMesh&& filled) {
@@ -99,7 +99,7 @@ class ComplexFiller {
   }
 
   void make_interior() {
-    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes};
+    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes, options_.lattice};
     for (const Vec3& p : complex_.points) request.box.add(p);
     for (const lattice::LevelPoints& level : make_lattice_points(request, runner_)) {
       for (const lattice::Site& site : level.sites) interior_.push_back(level.lattice.point(site));

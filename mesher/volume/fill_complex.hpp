@@ -23,6 +23,7 @@ struct ComplexOptions {
   bool worker_only = false;                 ///< no attempt by our own means
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface has to stay
   QualityGoals goals = {};
+  LatticeKind lattice = LatticeKind::Bcc;
 };
 
 /// Fills `complex` as fill_volume promises; a filling's first points are the complex's, where they have become. Errors:

@@ -22,6 +22,7 @@ struct FillingInput {
   FillingProgress& progress;
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
   QualityGoals goals = {};
+  LatticeKind lattice = LatticeKind::Bcc;
 };
 
 struct FilledMesh {

@@ -134,7 +134,7 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   }
   runner.begin_stage(Stage::Volume, whole);
   if (complexes.empty()) return;
-  volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals};
+  volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals, options.lattice};
   try {
     how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {

@@ -12,6 +12,7 @@
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/lattice/lattice_kind.hpp"
 #include "mesher/tets/optimizer.hpp"
 #include "threading/task_runner.hpp"
 
@@ -80,6 +81,7 @@ struct VolumeOptions {
   bool improve_surface = false;
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   QualityGoals goals = {};
+  LatticeKind lattice = LatticeKind::Bcc;  ///< of the inside
 };
 
 /// The tetrahedra that fill_volume will make, within about a tenth for uniform sizes: the size field over the box of

@@ -97,6 +97,8 @@ TEST_CASE("every option of mesh reaches its place") {
                                     "0.6",
                                     "--rounds",
                                     "5",
+                                    "--lattice",
+                                    "a15",
                                     "--quiet",
                                     "--worker",
                                     "w"});
@@ -111,6 +113,7 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.options.goals.dihedral == 20);
   CHECK(c.options.goals.mean_ratio == 0.6);
   CHECK(c.options.goals.rounds == 5);
+  CHECK(c.options.lattice == LatticeKind::A15);
   CHECK(c.options.threads == 3);
   CHECK(c.options.parts == 4);
   CHECK(c.options.surface_only);
@@ -151,6 +154,7 @@ TEST_CASE("values that make no sense are refused") {
                                                     {"--rounds", "-1"},
                                                     {"--rounds", "101"},
                                                     {"--rounds", "0.5"},
+                                                    {"--lattice", "fcc"},
                                                     {"--threads", "0"},
                                                     {"--threads", "-1"},
                                                     {"--threads", "99999999999"},
