@@ -20,7 +20,7 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
   FillingFigures& figures = filled.figures;
   tets::OptimizeOptions options;
   options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
-  options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
+  if (input.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
   options.goals = input.goals;
   options.strong_gradation = input.sizes.gradation() > kStrongGradation;
   figures.optimizer = optimize(filled.mesh, options, runner);
