@@ -18,6 +18,7 @@ foreach(folder base geometry mesh io sizing predicates)
 endforeach()
 install(FILES threading/task_runner.hpp DESTINATION ${tetloom_include_dir}/threading)
 install(FILES mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
+install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}/mesher/lattice)
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
         DESTINATION ${tetloom_include_dir}/mesher/tets)
