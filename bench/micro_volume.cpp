@@ -20,6 +20,8 @@
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/edge_removal.hpp"
+#include "mesher/tets/insertion_order.hpp"
+#include "mesher/tets/locate.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/optimizer.hpp"
 #include "mesher/tets/recovery.hpp"
@@ -183,6 +185,28 @@ void insert_random_points(benchmark::State& state) {
   run_delaunay(state, points);
 }
 BENCHMARK(insert_random_points)->ArgName("points")->Arg(10000)->Arg(200000)->Unit(benchmark::kMillisecond);
+
+/// Points at random, one after the other as far apart as in an insertion (0) or anywhere (1).
+void locate_points(benchmark::State& state) {
+  std::mt19937_64 random(20100614);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3> points(200'000);
+  for (Vec3& x : points) x = {uniform(random), uniform(random), uniform(random)};
+  TetMesh mesh;
+  mesh.points = GrowingArray<Vec3>(std::span(points));
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  make_delaunay(mesh, order, kSerial);
+  if (state.range(0) == 0) order = tets::make_insertion_order(points, order);
+  tets::Walk walk;
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(walk.locate(mesh, points[order[i]] + Vec3{1e-9, 1e-9, 1e-9}));
+    i = i + 1 < order.size() ? i + 1 : 0;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(locate_points)->ArgName("anywhere")->Arg(0)->Arg(1);
 
 void insert_lattice_points(benchmark::State& state) {
   const SiteLattice lattice(LatticeKind::Bcc, {0, 0, 0}, 1, 0, true);

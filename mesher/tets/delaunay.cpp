@@ -6,6 +6,7 @@
 
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/insertion_order.hpp"
+#include "mesher/tets/locate.hpp"
 
 namespace tetloom::tets {
 
@@ -42,7 +43,7 @@ class Insertion {
   /// The vertex that lies where `vert` does, or kNone after inserting it.
   std::uint32_t insert(std::uint32_t vert) {
     const Vec3 x = mesh_.points[vert];
-    const std::uint32_t tet = locate(x);
+    const std::uint32_t tet = walk_.locate(mesh_, x);
     for (std::uint32_t i = 0; i < 4; ++i) {
       const std::uint32_t other = verts_[std::size_t{tet} * 4 + i];
       if (mesh_.points[other] == x) return other;
@@ -67,26 +68,6 @@ class Insertion {
     mesh_.to_fixed.resize(size, 0);
     in_cavity_.resize(size, 0);
     verts_ = mesh_.to_vert.data(), neighbors_ = mesh_.to_neighbor.data();
-  }
-
-  // A tet that holds x, by walking towards it from the last one made.
-  std::uint32_t locate(const Vec3& x) {
-    const Vec3* points = mesh_.points.data();
-    std::uint32_t tet = last_, came_through = 4;
-    for (;;) {
-      const std::uint32_t* v = verts_ + std::size_t{tet} * 4;
-      std::uint32_t leave = 4;
-      for (std::uint32_t k = 0; k < 4 && leave == 4; ++k) {
-        const std::uint32_t i = (k + turn_) & 3;
-        if (i == came_through) continue;
-        const auto& f = kFaceVerts[i];
-        if (orient3d(points[v[f[0]]], points[v[f[1]]], points[v[f[2]]], x) > 0) leave = i;
-      }
-      if (leave == 4) return tet;
-      ++turn_;
-      const FaceCode next = neighbors_[std::size_t{tet} * 4 + leave];
-      tet = next / 4, came_through = next % 4;
-    }
   }
 
   bool conflicts(std::uint32_t tet, std::uint32_t vert, const Vec3& x) const {
@@ -156,7 +137,7 @@ class Insertion {
       match_by_sorting();
     }
     for (const std::uint32_t v : locals_) vert_to_local_[v] = kNone;
-    last_ = cavity_[0];
+    walk_.restart(cavity_[0]);
     for (std::size_t k = rim_.size(); k < removed; ++k) {
       verts_[std::size_t{cavity_[k]} * 4] = kNone;
       free_.push_back(cavity_[k]);
@@ -224,7 +205,7 @@ class Insertion {
   std::vector<Rim> rim_;
   std::vector<FaceCode> table_ = std::vector<FaceCode>(std::size_t{kSmallCavity} * kSmallCavity);
   std::vector<std::uint32_t> free_;  // dead tets
-  std::uint32_t last_ = 0, turn_ = 0;
+  Walk walk_;
 };
 
 // A regular tetrahedron, turned off the axes, around the points.

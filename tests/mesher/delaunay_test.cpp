@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/locate.hpp"
 
 namespace tetloom::tets {
 namespace {
@@ -188,6 +189,29 @@ TEST_CASE("tetrahedralising ends when it is cancelled") {
   mesh.points = GrowingArray<Vec3>(std::span(points));
   const TaskRunner runner(1, {{}, &cancel});
   CHECK_THROWS_AS(make_delaunay(mesh, all_ids(100), runner), Error);
+}
+
+TEST_CASE("a walk ends in a tet that holds the point, wherever it starts") {
+  const unsigned seed = 20261121;
+  CAPTURE(seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3> points(2000);
+  for (Vec3& x : points) x = {uniform(random), uniform(random), uniform(random)};
+  const Tetrahedralised made = tetrahedralise(points);
+  const TetMesh& mesh = made.mesh;
+  Walk walk;
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 10 == 0) walk.restart(static_cast<std::uint32_t>(random() % mesh.size()));
+    // Vertices, places on edges, and others.
+    const Vec3 &a = points[random() % points.size()], &b = points[random() % points.size()];
+    const Vec3 x = i % 3 == 0   ? a
+                   : i % 3 == 1 ? 0.5 * (a + b)
+                                : Vec3{uniform(random), uniform(random), uniform(random)};
+    const std::uint32_t tet = walk.locate(mesh, x);
+    for (const auto& face : kFaceVerts)
+      REQUIRE(orient3d(mesh.point_of(tet, face[0]), mesh.point_of(tet, face[1]), mesh.point_of(tet, face[2]), x) <= 0);
+  }
 }
 
 TEST_CASE("compacting drops dead tets and keeps the others joined") {
