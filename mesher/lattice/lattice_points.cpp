@@ -12,6 +12,7 @@ namespace tetloom::lattice {
 
 namespace {
 
+constexpr int kMostLevels = 1024;
 constexpr double kFromFinerLattice = 0.65;
 // Large cells look at fewer triangles twice; small ones follow sizes that vary.
 constexpr double kSizesPerCell = 4, kSizesPerUniformCell = 8;
@@ -30,7 +31,8 @@ class Filler {
   Filler(const LatticeRequest& request, const TaskRunner& runner)
       : request_(request), runner_(runner), levels_(levels_of(request)) {
     for (int level = 0; level < levels_.count(); ++level)
-      lattices_.emplace_back(request.kind, request.box.lo, levels_.size(level), level, levels_.count() == 1);
+      lattices_.emplace_back(request.kind, request.box.lo, levels_.size(level), level + kMostLevels * request.attempt,
+                             levels_.count() == 1);
   }
 
   std::vector<LevelPoints> fill() {

@@ -20,6 +20,7 @@ struct LatticeRequest {
   Box3 box;  ///< of the surface
   const SizeField* sizes = nullptr;
   LatticeKind kind = LatticeKind::Bcc;
+  int attempt = 0;  ///< each has its own place of the lattices
 };
 
 /// The points of one level.

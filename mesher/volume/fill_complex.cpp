@@ -18,6 +18,7 @@ namespace tetloom::volume {
 namespace {
 
 constexpr std::size_t kElementsToldAtMost = 100;
+constexpr int kOwnAttempts = 3;
 
 // One way of asking. TetGen's switches: p surface, Y keep its triangles, M merge nothing, Q quiet, J keep the
 // numbering, z count from 0, O optimise, T tolerance for coplanar points.
@@ -57,7 +58,8 @@ class ComplexFiller {
       result_.errors.push_back(describe_failure());
       return std::move(result_);
     }
-    if (surface_crosses_itself(result_.errors)) return std::move(result_);
+    if (!result_.errors.empty() || (options_.worker_only && surface_crosses_itself(result_.errors)))
+      return std::move(result_);
     ask_worker();
     if (!result_.filling) {
       result_.errors.push_back(describe_failure());
@@ -68,10 +70,19 @@ class ComplexFiller {
   }
 
  private:
+  // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
   void fill_by_own_means() {
-    FilledMesh own = fill_by_lattice(filling_input(), runner_);
-    if (own.fault.any()) own.figures.core_tets = own.figures.shell_tets = own.figures.recovery_points = 0;
-    accept(std::move(own));
+    for (int attempt = 0; attempt < kOwnAttempts; ++attempt) {
+      FillingInput input = filling_input();
+      input.attempt = attempt;
+      FilledMesh own = fill_by_lattice(input, runner_);
+      const bool failed = own.fault.any();
+      if (failed) own.figures.core_tets = own.figures.shell_tets = own.figures.recovery_points = 0;
+      if (failed && attempt + 1 < kOwnAttempts) own.figures.missing_triangles = 0;
+      accept(std::move(own));
+      if (!failed || failure_->code == ErrorCode::SelfIntersection) return;
+      if (attempt == 0 && surface_crosses_itself(result_.errors)) return;
+    }
   }
 
   FillingInput filling_input() const {

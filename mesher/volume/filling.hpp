@@ -23,6 +23,7 @@ struct FillingInput {
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
   QualityGoals goals = {};
   LatticeKind lattice = LatticeKind::Bcc;
+  int attempt = 0;  ///< another one has another place of the lattice
 };
 
 struct FilledMesh {
