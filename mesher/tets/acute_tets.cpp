@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "mesher/tets/dihedral.hpp"
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 #include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom {

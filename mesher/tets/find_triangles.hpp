@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mesher/tets/recovery.hpp"
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mesher/tets/tet_mesh.hpp"
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
 

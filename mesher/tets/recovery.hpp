@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::tets {

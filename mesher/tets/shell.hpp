@@ -10,7 +10,7 @@
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
 #include "mesher/tets/tet_mesh.hpp"
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::tets {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
 

@@ -2,40 +2,33 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <utility>
 
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::volume {
 
 namespace {
 
-using tets::TriangleTable;
 using tets::TriangleVerts;
 
 // The model faces of the triangles that tets name; kNone for others.
 class FaceFinder {
  public:
   FaceFinder(const VolumeInput& input, const Complex& complex, std::span<const TriangleVerts> tri_to_vert,
-             const std::vector<AcuteTet>& tets)
-      : wanted_(2 * tets.size()) {
-    for (const AcuteTet& tet : tets) {
-      for (const TriangleVerts& triangle : tet.triangles) {
-        if (wanted_.add(triangle, static_cast<std::uint32_t>(faces_.size()))) faces_.push_back(kNone);
-      }
-    }
-    for (std::size_t t = 0; t < tri_to_vert.size(); ++t) {
-      const TriangleTable::Entry* entry = wanted_.find(tets::sorted(tri_to_vert[t]));
-      if (entry) faces_[entry->value] = input.tri_to_face[complex.to_input_tri[t]];
+             const std::vector<AcuteTet>& tets) {
+    for (const AcuteTet& tet : tets)
+      for (const TriangleVerts& triangle : tet.triangles) to_face_[tets::sorted(triangle).verts] = kNone;
+    for (std::size_t t = 0; !to_face_.empty() && t < tri_to_vert.size(); ++t) {
+      const auto wanted = to_face_.find(tets::sorted(tri_to_vert[t]).verts);
+      if (wanted != to_face_.end()) wanted->second = input.tri_to_face[complex.to_input_tri[t]];
     }
   }
-  std::uint32_t face_of(const TriangleVerts& triangle) const {
-    return faces_[wanted_.find(tets::sorted(triangle))->value];
-  }
+  std::uint32_t face_of(const TriangleVerts& triangle) const { return to_face_.at(tets::sorted(triangle).verts); }
 
  private:
-  TriangleTable wanted_;
-  std::vector<std::uint32_t> faces_;
+  std::map<TriangleVerts, std::uint32_t> to_face_;  // by ascending vertices
 };
 
 // The model edge on which two triangles meet: that of a common vertex, where one lies inside of an edge.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mesher/tets/delaunay.hpp"
-#include "mesher/tets/triangle_table.hpp"
+#include "mesher/tets/triangle_verts.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 
 namespace tetloom::volume_tests {
