@@ -26,9 +26,10 @@ inline constexpr double kLeastWidth = 0.4;
 /// triangles with an angle below 15 degrees and a height below that, in ascending order. Their size is what makes the
 /// width or height kLeastWidth, but at least `floor` of the place.
 ///
-/// Not told are walls that meet at a common model edge, as in a wedge, and angles between two model edges: smaller
-/// sizes would not make them any better. Widths are sampled once per triangle, at its centre. `sizes`: those that the
-/// mesh was made with. Complexity: O(n log n). Errors: Cancelled.
+/// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
+/// edges that meet: smaller sizes would not make them any better. Nor are widths below a fifth of the floor, which no
+/// size allowed fits. Widths are sampled once per triangle, at its centre. `sizes`: those that the mesh was made with.
+/// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<double(const Vec3&)>& floor, const TaskRunner& runner);
 

@@ -1,8 +1,8 @@
 #include "mesher/tets/recovery.hpp"
 
 #include <algorithm>
-#include <numeric>
 
+#include "core/base/disjoint_sets.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recoverer.hpp"
 #include "mesher/tets/steiner.hpp"
@@ -122,25 +122,19 @@ class Recovery {
 
   // Triangles that hang together at edges, apart from others, so that one failure does not spoil others.
   std::vector<std::vector<std::uint32_t>> missing_groups() const {
-    std::vector<std::uint32_t> group(missing_.size());
-    std::iota(group.begin(), group.end(), 0u);
-    const auto root = [&](std::uint32_t i) {
-      while (group[i] != i) i = group[i] = group[group[i]];
-      return i;
-    };
+    DisjointSets groups(missing_.size());
     for (const MissingEdge& edge : edges_) {
       std::uint32_t first = kNone;
       for (const std::uint32_t t : edge.triangles) {
         const auto at = std::lower_bound(missing_.begin(), missing_.end(), t);
         if (at == missing_.end() || *at != t) continue;
-        const std::uint32_t other = root(static_cast<std::uint32_t>(at - missing_.begin()));
+        const auto other = static_cast<std::uint32_t>(at - missing_.begin());
         if (first == kNone) first = other;
-        group[std::max(first, other)] = std::min(first, other);
-        first = std::min(first, other);
+        groups.join(first, other);
       }
     }
     std::vector<std::vector<std::uint32_t>> members(missing_.size());
-    for (std::uint32_t i = 0; i < missing_.size(); ++i) members[root(i)].push_back(missing_[i]);
+    for (std::uint32_t i = 0; i < missing_.size(); ++i) members[groups.find(i)].push_back(missing_[i]);
     std::erase_if(members, [](const auto& list) { return list.empty(); });
     return members;
   }

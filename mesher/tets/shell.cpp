@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/disjoint_sets.hpp"
 #include "mesher/tets/find_triangles.hpp"
 
 namespace tetloom::tets {
@@ -39,27 +40,6 @@ class OpenFaces {
   std::span<const FaceCode> faces_;
   TriangleIndex index_;
   std::vector<char> has_;
-};
-
-// Which elements hang together: the root of each set is its lowest member.
-class Sets {
- public:
-  std::uint32_t add() {
-    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
-    return parent_.back();
-  }
-  std::uint32_t root_of(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) {
-    i = root_of(i), j = root_of(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-  std::size_t size() const { return parent_.size(); }
-
- private:
-  std::vector<std::uint32_t> parent_;
 };
 
 Vec3 center_of(const TetMesh& mesh, std::uint32_t tet) {
@@ -113,7 +93,7 @@ class Joiner {
   // By one pass in the order of memory, where each tet joins those before it.
   void flood() {
     to_flood_.resize(shell_.size(), kNone);
-    Sets sets;
+    DisjointSets sets;
     for (std::uint32_t tet = 0; tet < shell_.size(); ++tet) {
       if (tet % kBlock == 0) runner_.check_cancelled();
       if (shell_.is_dead(tet)) continue;
@@ -131,7 +111,7 @@ class Joiner {
       if (flood == kNone) flood = sets.add();
     }
     for (std::uint32_t& flood : to_flood_)
-      if (flood != kNone) flood = sets.root_of(flood);
+      if (flood != kNone) flood = sets.find(flood);
     flood_to_region_.assign(sets.size(), kUnnamed);
     flood_to_namer_.assign(sets.size(), kNone);
   }

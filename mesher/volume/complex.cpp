@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <utility>
+
+#include "core/base/disjoint_sets.hpp"
 
 namespace tetloom::volume {
 
@@ -82,23 +83,6 @@ Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion>
   return diagnostic;
 }
 
-class RegionSets {
- public:
-  explicit RegionSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t region) {
-    while (parent_[region] != region) region = parent_[region] = parent_[parent_[region]];
-    return region;
-  }
-  // The smaller id leads, so sets are in order of their first region.
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 // `to_local` holds kNone for all vertices, before and after.
 void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std::uint32_t>& to_local) {
   auto& vertices = complex.to_input_vert;
@@ -145,11 +129,11 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
   for (const std::uint32_t region : without) left_out[region] = 1;
   const auto kept = [&](ModelRegionId id) { return id.valid() && !left_out[id.value] ? id : ModelRegionId{}; };
 
-  RegionSets sets(region_count);
+  DisjointSets sets(region_count);
   std::vector<char> bounded(region_count, 0);
   for (const FaceSides& sides : input.tri_to_sides) {
     const ModelRegionId front = kept(sides.front), back = kept(sides.back);
-    if (front.valid() && back.valid()) sets.unite(front.value, back.value);
+    if (front.valid() && back.valid()) sets.join(front.value, back.value);
     for (const ModelRegionId id : {front, back}) {
       if (id.valid()) bounded[id.value] = 1;
     }

@@ -58,7 +58,7 @@ class ComplexFiller {
       result_.errors.push_back(describe_failure());
       return std::move(result_);
     }
-    if (!result_.errors.empty() || (options_.worker_only && surface_crosses_itself(result_.errors)))
+    if (!result_.errors.empty() || (!knows_crossings_ && surface_crosses_itself(result_.errors)))
       return std::move(result_);
     ask_worker();
     if (!result_.filling) {
@@ -76,11 +76,11 @@ class ComplexFiller {
       FillingInput input = filling_input();
       input.attempt = attempt;
       FilledMesh own = fill_by_lattice(input, runner_);
-      const bool failed = own.fault.any();
+      const bool failed = own.fault.any(), may_differ = own.figures.missing_triangles > 0;
       if (failed) own.figures.core_tets = own.figures.shell_tets = own.figures.recovery_points = 0;
       if (failed && attempt + 1 < kOwnAttempts) own.figures.missing_triangles = 0;
       accept(std::move(own));
-      if (!failed || failure_->code == ErrorCode::SelfIntersection) return;
+      if (!failed || !may_differ || failure_->code == ErrorCode::SelfIntersection) return;
       if (attempt == 0 && surface_crosses_itself(result_.errors)) return;
     }
   }
@@ -184,7 +184,8 @@ class ComplexFiller {
     if (!failure_ || (failure_->triangles.empty() && !failure.triangles.empty())) failure_ = std::move(failure);
   }
 
-  bool surface_crosses_itself(std::vector<Diagnostic>& errors) const {
+  bool surface_crosses_itself(std::vector<Diagnostic>& errors) {
+    knows_crossings_ = true;
     const auto found = find_self_intersections({complex_.points, complex_.tri_to_vert, {}, 1000}, runner_);
     if (found.empty()) return false;
     std::vector<std::uint32_t> tri_to_face;
@@ -232,6 +233,7 @@ class ComplexFiller {
   std::optional<Failure> failure_;
   bool hopeless_ = false;      // other attempts would end like this one
   bool has_interior_ = false;  // of the last attempt
+  bool knows_crossings_ = false;
 };
 
 }  // namespace

@@ -10,10 +10,12 @@
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/locate.hpp"
+#include "tests/mesher/delaunay_oracle.hpp"
 
 namespace tetloom::tets {
 namespace {
 
+using oracle_tests::random_points;
 using Tet = std::array<std::uint32_t, 4>;
 
 std::vector<std::uint32_t> all_ids(std::size_t count) {
@@ -91,15 +93,6 @@ std::set<Tet> tets_of(const std::vector<Vec3>& points) {
     if (tet[3] < points.size()) tets.insert(tet);
   }
   return tets;
-}
-
-std::vector<Vec3> random_points(std::size_t count, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> coordinate(0, 1);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < count; ++i)
-    points.push_back({coordinate(random), coordinate(random), coordinate(random)});
-  return points;
 }
 
 std::vector<Vec3> cubic_lattice(int n) {

@@ -11,6 +11,7 @@
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesher.hpp"
+#include "tests/mesher/real_models.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 
 using namespace tetloom;
@@ -19,17 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kModels = fs::path(TETLOOM_SHARED_DIR) / "cad";
 constexpr int kRoundsAtMost = 12;
-
-std::vector<fs::path> list_models() {
-  std::vector<fs::path> models;
-  if (!fs::is_directory(kModels)) return models;
-  for (const auto& entry : fs::directory_iterator(kModels))
-    if (entry.path().extension() != ".md") models.push_back(entry.path());
-  std::sort(models.begin(), models.end());
-  return models;
-}
 
 struct CoarseModel {
   Surface surface;
@@ -129,9 +120,9 @@ void fill(const CoarseModel& model, Tally& tally) {
 }  // namespace
 
 TEST_CASE("coarse surfaces of real models are filled when they are perturbed until they nearly cross themselves") {
-  const std::vector<fs::path> models = list_models();
+  const std::vector<fs::path> models = test::list_real_models();
   if (models.empty()) {
-    WARN("skipped: no models in " << kModels);
+    WARN("skipped: no models in " << test::kRealModels);
     return;
   }
   std::printf("%-52s %6s %9s %8s %8s %7s\n", "model", "moved", "triangles", "filled", "missing", "points");

@@ -15,6 +15,7 @@
 #include "core/mesh/quality.hpp"
 #include "core/mesh/validate.hpp"
 #include "mesher/mesher.hpp"
+#include "tests/mesher/real_models.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
@@ -22,17 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kModels = fs::path(TETLOOM_SHARED_DIR) / "cad";
 const fs::path kJudge = fs::path(TETLOOM_SHARED_DIR) / "tools/quality.py";
-
-std::vector<fs::path> list_models() {
-  std::vector<fs::path> models;
-  if (!fs::is_directory(kModels)) return models;
-  for (const auto& entry : fs::directory_iterator(kModels))
-    if (entry.path().extension() != ".md") models.push_back(entry.path());
-  std::sort(models.begin(), models.end());
-  return models;
-}
 
 // What shared/tools/quality.py says of the mesh, or an empty object where it cannot run.
 nlohmann::json ask_judge(const Mesh& mesh, double size) {
@@ -85,9 +76,9 @@ void print_row(const std::string& name, const MeshResult& result, const Figures&
 }
 
 void mesh_all(double relative_size) {
-  const std::vector<fs::path> models = list_models();
+  const std::vector<fs::path> models = test::list_real_models();
   if (models.empty()) {
-    WARN("skipped: no models in " << kModels);
+    WARN("skipped: no models in " << test::kRealModels);
     return;
   }
   print_heading();
