@@ -1,30 +1,11 @@
 #include "mesher/complexes.hpp"
 
-#include <numeric>
+#include "core/base/disjoint_sets.hpp"
 
 namespace tetloom {
-namespace {
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-}  // namespace
 
 std::vector<std::uint32_t> find_complexes(const ModelTopology& topology) {
-  UnionFind sets(topology.face_count());
+  DisjointSets sets(topology.face_count());
   std::vector<std::uint32_t> region_to_face(topology.region_count(), kNone);
   std::vector<std::uint32_t> edge_to_sheet(topology.edge_count(), kNone);
   const auto join_through = [&](std::uint32_t& first, std::uint32_t face) {

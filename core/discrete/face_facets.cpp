@@ -1,6 +1,6 @@
 #include "core/discrete/face_facets.hpp"
 
-#include "core/discrete/union_find.hpp"
+#include "core/base/disjoint_sets.hpp"
 
 namespace tetloom::detail {
 
@@ -23,7 +23,7 @@ void collect_face(const FacetSurface& surface, const Segmentation& segmentation,
                   std::uint32_t face, FaceFacets& result) {
   const auto tris = members.of(face);
   const auto count = static_cast<std::uint32_t>(tris.size());
-  UnionFind corners(3 * std::size_t{count});
+  DisjointSets corners(3 * std::size_t{count});
   std::vector<bool> corner_on_rim(3 * std::size_t{count}, false);
   for (std::uint32_t local = 0; local < 3 * count; ++local) {
     const std::uint32_t half = 3 * tris[local / 3] + local % 3;
@@ -33,7 +33,7 @@ void collect_face(const FacetSurface& surface, const Segmentation& segmentation,
     }
     const std::uint32_t twin = surface.edges.twin(half);
     const std::uint32_t local_twin = 3 * members.tri_to_position[half_to_tri(twin)] + twin % 3;
-    corners.unite(local, next_half(local_twin));
+    corners.join(local, next_half(local_twin));
   }
   std::vector<std::uint32_t> corner_to_vert(3 * std::size_t{count}, kNone);
   result.tri_to_vert.resize(count);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/discrete/facet_bvh.hpp"
-#include "core/discrete/union_find.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -30,9 +30,9 @@ class EdgeUmbrella {
     std::sort(spokes_.begin(), spokes_.end());
   }
 
-  void join(UnionFind& sides) const {
+  void join(DisjointSets& sides) const {
     for (std::size_t i = 0; i < spokes_.size(); ++i) {
-      sides.unite(side(spokes_[i], true), side(spokes_[(i + 1) % spokes_.size()], false));
+      sides.join(side(spokes_[i], true), side(spokes_[(i + 1) % spokes_.size()], false));
     }
   }
 
@@ -69,12 +69,12 @@ class EdgeUmbrella {
 };
 
 Shells find_shells(const FacetSurface& surface) {
-  UnionFind leaves(surface.leaf_count), sides(2 * std::size_t{surface.leaf_count});
+  DisjointSets leaves(surface.leaf_count), sides(2 * std::size_t{surface.leaf_count});
   for (std::uint32_t edge = 0; edge < surface.edges.size(); ++edge) {
     if (surface.edge_is_joint[edge]) continue;
     const auto halves = surface.edges.halves(edge);
     for (const std::uint32_t half : halves) {
-      leaves.unite(surface.tri_to_leaf[half_to_tri(halves[0])], surface.tri_to_leaf[half_to_tri(half)]);
+      leaves.join(surface.tri_to_leaf[half_to_tri(halves[0])], surface.tri_to_leaf[half_to_tri(half)]);
     }
     EdgeUmbrella(surface, edge).join(sides);
   }
