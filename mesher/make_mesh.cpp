@@ -212,7 +212,8 @@ class MeshRun {
     const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
                             mesh.point_to_entity, mesh.edge_to_vert};
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
-                                options_.max_memory,    options_.goals,       options_.lattice};
+                                options_.max_memory,    options_.goals,       options_.lattice,
+                                options_.tets_per_part, options_.trace};
     VolumeMesh volume = fill_volume(input, options, runner_);
     result_.seconds.volume += watch.lap();
     result_.filling = volume.figures;

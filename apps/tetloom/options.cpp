@@ -14,6 +14,7 @@ namespace tetloom::app {
 namespace {
 
 constexpr int kMostThreads = 4096;
+constexpr double kFewestTetsPerPart = 1000;
 constexpr int kMostParts = 1 << 20;
 constexpr double kDefaultCurvature = 24;
 
@@ -44,7 +45,7 @@ Examples:
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
-  std::optional<double> min_dihedral, min_mean_ratio;
+  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part;
   std::optional<int> threads, parts, rounds;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc";
   bool surface_only = false, refine_surface = true, keep_surface = false, imprint = false, no_heal = false,
@@ -160,6 +161,10 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.improve_surface = !raw.keep_surface;
   command.options.goals = make_goals(raw);
   command.options.lattice = raw.lattice == "a15" ? LatticeKind::A15 : LatticeKind::Bcc;
+  if (raw.tets_per_part) {
+    require(*raw.tets_per_part >= kFewestTetsPerPart, "--tets-per-part must be at least 1000");
+    command.options.tets_per_part = *raw.tets_per_part;
+  }
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
   command.options.volume_worker = raw.worker;
@@ -247,6 +252,11 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
       ->group(group);
   mesh->add_option("--parts", raw.parts, "Parts of the mesh; accepted, and without effect so far")
       ->type_name("P")
+      ->group(group);
+  mesh->add_option("--tets-per-part", raw.tets_per_part,
+                   "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: 5e5. The mesh "
+                   "depends on it, where parts meet")
+      ->type_name("N")
       ->group(group);
   mesh->add_option("--max-memory", raw.max_memory,
                    "Refuse what is estimated to need more, such as 8G; default: what the machine has free")

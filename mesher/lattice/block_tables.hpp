@@ -24,6 +24,7 @@ struct BlockTables {
   std::array<TypeSet, Kinds> first_at{};  ///< types whose first vertex is of a kind
   /// From a site of a kind to those next to it; those of fewer have themselves in the places left.
   std::array<std::array<int, kMostAround>, Kinds> around_offset{};
+  std::array<std::size_t, Kinds> around_count{};
 
   /// Pre: the lattice is of these numbers.
   explicit BlockTables(const LatticeShape& shape) {
@@ -41,7 +42,7 @@ struct BlockTables {
     }
     for (int kind = 0; kind < Kinds; ++kind) {
       const Site& site = shape.sites()[static_cast<std::size_t>(kind)];
-      std::size_t count = 0;
+      std::size_t& count = around_count[static_cast<std::size_t>(kind)];
       for (const Site& next : shape.around(kind)) {
         const SiteStep step = shape.step_to(site, next);
         around_offset[kind][count++] = (step.kind - kind) * kPaddedCubes + offset(step);

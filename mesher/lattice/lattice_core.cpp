@@ -31,6 +31,8 @@ class LevelEmitter {
   LevelEmitter(TetMesh& mesh, const LevelPoints& level, LatticeCore& core, const TaskRunner& runner)
       : mesh_(mesh), core_(core), runner_(runner), tables_(level.lattice.shape()) {
     const auto first_vert = static_cast<std::uint32_t>(mesh.points.size());
+    own_end_ = first_vert + static_cast<std::uint32_t>(level.sites.size() - level.foreign);
+    core.level_to_vert.push_back(first_vert);
     mesh.points.reserve(mesh.points.size() + level.sites.size());
     for (const Site& site : level.sites) mesh.points.push_back(level.lattice.point(site));
     runner.check_cancelled();
@@ -48,6 +50,11 @@ class LevelEmitter {
     reserve(count);
     for_each_block([&](std::size_t b) { write_tets(b); });
     for_each_block([&](std::size_t b) { note_shell(b); });
+    std::sort(shell_.begin(), shell_.end(), [](const Shell& s, const Shell& t) { return s.vert < t.vert; });
+    for (const Shell& site : shell_) {
+      core_.shell_verts.push_back(site.vert);
+      core_.pure_around.push_back(site.pure_around);
+    }
   }
 
  private:
@@ -118,9 +125,7 @@ class LevelEmitter {
 
   std::size_t number_tets(std::size_t b, std::size_t count) {
     const Padded<std::uint32_t> verts = pad_verts(b);
-    const Padded<char> pure = pad<char>(b, 0, [&](std::uint32_t block, std::size_t kind, std::size_t cube) -> char {
-      return pure_[block][kind] >> cube & 1;
-    });
+    const Padded<char> pure = pad_pure(b);
     for_each_cube([&](std::size_t cube, std::size_t place) {
       tets_[b].first_tet[cube] = static_cast<std::uint32_t>(count);
       tets_[b].types[cube] = types_at(verts.data() + place, pure.data() + place);
@@ -134,9 +139,10 @@ class LevelEmitter {
     TypeSet types = 0;
     for (int kind = 0; kind < Kinds; ++kind) {
       const TypeSet first = tables_.first_at[kind];
+      if (verts[kind * kPaddedCubes] >= own_end_) continue;  // nothing, or another part's
       if (pure[kind * kPaddedCubes]) {
         types = static_cast<TypeSet>(types | first);  // everything around is there
-      } else if (verts[kind * kPaddedCubes] != kNone) {
+      } else {
         types = static_cast<TypeSet>(types | mixed_types(first, verts, pure));
       }
     }
@@ -191,12 +197,34 @@ class LevelEmitter {
   }
 
   void note_shell(std::size_t b) {
+    if (!has_shell(b)) return;
+    const Padded<char> pure = pad_pure(b);
     for (std::size_t kind = 0; kind < Kinds; ++kind) {
-      for (std::size_t cube = 0; cube < kBlockCubes; ++cube) {
+      for_each_cube([&](std::size_t cube, std::size_t place) {
         const std::uint32_t vert = blocks_[b].to_vert[kind * kBlockCubes + cube];
-        if (vert != kNone && !(pure_[b][kind] >> cube & 1)) core_.shell_verts.push_back(vert);
-      }
+        if (vert >= own_end_ || (pure_[b][kind] >> cube & 1)) return;
+        const auto& around = tables_.around_offset[kind];
+        const std::size_t site = kind * kPaddedCubes + place;
+        unsigned pure_around = 0;
+        for (std::size_t i = 0; i < tables_.around_count[kind]; ++i)
+          pure_around |= unsigned{pure[site + static_cast<std::size_t>(around[i])] != 0} << i;
+        shell_.push_back({vert, static_cast<std::uint16_t>(pure_around)});
+      });
     }
+  }
+
+  bool has_shell(std::size_t b) const {
+    for (std::size_t kind = 0; kind < Kinds; ++kind) {
+      for (std::size_t cube = 0; cube < kBlockCubes; ++cube)
+        if (blocks_[b].to_vert[kind * kBlockCubes + cube] < own_end_ && !(pure_[b][kind] >> cube & 1)) return true;
+    }
+    return false;
+  }
+
+  Padded<char> pad_pure(std::size_t b) const {
+    return pad<char>(b, 0, [&](std::uint32_t block, std::size_t kind, std::size_t cube) -> char {
+      return pure_[block][kind] >> cube & 1;
+    });
   }
 
   Padded<std::uint32_t> pad_verts(std::size_t b) const {
@@ -216,9 +244,16 @@ class LevelEmitter {
     }
   }
 
+  struct Shell {
+    std::uint32_t vert;
+    std::uint16_t pure_around;
+  };
+
   TetMesh& mesh_;
   LatticeCore& core_;
   const TaskRunner& runner_;
+  std::uint32_t own_end_ = 0;  // vertices from here on are another part's
+  std::vector<Shell> shell_;
   Tables tables_;
   std::vector<SiteBlock<Kinds>> blocks_;
   std::vector<Bits> complete_, pure_;  // per block
@@ -237,7 +272,7 @@ LatticeCore emit_core(TetMesh& mesh, std::span<const LevelPoints> levels, const 
       LevelEmitter<2, 12>(mesh, level, core, runner).emit(is_alone);
     }
   }
-  std::sort(core.shell_verts.begin(), core.shell_verts.end());
+  core.level_to_vert.push_back(static_cast<std::uint32_t>(mesh.points.size()));
   return core;
 }
 

@@ -17,13 +17,22 @@
 namespace tetloom::lattice {
 
 struct LatticeCore {
-  std::vector<std::uint32_t> shell_verts;  ///< vertices of sites that are not pure, ascending
-  std::vector<tets::FaceCode> open_faces;  ///< faces of core tets with no core tet behind them, ascending
+  std::vector<std::uint32_t> shell_verts;    ///< vertices of sites that are not pure, ascending
+  std::vector<std::uint16_t> pure_around;    ///< per shell vertex: which sites of LatticeShape::around() are pure
+  std::vector<tets::FaceCode> open_faces;    ///< faces of core tets with no core tet behind them, ascending
+  std::vector<std::uint32_t> level_to_vert;  ///< the first vertex of each level, and one past the last
 };
+
+/// How far the neighbourhood of a part has to be known, in cubes of a level.
+inline constexpr double kReach = 2.1, kGradedReach = 3.1;
 
 /// Appends the points of `levels` to `mesh`, in their order, and then all tetrahedra at pure sites, without fixed
 /// faces; `to_region` stays empty, for join_shell to fill. Pre: `mesh` has no tets. Errors: OutOfMemory beyond 2^29
 /// tets; Cancelled.
+///
+/// Where a part knows but the neighbourhood of its own sites, it makes the tets of the lattice's cubes that begin at
+/// its own, so that every tet is made by one part; shell vertices are its own, and open faces are all that have no tet
+/// of the part behind them. Pre: foreign sites reach kReach cubes (kGradedReach with several levels) beyond it.
 LatticeCore emit_core(tets::TetMesh& mesh, std::span<const LevelPoints> levels, const TaskRunner& runner);
 
 }  // namespace tetloom::lattice

@@ -28,6 +28,7 @@ struct LevelPoints {
   SiteLattice lattice;
   std::vector<Site> sites;
   std::vector<char> near_surface;  ///< per site: too near for LatticeShape::near_surface()
+  std::size_t foreign = 0;         ///< the last so many sites are known, but other parts': no tets are made of them
 };
 
 /// Finest level first; the points depend on the request alone. A point is inside when the surface around it says that

@@ -19,9 +19,15 @@ constexpr std::uint32_t kSmallCavity = 64;  // vertices; their edges are matched
 
 // The sign of insphere(a, b, c, d, e) after raising the vertices in the lifted space, the higher the id the more: never
 // 0. Raising a vertex of the tet raises the sphere at `e` by e's barycentric coordinate for that vertex.
-int raised_insphere(const GrowingArray<Vec3>& points, const std::uint32_t* tet, std::uint32_t e) {
+int raised_insphere(const GrowingArray<Vec3>& points, std::span<const std::uint64_t> keys, const std::uint32_t* tet,
+                    std::uint32_t e) {
   std::array<std::uint32_t, 5> ids{tet[0], tet[1], tet[2], tet[3], e};
-  std::sort(ids.begin(), ids.end(), std::greater<>());
+  // Outer points are the highest.
+  const auto rank = [&](std::uint32_t id) { return id < keys.size() ? keys[id] : ~std::uint64_t{0}; };
+  std::sort(ids.begin(), ids.end(), [&](std::uint32_t s, std::uint32_t t) {
+    const std::uint64_t a = rank(s), b = rank(t);
+    return a != b ? a > b : s > t;
+  });
   for (const std::uint32_t id : ids) {
     if (id == e) return -1;
     std::array<const Vec3*, 4> corner;
@@ -33,7 +39,9 @@ int raised_insphere(const GrowingArray<Vec3>& points, const std::uint32_t* tet, 
 
 class Insertion {
  public:
-  Insertion(TetMesh& mesh, std::uint32_t vertex_count) : mesh_(mesh) { vert_to_local_.resize(vertex_count, kNone); }
+  Insertion(TetMesh& mesh, std::span<const std::uint64_t> keys, std::uint32_t vertex_count) : mesh_(mesh), keys_(keys) {
+    vert_to_local_.resize(vertex_count, kNone);
+  }
 
   void start(std::uint32_t first_outer) {
     add_tets(1);
@@ -74,7 +82,7 @@ class Insertion {
     const std::uint32_t* v = verts_ + std::size_t{tet} * 4;
     const Vec3* points = mesh_.points.data();
     int side = insphere(points[v[0]], points[v[1]], points[v[2]], points[v[3]], x);
-    if (side == 0) side = raised_insphere(mesh_.points, v, vert);
+    if (side == 0) side = raised_insphere(mesh_.points, keys_, v, vert);
     return side > 0;
   }
 
@@ -197,6 +205,7 @@ class Insertion {
   }
 
   TetMesh& mesh_;
+  std::span<const std::uint64_t> keys_;
   std::uint32_t* verts_ = nullptr;
   FaceCode* neighbors_ = nullptr;
   GrowingArray<std::uint8_t> in_cavity_;  // 1: in it, 2: tested and not in it
@@ -209,10 +218,10 @@ class Insertion {
 };
 
 // A regular tetrahedron, turned off the axes, around the points.
-void add_outer_points(TetMesh& mesh, std::span<const std::uint32_t> verts) {
-  Box3 box;
-  for (const std::uint32_t v : verts) box.add(mesh.points[v]);
-  const Vec3 center = verts.empty() ? Vec3{} : box.center(), extent = verts.empty() ? Vec3{} : box.hi - box.lo;
+void add_outer_points(TetMesh& mesh, std::span<const std::uint32_t> verts, Box3 box) {
+  if (box.empty())
+    for (const std::uint32_t v : verts) box.add(mesh.points[v]);
+  const Vec3 center = box.empty() ? Vec3{} : box.center(), extent = box.empty() ? Vec3{} : box.hi - box.lo;
   const double width = std::max({extent.x, extent.y, extent.z});
   const double r = 3 * kOuterDistance * (width > 0 ? width : 1);
   mesh.points.push_back(center + r * Vec3{-0.5084130, -0.8592707, -0.0563031});
@@ -223,13 +232,14 @@ void add_outer_points(TetMesh& mesh, std::span<const std::uint32_t> verts) {
 
 }  // namespace
 
-DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner) {
+DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner,
+                             const DelaunayFrame& frame) {
   DelaunayResult result;
   result.first_outer = static_cast<std::uint32_t>(mesh.points.size());
   const std::vector<std::uint32_t> order = make_insertion_order(mesh.points.span(), verts);
-  add_outer_points(mesh, verts);
+  add_outer_points(mesh, verts, frame.box);
   mesh.to_vert.clear(), mesh.to_neighbor.clear(), mesh.to_region.clear(), mesh.to_fixed.clear();
-  Insertion insertion(mesh, static_cast<std::uint32_t>(mesh.points.size()));
+  Insertion insertion(mesh, frame.keys, static_cast<std::uint32_t>(mesh.points.size()));
   insertion.start(result.first_outer);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % kInsertionsBetweenChecks == 0) runner.check_cancelled();

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/vec.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "threading/task_runner.hpp"
 
@@ -20,6 +21,12 @@ struct DelaunayResult {
   std::vector<Duplicate> duplicates;  ///< ascending in `vert`
 };
 
+/// Where several parts of a set of points are triangulated apart, what they have to agree on.
+struct DelaunayFrame {
+  Box3 box;                             ///< of all points: where the outer ones follow from; empty: of those given
+  std::span<const std::uint64_t> keys;  ///< per point of the mesh, distinct: they break ties; empty: the ids do
+};
+
 /// Replaces the tets of `mesh` by the Delaunay tetrahedralisation of the points `verts` and of four points far outside,
 /// whose tetrahedron encloses all and has nothing behind its faces. No tet is dead, no face fixed; regions are kNone.
 ///
@@ -29,6 +36,7 @@ struct DelaunayResult {
 /// Points are inserted along a Hilbert curve in rounds of growing size (the biased randomised insertion order of
 /// Amenta, Choi & Rote 2003; the choice is a hash of the id), n log n in practice; 37 bytes per tet, 8 per point beside
 /// it. Pre: coordinates finite, ids valid and distinct. Errors: Cancelled; OutOfMemory beyond 2^30 tets.
-DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner);
+DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner,
+                             const DelaunayFrame& frame = {});
 
 }  // namespace tetloom::tets

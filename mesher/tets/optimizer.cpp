@@ -24,7 +24,9 @@ void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
 class Optimizer {
  public:
   Optimizer(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner)
-      : mesh_(mesh, options.fixed_points, options.lattice_tets), options_(options), runner_(runner) {}
+      : mesh_(mesh, options.fixed_points, options.lattice_tets, options.open_faces),
+        options_(options),
+        runner_(runner) {}
 
   OptimizeReport run() {
     const QualitySummary before = summarize(mesh_, options_.goals.mean_ratio);
@@ -39,7 +41,7 @@ class Optimizer {
       smooth(.90);  // the tets of lattices have .945 and more
     }
     summarize_result(mesh_, options_.goals, report_);
-    mesh_.finish();
+    mesh_.finish(options_.keep_points);
     report_.tets = mesh_.mesh().size();
     return report_;
   }

@@ -14,6 +14,7 @@
 // at every tet.
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/quality_goals.hpp"
@@ -25,8 +26,10 @@ namespace tetloom::tets {
 struct OptimizeOptions {
   std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
   std::uint32_t lattice_tets = 0;  ///< the first so many are of undisturbed lattices: alike, alive, without fixed faces
-  bool strong_gradation = false;   ///< the size grows by more than about .1 per unit of distance: twice the passes
-  QualityGoals goals;              ///< what removing vertices and inserting points aim at
+  std::span<const FaceCode> open_faces = {};  ///< of these, the faces that nothing of the mesh lies behind
+  bool keep_points = false;       ///< numbers of points stay; those that no tet has any more are left where they are
+  bool strong_gradation = false;  ///< the size grows by more than about .1 per unit of distance: twice the passes
+  QualityGoals goals;             ///< what removing vertices and inserting points aim at
 };
 
 struct OptimizeReport {

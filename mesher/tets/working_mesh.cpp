@@ -92,7 +92,9 @@ void link_all(TetMesh& mesh, std::span<CavityFace> faces, const std::array<Trian
 
 }  // namespace
 
-WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike) : mesh_(mesh) {
+WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike,
+                         std::span<const FaceCode> open_faces)
+    : mesh_(mesh) {
   fixed_.resize(mesh.points.size() / 64 + 1);
   for (std::uint32_t v = 0; v < fixed_points; ++v) set_fixed_point(v);
   const auto count = static_cast<std::uint32_t>(mesh.size());
@@ -102,6 +104,8 @@ WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_
     read_tet(0);
     std::fill(to_quality_.begin(), to_quality_.begin() + alike, to_quality_[0]);
   }
+  for (const FaceCode face : open_faces)
+    for (const std::uint8_t corner : kFaceVerts[face % 4]) set_fixed_point(verts(face / 4)[corner]);
   for (std::uint32_t tet = alike; tet < count; ++tet) {
     if (mesh.is_dead(tet)) {
       drop_tet(tet);
@@ -206,9 +210,9 @@ std::uint32_t WorkingMesh::add_point(const Vec3& point) {
   return static_cast<std::uint32_t>(mesh_.points.size() - 1);
 }
 
-void WorkingMesh::finish() {
+void WorkingMesh::finish(bool keep_points) {
   compact(mesh_);
-  if (unused_points_.empty()) return;
+  if (unused_points_.empty() || keep_points) return;
   std::sort(unused_points_.begin(), unused_points_.end());
   GrowingArray<std::uint32_t> to_new;
   to_new.resize_for_overwrite(mesh_.points.size());

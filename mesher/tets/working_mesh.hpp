@@ -33,8 +33,10 @@ class WorkingMesh {
   static constexpr float kDeadQuality = 2;
   static constexpr std::size_t kMostTets = 128;  // of a cavity, old or new
 
-  /// The first `alike` tets are taken to have the quality of the first one, and no fixed faces.
-  WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike = 0);
+  /// The first `alike` tets are taken to have the quality of the first one, no fixed faces, and none with nothing
+  /// behind them but `open_faces`.
+  WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike = 0,
+              std::span<const FaceCode> open_faces = {});
 
   TetMesh& mesh() { return mesh_; }
   const TetMesh& mesh() const { return mesh_; }
@@ -87,8 +89,8 @@ class WorkingMesh {
   /// No tet may have `vertex` any more.
   void give_up_point(std::uint32_t vertex) { unused_points_.push_back(vertex); }
 
-  /// Drops dead tets, and points that were given up: the last ones take their places.
-  void finish();
+  /// Drops dead tets and, unless they are kept, points that were given up: the last ones take their places.
+  void finish(bool keep_points = false);
 
  private:
   void read_tet(std::uint32_t tet);

@@ -7,6 +7,7 @@
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/lattice_points.hpp"
+#include "mesher/parts/fill_in_parts.hpp"
 #include "mesher/tets/link_tets.hpp"
 #include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/lattice_filling.hpp"
@@ -72,6 +73,7 @@ class ComplexFiller {
  private:
   // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
   void fill_by_own_means() {
+    if (fill_in_parts()) return;
     for (int attempt = 0; attempt < kOwnAttempts; ++attempt) {
       FillingInput input = filling_input();
       input.attempt = attempt;
@@ -83,6 +85,22 @@ class ComplexFiller {
       if (!failed || !may_differ || failure_->code == ErrorCode::SelfIntersection) return;
       if (attempt == 0 && surface_crosses_itself(result_.errors)) return;
     }
+  }
+
+  // False when there is one part only, or where the parts' tets do not fit together.
+  bool fill_in_parts() {
+    auto filled = parts::fill_in_parts(filling_input(), options_.tets_per_part, runner_, options_.trace);
+    if (!filled) return false;
+    name_causes(input_, complex_, filled->tri_to_vert, filled->figures.optimizer.acute_tets);
+    if (filled->fault.any()) {
+      filled->figures = {};
+      note({filled->fault.code, "in parts: " + filled->fault.message, {}, {}});
+      return false;
+    }
+    result_.figures.add(filled->figures);
+    result_.tri_to_vert = std::move(filled->tri_to_vert);
+    result_.filling = std::move(filled->filling);
+    return true;
   }
 
   FillingInput filling_input() const {

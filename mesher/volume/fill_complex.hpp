@@ -24,6 +24,8 @@ struct ComplexOptions {
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface has to stay
   QualityGoals goals = {};
   LatticeKind lattice = LatticeKind::Bcc;
+  double tets_per_part = kTetsPerPart;
+  Trace* trace = nullptr;
 };
 
 /// Fills `complex` as fill_volume promises; a filling's first points are the complex's, where they have become. Errors:

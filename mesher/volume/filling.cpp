@@ -18,11 +18,8 @@ constexpr std::size_t kBlock = 1 << 16;  // tets of one task
 void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner) {
   Stopwatch watch;
   FillingFigures& figures = filled.figures;
-  tets::OptimizeOptions options;
-  options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
+  tets::OptimizeOptions options = optimize_options(input);
   if (input.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
-  options.goals = input.goals;
-  options.strong_gradation = input.sizes.gradation() > kStrongGradation;
   figures.optimizer = optimize(filled.mesh, options, runner);
   figures.seconds.optimize += watch.lap();
   input.progress.reach(FillingStep::Optimized, runner);
@@ -31,6 +28,16 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
       improve(filled.mesh, {input.complex, input.tree, *input.freedom, options}, figures.optimizer, runner);
   figures.seconds.surface += watch.lap();
   input.progress.reach(FillingStep::Improved, runner);
+}
+
+}  // namespace
+
+tets::OptimizeOptions optimize_options(const FillingInput& input) {
+  tets::OptimizeOptions options;
+  options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
+  options.goals = input.goals;
+  options.strong_gradation = input.sizes.gradation() > kStrongGradation;
+  return options;
 }
 
 // By construction there are none; but what is promised is looked at.
@@ -46,8 +53,6 @@ tets::Fault check_volumes(const TetMesh& mesh, const TaskRunner& runner) {
   if (fault == block_to_fault.end()) return {};
   return {"a tetrahedron has no volume", {}, mesh.point_of(*fault, 0)};
 }
-
-}  // namespace
 
 void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner) {
   optimise(filled, input, runner);

@@ -33,6 +33,12 @@ struct FilledMesh {
   tets::Fault fault;  ///< any: what is in the way, and the mesh is unspecified
 };
 
+/// What the optimiser is to aim at, for a mesh of the whole complex.
+tets::OptimizeOptions optimize_options(const FillingInput& input);
+
+/// What is wrong with the volumes of the tets, looked at in exact arithmetic. Errors: Cancelled.
+tets::Fault check_volumes(const tets::TetMesh& mesh, const TaskRunner& runner);
+
 /// The last steps, once the mesh fills the complex: optimises it, with the surface where that is free, and looks at the
 /// volume of every tet once more. Errors: Cancelled.
 void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner);

@@ -42,14 +42,19 @@ ModelEntity SurfaceFreedom::entity_of(std::uint32_t vertex) const {
 
 std::vector<std::array<std::uint32_t, 3>> improve(tets::TetMesh& mesh, const ImprovementInput& input,
                                                   tets::OptimizeReport& report, const TaskRunner& runner) {
-  const auto& [complex, tree, freedom, options] = input;
+  const auto& [complex, tree, freedom, options, is_frozen] = input;
   std::vector<std::array<std::uint32_t, 3>> triangles = complex.tri_to_vert;
   std::vector<std::uint32_t> tri_to_face;
   std::vector<ModelEntity> point_to_entity;
   for (const std::uint32_t t : complex.to_input_tri) tri_to_face.push_back(freedom.input().tri_to_face[t]);
-  for (const std::uint32_t v : complex.to_input_vert) point_to_entity.push_back(freedom.entity_of(v));
+  for (std::size_t v = 0; v < complex.points.size(); ++v) {
+    const bool stays = !is_frozen.empty() && is_frozen[v];
+    point_to_entity.push_back(stays ? ModelEntity{} : freedom.entity_of(complex.to_input_vert[v]));
+  }
   tets::ChangeableSurface surface{triangles, tri_to_face, point_to_entity, {}, {}, {}};
-  surface.is_kept = [&to_input = complex.to_input_vert, &kept = freedom](std::uint32_t a, std::uint32_t b) {
+  surface.is_kept = [&to_input = complex.to_input_vert, &kept = freedom, frozen = is_frozen](std::uint32_t a,
+                                                                                             std::uint32_t b) {
+    if (!frozen.empty() && (frozen[a] || frozen[b])) return true;
     return kept.is_kept(to_input[a], to_input[b]);
   };
   SurfaceClearance clearance(complex, tree, triangles, tri_to_face);

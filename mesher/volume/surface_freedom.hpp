@@ -34,6 +34,7 @@ struct ImprovementInput {
   const intersection::TriangleTree& tree;  ///< of the complex
   const SurfaceFreedom& freedom;
   const tets::OptimizeOptions& options;
+  std::span<const char> is_frozen = {};  ///< per point of the complex: it stays, and so do edges at it; empty: none is
 };
 
 /// Improves the filled complex with its surface, and returns the complex's triangles as they have become. The first

@@ -135,6 +135,8 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   runner.begin_stage(Stage::Volume, whole);
   if (complexes.empty()) return;
   volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals, options.lattice};
+  if (options.tets_per_part > 0) how.tets_per_part = options.tets_per_part;
+  how.trace = options.trace;
   try {
     how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
@@ -183,6 +185,7 @@ void FillingFigures::add(const FillingFigures& other) {
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
   check_input(input);
   check_goals(options.goals);
+  if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
   check_memory(estimate_filling(input), options.max_memory);
   VolumeMesh mesh;
   try {

@@ -1,0 +1,152 @@
+#include "mesher/parts/decomposition.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tetloom::parts {
+
+namespace {
+
+// What it takes, measured, in microseconds: per size^3 of the core, per size^3 where sizes vary, and per size^2 of
+// surface. A cell that meets the surface holds about its own width squared of that.
+constexpr double kCoreWork = 1, kVaryingWork = 15, kSurfaceWork = 26;
+constexpr double kVaries = 1.1;  // ratio of the sizes in a cell from which on it is taken to vary
+constexpr double kTetsPerCube = 9.5;
+
+double volume_in_sizes(const lattice::LatticeCell& cell) {
+  const double size = std::sqrt(cell.lo * cell.hi), width = (cell.box.hi.x - cell.box.lo.x) / size;
+  return width * width * width;
+}
+
+double work_of(const lattice::LatticeCell& cell) {
+  const double cubes = volume_in_sizes(cell);
+  const double area = cell.meets_surface ? std::cbrt(cubes) * std::cbrt(cubes) : 0;
+  return cubes * (cell.hi > kVaries * cell.lo ? kVaryingWork : kCoreWork) + area * kSurfaceWork;
+}
+
+double volume_of(const Box3& box) {
+  const Vec3 extent = box.hi - box.lo;
+  return extent.x * extent.y * extent.z;
+}
+
+int longest_axis(const Box3& box) {
+  const Vec3 extent = box.hi - box.lo;
+  return extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+}
+
+// Where along the axis the given share of the work is reached, with each piece's spread evenly over it.
+double find_cut(std::span<const std::array<double, 3>> spans, double share) {
+  struct Event {
+    double at, density;
+  };
+  std::vector<Event> events;
+  double whole = 0;
+  for (const auto& [lo, hi, work] : spans) {
+    whole += work;
+    events.push_back({lo, work / (hi - lo)});
+    events.push_back({hi, -work / (hi - lo)});
+  }
+  std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.at < b.at; });
+  double done = 0, density = 0;
+  for (std::size_t i = 0; i + 1 < events.size(); ++i) {
+    density += events[i].density;
+    const double step = (events[i + 1].at - events[i].at) * density;
+    if (done + step >= share * whole && step > 0) return events[i].at + (share * whole - done) / density;
+    done += step;
+  }
+  return events.back().at;
+}
+
+}  // namespace
+
+double estimate_tets(const lattice::LatticeCells& cells) {
+  double tets = 0;
+  for (const lattice::LatticeCell& cell : cells.cells())
+    tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? 0.5 : 1);
+  return tets;
+}
+
+Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count) {
+  std::vector<Piece> pieces;
+  for (std::uint32_t i = 0; i < cells.cells().size(); ++i)
+    pieces.push_back({cells.cells()[i].box, work_of(cells.cells()[i]), i});
+  const Vec3 far{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  bisect(std::move(pieces), {-1 * far, far}, part_count);
+  find_neighbors(cells);
+}
+
+std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  if (part_count == 1) {
+    nodes_[index].low = static_cast<std::uint32_t>(boxes_.size());
+    boxes_.push_back(box);
+    double work = 0;
+    std::vector<std::uint32_t>& cells = part_to_cells_.emplace_back();
+    for (const Piece& piece : pieces) {
+      work += piece.work;
+      cells.push_back(piece.cell);
+    }
+    work_.push_back(work);
+    std::sort(cells.begin(), cells.end());
+    return index;
+  }
+  Box3 around;
+  for (const Piece& piece : pieces) around.add(piece.box);
+  const int axis = pieces.empty() ? 0 : longest_axis(around);
+  std::vector<std::array<double, 3>> spans;
+  for (const Piece& piece : pieces)
+    if (piece.box.hi[axis] > piece.box.lo[axis]) spans.push_back({piece.box.lo[axis], piece.box.hi[axis], piece.work});
+  const std::size_t low_count = part_count / 2;
+  const double at =
+      spans.empty() ? 0 : find_cut(spans, static_cast<double>(low_count) / static_cast<double>(part_count));
+  std::array<std::vector<Piece>, 2> sides;
+  for (const Piece& piece : pieces) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      Piece cut = piece;
+      double& bound = side == 0 ? cut.box.hi[axis] : cut.box.lo[axis];
+      bound = side == 0 ? std::min(bound, at) : std::max(bound, at);
+      if (cut.box.lo[axis] >= cut.box.hi[axis]) continue;
+      cut.work *= volume_of(cut.box) / volume_of(piece.box);
+      sides[side].push_back(cut);
+    }
+  }
+  pieces.clear();
+  std::array<Box3, 2> boxes{box, box};
+  boxes[0].hi[axis] = at, boxes[1].lo[axis] = at;
+  nodes_[index].axis = axis, nodes_[index].at = at;
+  const std::uint32_t low = bisect(std::move(sides[0]), boxes[0], low_count);
+  const std::uint32_t high = bisect(std::move(sides[1]), boxes[1], part_count - low_count);
+  nodes_[index].low = low, nodes_[index].high = high;
+  return index;
+}
+
+PartId Decomposition::owner_of(const Vec3& x) const {
+  std::uint32_t index = 0;
+  while (nodes_[index].axis >= 0)
+    index = x[nodes_[index].axis] < nodes_[index].at ? nodes_[index].low : nodes_[index].high;
+  return PartId(nodes_[index].low);
+}
+
+void Decomposition::find_neighbors(const lattice::LatticeCells& cells) {
+  part_to_neighbors_.resize(boxes_.size());
+  const auto link = [&](PartId a, PartId b) {
+    std::vector<PartId>& list = part_to_neighbors_[a.value];
+    const auto at = std::lower_bound(list.begin(), list.end(), b);
+    if (at == list.end() || *at != b) list.insert(at, b);
+  };
+  for (const lattice::LatticeCell& cell : cells.cells()) {
+    const double reach = kNeighborhood * cells.coarsest_of(cell).size();
+    const Vec3 margin{reach, reach, reach};
+    std::vector<PartId> near;
+    for_each_in({cell.box.lo - margin, cell.box.hi + margin}, [&](PartId part) { near.push_back(part); });
+    if (near.size() < 2) continue;
+    for_each_in(cell.box, [&](PartId part) {
+      for (const PartId other : near)
+        if (other != part) link(part, other), link(other, part);
+    });
+  }
+}
+
+}  // namespace tetloom::parts

@@ -1,0 +1,83 @@
+#pragma once
+// Space cut into boxes, one per part, so that filling each takes about the same time.
+//
+// The work in every cell of the lattices' octree is estimated from the size field, that next to the surface and where
+// the size varies apart from that in the lattice core, which is written in closed form. Planes bisect it, weighted by
+// the work, the longest axis first (recursive coordinate bisection; Berger & Bokhari 1987). A plane runs between two
+// planes of lattice sites: which side a site is on follows from its index.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "mesher/lattice/lattice_cells.hpp"
+#include "threading/message.hpp"
+
+namespace tetloom::parts {
+
+/// How many tets the cells will hold, within some ten percent.
+double estimate_tets(const lattice::LatticeCells& cells);
+
+/// Immutable; the same on all ranks. All of space belongs to some part: outer boxes are infinite.
+class Decomposition {
+ public:
+  /// Pre: part_count > 0.
+  Decomposition(const lattice::LatticeCells& cells, std::size_t part_count);
+
+  std::size_t part_count() const { return boxes_.size(); }
+  const Box3& box(PartId part) const { return boxes_[part.value]; }
+  PartId owner_of(const Vec3& x) const;
+  /// Estimated seconds, in a unit of its own.
+  double work(PartId part) const { return work_[part.value]; }
+  /// Indices of the cells that reach into the part's box, ascending.
+  std::span<const std::uint32_t> cells_of(PartId part) const { return part_to_cells_[part.value]; }
+  /// Parts with anything within kNeighborhood sizes, ascending; symmetric.
+  std::span<const PartId> neighbors(PartId part) const { return part_to_neighbors_[part.value]; }
+  /// Calls visit(part) for every part whose box overlaps `box`, ascending in the tree.
+  template <class Visit>
+  void for_each_in(const Box3& box, Visit&& visit) const {
+    descend(0, box, visit);
+  }
+
+  /// How far parts look at each other in any step, in sizes.
+  static constexpr double kNeighborhood = 8;
+
+ private:
+  struct Node {
+    int axis = -1;  // -1: a leaf
+    double at = 0;
+    std::uint32_t low = 0, high = 0;  // children; low: the part of a leaf
+  };
+  struct Piece {
+    Box3 box;
+    double work;
+    std::uint32_t cell;
+  };
+
+  std::uint32_t bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count);
+  void find_neighbors(const lattice::LatticeCells& cells);
+  template <class Visit>
+  void descend(std::uint32_t index, const Box3& box, Visit&& visit) const {
+    const Node& node = nodes_[index];
+    if (node.axis < 0) return visit(PartId(node.low));
+    if (box.lo[node.axis] < node.at) descend(node.low, box, visit);
+    if (box.hi[node.axis] >= node.at) descend(node.high, box, visit);
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<Box3> boxes_;
+  std::vector<double> work_;
+  std::vector<std::vector<std::uint32_t>> part_to_cells_;
+  std::vector<std::vector<PartId>> part_to_neighbors_;
+};
+
+/// How far x lies outside of the box along the axis where that is farthest; 0 inside.
+inline double distance_outside(const Vec3& x, const Box3& box) {
+  double distance = 0;
+  for (int axis = 0; axis < 3; ++axis) distance = std::max({distance, box.lo[axis] - x[axis], x[axis] - box.hi[axis]});
+  return distance;
+}
+
+}  // namespace tetloom::parts

@@ -1,0 +1,259 @@
+#include "mesher/parts/fill_in_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/parts/gather_parts.hpp"
+#include "mesher/parts/improve_part.hpp"
+#include "mesher/parts/lattice_steps.hpp"
+#include "mesher/parts/optimize_part.hpp"
+#include "mesher/parts/shell_steps.hpp"
+#include "mesher/parts/strips.hpp"
+#include "threading/exchange.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+constexpr int kMostRoundsOfAsking = 8;
+
+class Filler {
+ public:
+  Filler(const SharedInput& input, Communicator& communicator, const TaskRunner& runner, Trace* trace)
+      : input_(input),
+        communicator_(communicator),
+        runner_(runner),
+        schedule_(communicator, runner, input.decomposition.part_count(), trace),
+        states_(input.decomposition.part_count(), schedule_.local_parts()) {
+    for (const PartId part : states_.local()) states_.at(part).maker = part;
+    links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
+  }
+
+  FilledParts run() {
+    make_tets();
+    ask_others();
+    if (!any_fault()) {
+      mend();
+      optimize();
+    }
+    FilledParts result;
+    take_figures(result);
+    if (result.fault.any()) return result;
+    result.filling = gather(result);
+    return result;
+  }
+
+ private:
+  Step step(const char* name, std::function<void(PartState&, PartTask&)> body, bool sends) {
+    Step made;
+    made.name = name;
+    made.body = [this, body = std::move(body)](PartTask& task) {
+      PartState& state = states_[task];
+      if (!state.fault.any()) body(state, task);
+    };
+    if (sends) made.links = links_;
+    made.work = [this](PartId part) { return input_.decomposition.work(part); };
+    return made;
+  }
+
+  void make_tets() {
+    std::vector<Step> steps;
+    steps.push_back(step(
+        "points", [&](PartState& s, PartTask& t) { find_points(input_, s, t); }, true));
+    if (input_.is_graded())
+      steps.push_back(step(
+          "grading", [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }, true));
+    steps.push_back(step(
+        "core", [&](PartState& s, PartTask& t) { make_core(input_, s, t); }, true));
+    const auto shell = [&](PartState& s, PartTask& t) {
+      take_shell_points(s, t);
+      make_shell(input_, s, t.part(), t.runner());
+    };
+    steps.push_back(step("shell", shell, false));
+    schedule_.run(steps);
+  }
+
+  // Tets whose balls reach beyond what their part knows are asked about where they reach to.
+  void ask_others() {
+    for (int round = 0; round < kMostRoundsOfAsking && !any_fault(); ++round) {
+      std::vector<Message> questions;
+      for (const PartId part : states_.local()) ask(part, questions);
+      std::array<std::int64_t, 1> count{static_cast<std::int64_t>(questions.size())};
+      communicator_.sum(count);
+      if (count[0] == 0) return;
+      ++rounds_;
+      std::vector<Message> answers = answer(exchange_all(std::move(questions)));
+      if (!take_answers(exchange_all(std::move(answers)))) return;
+    }
+  }
+
+  std::vector<Message> exchange_all(std::vector<Message> messages) {
+    return exchange(communicator_, std::move(messages),
+                    [&](PartId part) { return communicator_.rank_of(part, input_.decomposition.part_count()); });
+  }
+
+  void ask(PartId part, std::vector<Message>& questions) {
+    const PartState& state = states_.at(part);
+    if (state.doubts.empty()) return;
+    if (rounds_ == 0) asked_ += state.doubts.size();
+    std::vector<std::vector<Doubt>> part_to_doubts(input_.decomposition.part_count());
+    for (const Doubt& doubt : state.doubts) {
+      const Vec3 reach{doubt.radius, doubt.radius, doubt.radius};
+      input_.decomposition.for_each_in({doubt.center - reach, doubt.center + reach}, [&](PartId other) {
+        if (other != part) part_to_doubts[other.value].push_back(doubt);
+      });
+    }
+    for (std::size_t other = 0; other < part_to_doubts.size(); ++other) {
+      if (part_to_doubts[other].empty()) continue;
+      MessageWriter writer;
+      writer.put_array<Doubt>(part_to_doubts[other]);
+      questions.push_back({part, PartId(other), 0, writer.take()});
+    }
+  }
+
+  std::vector<Message> answer(const std::vector<Message>& questions) {
+    std::vector<Message> answers(questions.size());
+    runner_.for_each(questions.size(), [&](std::size_t i) {
+      const Message& question = questions[i];
+      const auto doubts = MessageReader(question.bytes).get_view<Doubt>();
+      const std::vector<ShellPoint> found = find_points_in(input_, states_.at(question.to), question.to, doubts);
+      MessageWriter writer;
+      writer.put_array<ShellPoint>(found);
+      answers[i] = {question.to, question.from, 0, writer.take()};
+    });
+    return answers;
+  }
+
+  // Whether any part has learnt something new, and has made its shell anew then.
+  bool take_answers(const std::vector<Message>& answers) {
+    std::vector<std::vector<ShellPoint>> part_to_points(input_.decomposition.part_count());
+    for (const Message& message : answers) {
+      const auto points = MessageReader(message.bytes).get_view<ShellPoint>();
+      auto& list = part_to_points[message.to.value];
+      list.insert(list.end(), points.begin(), points.end());
+    }
+    const auto local = states_.local();
+    std::vector<char> learnt(local.size(), 0);
+    runner_.for_each(local.size(), [&](std::size_t i) {
+      PartState& state = states_.at(local[i]);
+      state.doubts.clear();
+      if (!add_shell_points(input_, state, part_to_points[local[i].value])) return;
+      make_shell(input_, state, local[i], runner_);
+      learnt[i] = 1;
+    });
+    std::array<std::int64_t, 1> count{std::count(learnt.begin(), learnt.end(), 1)};
+    communicator_.sum(count);
+    return count[0] > 0;
+  }
+
+  // Triangles that are no faces of the tets.
+  void mend() {
+    for (const PartId part : states_.local()) {
+      PartState& state = states_.at(part);
+      state.figures.missing_triangles = state.missing.size();
+      if (state.missing.empty()) continue;
+      state.fault.message = "triangles are missing";
+    }
+  }
+
+  void optimize() {
+    std::vector<Step> steps;
+    const auto inside = [&](PartState& s, PartTask& t) {
+      join_shell(input_, s);
+      optimize_inside(input_, s, t.runner());
+      send_boundary(input_, s, t);
+    };
+    steps.push_back(step("optimize", inside, true));
+    for (std::size_t round = 0; round < kStripRounds; ++round) {
+      steps.push_back(step(
+          "claim", [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }, true));
+      const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
+        take_strips(input_, s, t);
+        if (!is_last) return send_boundary(input_, s, t);
+        compact(s.mesh);
+        send_surface_points(input_, s, t);
+      };
+      steps.push_back(step("strips", take, true));
+    }
+    const auto finish = [&](PartState& s, PartTask& t) {
+      take_surface_points(s, t);
+      finish_part(input_, s, t.part(), t.runner());
+      send_open_faces(input_, s, t);
+    };
+    steps.push_back(step("finish", finish, true));
+    steps.push_back(step(
+        "check", [&](PartState& s, PartTask& t) { check_open_faces(s, t); }, false));
+    schedule_.run(steps);
+  }
+
+  bool any_fault() {
+    std::array<std::int64_t, 1> count{0};
+    for (const PartId part : states_.local()) count[0] += states_.at(part).fault.any();
+    communicator_.sum(count);
+    return count[0] > 0;
+  }
+
+  void take_figures(FilledParts& result) {
+    std::size_t seen = 0, wanted = 0;
+    result.parts.parts = states_.part_count();
+    result.parts.rounds = rounds_, result.parts.asked = asked_;
+    for (const PartId part : states_.local()) {
+      const PartState& state = states_.at(part);
+      result.figures.add(state.figures);
+      seen += state.seen_sides;
+      for (std::size_t r = 0; r < kStripRounds; ++r) {
+        result.parts.strips[r].waiting += state.strips[r].waiting;
+        result.parts.strips[r].tets += state.strips[r].tets;
+        result.parts.strips[r].moved += state.strips[r].moved;
+      }
+      if (state.fault.any() && !result.fault.any()) result.fault = state.fault;
+    }
+    for (const FaceSides& sides : input_.filling.complex.tri_to_sides)
+      wanted += std::size_t{sides.front.valid()} + std::size_t{sides.back.valid()};
+    if (!result.fault.any() && seen != wanted) result.fault.message = "sides of the surface were left empty";
+  }
+
+  volume::Filling gather(FilledParts& result) {
+    std::vector<PartState*> states;
+    for (const PartId part : states_.local()) states.push_back(&states_.at(part));
+    result.tri_to_vert = input_.filling.complex.tri_to_vert;
+    for (const PartState* state : states)
+      for (const ChangedTriangle& changed : state->changed_triangles)
+        result.tri_to_vert[changed.triangle] = changed.verts;
+    return gather_parts(input_.filling.complex.points, states, runner_);
+  }
+
+  const SharedInput& input_;
+  Communicator& communicator_;
+  const TaskRunner& runner_;
+  Schedule schedule_;
+  PerPart<PartState> states_;
+  Links links_;
+  int rounds_ = 0;
+  std::size_t asked_ = 0;
+};
+
+std::uint32_t only_region_of(const volume::Complex& complex) {
+  return complex.regions.size() == 1 ? complex.regions[0] : kNone;
+}
+
+}  // namespace
+
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, double tets_per_part,
+                                         const TaskRunner& runner, Trace* trace) {
+  lattice::LatticeRequest request{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
+                                  input.attempt};
+  for (const Vec3& x : input.complex.points) request.box.add(x);
+  const lattice::LatticeCells cells(request, runner);
+  if (input.complex.regions.size() != 1) return std::nullopt;
+  const double parts = std::round(estimate_tets(cells) / tets_per_part);
+  if (!(parts >= 2)) return std::nullopt;
+  const Decomposition decomposition(cells, static_cast<std::size_t>(std::min(parts, 1e5)));
+  const PartSurface surface(input.complex, input.sizes, decomposition, kShellReach, runner);
+  const tets::TriangleIndex triangles(input.complex.tri_to_vert, input.complex.points.size());
+  const SharedInput shared{input, cells, decomposition, surface, triangles, request.box, only_region_of(input.complex)};
+  const std::unique_ptr<Communicator> communicator = make_thread_communicator();
+  return Filler(shared, *communicator, runner, trace).run();
+}
+
+}  // namespace tetloom::parts

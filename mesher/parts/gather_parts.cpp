@@ -1,0 +1,189 @@
+#include "mesher/parts/gather_parts.hpp"
+
+#include <algorithm>
+#include <new>
+
+#include "core/base/mix_bits.hpp"
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+
+constexpr double kReachInEdges = 6;
+
+std::uint64_t name_of(std::array<VertKey, 3> keys) {
+  std::sort(keys.begin(), keys.end());
+  std::uint64_t name = 0;
+  for (const VertKey key : keys) name = mix_bits(name * 0x9e3779b97f4a7c15u + key);
+  return name;
+}
+
+// Vertices of one maker: where each stands in the whole, and which part writes it down.
+struct Made {
+  std::vector<std::uint32_t> to_user;  // kNone: no tet has it any more
+  std::vector<std::uint32_t> to_whole;
+};
+
+class Gatherer {
+ public:
+  Gatherer(std::span<const Vec3> given, std::span<PartState* const> states, const TaskRunner& runner)
+      : states_(states), runner_(runner), given_(given) {}
+
+  volume::Filling run() {
+    find_users();
+    std::size_t tets = 0;
+    for (const PartState* state : states_) {
+      first_tet_.push_back(tets);
+      tets += state->mesh.size();
+    }
+    number_points();
+    volume::Filling filling;
+    filling.points.resize(point_count_);
+    std::copy(given_.begin(), given_.end(), filling.points.begin());
+    for (const PartState* state : states_)
+      for (const MovedPoint& moved : state->moved_points) filling.points[moved.point] = moved.to;
+    filling.tet_to_vert.resize(tets);
+    filling.tet_to_region.resize(tets);
+    runner_.for_each(states_.size(), [&](std::size_t p) { write(p, filling); });
+    return filling;
+  }
+
+ private:
+  // A part says which vertices it uses; whoever made them hears it.
+  void find_users() {
+    made_.resize(states_.size());
+    std::vector<std::vector<std::vector<VertKey>>> user_to_foreign(states_.size());
+    runner_.for_each(states_.size(), [&](std::size_t p) {
+      const PartState& state = *states_[p];
+      std::vector<char> used(state.keys.size(), 0);
+      for (const std::uint32_t v : state.mesh.to_vert) used[v] = 1;
+      made_[p].to_user.assign(state.next_index, kNone);
+      auto& foreign = user_to_foreign[p];
+      foreign.resize(states_.size());
+      for (std::size_t v = 0; v < used.size(); ++v) {
+        const VertKey key = state.keys[v];
+        if (!used[v] || is_of_surface(key)) continue;
+        const std::size_t maker = maker_of(key).value;
+        if (maker == p) {
+          made_[p].to_user[static_cast<std::uint32_t>(key)] = static_cast<std::uint32_t>(p);
+        } else {
+          foreign[maker].push_back(key);
+        }
+      }
+    });
+    runner_.for_each(states_.size(), [&](std::size_t p) {
+      for (std::size_t user = 0; user < states_.size(); ++user) {
+        for (const VertKey key : user_to_foreign[user][p]) {
+          std::uint32_t& first = made_[p].to_user[static_cast<std::uint32_t>(key)];
+          if (first == kNone) first = static_cast<std::uint32_t>(user);
+        }
+      }
+    });
+  }
+
+  void number_points() {
+    std::vector<std::size_t> counts(states_.size());
+    runner_.for_each(states_.size(), [&](std::size_t p) {
+      const auto& users = made_[p].to_user;
+      counts[p] = users.size() - static_cast<std::size_t>(std::count(users.begin(), users.end(), kNone));
+    });
+    point_count_ = given_.size();
+    std::vector<std::size_t> first;
+    for (const std::size_t count : counts) {
+      first.push_back(point_count_);
+      point_count_ += count;
+    }
+    if (point_count_ >= kNone) throw std::bad_alloc();
+    runner_.for_each(states_.size(), [&](std::size_t p) {
+      auto next = static_cast<std::uint32_t>(first[p]);
+      Made& made = made_[p];
+      made.to_whole.resize(made.to_user.size());
+      for (std::size_t i = 0; i < made.to_user.size(); ++i)
+        made.to_whole[i] = made.to_user[i] == kNone ? kNone : next++;
+    });
+  }
+
+  void write(std::size_t p, volume::Filling& filling) {
+    PartState& state = *states_[p];
+    TetMesh& mesh = state.mesh;
+    std::vector<std::uint32_t> to_whole(state.keys.size());
+    for (std::size_t v = 0; v < to_whole.size(); ++v) {
+      const VertKey key = state.keys[v];
+      const auto index = static_cast<std::uint32_t>(key);
+      if (is_of_surface(key)) {
+        to_whole[v] = index;
+        continue;
+      }
+      const Made& made = made_[maker_of(key).value];
+      to_whole[v] = made.to_whole[index];
+      if (made.to_user[index] == p && to_whole[v] != kNone) filling.points[to_whole[v]] = mesh.points[v];
+    }
+    mesh.points.release(), mesh.to_neighbor.release(), mesh.to_fixed.release(), state.keys.release();
+    for (std::size_t tet = 0; tet < mesh.to_region.size(); ++tet) {
+      for (std::size_t i = 0; i < 4; ++i)
+        filling.tet_to_vert[first_tet_[p] + tet][i] = to_whole[mesh.to_vert[tet * 4 + i]];
+      filling.tet_to_region[first_tet_[p] + tet] = mesh.to_region[tet];
+    }
+    state = PartState();
+  }
+
+  std::span<PartState* const> states_;
+  const TaskRunner& runner_;
+  std::span<const Vec3> given_;
+  std::vector<Made> made_;
+  std::vector<std::size_t> first_tet_;
+  std::size_t point_count_ = 0;
+};
+
+}  // namespace
+
+void send_open_faces(const SharedInput& input, PartState& state, PartTask& task) {
+  const TetMesh& mesh = state.mesh;
+  state.open_names.clear();
+  std::vector<std::pair<std::uint64_t, FaceCode>> open;
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
+    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+    const auto [a, b, c] = verts_of(mesh, face);
+    open.emplace_back(name_of({state.keys[a], state.keys[b], state.keys[c]}), face);
+  }
+  std::sort(open.begin(), open.end());
+  for (const auto& [name, face] : open) state.open_names.push_back(name);
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    std::vector<std::uint64_t> near;
+    for (const auto& [name, face] : open) {
+      const auto [a, b, c] = verts_of(mesh, face);
+      const double longest =
+          std::max(distance(mesh.points[a], mesh.points[b]), distance(mesh.points[a], mesh.points[c]));
+      if (distance_outside(mesh.points[a], box) <= kReachInEdges * longest) near.push_back(name);
+    }
+    if (near.empty()) continue;
+    MessageWriter writer;
+    writer.put_array<std::uint64_t>(near);
+    task.send(other, writer.take());
+  }
+}
+
+void check_open_faces(PartState& state, PartTask& task) {
+  std::vector<std::uint8_t> met(state.open_names.size(), 0);
+  for (const Message& message : task.inbox()) {
+    std::size_t i = 0;
+    for (const std::uint64_t name : MessageReader(message.bytes).get_view<std::uint64_t>()) {
+      while (i < met.size() && state.open_names[i] < name) ++i;
+      if (i < met.size() && state.open_names[i] == name) met[i] = static_cast<std::uint8_t>(std::min(2, met[i] + 1));
+    }
+  }
+  const auto wrong = std::count_if(met.begin(), met.end(), [](std::uint8_t count) { return count != 1; });
+  if (wrong > 0) state.fault.message = std::to_string(wrong) + " faces of a part are not those of another one";
+}
+
+volume::Filling gather_parts(std::span<const Vec3> given, std::span<PartState* const> states,
+                             const TaskRunner& runner) {
+  return Gatherer(given, states, runner).run();
+}
+
+}  // namespace tetloom::parts

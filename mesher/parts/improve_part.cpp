@@ -1,0 +1,183 @@
+#include "mesher/parts/improve_part.hpp"
+
+#include <algorithm>
+
+#include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/tets/quality_summary.hpp"
+#include "mesher/tets/tet_quality.hpp"
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+using tets::TriangleVerts;
+using volume::Complex;
+
+constexpr double kFromOtherBoxes = 1;  // in sizes
+
+template <class T>
+void sort_unique(std::vector<T>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+class Improvement {
+ public:
+  Improvement(const SharedInput& input, PartState& state, PartId part)
+      : input_(input), state_(state), mesh_(state.mesh), box_(input.decomposition.box(part)) {}
+
+  void run(const TaskRunner& runner) {
+    collect();
+    renumber();
+    freeze();
+    const intersection::TriangleTree tree(surface_.points, surface_.tri_to_vert, runner);
+    tets::OptimizeOptions options = optimize_options(input_.filling);
+    options.fixed_points = static_cast<std::uint32_t>(surface_.points.size());
+    options.keep_points = true;
+    const auto after = volume::improve(mesh_, {surface_, tree, *input_.filling.freedom, options, is_frozen_},
+                                       state_.figures.optimizer, runner);
+    note_changes(after);
+  }
+
+ private:
+  // The surface that the part knows or has tets at, with numbers of its own.
+  void collect() {
+    triangles_ = state_.triangles;
+    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
+      if (!mesh_.is_fixed(face)) continue;
+      const auto* triangle = input_.triangles.find(tets::sorted(complex_verts(face)));
+      if (triangle) triangles_.push_back(triangle->triangle);
+    }
+    sort_unique(triangles_);
+    const Complex& complex = input_.filling.complex;
+    for (const std::uint32_t t : triangles_)
+      points_.insert(points_.end(), complex.tri_to_vert[t].begin(), complex.tri_to_vert[t].end());
+    for (const VertKey key : state_.keys)
+      if (is_of_surface(key)) points_.push_back(static_cast<std::uint32_t>(key));
+    sort_unique(points_);
+    surface_.regions = complex.regions;
+    for (const std::uint32_t point : points_) {
+      surface_.points.push_back(complex.points[point]);
+      surface_.to_input_vert.push_back(complex.to_input_vert[point]);
+    }
+    for (const std::uint32_t t : triangles_) {
+      const auto& [a, b, c] = complex.tri_to_vert[t];
+      surface_.tri_to_vert.push_back({local(a), local(b), local(c)});
+      surface_.tri_to_sides.push_back(complex.tri_to_sides[t]);
+      surface_.to_input_tri.push_back(complex.to_input_tri[t]);
+    }
+  }
+
+  TriangleVerts complex_verts(FaceCode face) const {
+    TriangleVerts verts = verts_of(mesh_, face);
+    for (std::uint32_t& v : verts) v = static_cast<std::uint32_t>(state_.keys[v]);
+    return verts;
+  }
+
+  std::uint32_t local(std::uint32_t point) const {
+    return static_cast<std::uint32_t>(std::lower_bound(points_.begin(), points_.end(), point) - points_.begin());
+  }
+
+  // Points of the surface first, as in surface_.
+  void renumber() {
+    GrowingArray<Vec3> points{std::span<const Vec3>(surface_.points)};
+    GrowingArray<VertKey> keys;
+    for (const std::uint32_t point : points_) keys.push_back(point);
+    std::vector<std::uint32_t> to_new(state_.keys.size());
+    for (std::uint32_t v = 0; v < to_new.size(); ++v) {
+      if (is_of_surface(state_.keys[v])) {
+        to_new[v] = local(static_cast<std::uint32_t>(state_.keys[v]));
+        continue;
+      }
+      to_new[v] = static_cast<std::uint32_t>(points.size());
+      points.push_back(mesh_.points[v]);
+      keys.push_back(state_.keys[v]);
+    }
+    for (std::uint32_t& v : mesh_.to_vert) v = to_new[v];
+    for (AcuteTet& tet : state_.figures.optimizer.acute_tets) {
+      for (auto& triangle : tet.triangles)
+        for (std::uint32_t& v : triangle) v = to_new[v];
+      for (std::uint32_t& v : tet.points) v = to_new[v];
+    }
+    mesh_.points = std::move(points);
+    state_.keys = std::move(keys);
+  }
+
+  void freeze() {
+    is_frozen_.assign(points_.size(), 0);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double margin = kFromOtherBoxes * input_.size_at(surface_.points[i]);
+      const Vec3& x = surface_.points[i];
+      for (int axis = 0; axis < 3; ++axis)
+        if (x[axis] < box_.lo[axis] + margin || x[axis] > box_.hi[axis] - margin) is_frozen_[i] = 1;
+    }
+    for (const std::uint32_t point : state_.surface_elsewhere)
+      if (const auto at = std::lower_bound(points_.begin(), points_.end(), point); at != points_.end() && *at == point)
+        is_frozen_[static_cast<std::size_t>(at - points_.begin())] = 1;
+    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
+      if (mesh_.to_neighbor[face] != kNone || mesh_.is_fixed(face)) continue;
+      for (const std::uint32_t v : verts_of(mesh_, face))
+        if (v < is_frozen_.size()) is_frozen_[v] = 1;
+    }
+  }
+
+  void note_changes(const std::vector<TriangleVerts>& after) {
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (mesh_.points[i] != surface_.points[i]) state_.moved_points.push_back({points_[i], mesh_.points[i]});
+    for (std::size_t t = 0; t < after.size(); ++t) {
+      if (after[t] == surface_.tri_to_vert[t]) continue;
+      const auto& [a, b, c] = after[t];
+      state_.changed_triangles.push_back({triangles_[t], {points_[a], points_[b], points_[c]}});
+    }
+    while (state_.keys.size() < mesh_.points.size()) state_.keys.push_back(key_of(state_.maker, state_.next_index++));
+  }
+
+  const SharedInput& input_;
+  PartState& state_;
+  TetMesh& mesh_;
+  const Box3& box_;
+  std::vector<std::uint32_t> triangles_, points_;  // of the complex, ascending
+  Complex surface_;
+  std::vector<char> is_frozen_;
+};
+
+}  // namespace
+
+void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
+  if (tets::cube(state.figures.optimizer.least) >= tets::poor_quality(input.filling.goals)) return;
+  Improvement(input, state, part).run(runner);
+}
+
+void send_surface_points(const SharedInput& input, PartState& state, PartTask& task) {
+  std::vector<std::uint32_t> used;
+  for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face) {
+    if (state.mesh.is_dead(face / 4) || !state.mesh.is_fixed(face)) continue;
+    for (const std::uint32_t v : verts_of(state.mesh, face)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));
+  }
+  sort_unique(used);
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    std::vector<std::uint32_t> near;
+    for (const std::uint32_t point : used) {
+      const Vec3& x = input.filling.complex.points[point];
+      if (distance_outside(x, box) <= Decomposition::kNeighborhood * input.size_at(x)) near.push_back(point);
+    }
+    if (near.empty()) continue;
+    MessageWriter writer;
+    writer.put_array<std::uint32_t>(near);
+    task.send(other, writer.take());
+  }
+}
+
+void take_surface_points(PartState& state, PartTask& task) {
+  for (const Message& message : task.inbox()) {
+    const auto points = MessageReader(message.bytes).get_view<std::uint32_t>();
+    state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());
+  }
+  sort_unique(state.surface_elsewhere);
+}
+
+}  // namespace tetloom::parts

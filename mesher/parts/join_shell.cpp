@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <bit>
+
+#include "core/base/stopwatch.hpp"
+#include "mesher/parts/shell_steps.hpp"
+#include "mesher/tets/find_triangles.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+using tets::TriangleVerts;
+
+class Joiner {
+ public:
+  Joiner(const SharedInput& input, PartState& state) : input_(input), state_(state), mesh_(state.mesh) {}
+
+  void join() {
+    core_size_ = static_cast<std::uint32_t>(mesh_.size());
+    number_kept();
+    std::vector<TriangleVerts> open_verts;
+    for (const FaceCode face : state_.core.open_faces) open_verts.push_back(verts_of(mesh_, face));
+    const tets::TriangleIndex open(open_verts, state_.keys.size());
+    const std::size_t count = core_size_ + state_.kept.size();
+    mesh_.to_vert.resize_for_overwrite(count * 4);
+    mesh_.to_neighbor.resize_for_overwrite(count * 4);
+    mesh_.to_fixed.resize_for_overwrite(count);
+    for (const std::uint32_t tet : state_.kept) append(tet, open);
+    mesh_.to_region.resize(count, input_.only_region);
+    mesh_.points = std::move(state_.shell.points);
+    state_.shell = TetMesh();
+    state_.figures.shell_tets = state_.kept.size();
+    std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
+  }
+
+ private:
+  void number_kept() {
+    to_kept_.resize(state_.shell.size(), kNone);
+    std::uint32_t next = core_size_;
+    for (const std::uint32_t tet : state_.kept) to_kept_[tet] = next++;
+  }
+
+  void append(std::uint32_t tet, const tets::TriangleIndex& open) {
+    const TetMesh& shell = state_.shell;
+    const std::uint32_t kept = to_kept_[tet];
+    mesh_.to_fixed[kept] = shell.to_fixed[tet];
+    state_.seen_sides += static_cast<std::size_t>(std::popcount(shell.to_fixed[tet]));
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const FaceCode from = tet * 4 + i, to = kept * 4 + i, behind = shell.to_neighbor[from];
+      mesh_.to_vert[to] = shell.to_vert[from];
+      const std::uint32_t next = behind == kNone ? kNone : to_kept_[behind / 4];
+      mesh_.to_neighbor[to] = next == kNone ? kNone : next * 4 + behind % 4;
+      if (next == kNone && !shell.is_fixed(from)) link_to_core(from, to, open);
+    }
+  }
+
+  // Tets of the core have no vertices on the surface.
+  void link_to_core(FaceCode from, FaceCode to, const tets::TriangleIndex& open) {
+    const TriangleVerts verts = verts_of(state_.shell, from);
+    if (std::min({verts[0], verts[1], verts[2]}) < state_.surface_count()) return;
+    const auto* face = open.find(tets::sorted(verts));
+    if (!face) return;
+    const FaceCode core = state_.core.open_faces[face->triangle];
+    mesh_.to_neighbor[to] = core;
+    mesh_.to_neighbor[core] = to;
+  }
+
+  const SharedInput& input_;
+  PartState& state_;
+  TetMesh& mesh_;
+  std::uint32_t core_size_ = 0;
+  GrowingArray<std::uint32_t> to_kept_;
+};
+
+}  // namespace
+
+void join_shell(const SharedInput& input, PartState& state) {
+  Stopwatch watch;
+  Joiner(input, state).join();
+  state.figures.seconds.join += watch.lap();
+}
+
+}  // namespace tetloom::parts

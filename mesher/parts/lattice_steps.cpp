@@ -1,0 +1,214 @@
+#include "mesher/parts/lattice_steps.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/stopwatch.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using lattice::LevelPoints;
+using lattice::Site;
+
+// How far sites that were left out matter for those that stay, in sizes: each of them lies within .65 sizes of a
+// finer one that may be left out itself, and so on.
+constexpr double kDroppingReach = 2.2;
+
+// One site of a level on its way to another part.
+struct SentSite {
+  Site site;
+  std::uint32_t index;  // among all of its part
+};
+
+struct SentShellPoint {
+  Vec3 point;
+  std::uint32_t index;
+  std::uint32_t has_pure;  // whether pure sites are around it
+};
+
+double cube_of(const SharedInput& input, const LevelPoints& level) {
+  const lattice::LatticeShape& shape = level.lattice.shape();
+  return level.lattice.size() * (input.is_graded() ? shape.graded_cube_per_size() : shape.cube_per_size());
+}
+
+// Per level: its sites within so many cubes of the other part's box, and whether each is near the surface.
+void send_sites(const SharedInput& input, const PartState& state, double reach, PartTask& task) {
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    MessageWriter writer;
+    for (std::size_t l = 0; l < state.levels.size(); ++l) {
+      const LevelPoints& level = state.levels[l];
+      const double margin = reach * cube_of(input, level);
+      std::vector<SentSite> sites;
+      std::vector<char> near;
+      for (std::size_t i = 0; i < level.sites.size(); ++i) {
+        if (distance_outside(level.lattice.point(level.sites[i]), box) > margin) continue;
+        sites.push_back({level.sites[i], state.own_first[l] + static_cast<std::uint32_t>(i)});
+        near.push_back(level.near_surface[i]);
+      }
+      writer.put_array<SentSite>(sites);
+      writer.put_array<char>(near);
+    }
+    task.send(other, writer.take());
+  }
+}
+
+void number_own(PartState& state) {
+  state.own_first.assign(1, 0);
+  for (const LevelPoints& level : state.levels)
+    state.own_first.push_back(state.own_first.back() + static_cast<std::uint32_t>(level.sites.size()));
+}
+
+// Appends what others sent, level by level, to lists of the same levels.
+void take_sites(PartTask& task, std::vector<LevelPoints>& levels, std::vector<std::vector<VertKey>>& keys) {
+  keys.resize(levels.size());
+  for (Message& message : task.inbox()) {
+    MessageReader reader(message.bytes);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      for (const SentSite& sent : reader.get_view<SentSite>()) {
+        levels[l].sites.push_back(sent.site);
+        keys[l].push_back(key_of(message.from, sent.index));
+      }
+      const auto near = reader.get_view<char>();
+      levels[l].near_surface.insert(levels[l].near_surface.end(), near.begin(), near.end());
+    }
+    Bytes().swap(message.bytes);
+  }
+}
+
+std::vector<LevelPoints> empty_levels(const SharedInput& input) {
+  std::vector<LevelPoints> levels;
+  for (const lattice::SiteLattice& lattice : input.cells.lattices()) levels.push_back({lattice, {}, {}});
+  return levels;
+}
+
+void append_points(const LevelPoints& level, std::vector<Vec3>& points) {
+  for (const Site& site : level.sites) points.push_back(level.lattice.point(site));
+}
+
+}  // namespace
+
+void find_points(const SharedInput& input, PartState& state, PartTask& task) {
+  Stopwatch watch;
+  const Box3& box = input.decomposition.box(task.part());
+  state.levels = empty_levels(input);
+  lattice::CellSites working;
+  for (const std::uint32_t index : input.decomposition.cells_of(task.part())) {
+    task.check_cancelled();
+    const lattice::LatticeCell& cell = input.cells.cells()[index];
+    Box3 piece = cell.box;
+    for (int axis = 0; axis < 3; ++axis) {
+      piece.lo[axis] = std::max(piece.lo[axis], box.lo[axis]);
+      piece.hi[axis] = std::min(piece.hi[axis], box.hi[axis]);
+    }
+    const auto level_to_sites = input.cells.find_sites(cell, piece, working);
+    for (std::size_t l = 0; l < level_to_sites.size(); ++l) {
+      for (const lattice::KeptSite& kept : level_to_sites[l]) {
+        state.levels[l].sites.push_back(kept.site);
+        state.levels[l].near_surface.push_back(kept.near_surface);
+      }
+    }
+  }
+  number_own(state);
+  send_sites(input, state, input.is_graded() ? kDroppingReach : lattice::kReach, task);
+  state.figures.seconds.points += watch.lap();
+}
+
+void drop_near_finer(const SharedInput& input, PartState& state, PartTask& task) {
+  Stopwatch watch;
+  std::vector<LevelPoints> others = empty_levels(input);
+  std::vector<std::vector<VertKey>> keys;
+  take_sites(task, others, keys);
+  std::vector<std::vector<Vec3>> points(state.levels.size());
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    const std::size_t first = l < lattice::kLevelsThatReach ? 0 : l - lattice::kLevelsThatReach;
+    const std::vector<std::span<const Vec3>> finer(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   points.begin() + static_cast<std::ptrdiff_t>(l));
+    for (LevelPoints* level : {&state.levels[l], &others[l]}) {
+      if (l > 0) lattice::drop_near_finer(*level, finer, task.runner());
+      append_points(*level, points[l]);
+    }
+  }
+  number_own(state);
+  send_sites(input, state, lattice::kGradedReach, task);
+  state.figures.seconds.points += watch.lap();
+}
+
+void make_core(const SharedInput& input, PartState& state, PartTask& task) {
+  Stopwatch watch;
+  std::vector<std::vector<VertKey>> foreign;
+  take_sites(task, state.levels, foreign);
+  const auto known = input.surface.points_of(task.part());
+  state.surface.assign(known.begin(), known.end());
+  state.given_points = known.size();
+  state.keys.reserve(known.size());
+  for (const std::uint32_t point : known) {
+    state.mesh.points.push_back(input.filling.complex.points[point]);
+    state.keys.push_back(point);
+  }
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    state.levels[l].foreign = foreign[l].size();
+    for (std::uint32_t i = state.own_first[l]; i < state.own_first[l + 1]; ++i)
+      state.keys.push_back(key_of(task.part(), i));
+    state.keys.append(foreign[l]);
+  }
+  state.next_index = state.own_first.back();
+  state.core = emit_core(state.mesh, state.levels, task.runner());
+  state.pure_around.assign(state.mesh.points.size(), 0);
+  for (std::size_t i = 0; i < state.core.shell_verts.size(); ++i)
+    state.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
+  state.figures.core_tets = state.mesh.size();
+
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    std::vector<SentShellPoint> sent;
+    std::size_t l = 0;
+    for (const std::uint32_t vert : state.core.shell_verts) {
+      while (vert >= state.core.level_to_vert[l + 1]) ++l;
+      const Vec3& x = state.mesh.points[vert];
+      if (distance_outside(x, box) > kShellReach * state.levels[l].lattice.size()) continue;
+      sent.push_back({x, static_cast<std::uint32_t>(state.keys[vert]), state.pure_around[vert] != 0});
+    }
+    if (sent.empty()) continue;
+    MessageWriter writer;
+    writer.put_array<SentShellPoint>(sent);
+    task.send(other, writer.take());
+  }
+  state.figures.seconds.core += watch.lap();
+}
+
+void take_shell_points(PartState& state, PartTask& task) {
+  // Those of the neighbourhood that the core knows are not taken twice.
+  std::vector<std::pair<VertKey, std::uint32_t>> known;
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    const std::uint32_t end = state.core.level_to_vert[l + 1];
+    for (auto v = end - static_cast<std::uint32_t>(state.levels[l].foreign); v < end; ++v)
+      known.emplace_back(state.keys[v], v);
+  }
+  std::sort(known.begin(), known.end());
+  state.shell_verts.resize(state.surface.size());
+  for (std::uint32_t v = 0; v < state.shell_verts.size(); ++v) state.shell_verts[v] = v;
+  state.shell_verts.insert(state.shell_verts.end(), state.core.shell_verts.begin(), state.core.shell_verts.end());
+  for (Message& message : task.inbox()) {
+    MessageReader reader(message.bytes);
+    for (const SentShellPoint& sent : reader.get_view<SentShellPoint>()) {
+      const VertKey key = key_of(message.from, sent.index);
+      const auto at = std::lower_bound(known.begin(), known.end(), std::pair{key, std::uint32_t{0}});
+      std::uint32_t vert = 0;
+      if (at != known.end() && at->first == key) {
+        vert = at->second;
+      } else {
+        vert = static_cast<std::uint32_t>(state.mesh.points.size());
+        state.mesh.points.push_back(sent.point);
+        state.keys.push_back(key);
+        state.pure_around.push_back(0);
+      }
+      state.pure_around[vert] = sent.has_pure != 0;
+      state.shell_verts.push_back(vert);
+    }
+  }
+}
+
+}  // namespace tetloom::parts

@@ -1,0 +1,76 @@
+#include "mesher/parts/optimize_part.hpp"
+
+#include <algorithm>
+
+#include "core/base/stopwatch.hpp"
+#include "mesher/parts/improve_part.hpp"
+#include "mesher/tets/quality_summary.hpp"
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+
+tets::OptimizeOptions options_of(const SharedInput& input, std::uint32_t surface_points) {
+  tets::OptimizeOptions options = volume::optimize_options(input.filling);
+  options.fixed_points = surface_points;
+  options.keep_points = true;
+  return options;
+}
+
+void count(const tets::OptimizeReport& done, tets::OptimizeReport& all) {
+  for (const auto member : {&tets::OptimizeReport::edges_removed, &tets::OptimizeReport::vertices_moved,
+                            &tets::OptimizeReport::points_inserted, &tets::OptimizeReport::vertices_removed})
+    all.*member += done.*member;
+}
+
+}  // namespace
+
+void optimize_inside(const SharedInput& input, PartState& state, const TaskRunner& runner) {
+  Stopwatch watch;
+  tets::OptimizeOptions options = options_of(input, state.surface_count());
+  options.open_faces = state.core.open_faces;
+  if (input.filling.lattice == LatticeKind::Bcc)
+    options.lattice_tets = static_cast<std::uint32_t>(state.figures.core_tets);
+  state.figures.optimizer = optimize(state.mesh, options, runner);
+  while (state.keys.size() < state.mesh.points.size()) state.keys.push_back(key_of(state.maker, state.next_index++));
+  state.figures.seconds.optimize += watch.lap();
+}
+
+void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, const TaskRunner& runner) {
+  tets::OptimizeOptions options = options_of(input, strip.surface_count);
+  tets::TetMesh& mesh = strip.mesh;
+  count(optimize(mesh, options, runner), state.figures.optimizer);
+  std::vector<char> is_outside(mesh.points.size(), 0);
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
+    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+    for (const std::uint32_t v : verts_of(mesh, face)) is_outside[v] = 1;
+  }
+  for (std::size_t v = 0; v < strip.waits.size(); ++v)
+    if (!is_outside[v]) strip.waits[v] = 0;
+}
+
+void finish_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
+  Stopwatch watch;
+  compact(state.mesh);
+  tets::OptimizeReport& report = state.figures.optimizer;
+  {
+    tets::WorkingMesh working(state.mesh, 0);
+    tets::summarize_result(working, input.filling.goals, report);
+    report.tets = state.mesh.size();
+  }
+  state.figures.seconds.optimize += watch.lap();
+  if (input.filling.freedom) improve_part(input, state, part, runner);
+  state.figures.seconds.surface += watch.lap();
+  // By their vertices in the complex.
+  const auto to_complex = [&](std::uint32_t& v) { v = static_cast<std::uint32_t>(state.keys[v]); };
+  for (AcuteTet& tet : report.acute_tets) {
+    for (auto& triangle : tet.triangles) std::for_each(triangle.begin(), triangle.end(), to_complex);
+    std::for_each(tet.points.begin(), tet.points.end(), to_complex);
+  }
+  state.fault = volume::check_volumes(state.mesh, runner);
+}
+
+}  // namespace tetloom::parts

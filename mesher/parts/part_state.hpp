@@ -1,0 +1,107 @@
+#pragma once
+// What one part holds while its tets are made, and what all parts may read.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesher/lattice/lattice_cells.hpp"
+#include "mesher/lattice/lattice_core.hpp"
+#include "mesher/parts/decomposition.hpp"
+#include "mesher/parts/part_surface.hpp"
+#include "mesher/tets/find_triangles.hpp"
+#include "mesher/tets/optimizer.hpp"
+#include "mesher/volume/filling.hpp"
+#include "threading/schedule.hpp"
+
+namespace tetloom::parts {
+
+/// The same name of a vertex in all parts: points of the surface by their number in the complex, all others by the part
+/// that made them and a number there.
+using VertKey = std::uint64_t;
+
+constexpr VertKey key_of(PartId maker, std::uint32_t index) { return (VertKey{maker.value} + 1) << 32 | index; }
+constexpr bool is_of_surface(VertKey key) { return key >> 32 == 0; }
+constexpr PartId maker_of(VertKey key) { return PartId((key >> 32) - 1); }
+
+/// A tet whose circumscribed ball has to be empty of points, asked of those who know.
+struct Doubt {
+  std::array<Vec3, 4> corners;  ///< positive
+  Vec3 center;
+  double radius = 0;  ///< infinite where it has no finite number
+};
+
+/// What one round between parts took.
+struct StripFigures {
+  std::size_t waiting = 0;  ///< vertices before it, each counted by every part that has it
+  std::size_t tets = 0;     ///< that came into strips
+  std::size_t moved = 0;    ///< of those, tets that came from other parts
+};
+inline constexpr std::size_t kStripRounds = 3;
+
+struct PartState {
+  PartId maker;  ///< the part itself, in keys
+
+  // Before there are tets.
+  std::vector<lattice::LevelPoints> levels;    ///< own sites, then those of other parts
+  std::vector<std::uint32_t> own_first;        ///< per level: the number of its first own site; and one past the last
+  std::vector<VertKey> foreign_keys;           ///< of the sites of other parts, level by level
+  std::vector<std::uint32_t> surface;          ///< points of the complex that the part knows, ascending
+  std::vector<std::uint32_t> triangles;        ///< triangles of the complex between these
+  std::vector<tets::TriangleVerts> tri_verts;  ///< their vertices here
+
+  // From the core on: points of the surface first.
+  tets::TetMesh mesh;
+  GrowingArray<VertKey> keys;
+  lattice::LatticeCore core;
+  std::vector<std::uint16_t> pure_around;  ///< per point, while the shell is made: see LatticeCore; foreign ones: any
+  std::vector<std::uint32_t> shell_verts;  ///< own and foreign
+  tets::TetMesh shell;
+  std::vector<std::uint32_t> kept;     ///< own tets of the shell, ascending
+  std::vector<Doubt> doubts;           ///< such tets whose balls reach beyond what the part knows
+  std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
+  std::size_t given_points = 0;        ///< of the surface, known here: the first ones
+  std::uint32_t next_index = 0;        ///< of the next point made here
+  std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
+  GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
+
+  // Between parts.
+  struct SharedVert {
+    VertKey key;
+    std::uint32_t vert;
+    bool is_poor;  // waits, and tets at it are poor
+  };
+  std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
+  std::vector<SharedVert> shared;          ///< their vertices, ascending
+  std::vector<std::uint64_t> open_names;   ///< of the open faces in the end, ascending
+  Bytes own_piece;                         ///< of a strip that this part takes
+  std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
+
+  std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have, ascending
+  std::vector<MovedPoint> moved_points;            ///< of the complex
+  std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
+  FillingFigures figures;
+  std::array<StripFigures, kStripRounds> strips{};
+  tets::Fault fault;
+
+  std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface.size()); }
+};
+
+/// Read by all parts, changed by none.
+struct SharedInput {
+  const volume::FillingInput& filling;
+  const lattice::LatticeCells& cells;
+  const Decomposition& decomposition;
+  const PartSurface& surface;
+  const tets::TriangleIndex& triangles;  ///< of the complex
+  Box3 box;                              ///< of the surface
+  std::uint32_t only_region = 0;         ///< kNone: there are several
+
+  bool is_graded() const { return cells.level_count() > 1; }
+  /// The size that a lattice or the field has at a place that the surface is at.
+  double size_at(const Vec3& x) const { return filling.sizes.size_at(x); }
+};
+
+/// How far a part knows the points of the shell beyond its box, in sizes of these points.
+inline constexpr double kShellReach = 2;
+
+}  // namespace tetloom::parts

@@ -1,0 +1,291 @@
+#include "mesher/parts/shell_steps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/base/stopwatch.hpp"
+#include "core/predicates/predicates.hpp"
+#include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/find_triangles.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+using tets::TriangleVerts;
+
+// Balls count as a little larger than they are computed to be.
+constexpr double kRoundOff = 1e-6;
+// A lattice's size may be this much larger than the field's at its points, or smaller.
+constexpr double kLevelStep = 1.3;
+
+Doubt ball_of(const TetMesh& mesh, std::uint32_t tet) {
+  Doubt doubt;
+  for (int i = 0; i < 4; ++i) doubt.corners[static_cast<std::size_t>(i)] = mesh.point_of(tet, i);
+  const Vec3& a = doubt.corners[0];
+  const Vec3 p = doubt.corners[1] - a, q = doubt.corners[2] - a, r = doubt.corners[3] - a;
+  const Vec3 qr = cross(q, r), rp = cross(r, p), pq = cross(p, q);
+  const Vec3 center = (norm2(p) * qr + norm2(q) * rp + norm2(r) * pq) / (2 * dot(p, qr));
+  doubt.center = a + center;
+  doubt.radius = norm(center) * (1 + kRoundOff);
+  if (!std::isfinite(doubt.radius)) doubt.center = a, doubt.radius = HUGE_VAL;
+  return doubt;
+}
+
+class Shell {
+ public:
+  Shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner)
+      : input_(input),
+        state_(state),
+        part_(part),
+        runner_(runner),
+        mesh_(state.shell),
+        box_(input.decomposition.box(part)),
+        surface_count_(state.surface_count()) {}
+
+  void make() {
+    if (!mesh_.points.empty()) state_.mesh.points = std::move(mesh_.points);
+    mesh_ = TetMesh();
+    mesh_.points = std::move(state_.mesh.points);
+    const tets::DelaunayResult delaunay =
+        make_delaunay(mesh_, state_.shell_verts, runner_, {input_.box, state_.keys.span()});
+    first_outer_ = delaunay.first_outer;
+    if (delaunay.duplicates.empty()) {
+      find_kept();
+    } else {
+      state_.fault.message = "points of the surface coincide";
+    }
+    mesh_.points.resize(first_outer_);
+  }
+
+ private:
+  void find_kept() {
+    fix_surface();
+    state_.kept.clear(), state_.doubts.clear();
+    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet)
+      if (is_own(tet) && is_kept(tet)) keep(tet);
+  }
+
+  void fix_surface() {
+    if (state_.tri_verts.empty()) number_triangles();
+    index_.emplace(state_.tri_verts, surface_count_);
+    state_.missing.clear();
+    for (const std::uint32_t t : fix_triangles(mesh_, state_.tri_verts, *index_, runner_)) {
+      const std::uint32_t triangle = state_.triangles[t];
+      const auto& verts = input_.filling.complex.tri_to_vert[triangle];
+      if (input_.surface.owner_of(*std::min_element(verts.begin(), verts.end())) == part_)
+        state_.missing.push_back(triangle);
+    }
+  }
+
+  void number_triangles() {
+    if (state_.triangles.empty()) {
+      const auto known = input_.surface.triangles_of(part_);
+      state_.triangles.assign(known.begin(), known.end());
+    }
+    const auto local = [&](std::uint32_t point) {
+      return static_cast<std::uint32_t>(std::lower_bound(state_.surface.begin(), state_.surface.end(), point) -
+                                        state_.surface.begin());
+    };
+    for (const std::uint32_t triangle : state_.triangles) {
+      const auto& [a, b, c] = input_.filling.complex.tri_to_vert[triangle];
+      state_.tri_verts.push_back({local(a), local(b), local(c)});
+    }
+  }
+
+  // Sets lowest_, too.
+  bool is_own(std::uint32_t tet) {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    const std::uint32_t lowest = std::min({v[0], v[1], v[2], v[3]});
+    if (std::max({v[0], v[1], v[2], v[3]}) >= first_outer_) return false;
+    if (lowest < surface_count_) {
+      lowest_ = lowest;
+      return input_.surface.owner_of(state_.surface[lowest]) == part_;
+    }
+    lowest_ = v[0];
+    for (int i = 1; i < 4; ++i)
+      if (state_.keys[v[i]] < state_.keys[lowest_]) lowest_ = v[i];
+    return maker_of(state_.keys[lowest_]) == part_;
+  }
+
+  // Whether the tet is one of the mesh, of those that are no tets of the core: neither outside nor in the core's place.
+  bool is_kept(std::uint32_t tet) {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    const auto of_surface = [&](std::uint32_t vert) { return vert < surface_count_; };
+    const auto count = std::count_if(v, v + 4, of_surface);
+    if (count == 4) return is_in_region(tet);
+    return count > 0 || !is_in_core(tet);
+  }
+
+  // In the place of the core when it holds a pure site. One next to its lowest vertex is held then: near that vertex,
+  // the tet overlaps a tet of the core, which has another vertex in the ball.
+  bool is_in_core(std::uint32_t tet) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    for (int i = 0; i < 4; ++i)
+      if (state_.pure_around[v[i]] == 0) return false;
+    std::size_t l = 0;
+    while (lowest_ >= state_.core.level_to_vert[l + 1]) ++l;
+    const lattice::LevelPoints& level = state_.levels[l];
+    const lattice::Site& site = level.sites[lowest_ - state_.core.level_to_vert[l]];
+    const auto& around = level.lattice.shape().around(level.lattice.shape().kind_of(site));
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      if (!(state_.pure_around[lowest_] >> i & 1)) continue;
+      const lattice::Site next{site.i + around[i].i, site.j + around[i].j, site.k + around[i].k};
+      if (insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
+                   level.lattice.point(next)) > 0)
+        return true;
+    }
+    return false;
+  }
+
+  bool is_in_region(std::uint32_t tet) const {
+    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+      if (!mesh_.is_fixed(face)) continue;
+      const tets::SortedTriangle key = tets::sorted(verts_of(mesh_, face));
+      const auto* triangle = index_->find(key);
+      if (!triangle) continue;
+      const FaceSides& sides = input_.filling.complex.tri_to_sides[state_.triangles[triangle->triangle]];
+      return (key.turned == triangle->turned ? sides.back : sides.front).valid();
+    }
+    return input_.cells.is_inside(
+        0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
+  }
+
+  void keep(std::uint32_t tet) {
+    state_.kept.push_back(tet);
+    const Doubt ball = ball_of(mesh_, tet);
+    const Vec3 reach{ball.radius, ball.radius, ball.radius};
+    const double outside =
+        std::max(distance_outside(ball.center - reach, box_), distance_outside(ball.center + reach, box_));
+    if (outside <= 0) return;
+    const double size = input_.size_at(mesh_.points[lowest_]);
+    const double least =
+        input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
+    if (!(outside <= kShellReach * least)) state_.doubts.push_back(ball);
+  }
+
+  const SharedInput& input_;
+  PartState& state_;
+  PartId part_;
+  const TaskRunner& runner_;
+  TetMesh& mesh_;
+  const Box3& box_;
+  std::uint32_t surface_count_, first_outer_ = 0, lowest_ = 0;
+  std::optional<tets::TriangleIndex> index_;
+};
+
+// Own points of the shell along x, so that a ball meets a range of them.
+std::vector<ShellPoint> sort_own_points(const SharedInput& input, const PartState& state, PartId part) {
+  const GrowingArray<Vec3>& points = state.shell.points;
+  std::vector<ShellPoint> own;
+  for (std::uint32_t v = 0; v < state.surface_count(); ++v)
+    if (input.surface.owner_of(state.surface[v]) == part) own.push_back({points[v], state.keys[v], 0});
+  for (const std::uint32_t v : state.core.shell_verts)
+    own.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+  std::sort(own.begin(), own.end(), [](const ShellPoint& a, const ShellPoint& b) {
+    return a.point.x != b.point.x ? a.point.x < b.point.x : a.key < b.key;
+  });
+  return own;
+}
+
+// Points of the surface stand first, ascending: those behind them get new numbers.
+void add_surface_points(const SharedInput& input, PartState& state, std::span<const std::uint32_t> more) {
+  const std::uint32_t before = state.surface_count(), shift = static_cast<std::uint32_t>(more.size());
+  state.surface.insert(state.surface.end(), more.begin(), more.end());
+  std::sort(state.surface.begin(), state.surface.end());
+  GrowingArray<Vec3> points;
+  GrowingArray<VertKey> keys;
+  std::vector<char> knows(input.filling.complex.points.size(), 0);
+  for (const std::uint32_t point : state.surface) {
+    points.push_back(input.filling.complex.points[point]);
+    keys.push_back(point);
+    knows[point] = 1;
+  }
+  points.append(state.shell.points.span().subspan(before));
+  keys.append(state.keys.span().subspan(before));
+  state.shell.points = std::move(points);
+  state.keys = std::move(keys);
+  state.pure_around.insert(state.pure_around.begin(), shift, 0);
+  for (std::uint32_t& v : state.mesh.to_vert) v += shift;
+  for (std::uint32_t& v : state.core.shell_verts) v += shift;
+  for (std::uint32_t& v : state.core.level_to_vert) v += shift;
+  for (std::uint32_t& v : state.shell_verts) v = v < before ? v : v + shift;
+  for (std::uint32_t v = before; v < before + shift; ++v) state.shell_verts.push_back(v);
+  const auto& triangles = input.filling.complex.tri_to_vert;
+  state.triangles.clear(), state.tri_verts.clear();
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    if (knows[triangles[t][0]] && knows[triangles[t][1]] && knows[triangles[t][2]]) state.triangles.push_back(t);
+}
+
+}  // namespace
+
+void make_shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
+  Stopwatch watch;
+  Shell(input, state, part, runner).make();
+  state.figures.seconds.delaunay += watch.lap();
+}
+
+bool add_shell_points(const SharedInput& input, PartState& state, std::span<const ShellPoint> points) {
+  std::vector<std::uint32_t> surface;
+  for (const ShellPoint& sent : points) {
+    const auto point = static_cast<std::uint32_t>(sent.key);
+    if (is_of_surface(sent.key) && !std::binary_search(state.surface.begin(), state.surface.end(), point))
+      surface.push_back(point);
+  }
+  std::sort(surface.begin(), surface.end());
+  surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
+  if (!surface.empty()) add_surface_points(input, state, surface);
+  std::vector<std::pair<VertKey, std::uint32_t>> known;
+  for (std::uint32_t v = state.surface_count(); v < state.keys.size(); ++v) known.emplace_back(state.keys[v], v);
+  std::sort(known.begin(), known.end());
+  std::vector<char> in_shell(state.keys.size(), 0);
+  for (const std::uint32_t v : state.shell_verts) in_shell[v] = 1;
+  bool any = !surface.empty();
+  for (const ShellPoint& sent : points) {
+    if (is_of_surface(sent.key)) continue;
+    const auto at = std::lower_bound(known.begin(), known.end(), std::pair{sent.key, std::uint32_t{0}});
+    std::uint32_t vert = 0;
+    if (at != known.end() && at->first == sent.key) {
+      vert = at->second;
+      if (in_shell[vert]) continue;
+    } else {
+      vert = static_cast<std::uint32_t>(state.keys.size());
+      known.insert(at, {sent.key, vert});
+      state.shell.points.push_back(sent.point);
+      state.keys.push_back(sent.key);
+      state.pure_around.push_back(0);
+      in_shell.push_back(0);
+    }
+    in_shell[vert] = 1;
+    state.shell_verts.push_back(vert);
+    state.pure_around[vert] = static_cast<std::uint16_t>(sent.has_pure);
+    any = true;
+  }
+  return any;
+}
+
+std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
+                                       std::span<const Doubt> doubts) {
+  const std::vector<ShellPoint> own = sort_own_points(input, state, part);
+  std::vector<ShellPoint> found;
+  for (const Doubt& doubt : doubts) {
+    const auto from = std::lower_bound(own.begin(), own.end(), doubt.center.x - doubt.radius,
+                                       [](const ShellPoint& a, double x) { return a.point.x < x; });
+    const auto& [a, b, c, d] = doubt.corners;
+    for (auto at = from; at != own.end() && at->point.x <= doubt.center.x + doubt.radius; ++at) {
+      if (norm2(at->point - doubt.center) > doubt.radius * doubt.radius) continue;
+      if (insphere(a, b, c, d, at->point) >= 0) found.push_back(*at);
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; });
+  found.erase(
+      std::unique(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key == t.key; }),
+      found.end());
+  return found;
+}
+
+}  // namespace tetloom::parts

@@ -1,0 +1,36 @@
+#pragma once
+// The shell of a part: the Delaunay tetrahedralisation of what the part knows of its points, and those tets of it that
+// are the part's own.
+//
+// A tet is a part's own when its vertex of the lowest key is. Tets inside the surface have circumspheres of about a
+// size, so that most reach nowhere but where the part knows all points: they are tets of the Delaunay
+// tetrahedralisation of all points. Of the others, the parts that their balls reach are asked; what they answer is
+// inserted too.
+#include <span>
+#include <vector>
+
+#include "mesher/parts/part_state.hpp"
+
+namespace tetloom::parts {
+
+/// A point of the shell that a part has not known.
+struct ShellPoint {
+  Vec3 point;
+  VertKey key = 0;
+  std::uint32_t has_pure = 0;
+};
+
+/// Makes the shell anew from `shell_verts`: kept tets, doubts, missing triangles, the fault.
+void make_shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
+
+/// Adds points that the part does not know yet; whether there were any.
+bool add_shell_points(const SharedInput& input, PartState& state, std::span<const ShellPoint> points);
+
+/// Own points of the shell that are not outside of a doubt's ball.
+std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
+                                       std::span<const Doubt> doubts);
+
+/// Appends the kept tets of the shell to the core and drops the rest.
+void join_shell(const SharedInput& input, PartState& state);
+
+}  // namespace tetloom::parts

@@ -1,0 +1,174 @@
+#include "mesher/parts/strip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+using tets::TriangleVerts;
+
+struct PackedVert {
+  Vec3 point;
+  VertKey key;
+  std::uint64_t waits;
+};
+
+struct PackedTet {
+  std::array<std::uint32_t, 4> verts;  // of those packed
+  std::uint32_t region, fixed;
+};
+
+// A face by its vertices; equal ones are the two sides of the same.
+struct Side {
+  TriangleVerts verts;
+  FaceCode face;
+  friend bool operator<(const Side& a, const Side& b) { return a.verts < b.verts; }
+};
+
+// Links sides in pairs, those of `mesh`; the others stay as they are.
+void link_pairs(TetMesh& mesh, std::vector<Side>& sides) {
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    if (sides[i].verts != sides[i + 1].verts) continue;
+    mesh.to_neighbor[sides[i].face] = sides[i + 1].face;
+    mesh.to_neighbor[sides[i + 1].face] = sides[i].face;
+    ++i;
+  }
+}
+
+}  // namespace
+
+Bytes pack_tets(const PartState& state, std::span<const std::uint32_t> tets) {
+  const TetMesh& mesh = state.mesh;
+  std::vector<std::uint32_t> verts;
+  for (const std::uint32_t tet : tets)
+    for (std::size_t i = 0; i < 4; ++i) verts.push_back(mesh.to_vert[std::size_t{tet} * 4 + i]);
+  std::sort(verts.begin(), verts.end());
+  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  MessageWriter writer;
+  const std::span<PackedVert> packed = writer.put_room<PackedVert>(verts.size());
+  for (std::size_t i = 0; i < verts.size(); ++i)
+    packed[i] = {mesh.points[verts[i]], state.keys[verts[i]], state.waits[verts[i]]};
+  const std::span<PackedTet> packed_tets = writer.put_room<PackedTet>(tets.size());
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    PackedTet& to = packed_tets[t];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t v = mesh.to_vert[std::size_t{tets[t]} * 4 + i];
+      to.verts[i] = static_cast<std::uint32_t>(std::lower_bound(verts.begin(), verts.end(), v) - verts.begin());
+    }
+    to.region = mesh.to_region[tets[t]], to.fixed = mesh.to_fixed[tets[t]];
+  }
+  return writer.take();
+}
+
+void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<FaceCode>& opened) {
+  TetMesh& mesh = state.mesh;
+  for (const std::uint32_t tet : tets) mesh.to_vert[std::size_t{tet} * 4] = kNone;
+  for (const std::uint32_t tet : tets) {
+    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+      const FaceCode behind = mesh.to_neighbor[face];
+      if (behind == kNone || mesh.is_dead(behind / 4)) continue;
+      mesh.to_neighbor[behind] = kNone;
+      opened.push_back(behind);
+    }
+    mesh.to_fixed[tet] = 0;
+  }
+}
+
+Strip unpack_strip(std::span<const Bytes> pieces) {
+  struct Piece {
+    std::span<const PackedVert> verts;
+    std::span<const PackedTet> tets;
+  };
+  std::vector<Piece> views;
+  std::vector<PackedVert> verts;
+  for (const Bytes& bytes : pieces) {
+    MessageReader reader(bytes);
+    Piece& piece = views.emplace_back();
+    piece.verts = reader.get_view<PackedVert>();
+    piece.tets = reader.get_view<PackedTet>();
+    verts.insert(verts.end(), piece.verts.begin(), piece.verts.end());
+  }
+  const auto by_key = [](const PackedVert& a, const PackedVert& b) { return a.key < b.key; };
+  std::stable_sort(verts.begin(), verts.end(), by_key);
+  Strip strip;
+  for (const PackedVert& vert : verts) {
+    if (!strip.keys.empty() && strip.keys.back() == vert.key) {
+      strip.waits[strip.keys.size() - 1] |= static_cast<std::uint8_t>(vert.waits);
+      continue;
+    }
+    strip.surface_count += is_of_surface(vert.key);
+    strip.keys.push_back(vert.key);
+    strip.mesh.points.push_back(vert.point);
+    strip.waits.push_back(static_cast<std::uint8_t>(vert.waits));
+  }
+  std::vector<Side> sides;
+  TetMesh& mesh = strip.mesh;
+  for (const Piece& piece : views) {
+    std::vector<std::uint32_t> to_vert;
+    for (const PackedVert& vert : piece.verts)
+      to_vert.push_back(static_cast<std::uint32_t>(std::lower_bound(strip.keys.begin(), strip.keys.end(), vert.key) -
+                                                   strip.keys.begin()));
+    for (const PackedTet& tet : piece.tets) {
+      const auto index = static_cast<std::uint32_t>(mesh.size());
+      for (const std::uint32_t v : tet.verts) mesh.to_vert.push_back(to_vert[v]);
+      mesh.to_neighbor.append(std::array{kNone, kNone, kNone, kNone});
+      mesh.to_region.push_back(tet.region);
+      mesh.to_fixed.push_back(static_cast<std::uint8_t>(tet.fixed));
+      for (FaceCode face = index * 4; face < index * 4 + 4; ++face)
+        sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+    }
+  }
+  link_pairs(mesh, sides);
+  return strip;
+}
+
+void put_in(PartState& state, PartId part, Strip&& strip, std::span<const FaceCode> open) {
+  TetMesh& mesh = state.mesh;
+  // Vertices that the part has are those of its open faces.
+  std::unordered_map<VertKey, std::uint32_t> key_to_vert;
+  for (const FaceCode face : open)
+    for (const std::uint32_t v : verts_of(mesh, face)) key_to_vert.emplace(state.keys[v], v);
+  std::vector<std::uint32_t> to_vert(strip.mesh.points.size());
+  for (std::uint32_t v = 0; v < to_vert.size(); ++v) {
+    const bool is_new = v >= strip.keys.size();
+    const VertKey key = is_new ? key_of(part, state.next_index++) : strip.keys[v];
+    const auto known = is_new ? key_to_vert.end() : key_to_vert.find(key);
+    const auto waits = is_new ? std::uint8_t{0} : strip.waits[v];
+    if (known != key_to_vert.end()) {
+      to_vert[v] = known->second;
+      state.waits[known->second] = waits;
+      continue;
+    }
+    to_vert[v] = static_cast<std::uint32_t>(mesh.points.size());
+    mesh.points.push_back(strip.mesh.points[v]);
+    state.keys.push_back(key);
+    state.waits.push_back(waits);
+  }
+  const auto first = static_cast<std::uint32_t>(mesh.size());
+  std::vector<Side> sides;
+  std::vector<char> is_in_strip(mesh.points.size(), 0);
+  for (const std::uint32_t v : to_vert) is_in_strip[v] = 1;
+  for (const FaceCode face : open) {
+    const TriangleVerts verts = verts_of(mesh, face);
+    if (mesh.to_neighbor[face] == kNone && is_in_strip[verts[0]] && is_in_strip[verts[1]] && is_in_strip[verts[2]])
+      sides.push_back({tets::sorted(verts).verts, face});
+  }
+  for (const std::uint32_t v : strip.mesh.to_vert) mesh.to_vert.push_back(to_vert[v]);
+  for (const FaceCode face : strip.mesh.to_neighbor)
+    mesh.to_neighbor.push_back(face == kNone ? kNone : first * 4 + face);
+  mesh.to_region.append(strip.mesh.to_region.span());
+  mesh.to_fixed.append(strip.mesh.to_fixed.span());
+  for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face)
+    if (mesh.to_neighbor[face] == kNone) sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+  link_pairs(mesh, sides);
+}
+
+}  // namespace tetloom::parts

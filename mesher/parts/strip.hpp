@@ -1,0 +1,30 @@
+#pragma once
+// Tets on their way between parts.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/parts/part_state.hpp"
+
+namespace tetloom::parts {
+
+/// A few tets with vertices of their own, those of the surface first.
+struct Strip {
+  tets::TetMesh mesh;
+  GrowingArray<VertKey> keys;        ///< per point, ascending for those that came with the tets
+  GrowingArray<std::uint8_t> waits;  ///< per point
+  std::uint32_t surface_count = 0;   ///< points of the surface
+};
+
+/// The given tets as bytes, the part's mesh without them, and which of its faces lie open for that.
+Bytes pack_tets(const PartState& state, std::span<const std::uint32_t> tets);
+void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<tets::FaceCode>& opened);
+
+/// One strip of the pieces that parts have packed, in this order, linked where they meet. Pre: they do not overlap.
+Strip unpack_strip(std::span<const Bytes> pieces);
+
+/// Appends the strip, linked to those of `open`, the part's open faces, that it has too. `made_here`: points of the
+/// strip that are new and get keys of `part`.
+void put_in(PartState& state, PartId part, Strip&& strip, std::span<const tets::FaceCode> open);
+
+}  // namespace tetloom::parts

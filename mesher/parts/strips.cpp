@@ -1,0 +1,245 @@
+#include "mesher/parts/strips.hpp"
+
+#include <algorithm>
+#include <array>
+#include <unordered_set>
+#include <utility>
+
+#include "core/base/stopwatch.hpp"
+#include "mesher/parts/optimize_part.hpp"
+#include "mesher/parts/strip.hpp"
+#include "mesher/tets/tet_quality.hpp"
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+
+constexpr double kPoor = .9 * .9 * .9;  // cubed: what the optimiser's last pass looks at
+constexpr double kReachInEdges = 6;     // how far the neighbours' boxes are looked for
+
+struct SharedVert {
+  VertKey key;
+  std::uint64_t is_poor;
+  friend bool operator<(const SharedVert& a, const SharedVert& b) { return a.key < b.key; }
+};
+
+bool is_poor(const TetMesh& mesh, std::uint32_t tet) {
+  return tets::cubed_quality(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2),
+                             mesh.point_of(tet, 3)) < kPoor;
+}
+
+std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
+  std::vector<FaceCode> open;
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
+    if (mesh.to_neighbor[face] == kNone && !mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
+  return open;
+}
+
+// Vertices that wait at poor tets that have an open face or lie next to one.
+std::vector<char> mark_poor(const PartState& state) {
+  const TetMesh& mesh = state.mesh;
+  std::vector<char> marks(mesh.points.size(), 0);
+  const auto look_at = [&](std::uint32_t tet) {
+    if (!is_poor(mesh, tet)) return;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
+      marks[v] |= static_cast<char>(state.waits[v]);
+    }
+  };
+  for (const FaceCode open : state.open_faces) {
+    const std::uint32_t tet = open / 4;
+    look_at(tet);
+    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
+      if (mesh.to_neighbor[face] != kNone) look_at(mesh.to_neighbor[face] / 4);
+  }
+  return marks;
+}
+
+// The tets of a part within two layers around some of its vertices, each for the part that claims it.
+class Extraction {
+ public:
+  explicit Extraction(const PartState& state) : state_(state), mesh_(state.mesh), tet_to_claim_(state.mesh.size()) {}
+
+  /// `claims`: vertices with who claims them, ascending by claimant.
+  std::vector<std::pair<PartId, std::vector<std::uint32_t>>> run(
+      std::span<const std::pair<PartId, std::uint32_t>> claims) {
+    std::vector<PartId> vert_to_claim(mesh_.points.size());
+    for (const auto& [part, vert] : claims) vert_to_claim[vert] = part;
+    // Where a star is in several pieces, each has an open face at its vertex.
+    std::vector<std::pair<PartId, FaceCode>> seeds;
+    for (const FaceCode face : state_.open_faces)
+      for (const std::uint32_t v : verts_of(mesh_, face))
+        if (vert_to_claim[v].valid()) seeds.emplace_back(vert_to_claim[v], face / 4 * 4 + corner_of(face / 4, v));
+    std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [part, code] : seeds) claim_star(code, part);
+    const std::vector<std::uint32_t> first_layer = claimed_;
+    for (const std::uint32_t tet : first_layer)
+      for (std::uint32_t corner = 0; corner < 4; ++corner) claim_star(tet * 4 + corner, tet_to_claim_[tet]);
+    std::vector<std::pair<PartId, std::vector<std::uint32_t>>> result;
+    std::stable_sort(claimed_.begin(), claimed_.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return tet_to_claim_[a] < tet_to_claim_[b]; });
+    for (const std::uint32_t tet : claimed_) {
+      if (result.empty() || result.back().first != tet_to_claim_[tet]) result.push_back({tet_to_claim_[tet], {}});
+      result.back().second.push_back(tet);
+    }
+    for (auto& [part, tets] : result) std::sort(tets.begin(), tets.end());
+    return result;
+  }
+
+ private:
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vert) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    return v[0] == vert ? 0 : v[1] == vert ? 1 : v[2] == vert ? 2 : 3;
+  }
+
+  // Tets around the vertex at a corner, as far as they hang together, that nobody claims yet. Stars are not cut where
+  // others have claimed a part of them.
+  void claim_star(FaceCode code, PartId part) {
+    const std::uint32_t vert = mesh_.to_vert[code];
+    if (!visited_.insert(vert, code / 4)) return;
+    stack_.assign(1, code / 4);
+    star_.assign(1, code / 4);
+    while (!stack_.empty()) {
+      const std::uint32_t tet = stack_.back();
+      stack_.pop_back();
+      if (!tet_to_claim_[tet].valid()) {
+        tet_to_claim_[tet] = part;
+        claimed_.push_back(tet);
+      }
+      const std::uint32_t corner = corner_of(tet, vert);
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
+        if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
+        if (std::find(star_.begin(), star_.end(), behind / 4) != star_.end()) continue;
+        star_.push_back(behind / 4);
+        stack_.push_back(behind / 4);
+      }
+    }
+    for (const std::uint32_t tet : star_) visited_.insert(vert, tet);
+  }
+
+  // Stars that were walked, as pairs of vertex and tet.
+  class Visits {
+   public:
+    bool insert(std::uint32_t vert, std::uint32_t tet) { return pairs_.insert(std::uint64_t{vert} << 32 | tet).second; }
+
+   private:
+    std::unordered_set<std::uint64_t> pairs_;
+  };
+
+  const PartState& state_;
+  const TetMesh& mesh_;
+  std::vector<PartId> tet_to_claim_;
+  std::vector<std::uint32_t> claimed_, stack_, star_;
+  Visits visited_;
+};
+
+struct Heard {
+  PartId from;
+  std::span<const SharedVert> verts;
+};
+
+}  // namespace
+
+void send_boundary(const SharedInput& input, PartState& state, PartTask& task) {
+  TetMesh& mesh = state.mesh;
+  state.open_faces = find_open_faces(mesh);
+  const bool is_first = state.waits.empty();
+  state.waits.resize(mesh.points.size(), 0);
+  std::vector<std::pair<std::uint32_t, double>> verts;  // with how far around them neighbours are looked for
+  for (const FaceCode face : state.open_faces) {
+    const auto [a, b, c] = verts_of(mesh, face);
+    const double longest = std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
+                                     distance(mesh.points[c], mesh.points[a])});
+    for (const std::uint32_t v : {a, b, c}) {
+      verts.emplace_back(v, kReachInEdges * longest);
+      if (is_first) state.waits[v] = 1;
+    }
+  }
+  std::sort(verts.begin(), verts.end(),
+            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
+  verts.erase(std::unique(verts.begin(), verts.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
+              verts.end());
+  const std::vector<char> poor = mark_poor(state);
+  state.shared.clear();
+  for (const auto& [v, reach] : verts) state.shared.push_back({state.keys[v], v, poor[v] != 0});
+  std::sort(state.shared.begin(), state.shared.end(), [](const auto& s, const auto& t) { return s.key < t.key; });
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    std::vector<SharedVert> near;
+    for (const auto& [v, reach] : verts)
+      if (distance_outside(mesh.points[v], box) <= reach) near.push_back({state.keys[v], std::uint64_t{poor[v] != 0}});
+    if (near.empty()) continue;
+    std::sort(near.begin(), near.end());
+    MessageWriter writer;
+    writer.put_array<SharedVert>(near);
+    task.send(other, writer.take());
+  }
+}
+
+void send_strips(PartState& state, std::size_t round, PartTask& task) {
+  std::vector<Heard> heard;
+  for (const Message& message : task.inbox())
+    heard.push_back({message.from, MessageReader(message.bytes).get_view<SharedVert>()});
+  std::vector<std::pair<PartId, std::uint32_t>> claims;
+  std::vector<std::size_t> next(heard.size(), 0);
+  for (const auto& vert : state.shared) {
+    PartId lowest = task.part();
+    std::size_t sharers = 0;
+    bool poor = vert.is_poor;
+    state.strips[round].waiting += vert.is_poor;
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      const auto& list = heard[i].verts;
+      while (next[i] < list.size() && list[next[i]].key < vert.key) ++next[i];
+      if (next[i] == list.size() || list[next[i]].key != vert.key) continue;
+      ++sharers;
+      poor |= list[next[i]].is_poor != 0;
+      lowest = std::min(lowest, heard[i].from);
+    }
+    if (!poor || sharers == 0 || (round == 0 && sharers > 1)) continue;
+    claims.emplace_back(lowest, vert.vert);
+  }
+  state.own_piece.clear();
+  state.opened.clear();
+  if (claims.empty()) return;
+  std::sort(claims.begin(), claims.end());
+  for (const auto& [part, tets] : Extraction(state).run(claims)) {
+    Bytes bytes = pack_tets(state, tets);
+    take_out(state, tets, state.opened);
+    state.strips[round].tets += tets.size();
+    state.strips[round].moved += part == task.part() ? 0 : tets.size();
+    if (part == task.part()) {
+      state.own_piece = std::move(bytes);
+    } else {
+      task.send(part, std::move(bytes));
+    }
+  }
+}
+
+void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
+  Stopwatch watch;
+  std::vector<Bytes> pieces;
+  for (Message& message : task.inbox()) {
+    if (!state.own_piece.empty() && message.from > task.part()) pieces.push_back(std::exchange(state.own_piece, {}));
+    pieces.push_back(std::move(message.bytes));
+  }
+  if (!state.own_piece.empty()) pieces.push_back(std::exchange(state.own_piece, {}));
+  if (!pieces.empty()) {
+    Strip strip = unpack_strip(pieces);
+    optimize_strip(input, strip, state, task.runner());
+    std::vector<FaceCode> open;
+    for (const FaceCode face : state.open_faces)
+      if (!state.mesh.is_dead(face / 4)) open.push_back(face);
+    open.insert(open.end(), state.opened.begin(), state.opened.end());
+    std::erase_if(open, [&](FaceCode face) { return state.mesh.is_dead(face / 4); });
+    put_in(state, task.part(), std::move(strip), open);
+  }
+  state.opened.clear();
+  state.figures.seconds.optimize += watch.lap();
+}
+
+}  // namespace tetloom::parts

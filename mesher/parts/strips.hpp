@@ -1,0 +1,22 @@
+#pragma once
+// What lies between parts: strips of tets on both sides move to one part and are optimised there.
+//
+// A part cannot move vertices or remove edges between it and others. Where tets at such vertices are poor, the tets
+// around them move, first those between two parts, then those where more parts meet; what waits is less in each round
+// (de Cougny & Shephard 1999a move what lies between parts for the same reason, and finish in one part).
+#include "mesher/parts/part_state.hpp"
+
+namespace tetloom::parts {
+
+/// Marks, the first time, what could not change between parts; tells the neighbours which vertices the part shares
+/// with others, and at which of those that waited for it the tets are poor.
+void send_boundary(const SharedInput& input, PartState& state, PartTask& task);
+
+/// Takes the strips that other parts are to have out of the mesh and sends them; in the first round, number 0, only
+/// those between two parts.
+void send_strips(PartState& state, std::size_t round, PartTask& task);
+
+/// Takes the strips that this part is to have, optimises and joins them.
+void take_strips(const SharedInput& input, PartState& state, PartTask& task);
+
+}  // namespace tetloom::parts
