@@ -10,6 +10,19 @@
 namespace tetloom::app {
 namespace {
 
+nlohmann::ordered_json parts_json(const FillingPartsFigures& parts) {
+  nlohmann::ordered_json strips = nlohmann::ordered_json::array();
+  for (const FillingPartsFigures::Strips& round : parts.strips)
+    strips.push_back({{"waiting_vertices", round.waiting}, {"tets", round.tets}, {"moved_tets", round.moved}});
+  nlohmann::ordered_json json = {{"parts", parts.parts},
+                                 {"tets_asked_about", parts.asked},
+                                 {"rounds_of_asking", parts.asking_rounds},
+                                 {"strips", strips},
+                                 {"given_up", parts.given_up}};
+  if (parts.given_up > 0) json["given_up_why"] = parts.given_up_why;
+  return json;
+}
+
 nlohmann::ordered_json filling_json(const FillingFigures& figures, const QualityGoals& goals) {
   const FillingFigures::Seconds& seconds = figures.seconds;
   const tets::OptimizeReport& optimizer = figures.optimizer;
@@ -19,6 +32,7 @@ nlohmann::ordered_json filling_json(const FillingFigures& figures, const Quality
       {"missing_triangles", figures.missing_triangles},
       {"recovery_points", figures.recovery_points},
       {"worker_complexes", figures.worker_complexes},
+      {"parts", parts_json(figures.parts)},
       {"seconds",
        {{"points", seconds.points},
         {"core", seconds.core},

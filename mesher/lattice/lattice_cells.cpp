@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "mesher/lattice/point_grid.hpp"
@@ -59,14 +60,26 @@ const SiteLattice& LatticeCells::coarsest_of(const LatticeCell& cell) const {
   return lattices_[static_cast<std::size_t>(std::min(levels_.count() - 1, levels_.of(cell.hi) + 1))];
 }
 
-bool LatticeCells::is_inside(const Vec3& x) const {
-  int depth = 0;
+// Every region is left as often as it is entered above x, but for that around x.
+std::uint32_t LatticeCells::region_at(const Vec3& x) const {
+  std::vector<std::pair<ModelRegionId, int>> region_to_depth;
+  const auto count = [&](ModelRegionId region, int change) {
+    if (!region.valid()) return;
+    for (auto& [known, depth] : region_to_depth) {
+      if (known != region) continue;
+      depth += change;
+      return;
+    }
+    region_to_depth.emplace_back(region, change);
+  };
   request_.tree->for_each_above(x, [&](std::uint32_t triangle, bool up) {
     const FaceSides& sides = request_.tri_to_sides[triangle];
-    const ModelRegionId below = up ? sides.back : sides.front, above = up ? sides.front : sides.back;
-    depth += int{below.valid()} - int{above.valid()};
+    count(up ? sides.back : sides.front, 1);
+    count(up ? sides.front : sides.back, -1);
   });
-  return depth > 0;
+  for (const auto& [region, depth] : region_to_depth)
+    if (depth > 0) return region.value;
+  return kNone;
 }
 
 LatticeCell LatticeCells::sized_cell(const Box3& box) const {

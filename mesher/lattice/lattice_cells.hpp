@@ -26,8 +26,9 @@ class LatticeCells {
   const std::vector<LatticeCell>& cells() const { return cells_; }
   const std::vector<SiteLattice>& lattices() const { return lattices_; }  ///< finest first
   std::size_t level_count() const { return lattices_.size(); }
-  /// Whether the surface names a region around x.
-  bool is_inside(const Vec3& x) const;
+  /// The region that the surface names around x; kNone outside.
+  std::uint32_t region_at(const Vec3& x) const;
+  bool is_inside(const Vec3& x) const { return region_at(x) != kNone; }
   /// The coarsest lattice that may have sites in the cell.
   const SiteLattice& coarsest_of(const LatticeCell& cell) const;
 

@@ -6,6 +6,7 @@
 #include "mesher/parts/gather_parts.hpp"
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/parts/lattice_steps.hpp"
+#include "mesher/parts/mend_surface.hpp"
 #include "mesher/parts/optimize_part.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "mesher/parts/strips.hpp"
@@ -15,7 +16,8 @@ namespace tetloom::parts {
 
 namespace {
 
-constexpr int kMostRoundsOfAsking = 8;
+constexpr std::size_t kMostRoundsOfAsking = 8;
+constexpr std::size_t kMostMissing = 3000;  // triangles: more say that the surface is not sound
 
 class Filler {
  public:
@@ -34,7 +36,7 @@ class Filler {
     ask_others();
     if (!any_fault()) {
       mend();
-      optimize();
+      if (!any_fault()) optimize();
     }
     FilledParts result;
     take_figures(result);
@@ -75,7 +77,7 @@ class Filler {
 
   // Tets whose balls reach beyond what their part knows are asked about where they reach to.
   void ask_others() {
-    for (int round = 0; round < kMostRoundsOfAsking && !any_fault(); ++round) {
+    for (std::size_t round = 0; round < kMostRoundsOfAsking && !any_fault(); ++round) {
       std::vector<Message> questions;
       for (const PartId part : states_.local()) ask(part, questions);
       std::array<std::int64_t, 1> count{static_cast<std::int64_t>(questions.size())};
@@ -148,18 +150,87 @@ class Filler {
 
   // Triangles that are no faces of the tets.
   void mend() {
+    const std::vector<std::uint32_t> missing = gather_missing();
+    if (missing.empty()) return;
+    const std::vector<Cluster> clusters = make_clusters(input_, missing);
+    std::vector<Message> answers;
+    for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(clusters[c], c, answers);
+    std::vector<std::vector<ShellPoint>> cluster_to_points(clusters.size());
+    for (const Message& message : exchange_all(std::move(answers))) {
+      MessageReader reader(message.bytes);
+      auto& list = cluster_to_points[reader.get<std::uint64_t>()];
+      const auto points = reader.get_view<ShellPoint>();
+      list.insert(list.end(), points.begin(), points.end());
+    }
+    patches_.resize(clusters.size());
+    runner_.for_each(clusters.size(), [&](std::size_t c) {
+      if (!states_.is_local(clusters[c].part)) return;
+      patches_[c] = recover_cluster(input_, clusters[c], std::move(cluster_to_points[c]), runner_);
+    });
+    take_patches(clusters);
+  }
+
+  std::vector<std::uint32_t> gather_missing() {
+    MessageWriter writer;
+    std::vector<std::uint32_t> own;
     for (const PartId part : states_.local()) {
       PartState& state = states_.at(part);
       state.figures.missing_triangles = state.missing.size();
-      if (state.missing.empty()) continue;
-      state.fault.message = "triangles are missing";
+      own.insert(own.end(), state.missing.begin(), state.missing.end());
     }
+    writer.put_array<std::uint32_t>(own);
+    std::vector<std::uint32_t> all;
+    for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
+      const auto missing = MessageReader(bytes).get_view<std::uint32_t>();
+      all.insert(all.end(), missing.begin(), missing.end());
+    }
+    std::sort(all.begin(), all.end());
+    if (all.size() > kMostMissing) {
+      for (const PartId part : states_.local())
+        states_.at(part).fault.message = std::to_string(all.size()) + " triangles of the surface are missing";
+      return {};
+    }
+    return all;
+  }
+
+  void send_neighborhood(const Cluster& cluster, std::uint32_t index, std::vector<Message>& messages) {
+    input_.decomposition.for_each_in(cluster.box, [&](PartId part) {
+      if (!states_.is_local(part)) return;
+      const std::vector<ShellPoint> points = find_points_in(input_, states_.at(part), part, cluster);
+      MessageWriter writer;
+      writer.put(std::uint64_t{index});
+      writer.put_array<ShellPoint>(points);
+      messages.push_back({part, cluster.part, index, writer.take()});
+    });
+  }
+
+  void take_patches(const std::vector<Cluster>& clusters) {
+    std::vector<TetKeys> own, removed;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      if (!states_.is_local(clusters[c].part)) continue;
+      PartState& state = states_.at(clusters[c].part);
+      own.insert(own.end(), patches_[c].removed.begin(), patches_[c].removed.end());
+      state.patches.push_back(static_cast<std::uint32_t>(c));
+      state.figures.recovery_points += patches_[c].new_points.size();
+      if (!patches_[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
+    }
+    MessageWriter writer;
+    writer.put_array<TetKeys>(own);
+    for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
+      const auto tets = MessageReader(bytes).get_view<TetKeys>();
+      removed.insert(removed.end(), tets.begin(), tets.end());
+    }
+    std::sort(removed.begin(), removed.end());
+    for (const PartId part : states_.local()) states_.at(part).removed = removed;
   }
 
   void optimize() {
     std::vector<Step> steps;
     const auto inside = [&](PartState& s, PartTask& t) {
       join_shell(input_, s);
+      for (const std::uint32_t c : s.patches) put_in_patch(s, t.part(), patches_[c], input_.only_region);
+      name_regions(input_, s);
+      if (s.fault.any()) return;
       optimize_inside(input_, s, t.runner());
       send_boundary(input_, s, t);
     };
@@ -184,6 +255,36 @@ class Filler {
     steps.push_back(step(
         "check", [&](PartState& s, PartTask& t) { check_open_faces(s, t); }, false));
     schedule_.run(steps);
+    if (!all_faces_met()) states_.at(states_.local().front()).fault.message = "the faces of parts do not fit together";
+  }
+
+  // Strips may have brought together parts that do not tell each other of all they have: what they have not been told
+  // of is asked of all.
+  bool all_faces_met() {
+    MessageWriter writer;
+    std::vector<std::uint64_t> names;
+    for (const PartId part : states_.local()) {
+      const auto& unmet = states_.at(part).unmet_names;
+      names.insert(names.end(), unmet.begin(), unmet.end());
+    }
+    writer.put_array<std::uint64_t>(names);
+    names.clear();
+    for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
+      const auto unmet = MessageReader(bytes).get_view<std::uint64_t>();
+      names.insert(names.end(), unmet.begin(), unmet.end());
+    }
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    std::vector<std::int64_t> counts(names.size(), 0);
+    for (const PartId part : states_.local()) {
+      const auto& open = states_.at(part).open_names;
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto [begin, end] = std::equal_range(open.begin(), open.end(), names[i]);
+        counts[i] += end - begin;
+      }
+    }
+    communicator_.sum(counts);
+    return std::all_of(counts.begin(), counts.end(), [](std::int64_t count) { return count == 2; });
   }
 
   bool any_fault() {
@@ -195,17 +296,12 @@ class Filler {
 
   void take_figures(FilledParts& result) {
     std::size_t seen = 0, wanted = 0;
-    result.parts.parts = states_.part_count();
-    result.parts.rounds = rounds_, result.parts.asked = asked_;
+    result.figures.parts.parts = states_.part_count();
+    result.figures.parts.asking_rounds = rounds_, result.figures.parts.asked = asked_;
     for (const PartId part : states_.local()) {
       const PartState& state = states_.at(part);
       result.figures.add(state.figures);
       seen += state.seen_sides;
-      for (std::size_t r = 0; r < kStripRounds; ++r) {
-        result.parts.strips[r].waiting += state.strips[r].waiting;
-        result.parts.strips[r].tets += state.strips[r].tets;
-        result.parts.strips[r].moved += state.strips[r].moved;
-      }
       if (state.fault.any() && !result.fault.any()) result.fault = state.fault;
     }
     for (const FaceSides& sides : input_.filling.complex.tri_to_sides)
@@ -229,7 +325,8 @@ class Filler {
   Schedule schedule_;
   PerPart<PartState> states_;
   Links links_;
-  int rounds_ = 0;
+  std::vector<Patch> patches_;  // per cluster
+  std::size_t rounds_ = 0;
   std::size_t asked_ = 0;
 };
 
@@ -245,7 +342,6 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, doub
                                   input.attempt};
   for (const Vec3& x : input.complex.points) request.box.add(x);
   const lattice::LatticeCells cells(request, runner);
-  if (input.complex.regions.size() != 1) return std::nullopt;
   const double parts = std::round(estimate_tets(cells) / tets_per_part);
   if (!(parts >= 2)) return std::nullopt;
   const Decomposition decomposition(cells, static_cast<std::size_t>(std::min(parts, 1e5)));

@@ -17,18 +17,10 @@
 
 namespace tetloom::parts {
 
-struct PartsFigures {
-  std::size_t parts = 0;
-  std::size_t asked = 0;  ///< tets that were certified by other parts' answers
-  int rounds = 0;         ///< of asking
-  std::array<StripFigures, kStripRounds> strips{};
-};
-
 struct FilledParts {
   std::optional<volume::Filling> filling;                 ///< nothing after a fault
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles as they have become
   FillingFigures figures;
-  PartsFigures parts;
   tets::Fault fault;  ///< any: why the parts do not fit together; one part may succeed where they do not
 };
 

@@ -177,8 +177,10 @@ void check_open_faces(PartState& state, PartTask& task) {
       if (i < met.size() && state.open_names[i] == name) met[i] = static_cast<std::uint8_t>(std::min(2, met[i] + 1));
     }
   }
-  const auto wrong = std::count_if(met.begin(), met.end(), [](std::uint8_t count) { return count != 1; });
-  if (wrong > 0) state.fault.message = std::to_string(wrong) + " faces of a part are not those of another one";
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (met[i] == 0) state.unmet_names.push_back(state.open_names[i]);
+    if (met[i] > 1) state.fault.message = "three parts have the same face";
+  }
 }
 
 volume::Filling gather_parts(std::span<const Vec3> given, std::span<PartState* const> states,

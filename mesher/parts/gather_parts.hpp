@@ -9,7 +9,7 @@ namespace tetloom::parts {
 /// Sends the faces with nothing of the part behind them to the neighbours.
 void send_open_faces(const SharedInput& input, PartState& state, PartTask& task);
 
-/// A fault where one of the part's open faces is not one of exactly one other part.
+/// Notes those of the part's open faces that no neighbour has told of; a fault where several have.
 void check_open_faces(PartState& state, PartTask& task);
 
 /// All tets, those of each part together, over the given points and then the others, each by the part that made it.

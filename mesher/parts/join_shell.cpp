@@ -19,6 +19,7 @@ class Joiner {
 
   void join() {
     core_size_ = static_cast<std::uint32_t>(mesh_.size());
+    drop_removed();
     number_kept();
     std::vector<TriangleVerts> open_verts;
     for (const FaceCode face : state_.core.open_faces) open_verts.push_back(verts_of(mesh_, face));
@@ -32,10 +33,21 @@ class Joiner {
     mesh_.points = std::move(state_.shell.points);
     state_.shell = TetMesh();
     state_.figures.shell_tets = state_.kept.size();
+    state_.waits.resize(mesh_.points.size(), 0);
     std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
   }
 
  private:
+  void drop_removed() {
+    if (state_.removed.empty()) return;
+    std::erase_if(state_.kept, [&](std::uint32_t tet) {
+      TetKeys keys;
+      for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[state_.shell.to_vert[std::size_t{tet} * 4 + i]];
+      std::sort(keys.begin(), keys.end());
+      return std::binary_search(state_.removed.begin(), state_.removed.end(), keys);
+    });
+  }
+
   void number_kept() {
     to_kept_.resize(state_.shell.size(), kNone);
     std::uint32_t next = core_size_;
@@ -80,6 +92,32 @@ void join_shell(const SharedInput& input, PartState& state) {
   Stopwatch watch;
   Joiner(input, state).join();
   state.figures.seconds.join += watch.lap();
+}
+
+void name_regions(const SharedInput& input, PartState& state) {
+  if (input.only_region != kNone) return;
+  TetMesh& mesh = state.mesh;
+  std::vector<char> is_named(mesh.size(), 0);
+  std::vector<std::uint32_t> stack;
+  for (std::uint32_t seed = 0; seed < mesh.size(); ++seed) {
+    if (is_named[seed]) continue;
+    const std::uint32_t region = input.cells.region_at(0.25 * (mesh.point_of(seed, 0) + mesh.point_of(seed, 1) +
+                                                               mesh.point_of(seed, 2) + mesh.point_of(seed, 3)));
+    if (region == kNone) state.fault.message = "a tetrahedron lies in no region";
+    stack.assign(1, seed);
+    is_named[seed] = 1;
+    while (!stack.empty()) {
+      const std::uint32_t tet = stack.back();
+      stack.pop_back();
+      mesh.to_region[tet] = region;
+      for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+        const FaceCode behind = mesh.to_neighbor[face];
+        if (behind == kNone || mesh.is_fixed(face) || is_named[behind / 4]) continue;
+        is_named[behind / 4] = 1;
+        stack.push_back(behind / 4);
+      }
+    }
+  }
 }
 
 }  // namespace tetloom::parts

@@ -30,13 +30,10 @@ struct Doubt {
   double radius = 0;  ///< infinite where it has no finite number
 };
 
-/// What one round between parts took.
-struct StripFigures {
-  std::size_t waiting = 0;  ///< vertices before it, each counted by every part that has it
-  std::size_t tets = 0;     ///< that came into strips
-  std::size_t moved = 0;    ///< of those, tets that came from other parts
-};
-inline constexpr std::size_t kStripRounds = 3;
+/// The vertices of a tet, ascending.
+using TetKeys = std::array<VertKey, 4>;
+
+inline constexpr std::size_t kStripRounds = std::tuple_size_v<decltype(FillingPartsFigures::strips)>;
 
 struct PartState {
   PartId maker;  ///< the part itself, in keys
@@ -64,7 +61,11 @@ struct PartState {
   std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
   GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
 
+  std::vector<std::uint32_t> patches;  ///< clusters of missing triangles that this part has recovered
+  std::vector<TetKeys> removed;        ///< tets of the shell, of any part, that are no more, ascending
+
   // Between parts.
+  bool knows_waits = false;  ///< whether `waits` says all it has to
   struct SharedVert {
     VertKey key;
     std::uint32_t vert;
@@ -73,6 +74,7 @@ struct PartState {
   std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
   std::vector<SharedVert> shared;          ///< their vertices, ascending
   std::vector<std::uint64_t> open_names;   ///< of the open faces in the end, ascending
+  std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of
   Bytes own_piece;                         ///< of a strip that this part takes
   std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 
@@ -80,7 +82,6 @@ struct PartState {
   std::vector<MovedPoint> moved_points;            ///< of the complex
   std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
   FillingFigures figures;
-  std::array<StripFigures, kStripRounds> strips{};
   tets::Fault fault;
 
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface.size()); }

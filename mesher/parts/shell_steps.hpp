@@ -33,4 +33,7 @@ std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState
 /// Appends the kept tets of the shell to the core and drops the rest.
 void join_shell(const SharedInput& input, PartState& state);
 
+/// Names the region of every tet where there are several: what hangs together is in that around one of its tets.
+void name_regions(const SharedInput& input, PartState& state);
+
 }  // namespace tetloom::parts

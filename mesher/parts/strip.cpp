@@ -109,7 +109,6 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
     strip.mesh.points.push_back(vert.point);
     strip.waits.push_back(static_cast<std::uint8_t>(vert.waits));
   }
-  std::vector<Side> sides;
   TetMesh& mesh = strip.mesh;
   for (const Piece& piece : views) {
     std::vector<std::uint32_t> to_vert;
@@ -117,17 +116,23 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
       to_vert.push_back(static_cast<std::uint32_t>(std::lower_bound(strip.keys.begin(), strip.keys.end(), vert.key) -
                                                    strip.keys.begin()));
     for (const PackedTet& tet : piece.tets) {
-      const auto index = static_cast<std::uint32_t>(mesh.size());
       for (const std::uint32_t v : tet.verts) mesh.to_vert.push_back(to_vert[v]);
-      mesh.to_neighbor.append(std::array{kNone, kNone, kNone, kNone});
       mesh.to_region.push_back(tet.region);
       mesh.to_fixed.push_back(static_cast<std::uint8_t>(tet.fixed));
-      for (FaceCode face = index * 4; face < index * 4 + 4; ++face)
-        sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
     }
   }
-  link_pairs(mesh, sides);
+  link_strip(strip);
   return strip;
+}
+
+void link_strip(Strip& strip) {
+  TetMesh& mesh = strip.mesh;
+  mesh.to_neighbor.clear();
+  mesh.to_neighbor.resize(mesh.to_vert.size(), kNone);
+  std::vector<Side> sides;
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
+    sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+  link_pairs(mesh, sides);
 }
 
 void put_in(PartState& state, PartId part, Strip&& strip, std::span<const FaceCode> open) {

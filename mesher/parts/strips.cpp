@@ -148,7 +148,7 @@ struct Heard {
 void send_boundary(const SharedInput& input, PartState& state, PartTask& task) {
   TetMesh& mesh = state.mesh;
   state.open_faces = find_open_faces(mesh);
-  const bool is_first = state.waits.empty();
+  const bool is_first = !std::exchange(state.knows_waits, true);
   state.waits.resize(mesh.points.size(), 0);
   std::vector<std::pair<std::uint32_t, double>> verts;  // with how far around them neighbours are looked for
   for (const FaceCode face : state.open_faces) {
@@ -191,7 +191,7 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
     PartId lowest = task.part();
     std::size_t sharers = 0;
     bool poor = vert.is_poor;
-    state.strips[round].waiting += vert.is_poor;
+    state.figures.parts.strips[round].waiting += vert.is_poor;
     for (std::size_t i = 0; i < heard.size(); ++i) {
       const auto& list = heard[i].verts;
       while (next[i] < list.size() && list[next[i]].key < vert.key) ++next[i];
@@ -210,8 +210,8 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
   for (const auto& [part, tets] : Extraction(state).run(claims)) {
     Bytes bytes = pack_tets(state, tets);
     take_out(state, tets, state.opened);
-    state.strips[round].tets += tets.size();
-    state.strips[round].moved += part == task.part() ? 0 : tets.size();
+    state.figures.parts.strips[round].tets += tets.size();
+    state.figures.parts.strips[round].moved += part == task.part() ? 0 : tets.size();
     if (part == task.part()) {
       state.own_piece = std::move(bytes);
     } else {

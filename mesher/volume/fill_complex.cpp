@@ -91,12 +91,12 @@ class ComplexFiller {
   bool fill_in_parts() {
     auto filled = parts::fill_in_parts(filling_input(), options_.tets_per_part, runner_, options_.trace);
     if (!filled) return false;
-    name_causes(input_, complex_, filled->tri_to_vert, filled->figures.optimizer.acute_tets);
     if (filled->fault.any()) {
-      filled->figures = {};
-      note({filled->fault.code, "in parts: " + filled->fault.message, {}, {}});
+      result_.figures.parts.given_up = 1;
+      result_.figures.parts.given_up_why = filled->fault.message;
       return false;
     }
+    name_causes(input_, complex_, filled->tri_to_vert, filled->figures.optimizer.acute_tets);
     result_.figures.add(filled->figures);
     result_.tri_to_vert = std::move(filled->tri_to_vert);
     result_.filling = std::move(filled->filling);

@@ -170,12 +170,24 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
 
 }  // namespace
 
+void FillingPartsFigures::add(const FillingPartsFigures& other) {
+  parts += other.parts, asked += other.asked;
+  asking_rounds = std::max(asking_rounds, other.asking_rounds);
+  for (std::size_t round = 0; round < strips.size(); ++round) {
+    for (const auto member : {&Strips::waiting, &Strips::tets, &Strips::moved})
+      strips[round].*member += other.strips[round].*member;
+  }
+  if (given_up == 0) given_up_why = other.given_up_why;
+  given_up += other.given_up;
+}
+
 void FillingFigures::add(const FillingFigures& other) {
   core_tets += other.core_tets;
   shell_tets += other.shell_tets;
   worker_complexes += other.worker_complexes;
   missing_triangles += other.missing_triangles;
   recovery_points += other.recovery_points;
+  parts.add(other.parts);
   optimizer.add(other.optimizer);
   for (const auto member : {&Seconds::points, &Seconds::core, &Seconds::delaunay, &Seconds::recovery, &Seconds::join,
                             &Seconds::optimize, &Seconds::surface})

@@ -1,0 +1,239 @@
+#include "mesher/parts/mend_surface.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "core/base/disjoint_sets.hpp"
+#include "mesher/parts/strip.hpp"
+#include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/recovery.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+using tets::TriangleVerts;
+
+// How far the tets change around a missing triangle, at most, and how far points are known for that; in sizes.
+constexpr double kApart = 3, kKnown = 7;
+
+Box3 box_around(const SharedInput& input, std::uint32_t triangle, double sizes) {
+  Box3 box;
+  for (const std::uint32_t v : input.filling.complex.tri_to_vert[triangle]) {
+    const Vec3& x = input.filling.complex.points[v];
+    const double reach = sizes * input.size_at(x);
+    box.add(x - Vec3{reach, reach, reach});
+    box.add(x + Vec3{reach, reach, reach});
+  }
+  return box;
+}
+
+class ClusterRecovery {
+ public:
+  ClusterRecovery(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
+                  const TaskRunner& runner)
+      : input_(input), cluster_(cluster), points_(std::move(points)), runner_(runner) {
+    std::sort(points_.begin(), points_.end(), [](const ShellPoint& a, const ShellPoint& b) { return a.key < b.key; });
+    for (const ShellPoint& point : points_) {
+      mesh_.points.push_back(point.point);
+      keys_.push_back(point.key);
+      surface_count_ += is_of_surface(point.key);
+    }
+  }
+
+  Patch run() {
+    std::vector<std::uint32_t> verts(keys_.size());
+    std::iota(verts.begin(), verts.end(), 0u);
+    first_outer_ = make_delaunay(mesh_, verts, runner_, {input_.box, keys_}).first_outer;
+    find_triangles();
+    const std::vector<TetKeys> before = name_tets();
+    const tets::RecoveryReport report = recover_boundary(mesh_, verts_, {}, runner_);
+    patch_.recovered = report.unrecovered.empty();
+    if (!patch_.recovered) return std::move(patch_);
+    const std::vector<TetKeys> after = name_tets();
+    std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(patch_.removed));
+    for (std::size_t v = first_outer_ + 4; v < mesh_.points.size(); ++v) patch_.new_points.push_back(mesh_.points[v]);
+    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
+      if (mesh_.is_dead(tet) || has_outer(tet) || std::binary_search(before.begin(), before.end(), name_of(tet)))
+        continue;
+      if (is_inside(tet)) make(tet);
+    }
+    for (const std::uint32_t v : used_) {
+      patch_.keys.push_back(keys_[v]);
+      patch_.points.push_back(mesh_.points[v]);
+    }
+    return std::move(patch_);
+  }
+
+ private:
+  // Those that are there, to be kept, and those that are to be recovered.
+  void find_triangles() {
+    std::vector<std::uint32_t> near;
+    std::vector<TriangleVerts> near_verts;
+    input_.filling.tree.for_each_in(cluster_.box, [&](std::uint32_t triangle) { near.push_back(triangle); });
+    std::sort(near.begin(), near.end());
+    std::size_t count = 0;
+    for (const std::uint32_t triangle : near) {
+      TriangleVerts verts{};
+      bool known = true;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const VertKey key = input_.filling.complex.tri_to_vert[triangle][i];
+        const auto at = std::lower_bound(keys_.begin(), keys_.end(), key);
+        known &= at != keys_.end() && *at == key;
+        verts[i] = static_cast<std::uint32_t>(at - keys_.begin());
+      }
+      if (!known) continue;
+      near[count++] = triangle;
+      near_verts.push_back(verts);
+    }
+    const std::vector<FaceCode> faces = tets::find_triangles(mesh_, near_verts, runner_);
+    for (std::size_t t = 0; t < count; ++t) {
+      const bool wanted = std::binary_search(cluster_.triangles.begin(), cluster_.triangles.end(), near[t]);
+      if (faces[t] == kNone && !wanted) continue;
+      verts_.push_back(near_verts[t]);
+      triangles_.push_back(near[t]);
+    }
+  }
+
+  VertKey key(std::uint32_t v) const {
+    return v < first_outer_ ? keys_[v] : kNewPoint + (v - first_outer_ - 4);
+  }
+  bool has_outer(std::uint32_t tet) const {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t v = mesh_.to_vert[std::size_t{tet} * 4 + i];
+      if (v >= first_outer_ && v < first_outer_ + 4) return true;
+    }
+    return false;
+  }
+  std::array<VertKey, 4> keys_of(std::uint32_t tet) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    return {key(v[0]), key(v[1]), key(v[2]), key(v[3])};
+  }
+  TetKeys name_of(std::uint32_t tet) const {
+    TetKeys name = keys_of(tet);
+    std::sort(name.begin(), name.end());
+    return name;
+  }
+  std::vector<TetKeys> name_tets() const {
+    std::vector<TetKeys> names;
+    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet)
+      if (!mesh_.is_dead(tet) && !has_outer(tet)) names.push_back(name_of(tet));
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  // Tets with a point of the lattices are, now that the surface is there.
+  bool is_inside(std::uint32_t tet) const {
+    for (const VertKey one : keys_of(tet))
+      if (!is_of_surface(one) && one < kNewPoint) return true;
+    const tets::TriangleIndex index(verts_, surface_count_);
+    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+      if (!mesh_.is_fixed(face)) continue;
+      const tets::SortedTriangle name = tets::sorted(verts_of(mesh_, face));
+      const auto* triangle = index.find(name);
+      if (!triangle) continue;
+      const FaceSides& sides = input_.filling.complex.tri_to_sides[triangles_[triangle->triangle]];
+      return (name.turned == triangle->turned ? sides.back : sides.front).valid();
+    }
+    return input_.cells.is_inside(0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) +
+                                          mesh_.point_of(tet, 3)));
+  }
+
+  void make(std::uint32_t tet) {
+    patch_.made.push_back(keys_of(tet));
+    patch_.fixed.push_back(mesh_.to_fixed[tet]);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t v = mesh_.to_vert[std::size_t{tet} * 4 + i];
+      if (v >= first_outer_) continue;
+      const auto at = std::lower_bound(used_.begin(), used_.end(), v);
+      if (at == used_.end() || *at != v) used_.insert(at, v);
+    }
+  }
+
+  const SharedInput& input_;
+  const Cluster& cluster_;
+  std::vector<ShellPoint> points_;
+  const TaskRunner& runner_;
+  TetMesh mesh_;
+  std::vector<VertKey> keys_;
+  std::uint32_t surface_count_ = 0, first_outer_ = 0;
+  std::vector<TriangleVerts> verts_;      // triangles there are to be
+  std::vector<std::uint32_t> triangles_;  // the same, of the complex
+  std::vector<std::uint32_t> used_;
+  Patch patch_;
+};
+
+}  // namespace
+
+std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std::uint32_t> missing) {
+  std::vector<Box3> boxes;
+  DisjointSets sets;
+  for (const std::uint32_t triangle : missing) {
+    boxes.push_back(box_around(input, triangle, kApart));
+    sets.add();
+  }
+  for (std::uint32_t a = 0; a < boxes.size(); ++a)
+    for (std::uint32_t b = 0; b < a; ++b)
+      if (boxes[a].overlaps(boxes[b])) sets.join(a, b);
+  std::vector<Cluster> clusters;
+  std::vector<std::uint32_t> to_cluster(missing.size(), kNone);
+  for (std::uint32_t i = 0; i < missing.size(); ++i) {
+    std::uint32_t& index = to_cluster[sets.find(i)];
+    if (index == kNone) {
+      index = static_cast<std::uint32_t>(clusters.size());
+      const std::uint32_t vert = input.filling.complex.tri_to_vert[missing[i]][0];
+      clusters.push_back({{}, {}, input.surface.owner_of(vert)});
+    }
+    clusters[index].triangles.push_back(missing[i]);
+    clusters[index].box.add(box_around(input, missing[i], kKnown));
+  }
+  return clusters;
+}
+
+std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
+                                       const Cluster& cluster) {
+  std::vector<ShellPoint> found;
+  const GrowingArray<Vec3>& points = state.shell.points;
+  for (std::uint32_t v = 0; v < state.surface_count(); ++v)
+    if (input.surface.owner_of(state.surface[v]) == part && cluster.box.contains(points[v]))
+      found.push_back({points[v], state.keys[v], 0});
+  for (const std::uint32_t v : state.core.shell_verts)
+    if (cluster.box.contains(points[v])) found.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+  return found;
+}
+
+Patch recover_cluster(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
+                      const TaskRunner& runner) {
+  return ClusterRecovery(input, cluster, std::move(points), runner).run();
+}
+
+void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32_t region) {
+  Strip strip;
+  for (std::size_t v = 0; v < patch.keys.size(); ++v) {
+    strip.keys.push_back(patch.keys[v]);
+    strip.mesh.points.push_back(patch.points[v]);
+    strip.waits.push_back(0);
+  }
+  for (const Vec3& point : patch.new_points) strip.mesh.points.push_back(point);
+  for (std::size_t t = 0; t < patch.made.size(); ++t) {
+    for (const VertKey key : patch.made[t]) {
+      const auto at = std::lower_bound(patch.keys.begin(), patch.keys.end(), key);
+      strip.mesh.to_vert.push_back(key >= kNewPoint
+                                       ? static_cast<std::uint32_t>(patch.keys.size() + (key - kNewPoint))
+                                       : static_cast<std::uint32_t>(at - patch.keys.begin()));
+    }
+    strip.mesh.to_region.push_back(region);
+    strip.mesh.to_fixed.push_back(patch.fixed[t]);
+    state.seen_sides += static_cast<std::size_t>(std::popcount(patch.fixed[t]));
+  }
+  link_strip(strip);
+  std::vector<FaceCode> open;
+  for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face)
+    if (state.mesh.to_neighbor[face] == kNone && !state.mesh.is_fixed(face)) open.push_back(face);
+  put_in(state, part, std::move(strip), open);
+}
+
+}  // namespace tetloom::parts

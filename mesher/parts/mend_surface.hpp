@@ -1,0 +1,50 @@
+#pragma once
+// Triangles of the surface that are no faces of the shell: recovered in clusters, each by one part that asks the others
+// for the points around.
+//
+// Most such triangles stand alone. A cluster's neighbourhood is triangulated once more, which gives the tets that the
+// parts have, and the triangles are recovered in it; what has changed there is told to all: which tets are no more, and
+// to the part of the cluster which take their place.
+#include <array>
+#include <span>
+#include <vector>
+
+#include "mesher/parts/part_state.hpp"
+#include "mesher/parts/shell_steps.hpp"
+
+namespace tetloom::parts {
+
+/// Missing triangles that are near each other.
+struct Cluster {
+  std::vector<std::uint32_t> triangles;  ///< of the complex, ascending
+  Box3 box;                              ///< in which points are taken
+  PartId part;                           ///< that recovers them
+};
+
+/// The clusters of missing triangles, by their lowest triangle. Pre: `missing` ascends.
+std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std::uint32_t> missing);
+
+/// Own points of the shell in the cluster's box.
+std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
+                                       const Cluster& cluster);
+
+/// What recovering a cluster has changed.
+struct Patch {
+  std::vector<TetKeys> removed;  ///< tets of the shell, each ascending
+  std::vector<Vec3> new_points;
+  std::vector<std::array<VertKey, 4>> made;  ///< tets inside, positive; new points by their index with kNewPoint
+  std::vector<Vec3> points;                  ///< of the other vertices in `made`, with their keys
+  std::vector<VertKey> keys;
+  std::vector<std::uint8_t> fixed;  ///< per made tet: which of its faces are of the surface
+  bool recovered = false;           ///< false: a triangle is missing still
+};
+inline constexpr VertKey kNewPoint = VertKey{1} << 63;
+
+/// `points`: of all parts, in the cluster's box.
+Patch recover_cluster(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
+                      const TaskRunner& runner);
+
+/// Puts the tets of a patch into its part's mesh, whose own ones have been joined.
+void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32_t region);
+
+}  // namespace tetloom::parts
