@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/progress.hpp"
 
 namespace tetloom {
@@ -21,11 +22,11 @@ struct Host {
 /// Runs the parallel loops of one call on a fixed number of threads, tells the host of progress and stops when it asks.
 /// All members may be called from inside loop bodies, including the loops themselves (nested loops share the threads).
 /// The order in which bodies run is not defined: results must not depend on it.
-class TaskRunner {
+class TaskRunner : public BlockLoop {
  public:
   /// Pre: threads >= 1, or 0 for all cores that the process may use.
   explicit TaskRunner(int threads, Host host = {});
-  ~TaskRunner();
+  ~TaskRunner() override;
   TaskRunner(const TaskRunner&) = delete;
   TaskRunner& operator=(const TaskRunner&) = delete;
 
@@ -36,7 +37,7 @@ class TaskRunner {
   void for_each(std::size_t count, const std::function<void(std::size_t)>& body) const;
   /// The same in blocks [begin, end) of at most `grain` items, cut at multiples of `grain` whatever the threads.
   void for_blocks(std::size_t count, std::size_t grain,
-                  const std::function<void(std::size_t, std::size_t)>& body) const;
+                  const std::function<void(std::size_t, std::size_t)>& body) const override;
   /// The same for items of known estimated work, largest first, so that no big one is left to the end.
   void for_each_largest_first(std::span<const double> work, const std::function<void(std::size_t)>& body) const;
 

@@ -104,20 +104,19 @@ Hash128 hash_cell(const Vertices<8>& v, std::uint32_t region, const PointHashes&
   return hash_turned(v, region, hashes, kHexTurns, Kind::Hex);
 }
 
-/// Calls visit(kind, hash) for all cells, in the order of cell fields.
-template <class Visit>
-void for_each_cell_hash(const Mesh& mesh, const PointHashes& point_hash, const Visit& visit) {
-  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
-    for (std::size_t c = 0; c < cells.size(); ++c) visit(kind, hash_cell(cells[c], regions[c], point_hash));
-  });
-}
+constexpr std::size_t kGrain = std::size_t{1} << 14;
 
-/// The sum of hash(element, entity) over all elements.
-template <class Elements, class Hash>
-Hash128 sum_of(const Elements& elements, const std::vector<std::uint32_t>& entities, const Hash& hash) {
-  Hash128 sum;
-  for (std::size_t e = 0; e < elements.size(); ++e) sum += hash(elements[e], entities[e]);
-  return sum;
+/// The sum of hash(i) over all i < count.
+template <class Hash>
+Hash128 sum_of(std::size_t count, const BlockLoop& loop, const Hash& hash) {
+  const auto sums = map_blocks(loop, count, kGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
+    Hash128 of_block;
+    for (std::size_t i = begin; i < end; ++i) of_block += hash(i);
+    sum = of_block;
+  });
+  Hash128 total;
+  for (const Hash128& sum : sums) total += sum;
+  return total;
 }
 
 std::string to_hex(const Hash128& hash) {
@@ -129,13 +128,13 @@ std::string to_hex(const Hash128& hash) {
 }
 
 /// The hashes of all points; their sum goes to `sum`.
-PointHashes hash_points(const Mesh& mesh, Hash128& sum) {
+PointHashes hash_points(const Mesh& mesh, const BlockLoop& loop, Hash128& sum) {
   PointHashes point_hash(mesh.points.size());
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+  sum = sum_of(mesh.points.size(), loop, [&](std::size_t i) {
     const Hash128 hash = hash_point(mesh.points[i], entity_of_point(mesh, i));
     point_hash[i] = hash.low;
-    sum += hash;
-  }
+    return hash;
+  });
   return point_hash;
 }
 
@@ -153,44 +152,59 @@ Hash128 hash_name(const std::string& name) {
 /// Hashes the tuples of a field, together with its name and what they hang on.
 class FieldHash {
  public:
-  FieldHash(const MeshField& field, FieldKind kind) : field_(field), kind_(kind) {
-    const Hash128 name = hash_name(field.name);
-    words_ = {name.low, name.high, static_cast<std::uint64_t>(field.components), 0, 0};
-    words_.resize(5 + static_cast<std::size_t>(field.components));
-  }
-  Hash128 of_tuple(std::size_t i, const Hash128& carrier) {
-    words_[3] = carrier.low;
-    words_[4] = carrier.high;
-    const auto components = static_cast<std::size_t>(field_.components);
-    for (std::size_t c = 0; c < components; ++c) words_[5 + c] = coordinate_bits(field_.values[i * components + c]);
-    return siphash128(words_, kFieldScheme, static_cast<std::uint64_t>(kind_));
+  FieldHash(const MeshField& field, FieldKind kind) : field_(field), kind_(kind), name_(hash_name(field.name)) {}
+
+  /// The sum over `count` tuples from number `first` on, with the hashes that `carrier` gives for 0, 1, ...
+  template <class Carrier>
+  Hash128 sum(std::size_t first, std::size_t count, const BlockLoop& loop, const Carrier& carrier) const {
+    const auto sums = map_blocks(loop, count, kGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
+      std::vector<std::uint64_t> words = head();
+      for (std::size_t i = begin; i < end; ++i) sum += of_tuple(first + i, carrier(i), words);
+    });
+    Hash128 total;
+    for (const Hash128& sum : sums) total += sum;
+    return total;
   }
 
  private:
+  std::size_t components() const { return static_cast<std::size_t>(field_.components); }
+  std::vector<std::uint64_t> head() const {
+    std::vector<std::uint64_t> words{name_.low, name_.high, components(), 0, 0};
+    words.resize(5 + components());
+    return words;
+  }
+  Hash128 of_tuple(std::size_t i, const Hash128& carrier, std::vector<std::uint64_t>& words) const {
+    words[3] = carrier.low;
+    words[4] = carrier.high;
+    for (std::size_t c = 0; c < components(); ++c) words[5 + c] = coordinate_bits(field_.values[i * components() + c]);
+    return siphash128(words, kFieldScheme, static_cast<std::uint64_t>(kind_));
+  }
+
   const MeshField& field_;
   FieldKind kind_;
-  std::vector<std::uint64_t> words_;
+  Hash128 name_;
 };
 
 }  // namespace
 
-std::string mesh_digest(const Mesh& mesh) {
-  require_consistent(mesh);
+std::string mesh_digest(const Mesh& mesh, const BlockLoop& loop) {
+  require_consistent(mesh, loop);
   Hash128 point_sum;
-  const PointHashes hashes = hash_points(mesh, point_sum);
-  const auto simplex = [&](Kind kind) {
-    return [&hashes, kind](const auto& element, std::uint32_t entity) {
-      return hash_simplex(element, entity, hashes, kind);
-    };
+  const PointHashes hashes = hash_points(mesh, loop, point_sum);
+  const auto sum_simplices = [&](const auto& elements, const auto& entities, Kind kind) {
+    return sum_of(elements.size(), loop,
+                  [&](std::size_t e) { return hash_simplex(elements[e], entities[e], hashes, kind); });
   };
-  const Hash128 edge_sum = sum_of(mesh.edge_to_vert, mesh.edge_to_entity, simplex(Kind::Edge));
-  const Hash128 triangle_sum = sum_of(mesh.tri_to_vert, mesh.tri_to_entity, simplex(Kind::Triangle));
-  const Hash128 quad_sum = sum_of(mesh.quad_to_vert, mesh.quad_to_entity, [&](const auto& quad, std::uint32_t entity) {
-    return hash_turned(quad, entity, hashes, kQuadTurns, Kind::Quad);
+  const Hash128 edge_sum = sum_simplices(mesh.edge_to_vert, mesh.edge_to_entity, Kind::Edge);
+  const Hash128 triangle_sum = sum_simplices(mesh.tri_to_vert, mesh.tri_to_entity, Kind::Triangle);
+  const Hash128 quad_sum = sum_of(mesh.quad_to_vert.size(), loop, [&](std::size_t q) {
+    return hash_turned(mesh.quad_to_vert[q], mesh.quad_to_entity[q], hashes, kQuadTurns, Kind::Quad);
   });
   std::array<Hash128, kCellKinds> cell_sums;
-  for_each_cell_hash(mesh, hashes,
-                     [&](CellKind kind, const Hash128& hash) { cell_sums[static_cast<std::size_t>(kind)] += hash; });
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
+    cell_sums[static_cast<std::size_t>(kind)] =
+        sum_of(cells.size(), loop, [&](std::size_t c) { return hash_cell(cells[c], regions[c], hashes); });
+  });
   std::vector<std::uint64_t> words{mesh.points.size(), mesh.edge_to_vert.size(), mesh.tri_to_vert.size(),
                                    mesh.tet_to_vert.size()};
   const auto add = [&](const Hash128& sum) { words.insert(words.end(), {sum.low, sum.high}); };
@@ -203,18 +217,22 @@ std::string mesh_digest(const Mesh& mesh) {
   return to_hex(siphash128(words, kScheme, key_of(Kind::Whole)));
 }
 
-std::string field_digest(const Mesh& mesh) {
-  require_consistent(mesh);
+std::string field_digest(const Mesh& mesh, const BlockLoop& loop) {
+  require_consistent(mesh, loop);
   Hash128 point_sum, cell_sum, unused;
-  const PointHashes hashes = hash_points(mesh, unused);
-  for (const MeshField& field : mesh.point_fields) {
-    FieldHash hash(field, FieldKind::Point);
-    for (std::size_t i = 0; i < mesh.points.size(); ++i) point_sum += hash.of_tuple(i, {hashes[i], 0});
-  }
+  const PointHashes hashes = hash_points(mesh, loop, unused);
+  for (const MeshField& field : mesh.point_fields)
+    point_sum += FieldHash(field, FieldKind::Point).sum(0, mesh.points.size(), loop, [&](std::size_t i) {
+      return Hash128{hashes[i], 0};
+    });
   for (const MeshField& field : mesh.cell_fields) {
-    FieldHash hash(field, FieldKind::Cell);
-    std::size_t i = 0;
-    for_each_cell_hash(mesh, hashes, [&](CellKind, const Hash128& cell) { cell_sum += hash.of_tuple(i++, cell); });
+    const FieldHash hash(field, FieldKind::Cell);
+    std::size_t first = 0;
+    for_each_cell_kind(mesh, [&](CellKind, const auto& cells, const auto& regions) {
+      cell_sum +=
+          hash.sum(first, cells.size(), loop, [&](std::size_t c) { return hash_cell(cells[c], regions[c], hashes); });
+      first += cells.size();
+    });
   }
   const std::array<std::uint64_t, 6> words{
       mesh.point_fields.size(), mesh.cell_fields.size(), point_sum.low, point_sum.high, cell_sum.low, cell_sum.high};

@@ -2,6 +2,7 @@
 // A fingerprint of a mesh that does not depend on how it is stored.
 #include <string>
 
+#include "core/base/block_loop.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace tetloom {
@@ -22,8 +23,8 @@ namespace tetloom {
 /// (Bellare & Micciancio 1997), and hashed once more together with the counts.
 ///
 /// Pre: indices in range, arrays of matching lengths; throws Error(InvalidArgument) otherwise. Linear; 8 bytes per
-/// point of working memory. Thread safety: pure.
-std::string mesh_digest(const Mesh& mesh);
+/// point of working memory. `loop` carries out the work; the digest does not depend on it. Thread safety: pure.
+std::string mesh_digest(const Mesh& mesh, const BlockLoop& loop = serial_loop());
 
 /// The same for the fields of `mesh`: 32 digits over the name, the number of components and the values (bit for bit,
 /// but -0 equals +0) of each, every tuple together with the hash of the point or cell that it hangs on.
@@ -31,6 +32,6 @@ std::string mesh_digest(const Mesh& mesh);
 /// Laws: unchanged when points, cells or fields are renumbered together with what hangs on them; changed by any change
 /// of a value, a name, or of a carrier that has a value. Says nothing of a mesh without fields.
 /// Pre, complexity and thread safety as for `mesh_digest`, times the number of fields.
-std::string field_digest(const Mesh& mesh);
+std::string field_digest(const Mesh& mesh, const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom

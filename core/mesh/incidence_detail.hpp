@@ -1,13 +1,16 @@
 #pragma once
-// Private to core: finding shared edges and faces by grouping them under their lowest vertex, in windows of vertices
-// that bound the working memory whatever the size of the mesh.
+// Private to core: finding shared edges and faces by grouping them under their lowest vertex, one range of vertices
+// beside the other.
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <numeric>
 #include <span>
 #include <vector>
 
+#include "core/base/filing.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
@@ -15,65 +18,95 @@ namespace tetloom::detail {
 /// Local vertices of the edges of a tet; pairs k and 5 - k lie opposite to each other.
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdge{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-/// Consecutive ranges [first, last) of keys whose counts add up to at most `limit`, or which hold a single key.
-struct Window {
-  std::uint32_t first = 0, last = 0;
-  std::size_t uses = 0;
-};
-std::vector<Window> cut_windows(std::span<const std::uint32_t> counts, std::size_t limit);
-
-/// Scatters uses into one bucket per key of a window, in the order in which they are added.
+/// Scatters uses into one bucket per key of [first, last), in the order in which they are added: all of them are to be
+/// counted first, then added.
 template <class Use>
-class WindowBuckets {
+class KeyBuckets {
  public:
-  WindowBuckets(const Window& window, std::span<const std::uint32_t> counts, std::vector<Use>& storage)
-      : first_(window.first), storage_(storage), ends_(window.last - window.first + 1, 0) {
-    for (std::uint32_t key = window.first; key < window.last; ++key)
-      ends_[key - first_ + 1] = ends_[key - first_] + counts[key];
-    if (storage_.size() < window.uses) storage_.resize(window.uses);
-    next_.assign(ends_.begin(), ends_.end() - 1);
+  KeyBuckets(std::size_t first, std::size_t last) : first_(first), places_(last - first + 1, 0) {}
+
+  bool covers(std::uint32_t key) const { return key - first_ < places_.size() - 1; }  // wraps below first_
+  void count(std::uint32_t key) { ++places_[key - first_ + 1]; }
+  void end_counting() {
+    std::partial_sum(places_.begin(), places_.end(), places_.begin());
+    uses_ = std::make_unique_for_overwrite<Use[]>(places_.back());
   }
-  bool covers(std::uint32_t key) const { return key - first_ < next_.size(); }  // wraps below first_
-  void add(std::uint32_t key, const Use& use) { storage_[next_[key - first_]++] = use; }
-  std::span<Use> bucket(std::uint32_t key) {
-    return {storage_.data() + ends_[key - first_], storage_.data() + ends_[key - first_ + 1]};
+  void add(std::uint32_t key, const Use& use) { uses_[places_[key - first_]++] = use; }
+  /// Calls visit(key, bucket) in the order of the keys, when all has been added.
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i + 1 < places_.size(); begin = places_[i++])
+      visit(static_cast<std::uint32_t>(first_ + i), std::span<Use>(uses_.get() + begin, uses_.get() + places_[i]));
   }
 
  private:
-  std::uint32_t first_;
-  std::vector<Use>& storage_;
-  std::vector<std::size_t> ends_;  // of the bucket before each key
-  std::vector<std::size_t> next_;
+  std::size_t first_;
+  std::vector<std::size_t> places_;  // of the bucket before each key, and at last where each bucket ends
+  std::unique_ptr<Use[]> uses_;
 };
 
-/// Calls visit(a, b), a < b, once for every pair of different points that an element of `elements` joins. The order
-/// depends on the elements alone. `Elements` are arrays of 3 or 4 point indices below `point_count`.
-template <class Element, class Visit>
-void for_each_unique_edge(std::span<const Element> elements, std::size_t point_count, const Visit& visit) {
-  constexpr std::size_t kLimit = std::size_t{1} << 25;  // 128 MiB of uses
-  const auto for_each_pair = [&](const auto& body) {
-    for (const Element& element : elements)
-      for (std::size_t i = 0; i + 1 < element.size(); ++i)
-        for (std::size_t j = i + 1; j < element.size(); ++j)
-          body(std::min(element[i], element[j]), std::max(element[i], element[j]));
-  };
-  std::vector<std::uint32_t> counts(point_count, 0);
-  for_each_pair([&](std::uint32_t low, std::uint32_t) { ++counts[low]; });
-  std::vector<std::uint32_t> last_seen_by(point_count, 0xffffffffu);
-  std::vector<std::uint32_t> storage;
-  for (const Window& window : cut_windows(counts, kLimit)) {
-    WindowBuckets<std::uint32_t> buckets(window, counts, storage);
-    for_each_pair([&](std::uint32_t low, std::uint32_t high) {
-      if (buckets.covers(low)) buckets.add(low, high);
-    });
-    for (std::uint32_t low = window.first; low < window.last; ++low) {
-      for (const std::uint32_t high : buckets.bucket(low)) {
-        if (last_seen_by[high] == low || high == low) continue;
-        last_seen_by[high] = low;
-        visit(low, high);
-      }
-    }
+/// Moves the different numbers to the front, in an order that depends on the sequence alone, and returns how many
+/// there are.
+inline std::size_t keep_different(std::span<std::uint32_t> numbers) {
+  constexpr std::size_t kFew = 128;
+  if (numbers.size() > kFew) {
+    std::sort(numbers.begin(), numbers.end());
+    return static_cast<std::size_t>(std::unique(numbers.begin(), numbers.end()) - numbers.begin());
   }
+  std::size_t kept = 0;
+  for (const std::uint32_t number : numbers) {
+    const auto end = numbers.begin() + static_cast<std::ptrdiff_t>(kept);
+    if (std::find(numbers.begin(), end, number) == end) numbers[kept++] = number;
+  }
+  return kept;
+}
+
+/// Calls file(range, element) once for every range that holds a vertex of the element which is not its greatest.
+template <class Element, class File>
+void file_by_lower_vertices(const Element& v, std::size_t element, const KeyRanges& ranges, const File& file) {
+  const std::uint32_t greatest = *std::max_element(v.begin(), v.end());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    if (v[i] == greatest) continue;
+    const std::size_t range = ranges.of(v[i]);
+    bool known = false;
+    for (std::size_t j = 0; j < i; ++j) known |= v[j] != greatest && ranges.of(v[j]) == range;
+    if (!known) file(range, element);
+  }
+}
+
+/// Calls visit(a, b, result), a < b, once for every pair of different points that an element of `elements` joins, and
+/// returns the results, one for each of some ranges of points, in their order. Ranges, and the order in each, depend on
+/// the elements alone. `Elements` are arrays of 3 or 4 point indices below `point_count`.
+template <class Result, class Element, class Visit>
+std::vector<Result> map_unique_edges(const std::vector<Element>& elements, std::size_t point_count,
+                                     const BlockLoop& loop, const Visit& visit) {
+  const KeyRanges ranges(point_count);
+  std::vector<Result> results(ranges.count());
+  const auto emit = [&](std::size_t begin, std::size_t end, const auto& file) {
+    for (std::size_t e = begin; e < end; ++e) file_by_lower_vertices(elements[e], e, ranges, file);
+  };
+  const auto visit_range = [&](std::size_t range, std::span<const std::uint64_t> filed) {
+    KeyBuckets<std::uint32_t> buckets(ranges.first(range), ranges.last(range));
+    const auto for_each_pair = [&](const auto& body) {
+      for (const std::uint64_t e : filed)
+        for (std::size_t i = 0; i + 1 < elements[e].size(); ++i)
+          for (std::size_t j = i + 1; j < elements[e].size(); ++j) {
+            const auto [low, high] = std::minmax(elements[e][i], elements[e][j]);
+            if (low != high && buckets.covers(low)) body(low, high);
+          }
+    };
+    for_each_pair([&](std::uint32_t low, std::uint32_t) { buckets.count(low); });
+    buckets.end_counting();
+    for_each_pair([&](std::uint32_t low, std::uint32_t high) { buckets.add(low, high); });
+    Result result;
+    buckets.for_each([&](std::uint32_t low, std::span<std::uint32_t> highs) {
+      for (const std::uint32_t high : highs.first(keep_different(highs))) visit(low, high, result);
+    });
+    results[range] = std::move(result);
+  };
+  for_each_filed_range<std::uint64_t>(elements.size(), ranges, loop, emit, visit_range);
+  return results;
 }
 
 /// What a face belongs to: a cell of one of the four kinds, or a surface element.
@@ -128,40 +161,83 @@ inline SortedFace sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c,
   return {v[at], std::min(next, before), std::max(next, before), next > before};
 }
 
-/// Calls body(sorted face, code) for all faces of cells of one kind.
+/// Calls body(sorted face, code) for all faces of a cell.
 template <CellKind Kind, class Cell, class Body>
-void for_each_cell_face(const std::vector<Cell>& cells, const Body& body) {
+void for_each_cell_face(const Cell& v, std::uint64_t element, const Body& body) {
   constexpr const CellShape& shape = shape_of(Kind);
   constexpr std::uint64_t owner = static_cast<std::uint64_t>(Kind) * 16;
-  for (std::uint64_t c = 0; c < cells.size(); ++c) {
-    const Cell& v = cells[c];
-    for (std::uint64_t f = 0; f < shape.face_count; ++f) {
-      const auto& at = shape.face[f].vert;
-      if (shape.face[f].count == 3)
-        body(sorted_face(v[at[0]], v[at[1]], v[at[2]]), c * 256 + owner + f);
-      else
-        body(sorted_face(v[at[0]], v[at[1]], v[at[2]], v[at[3]]), c * 256 + 128 + owner + f);
+  for (std::uint64_t f = 0; f < shape.face_count; ++f) {
+    const auto& at = shape.face[f].vert;
+    if (shape.face[f].count == 3)
+      body(sorted_face(v[at[0]], v[at[1]], v[at[2]]), element * 256 + owner + f);
+    else
+      body(sorted_face(v[at[0]], v[at[1]], v[at[2]], v[at[3]]), element * 256 + 128 + owner + f);
+  }
+}
+
+/// Calls body(sorted face, code) for all faces of a cell, or for a surface element.
+template <class Body>
+void for_each_face_of(const Mesh& mesh, FaceOwner owner, std::uint64_t element, const Body& body) {
+  constexpr std::uint64_t triangle = static_cast<std::uint64_t>(FaceOwner::Triangle) * 16;
+  constexpr std::uint64_t quad = static_cast<std::uint64_t>(FaceOwner::Quad) * 16 + 128;
+  switch (owner) {
+    case FaceOwner::Tet: return for_each_cell_face<CellKind::Tet>(mesh.tet_to_vert[element], element, body);
+    case FaceOwner::Pyramid: return for_each_cell_face<CellKind::Pyramid>(mesh.pyramid_to_vert[element], element, body);
+    case FaceOwner::Prism: return for_each_cell_face<CellKind::Prism>(mesh.prism_to_vert[element], element, body);
+    case FaceOwner::Hex: return for_each_cell_face<CellKind::Hex>(mesh.hex_to_vert[element], element, body);
+    case FaceOwner::Triangle: {
+      const auto& v = mesh.tri_to_vert[element];
+      return body(sorted_face(v[0], v[1], v[2]), element * 256 + triangle);
+    }
+    case FaceOwner::Quad: {
+      const auto& v = mesh.quad_to_vert[element];
+      return body(sorted_face(v[0], v[1], v[2], v[3]), element * 256 + quad);
     }
   }
 }
 
-/// Calls body(sorted face, code) for all faces of cells, triangles and quadrilaterals.
+/// How many elements have faces, by FaceOwner.
+inline std::array<std::size_t, 6> count_face_owners(const Mesh& mesh) {
+  return {mesh.tet_to_vert.size(), mesh.pyramid_to_vert.size(), mesh.prism_to_vert.size(),
+          mesh.hex_to_vert.size(), mesh.tri_to_vert.size(),     mesh.quad_to_vert.size()};
+}
+
+/// Calls body(owner, element) for the elements from number `begin` to `end`, counted through all kinds.
 template <class Body>
-void for_each_face_use(const Mesh& mesh, const Body& body) {
-  for_each_cell_face<CellKind::Tet>(mesh.tet_to_vert, body);
-  for_each_cell_face<CellKind::Pyramid>(mesh.pyramid_to_vert, body);
-  for_each_cell_face<CellKind::Prism>(mesh.prism_to_vert, body);
-  for_each_cell_face<CellKind::Hex>(mesh.hex_to_vert, body);
-  constexpr std::uint64_t triangle = static_cast<std::uint64_t>(FaceOwner::Triangle) * 16;
-  constexpr std::uint64_t quad = static_cast<std::uint64_t>(FaceOwner::Quad) * 16 + 128;
-  for (std::uint64_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
-    const auto& v = mesh.tri_to_vert[t];
-    body(sorted_face(v[0], v[1], v[2]), t * 256 + triangle);
-  }
-  for (std::uint64_t q = 0; q < mesh.quad_to_vert.size(); ++q) {
-    const auto& v = mesh.quad_to_vert[q];
-    body(sorted_face(v[0], v[1], v[2], v[3]), q * 256 + quad);
-  }
+void for_each_face_owner(const std::array<std::size_t, 6>& counts, std::size_t begin, std::size_t end,
+                         const Body& body) {
+  std::size_t first = 0;
+  for (std::size_t owner = 0; owner < counts.size(); first += counts[owner++])
+    for (std::size_t i = std::max(begin, first); i < std::min(end, first + counts[owner]); ++i)
+      body(static_cast<FaceOwner>(owner), i - first);
+}
+
+/// Calls body(low) for the lowest vertices of all faces of an element, some of them perhaps several times.
+template <class Body>
+void for_each_low_vertex(const Mesh& mesh, FaceOwner owner, std::uint64_t element, const Body& body) {
+  if (owner != FaceOwner::Tet)
+    return for_each_face_of(mesh, owner, element, [&](const SortedFace& face, std::uint64_t) { body(face.low); });
+  // The two lowest of the vertices.
+  const auto [a, b, c, d] = mesh.tet_to_vert[element];
+  const auto [low_ab, high_ab] = std::minmax({a, b});
+  const auto [low_cd, high_cd] = std::minmax({c, d});
+  body(std::min(low_ab, low_cd));
+  body(std::min(std::max(low_ab, low_cd), std::min(high_ab, high_cd)));
+}
+
+/// Calls file(range, element) once for every range that holds the lowest vertex of one of its faces.
+template <class File>
+void file_by_low_vertices(const Mesh& mesh, FaceOwner owner, std::uint64_t element, const KeyRanges& ranges,
+                          const File& file) {
+  std::array<std::size_t, 6> known;  // a hexahedron has six faces
+  std::size_t count = 0;
+  for_each_low_vertex(mesh, owner, element, [&](std::uint32_t low) {
+    const std::size_t range = ranges.of(low);
+    for (std::size_t i = 0; i < count; ++i)
+      if (known[i] == range) return;
+    known[count++] = range;
+    file(range, element * 8 + static_cast<std::uint64_t>(owner));
+  });
 }
 
 /// Sorts `uses`, which agree in three vertices, by the fourth and calls visit(low, uses) for each of those.
@@ -182,32 +258,55 @@ void visit_by_fourth_vertex(const Mesh& mesh, std::uint32_t low, std::span<FaceU
   }
 }
 
-/// Calls visit(low, uses) for every cycle of three or four points that is a face of a cell or a surface element; `uses`
-/// are ascending.
+/// Sorts `bucket`, of faces with the lowest vertex `low`, and calls visit(low, uses) for each cycle among them.
 template <class Visit>
-void for_each_face_group(const Mesh& mesh, const Visit& visit) {
-  constexpr std::size_t kLimit = std::size_t{1} << 23;  // 128 MiB of uses
-  std::vector<std::uint32_t> counts(mesh.points.size(), 0);
-  for_each_face_use(mesh, [&](const SortedFace& face, std::uint64_t) { ++counts[face.low]; });
-  std::vector<FaceUse> storage;
-  for (const Window& window : cut_windows(counts, kLimit)) {
-    WindowBuckets<FaceUse> buckets(window, counts, storage);
-    for_each_face_use(mesh, [&](const SortedFace& face, std::uint64_t code) {
-      if (buckets.covers(face.low)) buckets.add(face.low, {face.mid, face.high, code | (face.flipped ? 8u : 0u)});
-    });
-    for (std::uint32_t low = window.first; low < window.last; ++low) {
-      const std::span<FaceUse> bucket = buckets.bucket(low);
-      std::sort(bucket.begin(), bucket.end());
-      for (std::size_t begin = 0, end = 0; begin < bucket.size(); begin = end) {
-        while (end < bucket.size() && bucket[end].meets_same(bucket[begin])) ++end;
-        const std::span<FaceUse> uses = bucket.subspan(begin, end - begin);
-        if (uses[0].is_quad() && uses.size() > 1)
-          visit_by_fourth_vertex(mesh, low, uses, visit);
-        else
-          visit(low, std::span<const FaceUse>(uses));
-      }
-    }
+void visit_cycles(const Mesh& mesh, std::uint32_t low, std::span<FaceUse> bucket, const Visit& visit) {
+  std::sort(bucket.begin(), bucket.end());
+  for (std::size_t begin = 0, end = 0; begin < bucket.size(); begin = end) {
+    while (end < bucket.size() && bucket[end].meets_same(bucket[begin])) ++end;
+    const std::span<FaceUse> uses = bucket.subspan(begin, end - begin);
+    if (uses[0].is_quad() && uses.size() > 1)
+      visit_by_fourth_vertex(mesh, low, uses, visit);
+    else
+      visit(low, std::span<const FaceUse>(uses));
   }
+}
+
+/// Calls visit(low, uses, result) for every cycle of three or four points that is a face of a cell or a surface
+/// element; `uses` are ascending. `results` are copies of `blank`, one for each of some ranges of lowest points, and
+/// are returned in their order. Within a range cycles come by lowest point.
+template <class Result, class Visit>
+std::vector<Result> map_face_groups(const Mesh& mesh, const BlockLoop& loop, const Result& blank, const Visit& visit) {
+  const KeyRanges ranges(mesh.points.size());
+  std::vector<Result> results(ranges.count(), blank);
+  const std::array<std::size_t, 6> counts = count_face_owners(mesh);
+  const auto emit = [&](std::size_t begin, std::size_t end, const auto& file) {
+    for_each_face_owner(counts, begin, end, [&](FaceOwner owner, std::size_t element) {
+      file_by_low_vertices(mesh, owner, element, ranges, file);
+    });
+  };
+  const auto visit_range = [&](std::size_t range, std::span<const std::uint64_t> filed) {
+    KeyBuckets<FaceUse> buckets(ranges.first(range), ranges.last(range));
+    const auto for_each_use = [&](const auto& body) {
+      for (const std::uint64_t owner : filed)
+        for_each_face_of(mesh, static_cast<FaceOwner>(owner % 8), owner / 8,
+                         [&](const SortedFace& face, std::uint64_t code) {
+                           if (buckets.covers(face.low)) body(face, code);
+                         });
+    };
+    for_each_use([&](const SortedFace& face, std::uint64_t) { buckets.count(face.low); });
+    buckets.end_counting();
+    for_each_use([&](const SortedFace& face, std::uint64_t code) {
+      buckets.add(face.low, {face.mid, face.high, code | (face.flipped ? 8u : 0u)});
+    });
+    buckets.for_each([&](std::uint32_t low, std::span<FaceUse> bucket) {
+      visit_cycles(mesh, low, bucket,
+                   [&](std::uint32_t lowest, std::span<const FaceUse> uses) { visit(lowest, uses, results[range]); });
+    });
+  };
+  const std::size_t total = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  for_each_filed_range<std::uint64_t>(total, ranges, loop, emit, visit_range);
+  return results;
 }
 
 }  // namespace tetloom::detail

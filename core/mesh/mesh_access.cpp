@@ -1,5 +1,7 @@
 #include "core/mesh/mesh_access.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <string>
 
 #include "core/base/error.hpp"
@@ -7,20 +9,41 @@
 namespace tetloom {
 namespace {
 
-template <class Elements>
-void require_indices(const Elements& elements, std::size_t entity_count, std::size_t point_count, const char* what) {
+constexpr std::size_t kGrain = std::size_t{1} << 16;
+constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+
+template <class Element>
+bool fits(const Element& element, std::size_t point_count) {
+  return std::all_of(element.begin(), element.end(), [&](std::uint32_t vertex) { return vertex < point_count; });
+}
+
+/// The first element that refers to a point which is not there; kNowhere without one.
+template <class Element>
+std::size_t find_misfit(const std::vector<Element>& elements, std::size_t point_count, const BlockLoop& loop) {
+  const auto first =
+      map_blocks(loop, elements.size(), kGrain, kNowhere, [&](std::size_t begin, std::size_t end, std::size_t& misfit) {
+        while (begin < end && fits(elements[begin], point_count)) ++begin;
+        if (begin < end) misfit = begin;
+      });
+  return first.empty() ? kNowhere : *std::min_element(first.begin(), first.end());
+}
+
+template <class Element>
+void require_indices(const std::vector<Element>& elements, std::size_t entity_count, std::size_t point_count,
+                     const char* what, const BlockLoop& loop) {
   if (elements.size() != entity_count)
     throw Error(ErrorCode::InvalidArgument, "the mesh has " + std::to_string(elements.size()) + " " + what + " but " +
                                                 std::to_string(entity_count) + " entities for them");
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    for (const std::uint32_t vertex : elements[i])
-      if (vertex >= point_count)
-        throw Error(Diagnostic{ErrorCode::InvalidArgument,
-                               "element " + std::to_string(i) + " of the mesh's " + what + " refers to point " +
-                                   std::to_string(vertex) + " of " + std::to_string(point_count),
-                               {},
-                               {},
-                               {i}});
+  const std::size_t misfit = find_misfit(elements, point_count, loop);
+  if (misfit == kNowhere) return;
+  const auto vertex =
+      std::find_if(elements[misfit].begin(), elements[misfit].end(), [&](std::uint32_t v) { return v >= point_count; });
+  throw Error(Diagnostic{ErrorCode::InvalidArgument,
+                         "element " + std::to_string(misfit) + " of the mesh's " + what + " refers to point " +
+                             std::to_string(*vertex) + " of " + std::to_string(point_count),
+                         {},
+                         {},
+                         {misfit}});
 }
 
 void require_lengths(const std::vector<MeshField>& fields, std::size_t carriers, const char* what) {
@@ -37,19 +60,19 @@ void require_lengths(const std::vector<MeshField>& fields, std::size_t carriers,
 
 }  // namespace
 
-void require_consistent(const Mesh& mesh) {
+void require_consistent(const Mesh& mesh, const BlockLoop& loop) {
   const std::size_t points = mesh.points.size();
   if (points >= 0xffffffffu) throw Error(ErrorCode::InvalidArgument, "the mesh has more than 2^32 - 2 points");
   if (!mesh.point_to_entity.empty() && mesh.point_to_entity.size() != points)
     throw Error(ErrorCode::InvalidArgument, "the mesh has " + std::to_string(points) + " points but " +
                                                 std::to_string(mesh.point_to_entity.size()) + " entities for them");
-  require_indices(mesh.edge_to_vert, mesh.edge_to_entity.size(), points, "edges");
-  require_indices(mesh.tri_to_vert, mesh.tri_to_entity.size(), points, "triangles");
-  require_indices(mesh.quad_to_vert, mesh.quad_to_entity.size(), points, "quadrilaterals");
-  require_indices(mesh.tet_to_vert, mesh.tet_to_entity.size(), points, "tets");
-  require_indices(mesh.pyramid_to_vert, mesh.pyramid_to_entity.size(), points, "pyramids");
-  require_indices(mesh.prism_to_vert, mesh.prism_to_entity.size(), points, "prisms");
-  require_indices(mesh.hex_to_vert, mesh.hex_to_entity.size(), points, "hexahedra");
+  require_indices(mesh.edge_to_vert, mesh.edge_to_entity.size(), points, "edges", loop);
+  require_indices(mesh.tri_to_vert, mesh.tri_to_entity.size(), points, "triangles", loop);
+  require_indices(mesh.quad_to_vert, mesh.quad_to_entity.size(), points, "quadrilaterals", loop);
+  require_indices(mesh.tet_to_vert, mesh.tet_to_entity.size(), points, "tets", loop);
+  require_indices(mesh.pyramid_to_vert, mesh.pyramid_to_entity.size(), points, "pyramids", loop);
+  require_indices(mesh.prism_to_vert, mesh.prism_to_entity.size(), points, "prisms", loop);
+  require_indices(mesh.hex_to_vert, mesh.hex_to_entity.size(), points, "hexahedra", loop);
   require_lengths(mesh.point_fields, points, "points");
   require_lengths(mesh.cell_fields, cell_count(mesh), "cells");
 }

@@ -2,74 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <span>
 
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/statistics_detail.hpp"
 #include "core/predicates/predicates.hpp"
 
 namespace tetloom {
 namespace {
 
+using detail::PerEntity;
+using detail::Sum;
+
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kBandLow = 0.707106781, kBandHigh = 1.41421356;
 
-/// Sum with the rounding errors carried along (Neumaier 1974), so that it does not drift over many millions of terms.
-class Sum {
- public:
-  void add(double x) {
-    const double next = total_ + x;
-    lost_ += std::abs(total_) >= std::abs(x) ? (total_ - next) + x : (x - next) + total_;
-    total_ = next;
-  }
-  double value() const { return total_ + lost_; }
-
- private:
-  double total_ = 0, lost_ = 0;
-};
-
-/// Entries per entity index, found without trusting that indices are small. Elements of an entity tend to follow each
-/// other, so the last entry is tried first.
-template <class Entry>
-class PerEntity {
- public:
-  explicit PerEntity(std::initializer_list<std::span<const std::uint32_t>> element_to_entity) {
-    for (const std::span<const std::uint32_t> entities : element_to_entity)
-      for (const std::uint32_t entity : entities)
-        if (keys_.empty() || keys_.back() != entity) keys_.push_back(entity);
-    std::sort(keys_.begin(), keys_.end());
-    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
-    entries_.resize(keys_.size());
-  }
-  Entry& at(std::uint32_t entity) {
-    if (keys_[last_] != entity)
-      last_ = static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), entity) - keys_.begin());
-    return entries_[last_];
-  }
-  std::size_t size() const { return keys_.size(); }
-  std::uint32_t key(std::size_t i) const { return keys_[i]; }
-  const Entry& entry(std::size_t i) const { return entries_[i]; }
-
- private:
-  std::vector<std::uint32_t> keys_;
-  std::vector<Entry> entries_;
-  std::size_t last_ = 0;
-};
-
-/// The `share` quantile of `values`, interpolated linearly between its neighbours. Reorders `values`.
-double quantile(std::vector<float>& values, double share) {
-  if (values.empty()) return 0;
-  const double position = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(below);
-  std::nth_element(values.begin(), middle, values.end());
-  if (below + 1 == values.size()) return *middle;
-  const double upper = *std::min_element(middle + 1, values.end());
-  return *middle + (position - static_cast<double>(below)) * (upper - *middle);
-}
+constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 template <std::size_t Bins>
 std::size_t bin_of(double share) {
@@ -117,43 +69,46 @@ TetShape measure_tet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return shape;
 }
 
+struct EdgeSums {
+  std::size_t edges = 0, in_band = 0;
+  Sum lengths, ratios;
+
+  void add(const EdgeSums& other) {
+    edges += other.edges, in_band += other.in_band;
+    lengths.add(other.lengths), ratios.add(other.ratios);
+  }
+};
+
 /// Length and conformity of all unique edges of `elements`.
 template <class Element>
 EdgeConformity measure_edges(const std::vector<Element>& elements, const std::vector<Vec3>& points,
-                             const std::vector<double>& point_size) {
-  EdgeConformity result;
-  Sum lengths, ratios;
-  std::size_t in_band = 0;
-  detail::for_each_unique_edge(std::span<const Element>(elements), points.size(),
-                               [&](std::uint32_t a, std::uint32_t b) {
-                                 const double length = distance(points[a], points[b]);
-                                 ++result.edges;
-                                 lengths.add(length);
-                                 if (point_size.empty()) return;
-                                 const double ratio = length / (0.5 * (point_size[a] + point_size[b]));
-                                 ratios.add(ratio);
-                                 in_band += ratio >= kBandLow && ratio <= kBandHigh;
-                               });
-  if (result.edges == 0) return result;
-  const auto count = static_cast<double>(result.edges);
-  result.mean_length = lengths.value() / count;
-  result.mean_length_ratio = ratios.value() / count;
-  result.in_band = static_cast<double>(in_band) / count;
-  return result;
+                             const std::vector<double>& point_size, const BlockLoop& loop) {
+  const auto measure = [&](std::uint32_t a, std::uint32_t b, EdgeSums& sums) {
+    const double length = distance(points[a], points[b]);
+    ++sums.edges;
+    sums.lengths.add(length);
+    if (point_size.empty()) return;
+    const double ratio = length / (0.5 * (point_size[a] + point_size[b]));
+    sums.ratios.add(ratio);
+    sums.in_band += ratio >= kBandLow && ratio <= kBandHigh;
+  };
+  EdgeSums total;
+  for (const EdgeSums& sums : detail::map_unique_edges<EdgeSums>(elements, points.size(), loop, measure))
+    total.add(sums);
+  if (total.edges == 0) return {};
+  const auto count = static_cast<double>(total.edges);
+  return {total.edges, total.lengths.value() / count, total.ratios.value() / count,
+          static_cast<double>(total.in_band) / count};
 }
 
-/// The size at every point that an element uses; empty without a field.
-std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes) {
+/// The size at every point; empty without a field.
+std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
   std::vector<double> point_size;
   if (sizes == nullptr) return point_size;
-  point_size.assign(mesh.points.size(), 0.0);
-  const auto query = [&](const auto& elements) {
-    for (const auto& element : elements)
-      for (const std::uint32_t v : element)
-        if (point_size[v] == 0) point_size[v] = sizes->size_at(mesh.points[v]);
-  };
-  query(mesh.tet_to_vert);
-  query(mesh.tri_to_vert);
+  point_size.resize(mesh.points.size());
+  loop.for_blocks(point_size.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) point_size[i] = sizes->size_at(mesh.points[i]);
+  });
   return point_size;
 }
 
@@ -189,69 +144,139 @@ bool is_inverted(const std::vector<Vec3>& points, std::span<const std::uint32_t>
 struct RegionSums {
   std::size_t tets = 0, cells = 0;
   Sum volume;
+
+  void add(const RegionSums& other) {
+    tets += other.tets, cells += other.cells;
+    volume.add(other.volume);
+  }
 };
 
-CellQuality measure_cells(const Mesh& mesh, std::size_t inverted_tets) {
-  CellQuality result;
-  result.inverted = inverted_tets;
-  result.count = cell_count(mesh);
-  if (result.count == 0) return result;
-  PerEntity<RegionSums> regions({mesh.tet_to_entity, mesh.pyramid_to_entity, mesh.prism_to_entity, mesh.hex_to_entity});
-  Sum total;
-  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& entities) {
-    result.counts[static_cast<std::size_t>(kind)] = cells.size();
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      const double volume = cell_volume(mesh.points, cells[c], kind);
-      total.add(volume);
-      RegionSums& region = regions.at(entities[c]);
-      ++region.cells;
-      region.tets += kind == CellKind::Tet;
-      region.volume.add(volume);
-      if (kind != CellKind::Tet) result.inverted += is_inverted(mesh.points, cells[c], kind, volume);
-    }
-  });
-  result.volume = total.value();
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    const RegionSums& region = regions.entry(i);
-    result.regions.push_back({regions.key(i), region.tets, region.cells, region.volume.value()});
+/// Cells of one kind.
+struct CellSums {
+  std::size_t inverted = 0;
+  Sum volume;
+  PerEntity<RegionSums> regions;
+
+  void add(const CellSums& other) {
+    inverted += other.inverted;
+    volume.add(other.volume);
+    regions.add(other.regions);
   }
+};
+
+void measure_cell(std::uint32_t region, bool is_tet, double volume, bool inverted, CellSums& sums) {
+  sums.inverted += inverted;
+  sums.volume.add(volume);
+  RegionSums& of_region = sums.regions.at(region);
+  ++of_region.cells;
+  of_region.tets += is_tet;
+  of_region.volume.add(volume);
+}
+
+template <class Cell>
+CellSums sum_cells(const Mesh& mesh, CellKind kind, const std::vector<Cell>& cells,
+                   const std::vector<std::uint32_t>& regions, const BlockLoop& loop) {
+  const auto of_blocks =
+      map_blocks(loop, cells.size(), kGrain, CellSums{}, [&](std::size_t begin, std::size_t end, CellSums& result) {
+        CellSums sums{0, {}, PerEntity<RegionSums>(std::span(regions).subspan(begin, end - begin))};
+        for (std::size_t c = begin; c < end; ++c) {
+          const double volume = cell_volume(mesh.points, cells[c], kind);
+          measure_cell(regions[c], false, volume, is_inverted(mesh.points, cells[c], kind, volume), sums);
+        }
+        result = std::move(sums);
+      });
+  CellSums total;
+  for (const CellSums& sums : of_blocks) total.add(sums);
+  return total;
+}
+
+CellQuality measure_cells(const Mesh& mesh, const CellSums& tets, const BlockLoop& loop) {
+  CellQuality result;
+  result.count = cell_count(mesh);
+  CellSums total;
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
+    result.counts[static_cast<std::size_t>(kind)] = cells.size();
+    total.add(kind == CellKind::Tet ? tets : sum_cells(mesh, kind, cells, regions, loop));
+  });
+  result.inverted = total.inverted;
+  result.volume = total.volume.value();
+  for (const auto& [region, sums] : total.regions.items())
+    result.regions.push_back({region, sums.tets, sums.cells, sums.volume.value()});
   return result;
 }
 
-TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size) {
+struct TetSums {
+  CellSums cells;
+  Sum ratio;
+  float least_ratio = std::numeric_limits<float>::infinity();
+  double largest_cosine = -1;
+  std::array<std::size_t, 10> ratio_histogram{};
+  std::array<std::size_t, 18> dihedral_histogram{};
+
+  void add(const TetSums& other) {
+    cells.add(other.cells);
+    ratio.add(other.ratio);
+    least_ratio = std::min(least_ratio, other.least_ratio);
+    largest_cosine = std::max(largest_cosine, other.largest_cosine);
+    for (std::size_t i = 0; i < ratio_histogram.size(); ++i) ratio_histogram[i] += other.ratio_histogram[i];
+    for (std::size_t i = 0; i < dihedral_histogram.size(); ++i) dihedral_histogram[i] += other.dihedral_histogram[i];
+  }
+};
+
+/// Adds a tet and returns its mean ratio.
+float add_tet(const Mesh& mesh, std::size_t t, const DihedralBins& bins, TetSums& sums) {
+  const auto& [a, b, c, d] = mesh.tet_to_vert[t];
+  const Vec3 &pa = mesh.points[a], &pb = mesh.points[b], &pc = mesh.points[c], &pd = mesh.points[d];
+  const TetShape shape = measure_tet(pa, pb, pc, pd);
+  // The volume is not finite when a coordinate is not, and the predicate wants finite ones.
+  const bool inverted = !std::isfinite(shape.volume) || orient3d(pa, pb, pc, pd) <= 0;
+  const double ratio = inverted ? 0 : shape.mean_ratio;
+  measure_cell(mesh.tet_to_entity[t], true, shape.volume, inverted, sums.cells);
+  sums.ratio.add(ratio);
+  sums.least_ratio = std::min(sums.least_ratio, static_cast<float>(ratio));
+  ++sums.ratio_histogram[bin_of<10>(ratio)];
+  if (!inverted)
+    for (const double cosine : shape.dihedral_cosines) {
+      sums.largest_cosine = std::max(sums.largest_cosine, cosine);
+      ++sums.dihedral_histogram[bins.find(cosine)];
+    }
+  return static_cast<float>(ratio);
+}
+
+/// Measures all tets; their mean ratios go to `ratios`.
+TetSums sum_tets(const Mesh& mesh, const BlockLoop& loop, std::span<float> ratios) {
+  const DihedralBins bins;
+  const auto of_blocks =
+      map_blocks(loop, ratios.size(), kGrain, TetSums{}, [&](std::size_t begin, std::size_t end, TetSums& result) {
+        TetSums sums;
+        sums.cells.regions = PerEntity<RegionSums>(std::span(mesh.tet_to_entity).subspan(begin, end - begin));
+        for (std::size_t t = begin; t < end; ++t) ratios[t] = add_tet(mesh, t, bins, sums);
+        result = std::move(sums);
+      });
+  TetSums total;
+  for (const TetSums& sums : of_blocks) total.add(sums);
+  return total;
+}
+
+/// What is common with other cells goes to `cells`.
+TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop,
+                        CellSums& cells) {
   TetQuality result;
   result.count = mesh.tet_to_vert.size();
   if (result.count == 0) return result;
-  const DihedralBins bins;
-  std::vector<float> ratios(result.count);
-  Sum volume, ratio_sum;
-  double largest_cosine = -1;
-  for (std::size_t t = 0; t < result.count; ++t) {
-    const auto [a, b, c, d] = mesh.tet_to_vert[t];
-    const Vec3 &pa = mesh.points[a], &pb = mesh.points[b], &pc = mesh.points[c], &pd = mesh.points[d];
-    const TetShape shape = measure_tet(pa, pb, pc, pd);
-    // The volume is not finite when a coordinate is not, and the predicate wants finite ones.
-    const bool inverted = !std::isfinite(shape.volume) || orient3d(pa, pb, pc, pd) <= 0;
-    const double ratio = inverted ? 0 : shape.mean_ratio;
-    ratios[t] = static_cast<float>(ratio);
-    ratio_sum.add(ratio);
-    ++result.mean_ratio_histogram[bin_of<10>(ratio)];
-    volume.add(shape.volume);
-    if (inverted) {
-      ++result.inverted;
-      continue;
-    }
-    for (const double cosine : shape.dihedral_cosines) {
-      largest_cosine = std::max(largest_cosine, cosine);
-      ++result.dihedral_histogram[bins.find(cosine)];
-    }
-  }
-  result.min_dihedral_deg = result.inverted > 0 ? 0 : std::acos(std::clamp(largest_cosine, -1.0, 1.0)) * kDegrees;
-  result.mean_ratio_min = *std::min_element(ratios.begin(), ratios.end());
-  result.mean_ratio_p1 = quantile(ratios, 0.01);
-  result.mean_ratio_mean = ratio_sum.value() / static_cast<double>(result.count);
-  result.volume = volume.value();
-  result.edges = measure_edges(mesh.tet_to_vert, mesh.points, point_size);
+  const auto storage = std::make_unique_for_overwrite<float[]>(result.count);
+  const std::span<float> ratios(storage.get(), result.count);
+  const TetSums sums = sum_tets(mesh, loop, ratios);
+  cells = sums.cells;
+  result.inverted = cells.inverted;
+  result.min_dihedral_deg = result.inverted > 0 ? 0 : std::acos(std::clamp(sums.largest_cosine, -1.0, 1.0)) * kDegrees;
+  result.mean_ratio_min = sums.least_ratio;
+  result.mean_ratio_p1 = detail::quantile(ratios, 0.01, loop);
+  result.mean_ratio_mean = sums.ratio.value() / static_cast<double>(result.count);
+  result.volume = cells.volume.value();
+  result.mean_ratio_histogram = sums.ratio_histogram;
+  result.dihedral_histogram = sums.dihedral_histogram;
+  result.edges = measure_edges(mesh.tet_to_vert, mesh.points, point_size, loop);
   return result;
 }
 
@@ -275,47 +300,77 @@ struct FaceSums {
   std::size_t triangles = 0;
   Sum area;
   double min_angle = std::numbers::pi;
+
+  void add(const FaceSums& other) {
+    triangles += other.triangles;
+    area.add(other.area);
+    min_angle = std::min(min_angle, other.min_angle);
+  }
 };
 
-TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& point_size) {
+struct TriangleSums {
+  FaceSums all;
+  Sum shape;
+  float least_shape = std::numeric_limits<float>::infinity();
+  PerEntity<FaceSums> faces;
+
+  void add(const TriangleSums& other) {
+    all.add(other.all);
+    shape.add(other.shape);
+    least_shape = std::min(least_shape, other.least_shape);
+    faces.add(other.faces);
+  }
+};
+
+/// Measures all triangles; their shapes go to `shapes`.
+TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::vector<float>& shapes) {
+  const auto of_blocks = map_blocks(
+      loop, shapes.size(), kGrain, TriangleSums{}, [&](std::size_t begin, std::size_t end, TriangleSums& result) {
+        TriangleSums sums;
+        sums.faces = PerEntity<FaceSums>(std::span(mesh.tri_to_entity).subspan(begin, end - begin));
+        for (std::size_t t = begin; t < end; ++t) {
+          const auto& [a, b, c] = mesh.tri_to_vert[t];
+          const TriangleShape triangle = measure_triangle(mesh.points[a], mesh.points[b], mesh.points[c]);
+          shapes[t] = static_cast<float>(triangle.shape);
+          sums.shape.add(triangle.shape);
+          sums.least_shape = std::min(sums.least_shape, shapes[t]);
+          FaceSums face{1, {}, triangle.min_angle};
+          face.area.add(triangle.area);
+          sums.all.add(face);
+          sums.faces.at(mesh.tri_to_entity[t]).add(face);
+        }
+        result = std::move(sums);
+      });
+  TriangleSums total;
+  for (const TriangleSums& sums : of_blocks) total.add(sums);
+  return total;
+}
+
+TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop) {
   TriangleQuality result;
   result.count = mesh.tri_to_vert.size();
   if (result.count == 0) return result;
-  PerEntity<FaceSums> faces({mesh.tri_to_entity});
   std::vector<float> shapes(result.count);
-  Sum area, shape_sum;
-  double min_angle = std::numbers::pi;
-  for (std::size_t t = 0; t < result.count; ++t) {
-    const auto [a, b, c] = mesh.tri_to_vert[t];
-    const TriangleShape triangle = measure_triangle(mesh.points[a], mesh.points[b], mesh.points[c]);
-    shapes[t] = static_cast<float>(triangle.shape);
-    shape_sum.add(triangle.shape);
-    area.add(triangle.area);
-    min_angle = std::min(min_angle, triangle.min_angle);
-    FaceSums& face = faces.at(mesh.tri_to_entity[t]);
-    ++face.triangles;
-    face.area.add(triangle.area);
-    face.min_angle = std::min(face.min_angle, triangle.min_angle);
-  }
-  result.shape_min = *std::min_element(shapes.begin(), shapes.end());
-  result.shape_p1 = quantile(shapes, 0.01);
-  result.shape_mean = shape_sum.value() / static_cast<double>(result.count);
-  result.min_angle_deg = min_angle * kDegrees;
-  result.area = area.value();
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    result.faces.push_back(
-        {faces.key(i), faces.entry(i).triangles, faces.entry(i).area.value(), faces.entry(i).min_angle * kDegrees});
-  result.edges = measure_edges(mesh.tri_to_vert, mesh.points, point_size);
+  const TriangleSums sums = sum_triangles(mesh, loop, shapes);
+  result.shape_min = sums.least_shape;
+  result.shape_p1 = detail::quantile(shapes, 0.01, loop);
+  result.shape_mean = sums.shape.value() / static_cast<double>(result.count);
+  result.min_angle_deg = sums.all.min_angle * kDegrees;
+  result.area = sums.all.area.value();
+  for (const auto& [face, of_face] : sums.faces.items())
+    result.faces.push_back({face, of_face.triangles, of_face.area.value(), of_face.min_angle * kDegrees});
+  result.edges = measure_edges(mesh.tri_to_vert, mesh.points, point_size, loop);
   return result;
 }
 
 }  // namespace
 
-QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes) {
-  require_consistent(mesh);
-  const std::vector<double> point_size = sizes_at_points(mesh, sizes);
-  const TetQuality tets = measure_tets(mesh, point_size);
-  return {measure_cells(mesh, tets.inverted), tets, measure_triangles(mesh, point_size)};
+QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
+  require_consistent(mesh, loop);
+  const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
+  CellSums of_tets;
+  const TetQuality tets = measure_tets(mesh, point_size, loop, of_tets);
+  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop)};
 }
 
 }  // namespace tetloom

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/mesh/cell_shape.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
@@ -78,8 +79,9 @@ struct QualityReport {
 /// they fill. `sizes` may be null: then only lengths are measured, not their ratio to a size.
 /// Pre: indices lie in range and arrays have matching lengths (see `validate_mesh`); orientation and classification
 /// may be anything. Throws Error(InvalidArgument) otherwise.
-/// Complexity: linear; one size query per point; about 4 bytes per tet, 16 per point and 128 MiB of working memory.
-/// Thread safety: may be called from any thread. The result does not depend on anything but the arguments.
-QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes = nullptr);
+/// Complexity: linear; one size query per point; about 4 bytes per tet, 8 per point and 128 MiB of working memory.
+/// `loop` carries out the work; no bit of the result depends on it. Thread safety: may be called from any thread.
+QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes = nullptr,
+                              const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom

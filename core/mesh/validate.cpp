@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "core/mesh/mesh_access.hpp"
@@ -88,16 +89,15 @@ std::string message_for(const MeshProblem& problem) {
 }
 
 template <class Elements>
-bool indices_in_range(const Elements& elements, ElementKind kind, std::size_t point_count, detail::ProblemLog& log) {
-  bool fine = true;
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    for (const std::uint32_t vertex : elements[i])
-      if (vertex >= point_count) {
-        log.add(ProblemKind::IndexOutOfRange, kind, i);
-        fine = false;
-        break;
-      }
-  return fine;
+void check_indices(const Mesh& mesh, const Elements& elements, ElementKind kind, const BlockLoop& loop,
+                   detail::ProblemLog& log) {
+  const auto is_missing = [&](std::uint32_t vertex) { return vertex >= mesh.points.size(); };
+  detail::log_blocks(mesh, elements.size(), loop, log,
+                     [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                       for (std::size_t i = begin; i < end; ++i)
+                         if (std::any_of(elements[i].begin(), elements[i].end(), is_missing))
+                           of_block.add(ProblemKind::IndexOutOfRange, kind, i);
+                     });
 }
 
 /// Calls visit(kind, x_to_vert, x_to_entity) for edges, surface elements and cells.
@@ -111,7 +111,7 @@ void for_each_element_kind(const Mesh& mesh, const Visit& visit) {
   });
 }
 
-bool arrays_fit(const Mesh& mesh, detail::ProblemLog& log) {
+bool arrays_fit(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
   const auto check = [&](std::size_t elements, std::size_t entities, const std::string& what) {
     if (elements == entities) return true;
     log.add_array(std::to_string(elements) + " " + what + " have " + std::to_string(entities) + " entities");
@@ -125,9 +125,9 @@ bool arrays_fit(const Mesh& mesh, detail::ProblemLog& log) {
   if (mesh.points.size() >= 0xffffffffu) log.add_array("the points are too many for 32-bit indices"), fine = false;
   if (!fine) return false;
   for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
-    fine &= indices_in_range(elements, kind, mesh.points.size(), log);
+    check_indices(mesh, elements, kind, loop, log);
   });
-  return fine;
+  return log.empty();
 }
 
 void check_fields(const std::vector<MeshField>& fields, std::size_t carriers, const char* what,
@@ -150,12 +150,6 @@ bool repeats_vertex(const std::array<std::uint32_t, N>& v) {
   return false;
 }
 
-template <class Elements>
-void find_repeated_vertices(const Elements& elements, ElementKind kind, detail::ProblemLog& log) {
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    if (repeats_vertex(elements[i])) log.add(ProblemKind::RepeatedVertex, kind, i);
-}
-
 /// `finite` says that all points of the mesh are, which saves looking at those of the cell.
 template <class Cell>
 bool is_positive(const Mesh& mesh, CellKind kind, const Cell& cell, bool finite) {
@@ -167,37 +161,85 @@ bool is_positive(const Mesh& mesh, CellKind kind, const Cell& cell, bool finite)
   return true;
 }
 
-void validate_shapes(const Mesh& mesh, detail::ProblemLog& log) {
-  bool finite = true;
-  for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    if (!is_finite(mesh.points[i])) log.add(ProblemKind::NonFinitePoint, ElementKind::Point, i), finite = false;
-  for_each_element_kind(
-      mesh, [&](ElementKind kind, const auto& elements, const auto&) { find_repeated_vertices(elements, kind, log); });
+bool all_finite(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
+  detail::ProblemLog found(mesh);
+  detail::log_blocks(mesh, mesh.points.size(), loop, found,
+                     [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                       for (std::size_t i = begin; i < end; ++i)
+                         if (!is_finite(mesh.points[i]))
+                           of_block.add(ProblemKind::NonFinitePoint, ElementKind::Point, i);
+                     });
+  const bool finite = found.empty();
+  log.append(std::move(found));
+  return finite;
+}
+
+void validate_shapes(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
+  const bool finite = all_finite(mesh, loop, log);
+  for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
+    detail::log_blocks(mesh, elements.size(), loop, log,
+                       [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                         for (std::size_t i = begin; i < end; ++i)
+                           if (repeats_vertex(elements[i])) of_block.add(ProblemKind::RepeatedVertex, kind, i);
+                       });
+  });
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      if (!is_positive(mesh, kind, cells[c], finite))
-        log.add(ProblemKind::NonPositiveVolume, detail::element_kind(kind), c);
+    detail::log_blocks(mesh, cells.size(), loop, log,
+                       [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                         for (std::size_t c = begin; c < end; ++c)
+                           if (!is_positive(mesh, kind, cells[c], finite))
+                             of_block.add(ProblemKind::NonPositiveVolume, detail::element_kind(kind), c);
+                       });
+  });
+}
+
+template <class Element>
+void insert_vertices(std::span<const Element> elements, detail::PointSet& set) {
+  for (const Element& element : elements)
+    for (const std::uint32_t v : element) set.insert(v);
+}
+
+/// Marks all vertices of the elements. Each of a few shares of them has a set of its own at first.
+template <class Element>
+void mark_vertices(const std::vector<Element>& elements, const BlockLoop& loop, std::size_t points,
+                   detail::PointSet& set) {
+  constexpr std::size_t kShares = 32, kLeastShare = std::size_t{1} << 16, kWords = std::size_t{1} << 12;
+  const std::size_t grain = std::max(kLeastShare, (elements.size() + kShares - 1) / kShares);
+  if (elements.size() <= grain) return insert_vertices<Element>(elements, set);
+  auto shares = map_blocks(loop, elements.size(), grain, detail::PointSet(0),
+                           [&](std::size_t begin, std::size_t end, detail::PointSet& share) {
+                             share = detail::PointSet(points);
+                             insert_vertices(std::span(elements).subspan(begin, end - begin), share);
+                           });
+  loop.for_blocks(set.words().size(), kWords, [&](std::size_t begin, std::size_t end) {
+    for (detail::PointSet& share : shares)
+      for (std::size_t word = begin; word < end; ++word) set.words()[word] |= share.words()[word];
   });
 }
 
 /// Marks the points of the elements; counts the points that nothing uses.
-detail::PointMarks mark_points(const Mesh& mesh, ValidationReport& report) {
+detail::PointMarks mark_points(const Mesh& mesh, const BlockLoop& loop, ValidationReport& report) {
   const std::size_t count = mesh.points.size();
-  const std::vector<bool> none(count, false);
-  detail::PointMarks marks{none, none, none};
+  detail::PointMarks marks{detail::PointSet(count), detail::PointSet(count), detail::PointSet(count)};
   for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
     const bool is_surface = kind == ElementKind::Triangle || kind == ElementKind::Quad;
-    for (const auto& element : elements)
-      for (const std::uint32_t v : element) {
-        marks.used[v] = true;
-        if (is_surface) marks.on_surface[v] = true;
-        if (kind == ElementKind::Edge) marks.on_edge[v] = true;
-      }
+    mark_vertices(elements, loop, count, marks.used);
+    if (is_surface) mark_vertices(elements, loop, count, marks.on_surface);
+    if (kind == ElementKind::Edge) mark_vertices(elements, loop, count, marks.on_edge);
   });
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!marks.used[i]) ++report.unused_points;
-    if (marks.used[i] && (mesh.point_to_entity.empty() || !mesh.point_to_entity[i].valid()))
-      ++report.unclassified_points;
+  struct Counts {
+    std::size_t unused = 0, unclassified = 0;
+  };
+  const auto found =
+      map_blocks(loop, count, std::size_t{1} << 16, Counts{}, [&](std::size_t begin, std::size_t end, Counts& counts) {
+        for (std::size_t i = begin; i < end; ++i) {
+          counts.unused += !marks.used[i];
+          counts.unclassified += marks.used[i] && !entity_of_point(mesh, i).valid();
+        }
+      });
+  for (const Counts& counts : found) {
+    report.unused_points += counts.unused;
+    report.unclassified_points += counts.unclassified;
   }
   return marks;
 }
@@ -214,6 +256,21 @@ void ProblemLog::add(ProblemKind kind, ElementKind element, std::uint64_t index)
       return;
     }
   problems_.push_back({kind, element, {}, 1, {index}, point_on(element, index)});
+}
+
+void ProblemLog::append(ProblemLog&& later) {
+  for (MeshProblem& problem : later.problems_) {
+    const auto same = std::find_if(problems_.begin(), problems_.end(), [&](const MeshProblem& own) {
+      return own.kind == problem.kind && own.element == problem.element && own.message.empty();
+    });
+    if (same == problems_.end() || !problem.message.empty()) {
+      problems_.push_back(std::move(problem));
+      continue;
+    }
+    same->count += problem.count;
+    for (const std::uint64_t index : problem.elements)
+      if (same->elements.size() < kShown) same->elements.push_back(index);
+  }
 }
 
 void ProblemLog::add_array(const std::string& message) {
@@ -250,15 +307,15 @@ std::vector<MeshProblem> ProblemLog::take() {
 
 }  // namespace detail
 
-ValidationReport validate_mesh(const Mesh& mesh) {
+ValidationReport validate_mesh(const Mesh& mesh, const BlockLoop& loop) {
   ValidationReport report;
   detail::ProblemLog log(mesh);
-  if (arrays_fit(mesh, log)) {
-    validate_shapes(mesh, log);
-    const detail::PointMarks marks = mark_points(mesh, report);
-    detail::validate_faces(mesh, log, report);
-    detail::validate_surface_edges(mesh, marks, log, report);
-    detail::validate_classification(mesh, marks, log);
+  if (arrays_fit(mesh, loop, log)) {
+    validate_shapes(mesh, loop, log);
+    const detail::PointMarks marks = mark_points(mesh, loop, report);
+    detail::validate_faces(mesh, loop, log, report);
+    detail::validate_surface_edges(mesh, marks, loop, log, report);
+    detail::validate_classification(mesh, marks, loop, log);
     check_fields(mesh.point_fields, mesh.points.size(), "points", log);
     check_fields(mesh.cell_fields, cell_count(mesh), "cells", log);
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace tetloom {
@@ -80,8 +81,8 @@ struct ValidationReport {
 /// need it do not apply.
 ///
 /// Complexity: linear but for sorting around each vertex; 128 MiB of working memory, 5 bytes per point and some 130
-/// bytes per triangle or quadrilateral of the surface. Never throws for a bad mesh.
-/// Thread safety: pure.
-ValidationReport validate_mesh(const Mesh& mesh);
+/// bytes per triangle or quadrilateral of the surface. `loop` carries out the work; the report does not depend on it.
+/// Never throws for a bad mesh. Thread safety: pure.
+ValidationReport validate_mesh(const Mesh& mesh, const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom

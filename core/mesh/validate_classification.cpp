@@ -1,3 +1,5 @@
+#include <numeric>
+
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/validate_detail.hpp"
@@ -12,49 +14,57 @@ bool may_lie_on(const ModelEntity& point, int dim, std::uint32_t index) {
   return point.dim == dim && (index == kNone || point.index == index);
 }
 
-template <class Elements>
-void check_closure(const Mesh& mesh, const Elements& elements, const std::vector<std::uint32_t>& entities, int dim,
-                   ElementKind kind, ProblemLog& log) {
-  for (std::size_t e = 0; e < elements.size(); ++e)
-    for (const std::uint32_t v : elements[e])
-      if (!may_lie_on(entity_of_point(mesh, v), dim, entities[e])) {
-        log.add(ProblemKind::ClassificationConflict, kind, e);
-        break;
-      }
+template <class Element>
+bool lies_on_closure(const Mesh& mesh, const Element& element, int dim, std::uint32_t index) {
+  return std::all_of(element.begin(), element.end(),
+                     [&](std::uint32_t v) { return may_lie_on(entity_of_point(mesh, v), dim, index); });
+}
+
+std::size_t count_classified(const std::vector<std::uint32_t>& entities, const BlockLoop& loop) {
+  const auto counts = map_blocks(loop, entities.size(), std::size_t{1} << 15, std::size_t{0},
+                                 [&](std::size_t begin, std::size_t end, std::size_t& classified) {
+                                   for (std::size_t e = begin; e < end; ++e) classified += entities[e] != kNone;
+                                 });
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
 void check_entities(const Mesh& mesh, const std::vector<std::uint32_t>& entities, int dim, ElementKind kind,
-                    ProblemLog& log) {
+                    const BlockLoop& loop, ProblemLog& log) {
   std::size_t known = mesh.entities[dim].empty() ? kNone : mesh.entities[dim].size();
   if (dim == 2 && !mesh.face_to_sides.empty()) known = std::min(known, mesh.face_to_sides.size());
-  std::size_t classified = 0;
-  for (const std::uint32_t entity : entities) classified += entity != kNone;
-  for (std::size_t e = 0; e < entities.size(); ++e) {
-    if (entities[e] != kNone && entities[e] >= known) log.add(ProblemKind::EntityOutOfRange, kind, e);
-    if (entities[e] == kNone && classified > 0) log.add(ProblemKind::PartlyClassified, kind, e);
-  }
+  const bool some_are_classified = count_classified(entities, loop) > 0;
+  log_blocks(mesh, entities.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+    for (std::size_t e = begin; e < end; ++e) {
+      if (entities[e] != kNone && entities[e] >= known) of_block.add(ProblemKind::EntityOutOfRange, kind, e);
+      if (entities[e] == kNone && some_are_classified) of_block.add(ProblemKind::PartlyClassified, kind, e);
+    }
+  });
 }
 
-void check_points(const Mesh& mesh, const PointMarks& marks, ProblemLog& log) {
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const ModelEntity entity = entity_of_point(mesh, i);
-    if (!entity.valid()) continue;
-    if (!mesh.entities[entity.dim].empty() && entity.index >= mesh.entities[entity.dim].size())
-      log.add(ProblemKind::EntityOutOfRange, ElementKind::Point, i);
-    if (!marks.used[i]) continue;
-    const bool off_face = entity.dim == 2 && surface_count(mesh) > 0 && !marks.on_surface[i];
-    const bool off_edge = entity.dim == 1 && !mesh.edge_to_vert.empty() && !marks.on_edge[i];
-    if (off_face || off_edge) log.add(ProblemKind::ClassificationConflict, ElementKind::Point, i);
-  }
+void check_point(const Mesh& mesh, const PointMarks& marks, std::size_t i, ProblemLog& log) {
+  const ModelEntity entity = entity_of_point(mesh, i);
+  if (!entity.valid()) return;
+  if (!mesh.entities[entity.dim].empty() && entity.index >= mesh.entities[entity.dim].size())
+    log.add(ProblemKind::EntityOutOfRange, ElementKind::Point, i);
+  if (!marks.used[i]) return;
+  const bool off_face = entity.dim == 2 && surface_count(mesh) > 0 && !marks.on_surface[i];
+  const bool off_edge = entity.dim == 1 && !mesh.edge_to_vert.empty() && !marks.on_edge[i];
+  if (off_face || off_edge) log.add(ProblemKind::ClassificationConflict, ElementKind::Point, i);
 }
 
 }  // namespace
 
-void validate_classification(const Mesh& mesh, const PointMarks& marks, ProblemLog& log) {
-  check_points(mesh, marks, log);
+void validate_classification(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log) {
+  log_blocks(mesh, mesh.points.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+    for (std::size_t i = begin; i < end; ++i) check_point(mesh, marks, i, of_block);
+  });
   const auto check = [&](const auto& elements, const auto& entities, int dim, ElementKind kind) {
-    check_entities(mesh, entities, dim, kind, log);
-    check_closure(mesh, elements, entities, dim, kind, log);
+    check_entities(mesh, entities, dim, kind, loop, log);
+    log_blocks(mesh, elements.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+      for (std::size_t e = begin; e < end; ++e)
+        if (!lies_on_closure(mesh, elements[e], dim, entities[e]))
+          of_block.add(ProblemKind::ClassificationConflict, kind, e);
+    });
   };
   check(mesh.edge_to_vert, mesh.edge_to_entity, 1, ElementKind::Edge);
   check(mesh.tri_to_vert, mesh.tri_to_entity, 2, ElementKind::Triangle);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/filing.hpp"
 #include "core/mesh/cell_shape.hpp"
 #include "core/mesh/validate.hpp"
 
@@ -20,6 +21,9 @@ class ProblemLog {
   void add(ProblemKind kind, ElementKind element, std::uint64_t index);
   /// For arrays as a whole.
   void add_array(const std::string& message);
+  /// Adds what another log of the same mesh has, as if it had been added here after the rest.
+  void append(ProblemLog&& later);
+  bool empty() const { return problems_.empty(); }
   std::vector<MeshProblem> take();
 
  private:
@@ -28,9 +32,30 @@ class ProblemLog {
   std::vector<MeshProblem> problems_;
 };
 
+/// Calls body(begin, end, log) for blocks of [0, count), with a log for each, and adds all to `log` in their order.
+template <class Body>
+void log_blocks(const Mesh& mesh, std::size_t count, const BlockLoop& loop, ProblemLog& log, const Body& body) {
+  for (ProblemLog& of_block : map_blocks(loop, count, std::size_t{1} << 15, ProblemLog(mesh), body))
+    log.append(std::move(of_block));
+}
+
+/// One bit per point.
+class PointSet {
+ public:
+  static constexpr std::size_t kPointsPerWord = 64;
+
+  explicit PointSet(std::size_t points) : words_((points + kPointsPerWord - 1) / kPointsPerWord, 0) {}
+  bool operator[](std::size_t i) const { return (words_[i / kPointsPerWord] >> (i % kPointsPerWord) & 1) != 0; }
+  void insert(std::size_t i) { words_[i / kPointsPerWord] |= std::uint64_t{1} << (i % kPointsPerWord); }
+  std::span<std::uint64_t> words() { return words_; }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
 /// Which points the elements use.
 struct PointMarks {
-  std::vector<bool> used, on_surface, on_edge;
+  PointSet used, on_surface, on_edge;
 };
 
 constexpr ElementKind element_kind(CellKind kind) {
@@ -40,11 +65,12 @@ constexpr ElementKind element_kind(CellKind kind) {
 }
 
 /// Faces of cells against each other and against the surface elements: pairing, sides, interfaces, watertightness.
-void validate_faces(const Mesh& mesh, ProblemLog& log, ValidationReport& report);
+void validate_faces(const Mesh& mesh, const BlockLoop& loop, ProblemLog& log, ValidationReport& report);
 /// Edges of the surface elements: open and non-manifold ones, orientation, mesh edges where faces meet.
-void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, ProblemLog& log, ValidationReport& report);
+void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log,
+                            ValidationReport& report);
 /// Points, edges, surface elements and cells against the entities that they are classified on.
-void validate_classification(const Mesh& mesh, const PointMarks& marks, ProblemLog& log);
+void validate_classification(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log);
 
 /// A directed edge filed under its ends in ascending order.
 struct EdgeUse {
@@ -61,13 +87,35 @@ inline EdgeUse make_edge_use(std::uint32_t from, std::uint32_t to, std::uint64_t
   return from < to ? EdgeUse{from, to, code} : EdgeUse{to, from, code | 1};
 }
 
-/// Sorts `uses` and calls visit(group) for every pair of points.
-template <class Visit>
-void for_each_edge_group(std::vector<EdgeUse>& uses, const Visit& visit) {
-  std::sort(uses.begin(), uses.end());
-  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-    while (end < uses.size() && uses[end].low == uses[begin].low && uses[end].high == uses[begin].high) ++end;
-    visit(std::span<const EdgeUse>(uses).subspan(begin, end - begin));
+/// What is found at the edges around a range of points.
+struct EdgeFindings {
+  ProblemLog log;
+  std::size_t open = 0, nonmanifold = 0;
+};
+
+/// Calls emit(begin, end, add) for blocks of the sources [0, count), which calls add(use) for the uses of edges in
+/// them; then visit(group, findings) for all uses of each pair of points, ascending. All findings go to `log` and
+/// `report`, in the order of the pairs.
+template <class Emit, class Visit>
+void check_edge_groups(const Mesh& mesh, std::size_t count, const BlockLoop& loop, const Emit& emit, const Visit& visit,
+                       ProblemLog& log, ValidationReport& report) {
+  const KeyRanges ranges(mesh.points.size());
+  std::vector<EdgeFindings> findings(ranges.count(), EdgeFindings{ProblemLog(mesh)});
+  const auto file_uses = [&](std::size_t begin, std::size_t end, const auto& file) {
+    emit(begin, end, [&](const EdgeUse& use) { file(ranges.of(use.low), use); });
+  };
+  const auto visit_range = [&](std::size_t range, std::span<EdgeUse> uses) {
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+      while (end < uses.size() && uses[end].low == uses[begin].low && uses[end].high == uses[begin].high) ++end;
+      visit(std::span<const EdgeUse>(uses.subspan(begin, end - begin)), findings[range]);
+    }
+  };
+  for_each_filed_range<EdgeUse>(count, ranges, loop, file_uses, visit_range);
+  for (EdgeFindings& found : findings) {
+    log.append(std::move(found.log));
+    report.open_edges += found.open;
+    report.nonmanifold_edges += found.nonmanifold;
   }
 }
 

@@ -63,28 +63,36 @@ void check_surface_edge(const Mesh& mesh, const PointMarks& marks, std::span<con
 
 }  // namespace
 
-void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, ProblemLog& log, ValidationReport& report) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * mesh.tri_to_vert.size() + 4 * mesh.quad_to_vert.size() + mesh.edge_to_vert.size());
-  std::size_t number = 0;
-  for_each_surface_kind(mesh, [&](const auto& elements, const auto&) {
-    for (const auto& v : elements) {
+void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log,
+                            ValidationReport& report) {
+  const std::size_t triangles = mesh.tri_to_vert.size(), surfaces = surface_count(mesh);
+  const auto emit = [&](std::size_t begin, std::size_t end, const auto& add) {
+    const auto add_surface = [&](const auto& v, std::size_t number) {
       for (std::size_t i = 0; i < v.size(); ++i) {
         const std::uint32_t from = v[i], to = v[(i + 1) % v.size()];
-        if (from != to) uses.push_back(make_edge_use(from, to, number));
+        if (from != to) add(make_edge_use(from, to, number));
       }
-      ++number;
+    };
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i < triangles) {
+        add_surface(mesh.tri_to_vert[i], i);
+      } else if (i < surfaces) {
+        add_surface(mesh.quad_to_vert[i - triangles], i);
+      } else {
+        const auto& [from, to] = mesh.edge_to_vert[i - surfaces];
+        add(make_edge_use(from, to, i - surfaces, true));
+      }
     }
-  });
-  for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e)
-    uses.push_back(make_edge_use(mesh.edge_to_vert[e][0], mesh.edge_to_vert[e][1], e, true));
-  for_each_edge_group(uses, [&](std::span<const EdgeUse> group) {
-    check_surface_edge(mesh, marks, group, log);
-    if (cell_count(mesh) > 0) return;
+  };
+  const bool counts_edges = cell_count(mesh) == 0;
+  const auto visit = [&](std::span<const EdgeUse> group, EdgeFindings& findings) {
+    check_surface_edge(mesh, marks, group, findings.log);
+    if (!counts_edges) return;
     const SurfaceEdge edge(mesh, group);
-    report.open_edges += edge.faces % 2;
-    report.nonmanifold_edges += edge.faces > 2;
-  });
+    findings.open += edge.faces % 2;
+    findings.nonmanifold += edge.faces > 2;
+  };
+  check_edge_groups(mesh, surfaces + mesh.edge_to_vert.size(), loop, emit, visit, log, report);
 }
 
 }  // namespace tetloom::detail

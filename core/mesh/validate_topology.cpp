@@ -115,85 +115,107 @@ void check_surfaces(const Mesh& mesh, const FaceGroup& face, ProblemLog& log) {
   if (!is_sheet) log_use(log, ProblemKind::TriangleNotOnTets, face.surfaces[0]);
 }
 
-/// The faces of single cells.
-class Boundary {
- public:
-  Boundary(const Mesh& mesh, ProblemLog& log)
-      : mesh_(mesh), log_(log), has_quads_(cell_count(mesh) > mesh.tet_to_vert.size()) {}
+using Triangle = std::array<std::uint32_t, 3>;
 
-  void add(const FaceGroup& face) {
+Triangle sorted(Triangle v) {
+  std::sort(v.begin(), v.end());
+  return v;
+}
+
+/// The faces of single cells.
+struct Boundary {
+  std::vector<EdgeUse> edges;
+  std::vector<Triangle> triangles;  // kept in meshes that have faces of four points
+  std::vector<FaceUse> quads;
+
+  void add(const FaceGroup& face, bool keeps_triangles) {
     const FaceUse& use = face.cells[0];
     const auto& [size, cycle] = face.points;
     const std::uint64_t element = use.element() * 4 + static_cast<std::uint64_t>(use.owner());
-    for (std::size_t i = 0; i < size; ++i) edges_.push_back(make_edge_use(cycle[i], cycle[(i + 1) % size], element));
-    if (size == 4) quads_.push_back(use);
-    if (size == 3 && has_quads_) triangles_.push_back(sorted({cycle[0], cycle[1], cycle[2]}));
+    for (std::size_t i = 0; i < size; ++i) edges.push_back(make_edge_use(cycle[i], cycle[(i + 1) % size], element));
+    if (size == 4) quads.push_back(use);
+    if (size == 3 && keeps_triangles) triangles.push_back(sorted({cycle[0], cycle[1], cycle[2]}));
   }
-
-  void count_edges(ValidationReport& report) {
-    for_each_edge_group(edges_, [&](std::span<const EdgeUse> group) {
-      if (group.size() > 2) ++report.nonmanifold_edges;
-      if (group.size() % 2 == 0) return;
-      ++report.open_edges;
-      log_.add(ProblemKind::OpenBoundary, element_kind(static_cast<CellKind>(group[0].element() % 4)),
-               group[0].element() / 4);
-    });
+  void append(const Boundary& other) {
+    edges.insert(edges.end(), other.edges.begin(), other.edges.end());
+    triangles.insert(triangles.end(), other.triangles.begin(), other.triangles.end());
+    quads.insert(quads.end(), other.quads.begin(), other.quads.end());
   }
+};
 
-  //   d-----c   a face of four points fits only onto another one, not onto two triangles, although these close the
-  //   |   / |   gap as far as edges can tell
-  //   | /   |
-  //   a-----b
-  void find_misfits() {
-    std::sort(triangles_.begin(), triangles_.end());
-    for (const FaceUse& use : quads_) {
-      const auto [a, b, c, d] = points_of(mesh_, use).cycle;
+/// What is found at the faces around a range of points.
+struct FaceFindings {
+  ProblemLog log;
+  Boundary boundary;
+  std::size_t boundary_faces = 0, interface_faces = 0;
+};
+
+void check_face(const Mesh& mesh, const FaceGroup& face, bool keeps_triangles, FaceFindings& findings) {
+  check_cell_pairing(mesh, face, findings.log);
+  check_surfaces(mesh, face, findings.log);
+  const bool lacks_surface = surface_count(mesh) > 0 && face.surfaces.empty();
+  if (face.cells.size() == 1) {
+    ++findings.boundary_faces;
+    if (lacks_surface) log_use(findings.log, ProblemKind::BoundaryWithoutTriangle, face.cells[0]);
+    findings.boundary.add(face, keeps_triangles);
+  } else if (face.cells.size() == 2 && region_of(mesh, face.cells[0]) != region_of(mesh, face.cells[1])) {
+    ++findings.interface_faces;
+    if (lacks_surface) log_use(findings.log, ProblemKind::InterfaceWithoutTriangle, face.cells[0]);
+  }
+}
+
+void count_edges(const Mesh& mesh, const std::vector<EdgeUse>& uses, const BlockLoop& loop, ProblemLog& log,
+                 ValidationReport& report) {
+  const auto emit = [&](std::size_t begin, std::size_t end, const auto& add) {
+    for (std::size_t i = begin; i < end; ++i) add(uses[i]);
+  };
+  const auto visit = [](std::span<const EdgeUse> group, EdgeFindings& findings) {
+    if (group.size() > 2) ++findings.nonmanifold;
+    if (group.size() % 2 == 0) return;
+    ++findings.open;
+    findings.log.add(ProblemKind::OpenBoundary, element_kind(static_cast<CellKind>(group[0].element() % 4)),
+                     group[0].element() / 4);
+  };
+  check_edge_groups(mesh, uses.size(), loop, emit, visit, log, report);
+}
+
+//   d-----c   a face of four points fits only onto another one, not onto two triangles, although these close the
+//   |   / |   gap as far as edges can tell
+//   | /   |
+//   a-----b
+void find_misfits(const Mesh& mesh, Boundary& boundary, const BlockLoop& loop, ProblemLog& log) {
+  std::vector<Triangle>& triangles = boundary.triangles;
+  std::sort(triangles.begin(), triangles.end());
+  log_blocks(mesh, boundary.quads.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+    for (std::size_t q = begin; q < end; ++q) {
+      const auto [a, b, c, d] = points_of(mesh, boundary.quads[q]).cycle;
       for (const Triangle& half : {Triangle{a, b, c}, {a, c, d}, {a, b, d}, {b, c, d}})
-        if (std::binary_search(triangles_.begin(), triangles_.end(), sorted(half))) {
-          log_use(log_, ProblemKind::FacesDoNotFit, use);
+        if (std::binary_search(triangles.begin(), triangles.end(), sorted(half))) {
+          log_use(of_block, ProblemKind::FacesDoNotFit, boundary.quads[q]);
           break;
         }
     }
-  }
-
- private:
-  using Triangle = std::array<std::uint32_t, 3>;
-  static Triangle sorted(Triangle v) {
-    std::sort(v.begin(), v.end());
-    return v;
-  }
-
-  const Mesh& mesh_;
-  ProblemLog& log_;
-  bool has_quads_;
-  std::vector<EdgeUse> edges_;
-  std::vector<Triangle> triangles_;
-  std::vector<FaceUse> quads_;
-};
+  });
+}
 
 }  // namespace
 
-void validate_faces(const Mesh& mesh, ProblemLog& log, ValidationReport& report) {
-  Boundary boundary(mesh, log);
-  const bool has_surface = surface_count(mesh) > 0;
-  for_each_face_group(mesh, [&](std::uint32_t, std::span<const FaceUse> uses) {
+void validate_faces(const Mesh& mesh, const BlockLoop& loop, ProblemLog& log, ValidationReport& report) {
+  const bool keeps_triangles = cell_count(mesh) > mesh.tet_to_vert.size();
+  const auto visit = [&](std::uint32_t, std::span<const FaceUse> uses, FaceFindings& findings) {
     if (is_plain_interior(mesh, uses)) return;
     const FaceGroup face(mesh, uses);
-    if (face.degenerate()) return;
-    check_cell_pairing(mesh, face, log);
-    check_surfaces(mesh, face, log);
-    const bool lacks_surface = has_surface && face.surfaces.empty();
-    if (face.cells.size() == 1) {
-      ++report.boundary_faces;
-      if (lacks_surface) log_use(log, ProblemKind::BoundaryWithoutTriangle, face.cells[0]);
-      boundary.add(face);
-    } else if (face.cells.size() == 2 && region_of(mesh, face.cells[0]) != region_of(mesh, face.cells[1])) {
-      ++report.interface_faces;
-      if (lacks_surface) log_use(log, ProblemKind::InterfaceWithoutTriangle, face.cells[0]);
-    }
-  });
-  boundary.count_edges(report);
-  boundary.find_misfits();
+    if (!face.degenerate()) check_face(mesh, face, keeps_triangles, findings);
+  };
+  Boundary boundary;
+  for (FaceFindings& found : map_face_groups(mesh, loop, FaceFindings{ProblemLog(mesh), {}}, visit)) {
+    log.append(std::move(found.log));
+    boundary.append(found.boundary);
+    report.boundary_faces += found.boundary_faces;
+    report.interface_faces += found.interface_faces;
+  }
+  count_edges(mesh, boundary.edges, loop, log, report);
+  find_misfits(mesh, boundary, loop, log);
 }
 
 }  // namespace tetloom::detail

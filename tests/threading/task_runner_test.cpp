@@ -6,6 +6,14 @@
 #include <thread>
 #include <vector>
 
+#include "core/io/mesh_io.hpp"
+#include "core/mesh/digest.hpp"
+#include "core/mesh/quality.hpp"
+#include "core/mesh/validate.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/mixed_mesh.hpp"
+#include "tests/support/temporary_folder.hpp"
+
 using namespace tetloom;
 
 TEST_CASE("every item is visited once, on any number of threads") {
@@ -141,3 +149,33 @@ TEST_CASE("a host that is asked whether to stop ends the run when it says so, fo
 }
 
 TEST_CASE("a negative number of threads is refused") { CHECK_THROWS_AS(TaskRunner(-1), Error); }
+
+TEST_CASE("a runner carries out the loops of core, with the same results on any number of threads") {
+  const Mesh mesh = test::make_mixed_box(24, 24, 24, 5, true);
+  const QualityReport expected = compute_quality(mesh);
+  const test::TemporaryFolder folder;
+  write_mesh(mesh, folder / "serial.msh");
+  for (const int threads : {1, 2, 6}) {
+    const TaskRunner runner(threads);
+    const QualityReport quality = compute_quality(mesh, nullptr, runner);
+    CHECK(quality.tets.mean_ratio_mean == expected.tets.mean_ratio_mean);
+    CHECK(quality.tets.mean_ratio_p1 == expected.tets.mean_ratio_p1);
+    CHECK(quality.cells.volume == expected.cells.volume);
+    CHECK(quality.tets.edges.mean_length == expected.tets.edges.mean_length);
+    CHECK(mesh_digest(mesh, runner) == mesh_digest(mesh));
+    CHECK(validate_mesh(mesh, runner).valid());
+    write_mesh(mesh, folder / "parallel.msh", nullptr, runner);
+    CHECK(test::file_content(folder / "parallel.msh") == test::file_content(folder / "serial.msh"));
+  }
+}
+
+TEST_CASE("a cancelled run ends the loops of core, and a file that is being written is gone") {
+  const Mesh mesh = test::make_mixed_box(24, 24, 24, 5, true);
+  const test::TemporaryFolder folder;
+  std::atomic<int> questions{0};  // asked by all threads; the answer is yes from some time on
+  const TaskRunner runner(3, {.progress = {}, .cancel = nullptr, .wants_stop = [&] { return ++questions > 40; }});
+  CHECK(test::error_of([&] { write_mesh(mesh, folder / "out.msh", nullptr, runner); }).code == ErrorCode::Cancelled);
+  CHECK(folder.file_count() == 0);
+  CHECK(test::error_of([&] { compute_quality(mesh, nullptr, runner); }).code == ErrorCode::Cancelled);
+  CHECK(test::error_of([&] { validate_mesh(mesh, runner); }).code == ErrorCode::Cancelled);
+}
