@@ -30,7 +30,7 @@ void write_partitioned(const PartitionedMesh& mesh, const std::filesystem::path&
                        const CancelToken* cancel) {
   const MeshParts parts = list_parts(mesh);
   const Mesh whole = gather_mesh(mesh, runner);
-  run_on_first(*mesh.communicator, [&] { write_msh_parts(whole, parts, path, cancel); });
+  run_on_first(*mesh.communicator, [&] { write_msh_parts(whole, parts, path, cancel, runner); });
 }
 
 PartitionedMesh read_partitioned(const std::filesystem::path& path, Communicator& communicator,

@@ -104,7 +104,8 @@ void write_pieces(const PartitionedMesh& mesh, const std::filesystem::path& path
     runner.for_each(mesh.local().size(), [&](std::size_t i) {
       const PartId part = mesh.local()[i];
       const PartMesh& part_mesh = mesh.parts.at(part).mesh;
-      write_mesh_piece(make_mesh(part_mesh), sorted_globals(part_mesh), place / piece_name(stem, part.value), cancel);
+      write_mesh_piece(make_mesh(part_mesh), sorted_globals(part_mesh), place / piece_name(stem, part.value), cancel,
+                       runner);
       runner.advance();
     });
   });

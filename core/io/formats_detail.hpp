@@ -18,13 +18,14 @@
 namespace tetloom::detail {
 
 // Pre of all writers: require_consistent(mesh).
-void write_vtu(const Mesh& mesh, AtomicFile& file);
-void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file);
-void write_msh(const Mesh& mesh, AtomicFile& file);
-void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file);
-void write_medit_text(const Mesh& mesh, AtomicFile& file);
-void write_medit_binary(const Mesh& mesh, AtomicFile& file);
-void write_stl(const Mesh& mesh, AtomicFile& file);
+void write_vtu(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file,
+                     const BlockLoop& loop);
+void write_msh(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file, const BlockLoop& loop);
+void write_medit_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_medit_binary(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 
 /// A comment in MSH files of our own, whose volumes have correctly oriented boundaries; those of others often have not.
 inline constexpr std::string_view kMshSignature = "tetloom: signed boundaries of volumes point outwards";
@@ -76,6 +77,27 @@ void visit_block(AnyMesh& mesh, Block block, const Visit& visit) {
     if (each == block) visit(elements, entities);
   });
 }
+
+/// The largest value(i) for i < count; 0 of none.
+template <class ValueOf>
+std::uint64_t largest_of(std::size_t count, const BlockLoop& loop, const ValueOf& value) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::uint64_t& of_block) {
+    std::uint64_t found = 0;
+    for (std::size_t i = begin; i < end; ++i) found = std::max<std::uint64_t>(found, value(i));
+    of_block = found;
+  };
+  const auto of_blocks = map_blocks(loop, count, std::size_t{1} << 16, std::uint64_t{0}, find);
+  return of_blocks.empty() ? 0 : *std::max_element(of_blocks.begin(), of_blocks.end());
+}
+
+/// The tag of the entity of a point; 0 where it is unknown.
+inline std::uint32_t point_tag(const Mesh& mesh, std::size_t i) {
+  const ModelEntity entity = entity_of_point(mesh, i);
+  return entity.valid() ? entity.tag() : 0;
+}
+
+/// The largest tag of an entity of an element, or of a point.
+std::uint64_t largest_tag(const Mesh& mesh, const BlockLoop& loop);
 
 /// The field of that name; null where there is none.
 inline MeshField* find_field(std::vector<MeshField>& fields, std::string_view name) {

@@ -14,7 +14,7 @@ namespace {
 
 struct Format {
   const char* extension;
-  void (*write)(const Mesh&, AtomicFile&);
+  void (*write)(const Mesh&, AtomicFile&, const BlockLoop&);
   Mesh (*read)(const detail::InputFile&);
 };
 
@@ -63,15 +63,15 @@ std::string known_mesh_extensions() {
   return text;
 }
 
-void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel) {
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel, const BlockLoop& loop) {
   const Format& format = format_of(path);
-  require_consistent(mesh);
+  require_consistent(mesh, loop);
   require_names(mesh.point_fields);
   require_names(mesh.cell_fields);
   if (format.write == detail::write_stl && mesh.tri_to_vert.empty())
     throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");
   AtomicFile file(path, cancel);
-  format.write(mesh, file);
+  format.write(mesh, file, loop);
   file.commit();
 }
 
@@ -86,8 +86,8 @@ Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try
 }
 
 void write_mesh_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, const std::filesystem::path& path,
-                      const CancelToken* cancel) {
-  require_consistent(mesh);
+                      const CancelToken* cancel, const BlockLoop& loop) {
+  require_consistent(mesh, loop);
   require_names(mesh.point_fields);
   require_names(mesh.cell_fields);
   const bool fits = global_ids.size() == mesh.points.size() &&
@@ -98,7 +98,7 @@ void write_mesh_piece(const Mesh& mesh, std::span<const std::uint64_t> global_id
       throw Error(ErrorCode::InvalidArgument,
                   "a field on points has the name 'global_id', which pieces use themselves");
   AtomicFile file(path, cancel);
-  detail::write_vtu_piece(mesh, global_ids, file);
+  detail::write_vtu_piece(mesh, global_ids, file, loop);
   file.commit();
 }
 
@@ -112,8 +112,8 @@ MeshPiece read_mesh_piece(const std::filesystem::path& path, const CancelToken* 
 }
 
 void write_msh_parts(const Mesh& mesh, const MeshParts& parts, const std::filesystem::path& path,
-                     const CancelToken* cancel) {
-  require_consistent(mesh);
+                     const CancelToken* cancel, const BlockLoop& loop) {
+  require_consistent(mesh, loop);
   require_names(mesh.point_fields);
   require_names(mesh.cell_fields);
   const bool fits =
@@ -121,7 +121,7 @@ void write_msh_parts(const Mesh& mesh, const MeshParts& parts, const std::filesy
       std::all_of(parts.cell_to_part.begin(), parts.cell_to_part.end(), [&](auto part) { return part < parts.count; });
   if (!fits) throw Error(ErrorCode::InvalidArgument, "every cell needs a part below the number of parts");
   AtomicFile file(path, cancel);
-  detail::write_partitioned_msh(mesh, parts, file);
+  detail::write_partitioned_msh(mesh, parts, file, loop);
   file.commit();
 }
 
@@ -172,6 +172,15 @@ void check_indices(const InputFile& file, const Elements& elements, std::size_t 
 }
 
 }  // namespace
+
+std::uint64_t largest_tag(const Mesh& mesh, const BlockLoop& loop) {
+  std::uint64_t largest = largest_of(mesh.points.size(), loop, [&](std::size_t i) { return point_tag(mesh, i); });
+  for_each_block(mesh, [&](Block, const auto&, const auto& entities) {
+    const auto tag_of = [&](std::size_t e) { return tag_of_index(entities[e]); };
+    largest = std::max(largest, largest_of(entities.size(), loop, tag_of));
+  });
+  return largest;
+}
 
 void classify_points(Mesh& mesh, std::span<const Corner> corners) {
   mesh.point_to_entity.assign(mesh.points.size(), {});

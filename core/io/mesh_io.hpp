@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/progress.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -35,9 +36,11 @@ std::string known_mesh_extensions();
 /// as far as the format holds it; numbers are kept bit for bit in all formats but .stl.
 /// Errors: InvalidArgument (unknown extension; array lengths or indices of the mesh do not fit; fields without a name,
 /// with the same one, or in .vtu with one of the classification's; .stl without triangles; a tag beyond the 31 bits
-/// that .msh and old .meshb readers allow), OutputFailed with the system's reason, Cancelled. Thread safety: may be
-/// called by several threads, for different paths.
-void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel = nullptr);
+/// that .msh and old .meshb readers allow), OutputFailed with the system's reason, Cancelled. `loop` carries out the
+/// work; no byte depends on it. Takes some MiB beside the mesh, and for .msh 4 bytes per point and element.
+/// Thread safety: may be called by several threads, for different paths.
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel = nullptr,
+                const BlockLoop& loop = serial_loop());
 
 /// Reads cells, quadrilaterals, triangles, edges, points and fields from `path`. Understands, beside what `write_mesh`
 /// makes: VTU as text, base64 or raw, compressed by zlib or not, of any byte order and number of pieces; MSH 4.1

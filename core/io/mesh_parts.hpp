@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/progress.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -19,7 +20,7 @@ struct MeshParts {
 /// that it lies in. Boundary elements and points belong to the lowest part that has a cell with them.
 /// Errors: those of write_mesh; InvalidArgument for parts that do not fit the cells.
 void write_msh_parts(const Mesh& mesh, const MeshParts& parts, const std::filesystem::path& path,
-                     const CancelToken* cancel = nullptr);
+                     const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 /// Reads a mesh as read_mesh does, and its parts where the file has some. A cell on several partitions belongs to the
 /// lowest of them. Errors: those of read_mesh; InputUnsuitable where only some cells are in parts.

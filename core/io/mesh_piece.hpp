@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/progress.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -25,7 +26,7 @@ struct MeshPiece {
 /// Errors: those of write_mesh; InvalidArgument when there is not one id below 2^63 for each point, or when a field on
 /// points is called global_id.
 void write_mesh_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, const std::filesystem::path& path,
-                      const CancelToken* cancel = nullptr);
+                      const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 /// Reads back what write_mesh_piece made. Errors: those of read_mesh; InputUnsuitable for a file with points but
 /// without the array global_id.

@@ -81,7 +81,7 @@ struct MshOwners {
   std::vector<std::uint32_t> of_points;
 };
 /// Boundary elements and points belong to the lowest part that has a cell with them, or to the first.
-MshOwners find_owners(const Mesh& mesh, const MeshParts& parts);
+MshOwners find_owners(const Mesh& mesh, const MeshParts& parts, const BlockLoop& loop);
 
 /// Entities of parts of a mesh, as $PartitionedEntities lists them.
 class MshPartitions {

@@ -5,49 +5,20 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/msh_detail.hpp"
+#include "core/io/tag_blocks_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {
 
 constexpr std::size_t kLongestName = 255;
-
-/// Items in blocks by entity tag (0 for those without an entity), in their own order inside a block.
-struct TagBlocks {
-  std::vector<std::int32_t> tags;  // ascending
-  std::vector<std::size_t> begin;  // of each block in `order`, and the end of the last
-  std::vector<std::uint32_t> order;
-};
-
-/// `tag_of(i)` gives the tag of item i, or -1 to leave it out.
-template <class TagOf>
-TagBlocks make_blocks(std::size_t count, const TagOf& tag_of) {
-  std::map<std::int32_t, std::size_t> places;  // first the size of each block, then where its next item goes
-  const auto for_each_place = [&](const auto& body) {
-    auto last = places.end();  // items of an entity tend to follow each other
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::int32_t tag = tag_of(i);
-      if (tag < 0) continue;
-      if (last == places.end() || last->first != tag) last = places.try_emplace(tag, 0).first;
-      body(last->second, i);
-    }
-  };
-  for_each_place([](std::size_t& size, std::size_t) { ++size; });
-  TagBlocks blocks;
-  blocks.begin.push_back(0);
-  for (auto& [tag, place] : places) {
-    const std::size_t size = std::exchange(place, blocks.begin.back());
-    blocks.tags.push_back(tag);
-    blocks.begin.push_back(blocks.begin.back() + size);
-  }
-  blocks.order.resize(blocks.begin.back());
-  for_each_place([&](std::size_t& place, std::size_t i) { blocks.order[place++] = static_cast<std::uint32_t>(i); });
-  return blocks;
-}
+constexpr std::size_t kGrain = std::size_t{1} << 15;
 
 std::int32_t checked_tag(std::uint32_t index) {
   const std::uint32_t tag = tag_of_index(index);
@@ -59,10 +30,10 @@ std::int32_t checked_tag(std::uint32_t index) {
 
 class MshWriter {
  public:
-  MshWriter(const Mesh& mesh, AtomicFile& file) : mesh_(mesh), file_(file) {
+  MshWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) : mesh_(mesh), file_(file), loop_(loop) {
     top_dimension_ = cell_count(mesh) > 0 ? 3 : surface_count(mesh) > 0 ? 2 : 1;
     for (int dim = 0; dim < 4; ++dim)
-      points_[dim] = make_blocks(mesh.points.size(), [&](std::size_t i) { return point_tag(i, dim); });
+      points_[dim] = make_tag_blocks(mesh.points.size(), loop, [&](std::size_t i) { return point_tag(i, dim); });
     for_each_block(mesh, [&](Block block, const auto&, const auto& entities) {
       elements_[static_cast<std::size_t>(block)] = element_blocks(entities);
     });
@@ -72,25 +43,21 @@ class MshWriter {
   /// From here on points and elements lie on entities of their parts.
   void deal(const MeshParts& parts) {
     part_count_ = parts.count;
-    const MshOwners owners = find_owners(mesh_, parts);
+    const MshOwners owners = find_owners(mesh_, parts, loop_);
     for (int dim = 0; dim < 4; ++dim) {
-      const auto collect = [&](const TagBlocks& blocks, const std::vector<std::uint32_t>& part_of) {
-        for (std::size_t b = 0; b < blocks.tags.size(); ++b)
-          for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i)
-            pieces_[dim].try_emplace({blocks.tags[b], part_of[blocks.order[i]]}, 0);
-      };
-      collect(points_[dim], owners.of_points);
+      collect_pieces(points_[dim], owners.of_points, pieces_[dim]);
       for (std::size_t block = 0; block < kBlocks; ++block)
-        if (dimension_of(static_cast<Block>(block)) == dim) collect(elements_[block], owners.of_elements[block]);
+        if (dimension_of(static_cast<Block>(block)) == dim)
+          collect_pieces(elements_[block], owners.of_elements[block], pieces_[dim]);
       number_pieces(dim);
-      points_[dim] = make_blocks(mesh_.points.size(), [&](std::size_t i) {
+      points_[dim] = make_tag_blocks(mesh_.points.size(), loop_, [&](std::size_t i) {
         const std::int32_t tag = point_tag(i, dim);
         return tag < 0 ? tag : pieces_[dim].at({tag, owners.of_points[i]});
       });
     }
     for_each_block(mesh_, [&](Block block, const auto&, const auto& entities) {
       const auto& part_of = owners.of_elements[static_cast<std::size_t>(block)];
-      elements_[static_cast<std::size_t>(block)] = make_blocks(entities.size(), [&](std::size_t i) {
+      elements_[static_cast<std::size_t>(block)] = make_tag_blocks(entities.size(), loop_, [&](std::size_t i) {
         return pieces_[dimension_of(block)].at({checked_tag(entities[i]), part_of[i]});
       });
     });
@@ -117,8 +84,22 @@ class MshWriter {
     std::vector<std::int32_t> boundary;  // signed tags of faces, for regions
   };
 
-  static TagBlocks element_blocks(const std::vector<std::uint32_t>& entities) {
-    return make_blocks(entities.size(), [&](std::size_t i) { return checked_tag(entities[i]); });
+  /// The tags of parts of entities of one dimension, by (tag, part).
+  using Pieces = std::map<std::pair<std::int32_t, std::uint32_t>, std::int32_t>;
+
+  TagBlocks element_blocks(const std::vector<std::uint32_t>& entities) const {
+    return make_tag_blocks(entities.size(), loop_, [&](std::size_t i) { return checked_tag(entities[i]); });
+  }
+
+  /// Adds all (tag, part) of the items of `blocks`, without tags of their own as yet.
+  void collect_pieces(const TagBlocks& blocks, const std::vector<std::uint32_t>& part_of, Pieces& pieces) const {
+    for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
+      const auto find_parts = [&](std::size_t begin, std::size_t end, std::set<std::uint32_t>& parts) {
+        for (const std::uint32_t item : blocks.items(b).subspan(begin, end - begin)) parts.insert(part_of[item]);
+      };
+      for (const auto& parts : map_blocks(loop_, blocks.items(b).size(), kGrain, std::set<std::uint32_t>(), find_parts))
+        for (const std::uint32_t part : parts) pieces.try_emplace({blocks.tags[b], part}, 0);
+    }
   }
 
   /// The tag of point `i` among the entities of dimension `dim`, -1 when it lies on one of another dimension. Points
@@ -129,25 +110,36 @@ class MshWriter {
     return entity.dim == dim ? checked_tag(entity.index) : -1;
   }
 
-  template <class Element>
-  void add_boxes(Block block, const std::vector<Element>& elements) {
-    const int dim = dimension_of(block);
-    const TagBlocks& blocks = elements_[static_cast<std::size_t>(block)];
+  /// Adds the points that add_item(item, box) adds for all items of each block.
+  template <class AddItem>
+  void add_boxes(int dim, const TagBlocks& blocks, const AddItem& add_item) {
     for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
+      const auto add_items = [&](std::size_t begin, std::size_t end, Box3& box) {
+        Box3 of_items;
+        for (const std::uint32_t item : blocks.items(b).subspan(begin, end - begin)) add_item(item, of_items);
+        box = of_items;
+      };
       Box3& box = entities_[dim][blocks.tags[b]].box;
-      for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i)
-        for (const std::uint32_t v : elements[blocks.order[i]]) box.add(mesh_.points[v]);
+      for (const Box3& of_items : map_blocks(loop_, blocks.items(b).size(), kGrain, Box3{}, add_items))
+        unite(box, of_items);
+    }
+  }
+  /// Also where coordinates that are not numbers have left some of the axes of `other` empty.
+  static void unite(Box3& box, const Box3& other) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (other.lo[axis] < box.lo[axis]) box.lo[axis] = other.lo[axis];
+      if (other.hi[axis] > box.hi[axis]) box.hi[axis] = other.hi[axis];
     }
   }
 
   void find_entities() {
     for (int dim = 0; dim < 4; ++dim)
-      for (std::size_t b = 0; b < points_[dim].tags.size(); ++b) {
-        Box3& box = entities_[dim][points_[dim].tags[b]].box;
-        for (std::size_t i = points_[dim].begin[b]; i < points_[dim].begin[b + 1]; ++i)
-          box.add(mesh_.points[points_[dim].order[i]]);
-      }
-    for_each_block(mesh_, [&](Block block, const auto& elements, const auto&) { add_boxes(block, elements); });
+      add_boxes(dim, points_[dim], [&](std::uint32_t point, Box3& box) { box.add(mesh_.points[point]); });
+    for_each_block(mesh_, [&](Block block, const auto& elements, const auto&) {
+      add_boxes(dimension_of(block), elements_[static_cast<std::size_t>(block)], [&](std::uint32_t e, Box3& box) {
+        for (const std::uint32_t v : elements[e]) box.add(mesh_.points[v]);
+      });
+    });
     for (const auto& [tag, face] : entities_[2]) {
       if (tag == 0 || static_cast<std::size_t>(tag) > mesh_.face_to_sides.size()) continue;
       const FaceSides& sides = mesh_.face_to_sides[static_cast<std::size_t>(tag) - 1];
@@ -256,41 +248,61 @@ class MshWriter {
       const TagBlocks& of_dim = points_[dim];
       for (std::size_t b = 0; b < of_dim.tags.size(); ++b) {
         for (const std::int32_t x : {dim, of_dim.tags[b], 0}) file_.put(x);
-        file_.put(std::uint64_t{of_dim.begin[b + 1] - of_dim.begin[b]});
-        for (std::size_t i = of_dim.begin[b]; i < of_dim.begin[b + 1]; ++i)
-          file_.put(std::uint64_t{of_dim.order[i]} + 1);
-        for (std::size_t i = of_dim.begin[b]; i < of_dim.begin[b + 1]; ++i) file_.put(mesh_.points[of_dim.order[i]]);
+        const std::span<const std::uint32_t> points = of_dim.items(b);
+        file_.put(std::uint64_t{points.size()});
+        file_.put_each(
+            points.size(), [&](std::size_t i) { return std::uint64_t{points[i]} + 1; }, loop_);
+        file_.put_each(
+            points.size(), [&](std::size_t i) { return mesh_.points[points[i]]; }, loop_);
       }
     }
     file_.write("\n$EndNodes\n");
   }
 
-  /// Elements of one type, numbered from `first_tag` on in the order of the mesh, or of the file for points.
-  template <class VerticesOf>
+  /// Elements of one type, numbered from `first_tag` on in the order of the mesh.
+  template <class Element>
   void write_blocks(const TagBlocks& blocks, std::int32_t dim, std::int32_t type, std::uint64_t first_tag,
-                    const VerticesOf& vertices_of) {
+                    const std::vector<Element>& elements) {
     for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
       for (const std::int32_t x : {dim, blocks.tags[b], type}) file_.put(x);
-      file_.put(std::uint64_t{blocks.begin[b + 1] - blocks.begin[b]});
-      for (std::size_t i = blocks.begin[b]; i < blocks.begin[b + 1]; ++i) {
-        file_.put(first_tag + (dim == 0 ? i : blocks.order[i]));
-        for (const std::uint32_t v : vertices_of(blocks.order[i])) file_.put(std::uint64_t{v} + 1);
-      }
+      const std::span<const std::uint32_t> items = blocks.items(b);
+      file_.put(std::uint64_t{items.size()});
+      const auto record_of = [&](std::size_t i) {
+        const Element& vertices = elements[items[i]];
+        std::array<std::uint64_t, std::tuple_size_v<Element> + 1> record;
+        record[0] = first_tag + items[i];
+        for (std::size_t v = 0; v < vertices.size(); ++v) record[v + 1] = std::uint64_t{vertices[v]} + 1;
+        return record;
+      };
+      file_.put_each(items.size(), record_of, loop_);
+    }
+  }
+
+  /// Points as elements, numbered from `first_tag` on in the order of the file.
+  void write_points(std::uint64_t first_tag) {
+    for (std::size_t b = 0; b < points_[0].tags.size(); ++b) {
+      for (const std::int32_t x : {0, points_[0].tags[b], kMshPoint}) file_.put(x);
+      const std::span<const std::uint32_t> items = points_[0].items(b);
+      file_.put(std::uint64_t{items.size()});
+      const auto record_of = [&](std::size_t i) {
+        return std::array<std::uint64_t, 2>{first_tag + i, std::uint64_t{items[i]} + 1};
+      };
+      file_.put_each(items.size(), record_of, loop_);
+      first_tag += items.size();
     }
   }
 
   void write_elements() {
     std::uint64_t blocks = points_[0].tags.size(), elements = 0;
-    for (const TagBlocks& of_type : elements_) blocks += of_type.tags.size(), elements += of_type.order.size();
-    const std::uint64_t total = elements + points_[0].order.size();
+    for (const TagBlocks& of_type : elements_) blocks += of_type.tags.size(), elements += of_type.size();
+    const std::uint64_t total = elements + points_[0].size();
     file_.write("$Elements\n");
     for (const std::uint64_t x : {blocks, total, std::uint64_t{1}, total}) file_.put(x);
-    write_blocks(points_[0], 0, kMshPoint, 1 + elements, [](std::uint32_t i) { return std::array{i}; });
+    write_points(1 + elements);
     std::uint64_t first_tag = 1;
     for_each_block(mesh_, [&](Block block, const auto& of_type, const auto&) {
       const auto index = static_cast<std::size_t>(block);
-      write_blocks(elements_[index], dimension_of(block), kMshTypes[index], first_tag,
-                   [&](std::uint32_t i) { return of_type[i]; });
+      write_blocks(elements_[index], dimension_of(block), kMshTypes[index], first_tag, of_type);
       first_tag += of_type.size();
     });
     file_.write("\n$EndElements\n");
@@ -302,25 +314,32 @@ class MshWriter {
       throw Error(ErrorCode::InvalidArgument, "the mesh is too large for fields in an MSH file");
     file_.write("$" + section + "\n1\n\"" + printable(field.name) + "\"\n1\n0\n3\n0\n" +
                 std::to_string(field.components) + "\n" + std::to_string(count) + "\n");
-    const auto components = static_cast<std::size_t>(field.components);
-    for (std::size_t i = 0; i < count; ++i) {
-      file_.put(static_cast<std::int32_t>(first_tag + i));
-      file_.write(field.values.data() + i * components, components * sizeof(double));
-    }
+    const std::size_t bytes = static_cast<std::size_t>(field.components) * sizeof(double);
+    const auto encode = [&](std::size_t begin, std::size_t end, char* out) {
+      const char* values = reinterpret_cast<const char*>(field.values.data()) + begin * bytes;
+      for (std::size_t i = begin; i < end; ++i, values += bytes, out += 4 + bytes) {
+        const auto tag = static_cast<std::int32_t>(first_tag + i);
+        std::memcpy(out, &tag, 4);
+        std::memcpy(out + 4, values, bytes);
+      }
+    };
+    file_.write_records(count, 4 + bytes, encode, loop_);
     file_.write("\n$End" + section + "\n");
   }
 
   const Mesh& mesh_;
   AtomicFile& file_;
+  const BlockLoop& loop_;
   int top_dimension_;
   std::array<TagBlocks, 4> points_;
   std::array<TagBlocks, kBlocks> elements_;
   std::array<std::map<std::int32_t, Entity>, 4> entities_;
-  std::uint32_t part_count_ = 0;                                                          // 0: in no parts
-  std::array<std::map<std::pair<std::int32_t, std::uint32_t>, std::int32_t>, 4> pieces_;  // of (tag, part), their tags
+  std::uint32_t part_count_ = 0;  // 0: in no parts
+  std::array<Pieces, 4> pieces_;
 };
 
-void require_countable(const Mesh& mesh) {
+void require_representable(const Mesh& mesh, const BlockLoop& loop) {
+  checked_tag(index_of_tag(static_cast<std::int64_t>(largest_tag(mesh, loop))));
   for_each_block(mesh, [](Block, const auto& elements, const auto&) {
     if (elements.size() > 0xffffffffu)
       throw Error(ErrorCode::InvalidArgument, "the mesh has too many elements for one MSH file");
@@ -329,14 +348,14 @@ void require_countable(const Mesh& mesh) {
 
 }  // namespace
 
-void write_msh(const Mesh& mesh, AtomicFile& file) {
-  require_countable(mesh);
-  MshWriter(mesh, file).write();
+void write_msh(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) {
+  require_representable(mesh, loop);
+  MshWriter(mesh, file, loop).write();
 }
 
-void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file) {
-  require_countable(mesh);
-  MshWriter writer(mesh, file);
+void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file, const BlockLoop& loop) {
+  require_representable(mesh, loop);
+  MshWriter writer(mesh, file, loop);
   writer.deal(parts);
   writer.write();
 }

@@ -88,22 +88,26 @@ std::vector<StlPoint> read_text_corners(Cursor cursor) {
 
 }  // namespace
 
-void write_stl(const Mesh& mesh, AtomicFile& file) {
+void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) {
   if (mesh.tri_to_vert.size() > 0xffffffffu)
     throw Error(ErrorCode::InvalidArgument, "the mesh has too many triangles for STL");
   std::array<char, 80> header{};
   std::memcpy(header.data(), "binary STL of tetloom", 21);
   file.write(header.data(), header.size());
   file.put(static_cast<std::uint32_t>(mesh.tri_to_vert.size()));
-  const auto put_vector = [&](const Vec3& v) {
-    for (int axis = 0; axis < 3; ++axis) file.put(static_cast<float>(v[axis]));
-  };
-  for (const auto& [a, b, c] : mesh.tri_to_vert) {
+  const auto triangle_of = [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.tri_to_vert[t];
     const Vec3 &pa = mesh.points[a], &pb = mesh.points[b], &pc = mesh.points[c];
-    put_vector(normalized(cross(pb - pa, pc - pa)));
-    put_vector(pa), put_vector(pb), put_vector(pc);
-    file.put(std::uint16_t{0});
-  }
+    std::array<char, kTriangleBytes> bytes{};  // the attribute at the end stays zero
+    std::size_t at = 0;
+    for (const Vec3& v : {normalized(cross(pb - pa, pc - pa)), pa, pb, pc}) {
+      const StlPoint point{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+      std::memcpy(bytes.data() + at, point.data(), sizeof(point));
+      at += sizeof(point);
+    }
+    return bytes;
+  };
+  file.put_each(mesh.tri_to_vert.size(), triangle_of, loop);
 }
 
 Mesh read_stl(const InputFile& file) {

@@ -1,6 +1,8 @@
 // VTK XML unstructured grid, raw appended data with 64-bit sizes, as "VTK XML Formats" (docs.vtk.org) describes it.
 // Cells are edges, triangles, quadrilaterals, tets, pyramids, wedges and hexahedra, in this order and each in the order
 // of the mesh. Fields on cells are NaN at edges and surface elements.
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
 
@@ -23,8 +25,9 @@ struct DataArray {
 
 class VtuWriter {
  public:
-  VtuWriter(const Mesh& mesh, AtomicFile& file, const std::span<const std::uint64_t>* global_ids = nullptr)
-      : mesh_(mesh), file_(file) {
+  VtuWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop,
+            const std::span<const std::uint64_t>* global_ids = nullptr)
+      : mesh_(mesh), file_(file), loop_(loop) {
     for_each_block(mesh, [&](Block, const auto& elements, const auto&) {
       cells_ += elements.size();
       if (!elements.empty()) corners_ += elements.size() * elements[0].size();
@@ -105,17 +108,17 @@ class VtuWriter {
   }
 
   void add_point_data() {
-    add("PointData", std::string(kEntityDim), "Int8", 1, mesh_.points.size(), 1, [this] {
-      for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
+    const std::size_t count = mesh_.points.size();
+    add("PointData", std::string(kEntityDim), "Int8", 1, count, 1, [this, count] {
+      const auto dim_of = [this](std::size_t i) {
         const ModelEntity entity = entity_of_point(mesh_, i);
-        file_.put(static_cast<std::int8_t>(entity.valid() ? entity.dim : -1));
-      }
+        return static_cast<std::int8_t>(entity.valid() ? entity.dim : -1);
+      };
+      file_.put_each(count, dim_of, loop_);
     });
-    add("PointData", std::string(kEntityTag), "UInt32", 1, mesh_.points.size(), 4, [this] {
-      for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
-        const ModelEntity entity = entity_of_point(mesh_, i);
-        file_.put(entity.valid() ? entity.tag() : 0u);
-      }
+    add("PointData", std::string(kEntityTag), "UInt32", 1, count, 4, [this, count] {
+      file_.put_each(
+          count, [this](std::size_t i) { return point_tag(mesh_, i); }, loop_);
     });
   }
 
@@ -137,8 +140,9 @@ class VtuWriter {
     for (const MeshField& field : mesh_.cell_fields)
       add_field("CellData", field, cells_, [this, &field] {
         const std::size_t others = mesh_.edge_to_vert.size() + surface_count(mesh_);
-        for (std::size_t i = 0; i < others * static_cast<std::size_t>(field.components); ++i)
-          file_.put(std::numeric_limits<double>::quiet_NaN());
+        file_.put_each(
+            others * static_cast<std::size_t>(field.components),
+            [](std::size_t) { return std::numeric_limits<double>::quiet_NaN(); }, loop_);
         put_values(field);
       });
   }
@@ -153,7 +157,8 @@ class VtuWriter {
   template <class Value>
   void put_per_cell(const Value& value) {
     for_each_block(mesh_, [&](Block block, const auto&, const auto& entities) {
-      for (const std::uint32_t entity : entities) file_.put(value(block, entity));
+      file_.put_each(
+          entities.size(), [&](std::size_t i) { return value(block, entities[i]); }, loop_);
     });
   }
 
@@ -161,14 +166,24 @@ class VtuWriter {
   void add_cells(const char* type) {
     add("Cells", "connectivity", type, 1, corners_, sizeof(Index), [this] {
       for_each_block(mesh_, [this](Block, const auto& elements, const auto&) {
-        for (const auto& element : elements)
-          for (const std::uint32_t v : turned_for_vtk(element)) file_.put(static_cast<Index>(v));
+        const auto vertices_of = [&](std::size_t e) {
+          const auto vertices = turned_for_vtk(elements[e]);
+          std::array<Index, vertices.size()> indices;
+          std::transform(vertices.begin(), vertices.end(), indices.begin(),
+                         [](std::uint32_t v) { return static_cast<Index>(v); });
+          return indices;
+        };
+        file_.put_each(elements.size(), vertices_of, loop_);
       });
     });
     add("Cells", "offsets", type, 1, cells_, sizeof(Index), [this] {
-      Index end = 0;
+      std::size_t first = 0;
       for_each_block(mesh_, [&](Block, const auto& elements, const auto&) {
-        for (const auto& element : elements) file_.put(end = static_cast<Index>(end + element.size()));
+        if (elements.empty()) return;
+        const std::size_t size = elements[0].size();
+        file_.put_each(
+            elements.size(), [&](std::size_t e) { return static_cast<Index>(first + (e + 1) * size); }, loop_);
+        first += elements.size() * size;
       });
     });
     add("Cells", "types", "UInt8", 1, cells_, 1, [this] {
@@ -204,16 +219,18 @@ class VtuWriter {
 
   const Mesh& mesh_;
   AtomicFile& file_;
+  const BlockLoop& loop_;
   std::size_t cells_ = 0, corners_ = 0;
   std::vector<DataArray> arrays_;
 };
 
 }  // namespace
 
-void write_vtu(const Mesh& mesh, AtomicFile& file) { VtuWriter(mesh, file).write(); }
+void write_vtu(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) { VtuWriter(mesh, file, loop).write(); }
 
-void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file) {
-  VtuWriter(mesh, file, &global_ids).write();
+void write_vtu_piece(const Mesh& mesh, std::span<const std::uint64_t> global_ids, AtomicFile& file,
+                     const BlockLoop& loop) {
+  VtuWriter(mesh, file, loop, &global_ids).write();
 }
 
 }  // namespace tetloom::detail

@@ -1,47 +1,22 @@
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <cstdint>
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/mesh_io.hpp"
+#include "tests/core/file_size_limit.hpp"
 #include "tests/core/mesh_fixtures.hpp"
 #include "tests/core/mesh_io_support.hpp"
 
 using namespace tetloom;
 using test::error_of;
 using test::file_content;
+using test::FileSizeLimit;
 using test::TemporaryFolder;
-
-namespace {
-
-/// Limits the size of files that this process may write, for a scope: what a full disk looks like.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const struct rlimit limited { bytes, before_.rlim_max };
-    ::setrlimit(RLIMIT_FSIZE, &limited);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  struct rlimit before_ {};
-  void (*handler_)(int) = nullptr;
-};
-
-}  // namespace
 
 TEST_CASE("a file appears under its name only when it is committed") {
   const TemporaryFolder folder;
