@@ -66,20 +66,23 @@ std::string verdict(const ValidationReport& validation, const Mesh& mesh) {
 }
 
 /// `parts_text` describes the parts, where the mesh has some.
-void check_whole(const Mesh& mesh, const std::string& parts_text, Run& run) {
+void check_whole(const Mesh& mesh, const std::string& parts_text, const TaskRunner& runner, Run& run) {
   RunReport& report = run.report();
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
   report.entities = mesh.entities;
 
   run.begin(Stage::Check);
-  const ValidationReport validation = validate_mesh(mesh);
+  ValidationReport validation;
+  report.seconds.check = timed([&] { validation = validate_mesh(mesh, runner); });
   report.extra["validation"] = validation_json(validation);
   for (const MeshProblem& problem : validation.problems) add_failure(report, as_error(problem));
   if (is_measurable(validation)) {
     run.begin(Stage::Check);
-    report.quality = compute_quality(mesh);
+    report.seconds.check += timed([&] {
+      report.quality = compute_quality(mesh, nullptr, runner);
+      report.digest = mesh_digest(mesh, runner);
+    });
     report.counts.regions = report.quality->cells.regions.size();
-    report.digest = mesh_digest(mesh);
   }
   report.extra["mesh"] = mesh_json(mesh, report);
   run.set_text(render_mesh(mesh, report) + parts_text + verdict(validation, mesh));
@@ -97,24 +100,30 @@ void tell_misfit(const WholeOfParts& parts, Run& run) {
   run.set_text(render_parts(parts.figures) + "The mesh is NOT valid: its pieces do not fit together.\n");
 }
 
-void check_mesh(const CheckCommand& command, Run& run) {
+void check_mesh(const CheckCommand& command, const TaskRunner& runner, Run& run) {
   run.begin(Stage::Read);
   Mesh mesh;
   run.report().seconds.read =
       timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
-  check_whole(mesh, {}, run);
+  check_whole(mesh, {}, runner, run);
 }
 
 }  // namespace
 
 ExitStatus run_check(const CheckCommand& command, Communicator& communicator) {
-  Run run(
-      {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
+  Run run({.input = command.input,
+           .output = {},
+           .report = command.report,
+           .quiet = command.quiet,
+           .threads = TaskRunner(command.threads).threads(),
+           .ranks = &communicator});
   return run.execute([&](Run& r) {
-    const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r);
+    const TaskRunner runner(command.threads, r.host());
+    const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, runner, r);
     if (whole && whole->misfit) return tell_misfit(*whole, r);
-    run_on_first(communicator,
-                 [&] { whole ? check_whole(whole->mesh, render_parts(whole->figures), r) : check_mesh(command, r); });
+    run_on_first(communicator, [&] {
+      whole ? check_whole(whole->mesh, render_parts(whole->figures), runner, r) : check_mesh(command, runner, r);
+    });
     // A mesh that is not valid is noticed by the first rank alone, and all end alike.
     r.report().status =
         static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(r.report().status)));

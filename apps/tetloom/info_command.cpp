@@ -19,23 +19,25 @@ bool is_mesh_file(const std::filesystem::path& path) {
 }
 
 /// `parts_text` describes the parts, where the mesh has some.
-void describe_whole(const Mesh& mesh, const std::string& parts_text, Run& run) {
+void describe_whole(const Mesh& mesh, const std::string& parts_text, const TaskRunner& runner, Run& run) {
   RunReport& report = run.report();
   run.begin(Stage::Check);
-  report.quality = compute_quality(mesh);
+  report.seconds.check = timed([&] {
+    report.quality = compute_quality(mesh, nullptr, runner);
+    report.digest = mesh_digest(mesh, runner);
+  });
   report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(),
                    report.quality->cells.regions.size()};
   report.entities = mesh.entities;
-  report.digest = mesh_digest(mesh);
   report.extra["mesh"] = mesh_json(mesh, report);
   run.set_text(render_mesh(mesh, report) + parts_text);
 }
 
-void describe_mesh(const InfoCommand& command, Run& run) {
+void describe_mesh(const InfoCommand& command, const TaskRunner& runner, Run& run) {
   Mesh mesh;
   run.report().seconds.read =
       timed([&] { mesh = read_input([&] { return read_mesh(command.input, &run.cancel()); }); });
-  describe_whole(mesh, {}, run);
+  describe_whole(mesh, {}, runner, run);
 }
 
 void describe_model(const InfoCommand& command, Run& run) {
@@ -53,16 +55,21 @@ void describe_model(const InfoCommand& command, Run& run) {
 }  // namespace
 
 ExitStatus run_info(const InfoCommand& command, Communicator& communicator) {
-  Run run(
-      {.input = command.input, .output = {}, .report = command.report, .quiet = command.quiet, .ranks = &communicator});
+  Run run({.input = command.input,
+           .output = {},
+           .report = command.report,
+           .quiet = command.quiet,
+           .threads = TaskRunner(command.threads).threads(),
+           .ranks = &communicator});
   return run.execute([&](Run& r) {
-    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, r)) {
+    const TaskRunner runner(command.threads, r.host());
+    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, runner, r)) {
       if (whole->misfit) throw Error(*whole->misfit);
-      return run_on_first(communicator, [&] { describe_whole(whole->mesh, render_parts(whole->figures), r); });
+      return run_on_first(communicator, [&] { describe_whole(whole->mesh, render_parts(whole->figures), runner, r); });
     }
     run_on_first(communicator, [&] {
       r.begin(Stage::Read);
-      is_mesh_file(command.input) ? describe_mesh(command, r) : describe_model(command, r);
+      is_mesh_file(command.input) ? describe_mesh(command, runner, r) : describe_model(command, r);
     });
   });
 }

@@ -76,11 +76,11 @@ void note_result(const MeshResult& result, const QualityGoals& goals, RunReport&
   if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling, goals);
 }
 
-void measure(const MeshResult& result, RunReport& report) {
+void measure(const MeshResult& result, const TaskRunner& runner, RunReport& report) {
   if (result.mesh.points.empty()) return;
-  report.quality = compute_quality(result.mesh, &result.sizes);
+  report.quality = compute_quality(result.mesh, &result.sizes, runner);
   report.counts.regions = report.quality->cells.regions.size();
-  report.digest = mesh_digest(result.mesh);
+  report.digest = mesh_digest(result.mesh, runner);
 }
 
 void mesh_model(const MeshCommand& command, Run& run) {
@@ -102,14 +102,15 @@ void mesh_model(const MeshCommand& command, Run& run) {
     report.model_volume = result.model_volume;
   }
   for (const Diagnostic& error : result.errors) add_failure(report, error);
+  const TaskRunner runner(options.threads, run.host());
   if (report.status != ExitStatus::Cancelled) {
     run.begin(Stage::Check);
-    measure(result, report);
+    report.seconds.check = timed([&] { measure(result, runner, report); });
   }
   if (result.status != MeshStatus::Ok) return;
 
   run.begin(Stage::Write);
-  report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel()); });
+  report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()));
 }
 

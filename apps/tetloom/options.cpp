@@ -60,6 +60,7 @@ struct RawPartition {
 
 struct RawInspection {
   std::string input, report;
+  std::optional<int> threads;
   std::optional<double> feature_angle;
   bool imprint = false, no_heal = false, quiet = false;
 };
@@ -329,6 +330,7 @@ CLI::App* add_partition_command(CLI::App& app, RawPartition& raw) {
 CLI::App* add_inspection(CLI::App& app, const char* name, const char* description, RawInspection& raw) {
   CLI::App* command = app.add_subcommand(name, description);
   command->add_option("FILE", raw.input, "A model or a mesh")->required();
+  command->add_option("--threads", raw.threads, "Default: all cores")->type_name("T");
   command->add_option("--report", raw.report, "Write what is found as JSON, for failures too")->type_name("R.json");
   command->add_flag("--quiet", raw.quiet, "Print errors only");
   return command;
@@ -341,6 +343,8 @@ void refuse_empty_values(CLI::App& app) {
     if (option->get_items_expected_max() > 0) option->check(not_empty, "");
   }
 }
+
+int threads_of(const RawInspection& raw) { return count_between("--threads", raw.threads, kMostThreads); }
 
 void check_inspection(const RawInspection& raw) {
   require(!raw.input.empty(), "FILE must not be empty");
@@ -376,10 +380,10 @@ Command parse_command_line(int argc, const char* const* argv) {
   if (info->parsed()) {
     check_inspection(raw_info);
     const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle)};
-    return InfoCommand{raw_info.input, raw_info.report, read, raw_info.quiet};
+    return InfoCommand{raw_info.input, raw_info.report, read, threads_of(raw_info), raw_info.quiet};
   }
   check_inspection(raw_check);
-  return CheckCommand{raw_check.input, raw_check.report, raw_check.quiet};
+  return CheckCommand{raw_check.input, raw_check.report, threads_of(raw_check), raw_check.quiet};
 }
 
 std::optional<std::filesystem::path> find_report_argument(int argc, const char* const* argv) {

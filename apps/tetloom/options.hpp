@@ -26,12 +26,14 @@ struct InfoCommand {
   std::filesystem::path input;
   std::filesystem::path report;
   ReadOptions read;
+  int threads = 0;  ///< 0: all cores
   bool quiet = false;
 };
 
 struct CheckCommand {
   std::filesystem::path input;
   std::filesystem::path report;
+  int threads = 0;  ///< 0: all cores
   bool quiet = false;
 };
 

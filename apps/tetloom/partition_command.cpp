@@ -41,7 +41,7 @@ void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const 
   if (figures.elements > kMostGathered) return;
   const Mesh whole = gather_mesh(mesh, runner);
   run_on_first(*mesh.communicator, [&] {
-    report.digest = mesh_digest(whole);
+    report.digest = mesh_digest(whole, runner);
     report.counts.triangles = whole.tri_to_vert.size();
   });
 }

@@ -7,10 +7,9 @@
 namespace tetloom::app {
 
 std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& input, Communicator& communicator,
-                                                Run& run) {
+                                                const TaskRunner& runner, Run& run) {
   if (!is_partitioned_file(input, communicator)) return std::nullopt;
   run.begin_together(Stage::Read);
-  const TaskRunner runner(1, run.host());
   WholeOfParts whole;
   RunReport& report = run.report();
   report.seconds.read = timed([&] {

@@ -18,6 +18,6 @@ struct WholeOfParts {
 /// Reads a partitioned file, with all links checked, and brings its parts together; nothing for any other file, which
 /// is not read then. Notes the parts in the report. A collective call.
 std::optional<WholeOfParts> read_whole_of_parts(const std::filesystem::path& input, Communicator& communicator,
-                                                Run& run);
+                                                const TaskRunner& runner, Run& run);
 
 }  // namespace tetloom::app

@@ -101,7 +101,8 @@ Json volume_json(const RunReport& report) {
 Json seconds_json(const RunReport& report) {
   const RunSeconds& seconds = report.seconds;
   return {{"total", report.total_seconds()}, {"read", seconds.read},     {"size_field", seconds.size_field},
-          {"surface", seconds.surface},      {"volume", seconds.volume}, {"write", seconds.write}};
+          {"surface", seconds.surface},      {"volume", seconds.volume}, {"check", seconds.check},
+          {"write", seconds.write}};
 }
 
 Json counts_json(const RunCounts& counts) {

@@ -22,7 +22,7 @@ struct RunCounts {
 };
 
 struct RunSeconds {
-  double read = 0, size_field = 0, surface = 0, volume = 0, write = 0;
+  double read = 0, size_field = 0, surface = 0, volume = 0, check = 0, write = 0;
 };
 
 /// Everything that a run found out until it ended, however it ended. Lengths in model units.

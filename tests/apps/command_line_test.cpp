@@ -189,6 +189,13 @@ TEST_CASE("a command line without what it needs is refused") {
   CHECK_THROWS_WITH(parse({"mesh", "a.stl", "-o", "b.stl", "--report", "b.stl"}),
                     Catch::Contains("replace the output"));
   CHECK_THROWS_WITH(parse({"check", "a.vtu", "--report", "a.vtu"}), Catch::Contains("replace the input"));
+  CHECK_THROWS_WITH(parse({"check", "a.vtu", "--threads", "0"}), Catch::Contains("--threads"));
+}
+
+TEST_CASE("meshes are looked at on all cores, or on as many threads as are asked for") {
+  CHECK(std::get<CheckCommand>(parse({"check", "a.vtu"})).threads == 0);
+  CHECK(std::get<CheckCommand>(parse({"check", "a.vtu", "--threads", "3"})).threads == 3);
+  CHECK(std::get<InfoCommand>(parse({"info", "a.vtu", "--threads", "3"})).threads == 3);
 }
 
 TEST_CASE("help and version are printed and done") {

@@ -128,7 +128,7 @@ TEST_CASE("a report of a failure has every member, and null for what was not rea
   CHECK(json["schema"] == 1);
   CHECK(json["status"] == "failed");
   CHECK(json["counts"] == nlohmann::json({{"points", 0}, {"triangles", 0}, {"tets", 0}, {"regions", 0}}));
-  for (const char* key : {"total", "read", "size_field", "surface", "volume", "write"}) {
+  for (const char* key : {"total", "read", "size_field", "surface", "volume", "check", "write"}) {
     CHECK(json["seconds"][key].is_number());
   }
   for (const char* key : {"min_dihedral_deg", "mean_ratio_min", "mean_ratio_p1", "mean_ratio_mean", "edges_in_band"}) {

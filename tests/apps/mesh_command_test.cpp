@@ -59,7 +59,28 @@ TEST_CASE("the mesh does not depend on the number of threads") {
   const auto three =
       mesh_with_report(folder, input, "3.vtu", {"--imprint", "--threads", "3", "--relative-size", "0.05"});
   CHECK(one["digest"] == three["digest"]);
+  CHECK(one["quality"] == three["quality"]);
+  CHECK(one["seconds"]["check"] > 0);
   CHECK(read_text(folder / "1.vtu") == read_text(folder / "3.vtu"));
+}
+
+TEST_CASE("what check and info find does not depend on the number of threads") {
+  const TestFolder folder;
+  tetloom::write_mesh(make_mixed_box(20, 20, 20, 3, true), folder / "box.vtu");
+  for (const char* command : {"check", "info"}) {
+    std::vector<nlohmann::json> reports;
+    for (const char* threads : {"1", "2", "5"}) {
+      const ProcessResult result =
+          run_tetloom({command, folder / "box.vtu", "--threads", threads, "--report", folder / "report.json"});
+      INFO(result.err);
+      REQUIRE(result.status == 0);
+      reports.push_back(read_json(folder / "report.json"));
+      CHECK(std::to_string(reports.back()["threads"].get<int>()) == threads);
+      for (const char* varying : {"threads", "seconds", "peak_bytes"}) reports.back().erase(varying);
+    }
+    CHECK(reports[1] == reports[0]);
+    CHECK(reports[2] == reports[0]);
+  }
 }
 
 TEST_CASE("goals for the tets are aimed at and reported") {
