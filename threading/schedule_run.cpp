@@ -30,7 +30,11 @@ void detail::FirstError::add(std::uint32_t step, PartId part, std::exception_ptr
 }
 
 Schedule::State::Run::Run(Schedule& schedule, std::span<const Step> steps, bool uninterruptible)
-    : schedule_(schedule), state_(*schedule.state_), steps_(steps), uninterruptible_(uninterruptible) {}
+    : schedule_(schedule),
+      state_(*schedule.state_),
+      steps_(steps),
+      uninterruptible_(uninterruptible),
+      trace_run_(state_.trace ? state_.trace->begin_run() : 0) {}
 
 void Schedule::State::Run::carry_out() {
   prepare();
@@ -204,9 +208,13 @@ void Schedule::State::Run::deliver(PartTask& task, std::size_t local) {
 }
 
 void Schedule::State::Run::record(const PartTask& task, double start) const {
-  TaskRecord record{task.part_, task.step_, steps_[task.step_].name, start, state_.trace->now(), 0, 0};
+  TaskRecord record{task.part_, task.step_, steps_[task.step_].name, start, state_.trace->now()};
   record.worker = tbb::this_task_arena::current_thread_index();
-  for (const Message& message : task.outbox_) record.bytes_sent += message.bytes.size();
+  record.run = trace_run_;
+  const auto receivers = tables_[task.step_].receivers.of(local_of(task.part_));
+  record.sent.reserve(receivers.size());
+  for (std::size_t i = 0; i < receivers.size(); ++i)
+    record.sent.push_back({receivers[i], task.outbox_.empty() ? 0 : task.outbox_[i].bytes.size()});
   state_.trace->add(std::move(record));
 }
 

@@ -108,6 +108,7 @@ class Schedule::State::Run {
   State& state_;
   std::span<const Step> steps_;
   bool uninterruptible_;
+  std::uint32_t trace_run_;
   std::vector<StepTable> tables_;
   std::deque<Node> nodes_;  // by step, then by part
   oneapi::tbb::flow::graph* graph_ = nullptr;

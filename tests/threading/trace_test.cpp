@@ -1,5 +1,6 @@
 #include "threading/trace.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -46,11 +47,68 @@ TEST_CASE("the trace of a run names every task, and its file parses") {
 
 TEST_CASE("records are sorted by start, and a trace that cannot be written is an error") {
   Trace trace;
-  for (const double start : {3.0, 1.0, 2.0}) trace.add({PartId(0), 0, "x", start, start + 1, 0, 0});
+  for (const double start : {3.0, 1.0, 2.0}) trace.add({PartId(0), 0, "x", start, start + 1});
   const auto records = trace.records();
   REQUIRE(records.size() == 3);
   CHECK(records[0].start == 1.0);
   CHECK(records[2].start == 3.0);
   CHECK(written(Trace(), 0).at("traceEvents").empty());
   CHECK_THROWS_AS(trace.write("/no/such/folder/trace.json"), Error);
+}
+
+TEST_CASE("a step names its messages, and each run has a number") {
+  const auto communicator = make_thread_communicator();
+  const TaskRunner runner(2);
+  Trace trace;
+  const std::vector<PartId> from_first{PartId(1), PartId(2)}, nobody;
+  const std::vector<std::vector<PartId>> to_first{{}, {PartId(0)}, {PartId(0)}};
+  const Links links{[&](PartId part) { return std::span(part == PartId(0) ? from_first : nobody); },
+                    [&](PartId part) { return std::span(to_first[part.value]); }};
+  const auto send = [](PartTask& task) {
+    if (task.part() == PartId(0)) task.send(PartId(2), Bytes(5));
+  };
+  const std::vector<Step> steps{{"send", send, links, {}}, {"hear", [](PartTask&) {}, links, {}}};
+  Schedule schedule(*communicator, runner, 3, &trace);
+  for (int run = 0; run < 2; ++run) schedule.run(steps);
+
+  REQUIRE(trace.records().size() == 12);
+  std::array<int, 2> of_run{};
+  for (const TaskRecord& record : trace.records()) {
+    CAPTURE(record.step, record.part.value);
+    CHECK(record.kind == TaskKind::Step);
+    REQUIRE(record.run < 2);
+    ++of_run[record.run];
+    const bool sends = record.step == 0 && record.part == PartId(0);  // nobody hears of the last step
+    REQUIRE(record.sent.size() == (sends ? 2 : 0));
+    CHECK(record.bytes_sent() == (sends ? 5 : 0));
+    if (!sends) continue;
+    CHECK((record.sent[0].to == PartId(1) && record.sent[0].bytes == 0));
+    CHECK((record.sent[1].to == PartId(2) && record.sent[1].bytes == 5));
+  }
+  CHECK(of_run == std::array{6, 6});
+}
+
+TEST_CASE("work outside of schedules is recorded with its own number, and not without a trace") {
+  Trace trace;
+  { const TraceSpan span(&trace, "sort"); }
+  { const TraceSpan span(&trace, "loop", 4, 30); }
+  { const TraceSpan span(nullptr, "nowhere"); }
+  const auto records = trace.records();
+  REQUIRE(records.size() == 2);
+  CHECK((records[0].kind == TaskKind::Serial && records[0].threads == 1 && records[0].run == 0));
+  CHECK((records[1].kind == TaskKind::Divisible && records[1].threads == 4 && records[1].pieces == 30));
+  CHECK((records[1].run == 1 && records[1].start >= records[0].end && records[1].seconds() >= 0));
+}
+
+TEST_CASE("the file of a trace holds what a replay needs") {
+  Trace trace;
+  trace.add({PartId(3), 1, "send", 1, 3, 0, TaskKind::Step, 7, {{PartId(2), 8}, {PartId(4), 0}}});
+  trace.add({{}, 0, "loop", 4, 5, 0, TaskKind::Divisible, 8, {}, 2, 30});
+  const auto events = written(trace, 0).at("traceEvents");
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].at("cat") == "step");
+  CHECK(events[0].at("args") ==
+        nlohmann::json::parse(R"({"run":7,"part":3,"step":1,"bytes_sent":8,"sent":[[2,8],[4,0]]})"));
+  CHECK(events[1].at("cat") == "divisible");
+  CHECK(events[1].at("args") == nlohmann::json::parse(R"({"run":8,"threads":2,"pieces":30})"));
 }
