@@ -259,6 +259,8 @@ class MeshRun {
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
   check_goals(options.goals);
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
+  if (!(options.tets_per_part >= 0))
+    throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
   return MeshRun(model, options, host).run();
 }
 
