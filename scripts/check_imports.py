@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "python": {"core", "threading", "mesher", "adapt"},
     "bench": {"core", "threading", "mesher", "adapt"},
     "examples": {"core", "threading", "mesher", "adapt"},
-    "tests": {"core", "threading", "mesher", "adapt", "apps", "examples"},
+    "tests": {"core", "threading", "mesher", "adapt", "apps", "bench", "examples"},
 }
 
 # (what, headers that belong to it, files that may include them)
