@@ -54,13 +54,6 @@ double size_for(double triangles, double area) {
   return digit * std::round(size / digit);
 }
 
-std::vector<int> all_threads(int cores) {
-  std::vector<int> threads;
-  for (int t = 1; t <= cores; t *= 2) threads.push_back(t);
-  if (threads.back() != cores) threads.push_back(cores);
-  return threads;
-}
-
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options), session_("surface_speed", options.session) {

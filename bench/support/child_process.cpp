@@ -1,11 +1,13 @@
 #include "bench/support/child_process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -14,6 +16,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+
+#include "bench/support/machine.hpp"
 
 namespace tetloom::bench {
 namespace {
@@ -36,14 +40,48 @@ class SpawnActions {
   posix_spawn_file_actions_t actions_{};
 };
 
-std::string read_to_end(int file) {
+/// What is known of a process's memory while it runs.
+class MemoryWatch {
+ public:
+  explicit MemoryWatch(pid_t process) : status_("/proc/" + std::to_string(process) + "/status") {}
+
+  void look() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < kInterval) return;
+    last_ = now;
+    const ProcessMemory memory = read_process_memory(status_);
+    peak_ = std::max(peak_, memory.peak);
+    swap_ = std::max(swap_, memory.swapped);
+  }
+  std::uint64_t peak() const { return peak_; }
+  std::uint64_t swap() const { return swap_; }
+
+  static constexpr std::chrono::milliseconds kInterval{20};
+
+ private:
+  std::string status_;
+  std::chrono::steady_clock::time_point last_;
+  std::uint64_t peak_ = 0, swap_ = 0;
+};
+
+std::string read_to_end(int file, MemoryWatch& watch) {
   std::string text;
   std::array<char, 4096> buffer;
   for (;;) {
+    watch.look();
+    pollfd wanted{file, POLLIN, 0};
+    const int ready = poll(&wanted, 1, static_cast<int>(MemoryWatch::kInterval.count()));
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
     const ssize_t count = read(file, buffer.data(), buffer.size());
     if (count > 0) text.append(buffer.data(), static_cast<std::size_t>(count));
     if (count == 0 || (count < 0 && errno != EINTR)) return text;
   }
+}
+
+/// A child begins with the memory of the process that starts it, and the system counts that among its own. So a peak
+/// that is no larger than this process's says nothing, and what was seen in between counts.
+std::uint64_t peak_of_child(std::uint64_t counted, const MemoryWatch& watch) {
+  return counted > peak_resident_bytes() || watch.peak() == 0 ? counted : watch.peak();
 }
 
 double seconds_of(const timeval& time) {
@@ -68,7 +106,8 @@ ChildResult run_child(const std::vector<std::string>& command) {
     throw std::system_error(error, std::generic_category(), "cannot start '" + command[0] + "'");
   }
   ChildResult result;
-  result.output = read_to_end(ends[0]);
+  MemoryWatch watch(child);
+  result.output = read_to_end(ends[0], watch);
   close(ends[0]);
   int status = 0;
   rusage usage{};
@@ -76,7 +115,8 @@ ChildResult run_child(const std::vector<std::string>& command) {
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.cpu_seconds = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
-  result.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  result.peak_bytes = peak_of_child(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024, watch);
+  result.swap_bytes = watch.swap();
   return result;
 }
 

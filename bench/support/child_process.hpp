@@ -11,7 +11,8 @@ struct ChildResult {
   std::string output;            ///< standard output and standard error, as they came
   double seconds = 0;            ///< wall time from start to end
   double cpu_seconds = 0;        ///< user and system time of all its threads
-  std::uint64_t peak_bytes = 0;  ///< largest resident set
+  std::uint64_t peak_bytes = 0;  ///< largest resident set, of the program alone and not of what it starts
+  std::uint64_t swap_bytes = 0;  ///< most memory that was swapped out whenever it was looked at
 };
 
 /// Runs `command` (a path or a name in PATH, then its arguments) and waits for it. Its standard input is empty.

@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <cstring>
+#include <ctime>
 #include <fstream>
+#include <utility>
 
 namespace tetloom::bench {
 namespace {
@@ -22,9 +25,7 @@ std::string value_of(const char* file, const std::string& key) {
   return "";
 }
 
-std::uint64_t status_bytes(const char* key) {
-  return 1024 * std::strtoull(value_of("/proc/self/status", key).c_str(), nullptr, 10);
-}
+constexpr const char* kOwnStatus = "/proc/self/status";
 
 }  // namespace
 
@@ -46,7 +47,26 @@ double load_average() {
   return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
-std::uint64_t peak_resident_bytes() { return status_bytes("VmHWM"); }
-std::uint64_t resident_bytes() { return status_bytes("VmRSS"); }
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%d", &parts);
+  return text;
+}
+
+ProcessMemory read_process_memory(const std::string& status_file) {
+  ProcessMemory memory;
+  std::ifstream lines(status_file);
+  for (std::string line; std::getline(lines, line);)
+    for (const auto& [key, value] : {std::pair("VmHWM:", &memory.peak), std::pair("VmRSS:", &memory.resident),
+                                     std::pair("VmSwap:", &memory.swapped)})
+      if (line.starts_with(key)) *value = 1024 * std::strtoull(line.c_str() + std::strlen(key), nullptr, 10);
+  return memory;
+}
+
+std::uint64_t peak_resident_bytes() { return read_process_memory(kOwnStatus).peak; }
+std::uint64_t resident_bytes() { return read_process_memory(kOwnStatus).resident; }
 
 }  // namespace tetloom::bench

@@ -13,8 +13,18 @@ struct Machine {
 
 Machine describe_machine();
 
+/// Today, as "2026-11-22", in universal time.
+std::string today();
+
 /// Processes that ran or waited for a core, on average over the last minute.
 double load_average();
+
+struct ProcessMemory {
+  std::uint64_t peak = 0, resident = 0, swapped = 0;  ///< bytes; 0 where unknown
+};
+
+/// From a file like /proc/self/status.
+ProcessMemory read_process_memory(const std::string& status_file);
 
 /// The largest resident set of this process so far, and the present one; bytes.
 std::uint64_t peak_resident_bytes();

@@ -9,12 +9,6 @@
 namespace tetloom::bench {
 namespace {
 
-std::string shortest_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  return text;
-}
-
 /// From "Info    : Done meshing 2D (Wall 5.70793s, CPU 2.24074s)".
 void read_stage_time(const std::string& output, SurfaceSample& sample) {
   const std::size_t place = output.find("Done meshing 2D (");
@@ -26,6 +20,20 @@ void read_stage_time(const std::string& output, SurfaceSample& sample) {
 
 }  // namespace
 
+std::string exact_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.17g", value);
+  return text;
+}
+
+double number_behind(const std::string& output, const std::string& label) {
+  const std::size_t place = output.rfind(label);
+  double value = 0;
+  if (place == std::string::npos || std::sscanf(output.c_str() + place + label.size(), "%lf", &value) != 1)
+    throw std::runtime_error("a peer does not say '" + label + "': ..." + output.substr(output.size() / 2));
+  return value;
+}
+
 std::string gmsh_version() {
   if (!is_installed("gmsh")) return "";
   const std::string output = run_child({"gmsh", "--version"}).output;
@@ -33,7 +41,7 @@ std::string gmsh_version() {
 }
 
 SurfaceSample measure_gmsh(const SurfaceTask& task, const std::filesystem::path& folder) {
-  const std::string size = shortest_text(task.size);
+  const std::string size = exact_text(task.size);
   const std::filesystem::path mesh_path = folder / "gmsh.msh";
   std::filesystem::remove(mesh_path);
   const ChildResult child = run_child({"gmsh", task.model, "-2", "-nt", std::to_string(task.threads), "-bin", "-clmin",

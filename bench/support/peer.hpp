@@ -7,6 +7,12 @@
 
 namespace tetloom::bench {
 
+/// A number that reads back as the same number.
+std::string exact_text(double value);
+
+/// The first number behind the last `label` of a peer's output. Throws std::runtime_error where there is none.
+double number_behind(const std::string& output, const std::string& label);
+
 /// "4.8.4"; empty when gmsh is not installed.
 std::string gmsh_version();
 

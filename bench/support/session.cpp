@@ -19,6 +19,17 @@ void add_session_options(CLI::App& app, SessionOptions& options) {
   app.add_option("--measure", options.measure, "")->group("");
 }
 
+void add_plot_option(CLI::App& app, SessionOptions& options) {
+  app.add_option("--svg", options.svg_path, "draw what was measured into this file");
+}
+
+std::vector<int> all_threads(int cores) {
+  std::vector<int> threads;
+  for (int t = 1; t <= cores; t *= 2) threads.push_back(t);
+  if (threads.back() != cores) threads.push_back(cores);
+  return threads;
+}
+
 Session::Session(std::string name, const SessionOptions& options)
     : name_(std::move(name)),
       options_(options),
@@ -39,6 +50,16 @@ void Session::print_heading(const std::string& peers) const {
   std::fflush(stdout);
 }
 
+Figure Session::make_figure(const std::string& title, const std::string& note) const {
+  char machine[256], run[256];
+  std::snprintf(machine, sizeof(machine), "%s, %d cores, %.1f GiB, %s%s", machine_.processor.c_str(), machine_.cores,
+                static_cast<double>(machine_.memory) / (1 << 30), machine_.system.c_str(),
+                load_before_ > 0.5 ? "; BUSY with other work" : "");
+  std::snprintf(run, sizeof(run), "%s, commit %s, %s, median of %d", name_.c_str(), options_.commit.c_str(),
+                today().c_str(), options_.runs);
+  return {title, {machine, run, note}, {}};
+}
+
 fs::path Session::model_path(const std::string& name) const {
   if (fs::exists(name)) return name;
   const fs::path path = folder() / (name + ".step");
@@ -52,6 +73,7 @@ void Session::write_json(const nlohmann::json& cases, const std::string& gmsh) c
   const nlohmann::json report = {{"bench", name_},
                                  {"schema", 1},
                                  {"commit", options_.commit},
+                                 {"date", today()},
                                  {"build", TETLOOM_BUILD},
                                  {"machine",
                                   {{"processor", machine_.processor},

@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "bench/support/commit.hpp"
 #include "bench/support/machine.hpp"
+#include "bench/support/svg_plot.hpp"
 #include "bench/support/temporary_folder.hpp"
 
 namespace tetloom::bench {
@@ -16,12 +18,18 @@ namespace tetloom::bench {
 struct SessionOptions {
   int runs = 3;
   bool quick = false, no_peer = false;
-  std::string json_path = {}, commit = kCommit;
+  std::string json_path = {}, svg_path = {}, commit = kCommit;
   std::string measure = {};  ///< a task, when this process is one of the measured ones
 };
 
 /// --runs, --json, --commit, --no-peer, --quick and --measure.
 void add_session_options(CLI::App& app, SessionOptions& options);
+
+/// --svg, for benches that draw.
+void add_plot_option(CLI::App& app, SessionOptions& options);
+
+/// 1, 2, 4 ... and all cores.
+std::vector<int> all_threads(int cores);
 
 class Session {
  public:
@@ -35,6 +43,9 @@ class Session {
 
   /// The commit, the machine, the runs, `peers`, and a warning where the machine is busy.
   void print_heading(const std::string& peers) const;
+
+  /// What a plot of this bench is drawn with: `title`, the machine, the date, the commit, and `note`.
+  Figure make_figure(const std::string& title, const std::string& note) const;
 
   /// `name` itself where it is a file, else the demo model of that name, made in the folder. Throws std::runtime_error.
   std::filesystem::path model_path(const std::string& name) const;

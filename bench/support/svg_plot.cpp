@@ -145,14 +145,16 @@ class Painter {
     for (const Panel& panel : figure.panels)
       for (const PlotSeries& series : panel.series)
         if (find(series.name) == legend_.size()) legend_.push_back(&series);
-    width_ = std::max(kLeastWidth, 2 * kMargin + kPanelWidth * static_cast<double>(figure.panels.size()));
+    columns_ = figure.columns > 0 ? std::min(figure.columns, figure.panels.size()) : figure.panels.size();
+    width_ = std::max(kLeastWidth, 2 * kMargin + kPanelWidth * static_cast<double>(columns_));
   }
 
   std::string paint() {
     draw_heading();
     for (std::size_t i = 0; i < figure_.panels.size(); ++i)
-      draw_panel(figure_.panels[i], {kMargin + kPanelWidth * static_cast<double>(i), y_});
-    y_ += kPanelHeight;
+      draw_panel(figure_.panels[i], {kMargin + kPanelWidth * static_cast<double>(i % columns_),
+                                     y_ + kPanelHeight * static_cast<double>(i / columns_)});
+    y_ += kPanelHeight * static_cast<double>((figure_.panels.size() + columns_ - 1) / columns_);
     draw_legend();
     return drawing_.take(width_, y_ + kMargin);
   }
@@ -229,6 +231,7 @@ class Painter {
   const Figure& figure_;
   std::vector<const PlotSeries*> legend_;
   Drawing drawing_;
+  std::size_t columns_ = 1;
   double width_ = 0, y_ = 0;
 };
 

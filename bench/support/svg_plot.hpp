@@ -31,6 +31,7 @@ struct Figure {
   std::string title;
   std::vector<std::string> notes;  ///< what the figure is worth nothing without: machine, commit, date
   std::vector<Panel> panels;
+  std::size_t columns = 0;  ///< panels beside each other, further ones below; 0: all
 };
 
 /// A document of SVG 1.1 that stands alone, the same for the same figure. Text is UTF-8.

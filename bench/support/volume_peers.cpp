@@ -1,32 +1,17 @@
 #include "bench/support/volume_peers.hpp"
 
-#include <cstdio>
 #include <fstream>
 #include <stdexcept>
 #include <vector>
 
 #include "bench/support/child_process.hpp"
+#include "bench/support/peer.hpp"
 #include "core/io/mesh_io.hpp"
 
 namespace tetloom::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string exact_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  return text;
-}
-
-/// The first number behind the last `label` of an output.
-double number_behind(const std::string& output, const std::string& label) {
-  const std::size_t place = output.rfind(label);
-  double value = 0;
-  if (place == std::string::npos || std::sscanf(output.c_str() + place + label.size(), "%lf", &value) != 1)
-    throw std::runtime_error("a peer does not say '" + label + "': ..." + output.substr(output.size() / 2));
-  return value;
-}
 
 /// TetGen's own format; what it writes as MEDIT counts triangles that it leaves out.
 Mesh read_node_and_ele(const fs::path& node_path) {

@@ -17,7 +17,8 @@ struct VolumeTask {
   double gradient = 0;  ///< of the size; 0: one size everywhere
   double start = 0;     ///< of the wave, see WaveSize
   int threads = 1;
-  std::string surface_path;  ///< not empty: no volume, but the surface for TetGen in this .smesh and .mtr beside it
+  std::string surface_path =
+      {};  ///< not empty: no volume, but the surface for TetGen in this .smesh and .mtr beside it
 
   WaveSize wave() const { return {size, gradient, start}; }
 };

@@ -141,6 +141,23 @@ TEST_CASE("points lie where their values are") {
   CHECK(y[1] < y[0] - 100);  // upwards
 }
 
+TEST_CASE("panels stand in as many columns as asked") {
+  const std::vector<Panel> panels(3, panel_of({{"a", {{1, 1}}}}));
+  const auto extent = [&](std::size_t columns, const char* attribute) {
+    Figure figure = figure_of(panels);
+    figure.columns = columns;
+    const std::string svg = render_svg(figure);
+    return std::stod(svg.substr(svg.find(attribute) + std::string(attribute).size()));
+  };
+  const char *width = " width=\"", *height = " height=\"";
+  CHECK(extent(0, width) == extent(3, width));
+  CHECK(extent(9, height) == extent(3, height));
+  CHECK(extent(2, width) < extent(3, width));
+  const double row = extent(2, height) - extent(3, height);
+  CHECK(row > 200);
+  CHECK(extent(1, height) == Approx(extent(3, height) + 2 * row));
+}
+
 TEST_CASE("texts of any kind leave a figure well-formed") {
   const std::string odd = "a < b & \"c\" > d\nwith \x01 control, and µs";
   Panel panel = panel_of({{odd, {{1, 1}}}});
