@@ -1,0 +1,323 @@
+// The claim: volumes are filled at least 1.5 times as fast on 2 threads and 2 times on 4 as on one, beside the best
+// serial run (one part, one thread) as beside the same parts on one thread. What the tasks of a run would give on up to
+// 64 threads is predicted from them, and says so.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bench/support/prediction.hpp"
+#include "bench/support/session.hpp"
+#include "bench/support/stage_run.hpp"
+#include "bench/support/trace_file.hpp"
+#include "bench/support/volume_run.hpp"
+
+namespace tetloom::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string model = "spline-block";
+  std::vector<double> tets = {1e6, 5e6, 20e6};
+  std::vector<int> threads;  ///< empty: 1, 2, 4 ... and all cores
+  std::vector<int> workers = {1, 2, 4, 8, 16, 32, 64};
+  double latency_us = 1e6 * MessageCosts::kLatency, bandwidth_gb = 1e-9 * MessageCosts::kBandwidth;
+  std::string prediction_path, trace_path, replay_path;
+  SessionOptions session;
+
+  MessageCosts costs() const { return {1e-6 * latency_us, 1e9 * bandwidth_gb}; }
+};
+
+/// The runs of one task.
+struct Way {
+  StageTask task;
+  std::vector<StageSample> samples = {};
+
+  std::string name() const {
+    return (task.one_part ? "1 part, " : "parts, ") + std::to_string(task.threads) +
+           (task.threads == 1 ? " thread" : " threads");
+  }
+};
+
+/// One size of mesh. `ways`: the serial run in one part, then parts on each number of threads, one first.
+struct SpeedupCase {
+  double wanted = 0;  ///< tets, about
+  double size = 0;
+  std::vector<Way> ways = {};
+  RecordedStage volume = {};  ///< parts on one thread
+  std::vector<Prediction> predictions = {};
+
+  double tets() const { return static_cast<double>(ways[1].samples.front().tets); }
+  std::string title() const {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.3g M tets", 1e-6 * tets());
+    return text;
+  }
+};
+
+enum class Basis { OnePart, OneThread };
+
+StageSample basis_of(const SpeedupCase& one, Basis basis) {
+  return basis == Basis::OnePart ? best_stages(one.ways[0].samples) : median_stages(one.ways[1].samples);
+}
+
+/// 0 where a stage takes no time that can be told.
+double speedup(const StageSample& before, const StageSample& after, const StageKind& stage) {
+  constexpr double kShortest = 1e-4;
+  return after.*stage.seconds > kShortest ? before.*stage.seconds / (after.*stage.seconds) : 0;
+}
+
+void print_line(const char* name, const StageSample& sample, const StageSample* basis) {
+  std::printf("  %-20s", name);
+  for (const StageKind& stage : kStages)
+    basis == nullptr ? std::printf(" %10.3f", sample.*stage.seconds)
+                     : std::printf(" %10.2f", speedup(*basis, sample, stage));
+}
+
+void print_case(const SpeedupCase& one) {
+  std::printf("%s, h %.4g\n  %-20s", one.title().c_str(), one.size, "seconds");
+  for (const StageKind& stage : kStages) std::printf(" %10s", stage.name);
+  std::printf(" %10s\n", "B/tet");
+  for (const Way& way : one.ways) {
+    const StageSample sample = median_stages(way.samples);
+    print_line(way.name().c_str(), sample, nullptr);
+    std::printf(" %10.0f\n", static_cast<double>(sample.peak_bytes) / static_cast<double>(sample.tets));
+  }
+  for (const Basis basis : {Basis::OnePart, Basis::OneThread}) {
+    const StageSample before = basis_of(one, basis);
+    std::printf("  speed-up beside %s\n",
+                basis == Basis::OnePart ? "the best run of 1 part, 1 thread" : "these parts on 1 thread");
+    for (std::size_t i = 1; i < one.ways.size(); ++i) {
+      print_line(one.ways[i].name().c_str(), median_stages(one.ways[i].samples), &before);
+      std::printf("\n");
+    }
+  }
+  const double serial = one.volume.serial_seconds();
+  std::printf(
+      "  volume on other numbers of threads: %zu tasks, %.1f %% of the stage not recorded and taken as serial\n",
+      one.volume.records.size(), 100 * serial / one.volume.seconds);
+  print_predictions(one.predictions);
+  std::printf("\n");
+}
+
+Axis thread_axis(std::span<const int> counts, const char* label) {
+  Axis axis{label, Scale::Log};
+  for (const int count : counts) axis.ticks.push_back({static_cast<double>(count), std::to_string(count)});
+  return axis;
+}
+
+PlotSeries ideal(std::span<const int> counts) {
+  PlotSeries series{"ideal", {}, Stroke::Dashed, false};
+  for (const int count : counts) series.points.push_back({static_cast<double>(count), static_cast<double>(count)});
+  return series;
+}
+
+Panel draw_speedup(const SpeedupCase& one, Basis basis, std::span<const int> threads) {
+  const StageSample before = basis_of(one, basis);
+  Panel panel{
+      one.title() + (basis == Basis::OnePart ? ", beside 1 part on 1 thread" : ", beside these parts on 1 thread"),
+      thread_axis(threads, "threads"),
+      {"times as fast"},
+      {ideal(threads)}};
+  for (const StageKind& stage : kStages) {
+    PlotSeries series{stage.name, {}};
+    for (std::size_t i = 1; i < one.ways.size(); ++i)
+      if (const double times = speedup(before, median_stages(one.ways[i].samples), stage); times > 0)
+        series.points.push_back({static_cast<double>(one.ways[i].task.threads), times});
+    panel.series.push_back(std::move(series));
+  }
+  panel.series.push_back(ideal(threads));
+  return panel;
+}
+
+Panel draw_prediction(const SpeedupCase& one, std::span<const int> workers) {
+  Panel panel{one.title(), thread_axis(workers, "threads"), {"times as fast as on 1 thread", Scale::Log}, {}};
+  PlotSeries predicted{"volume, PREDICTED", {}}, measured{"volume, measured", {}, Stroke::None};
+  for (const Prediction& prediction : one.predictions)
+    predicted.points.push_back({static_cast<double>(prediction.workers), prediction.speedup});
+  const StageSample before = basis_of(one, Basis::OneThread);
+  for (std::size_t i = 1; i < one.ways.size(); ++i) {
+    const StageSample after = median_stages(one.ways[i].samples);
+    measured.points.push_back({static_cast<double>(one.ways[i].task.threads), before.volume / after.volume});
+  }
+  panel.series.push_back(std::move(predicted));
+  panel.series.push_back(std::move(measured));
+  panel.series.push_back(ideal(workers));
+  return panel;
+}
+
+nlohmann::json to_json(std::span<const Prediction> predictions) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const Prediction& one : predictions)
+    json.push_back({{"workers", one.workers},
+                    {"predicted_seconds", one.seconds},
+                    {"predicted_speedup", one.speedup},
+                    {"predicted_utilization", one.utilization}});
+  return json;
+}
+
+nlohmann::json to_json(const SpeedupCase& one) {
+  nlohmann::json ways = nlohmann::json::array();
+  for (const Way& way : one.ways)
+    ways.push_back({{"task", way.task}, {"median", median_stages(way.samples)}, {"samples", way.samples}});
+  return {{"size", one.size},
+          {"ways", ways},
+          {"prediction_of_volume",
+           {{"tasks", one.volume.records.size()},
+            {"recorded_run_seconds", one.volume.seconds},
+            {"not_recorded_seconds", one.volume.serial_seconds()},
+            {"predictions", to_json(one.predictions)}}}};
+}
+
+class Bench {
+ public:
+  explicit Bench(const Options& options) : options_(options), session_("volume_speedup", options.session) {
+    std::vector<int>& threads = options_.threads;
+    if (threads.empty()) threads = all_threads(session_.machine().cores);
+    threads.push_back(1);  // what others are compared with
+    std::sort(threads.begin(), threads.end());
+    threads.erase(std::unique(threads.begin(), threads.end()), threads.end());
+  }
+
+  void run() {
+    session_.print_heading("no peer");
+    const fs::path model = session_.model_path(options_.model);
+    name_ = model.stem().string();
+    for (const double tets : options_.tets) add_case(model, tets);
+    for (SpeedupCase& one : cases_) measure(one);
+    std::printf("%s\n%s\n", name_.c_str(), describe_prediction(options_.costs()).c_str());
+    for (const SpeedupCase& one : cases_) print_case(one);
+    write_json();
+    if (!options_.session.svg_path.empty()) draw_speedups();
+    if (!options_.prediction_path.empty()) draw_predictions();
+  }
+
+ private:
+  void add_case(const fs::path& model, double tets) {
+    VolumeTask task;
+    task.model = model;
+    SpeedupCase& one = cases_.emplace_back();
+    one.wanted = tets;
+    one.size = find_volume_size(session_.program(), task, tets);
+    const std::string output = (session_.folder() / "mesh.vtu").string();
+    one.ways.push_back({{model.string(), output, one.size, 1, true}});
+    for (const int threads : options_.threads) one.ways.push_back({{model.string(), output, one.size, threads}});
+  }
+
+  void measure(SpeedupCase& one) {
+    const auto title = [&](const Way& way) { return name_ + ", h " + std::to_string(one.size) + ", " + way.name(); };
+    session_.take_turns(std::span(one.ways), title, [&](Way& way, int) {
+      way.samples.push_back(measure_stages_apart(session_.program(), way.task));
+    });
+    for (const Way& way : one.ways)
+      for (const StageSample& sample : way.samples)
+        if (sample.digest != (way.task.one_part ? one.ways[0] : one.ways[1]).samples.front().digest)
+          throw std::runtime_error(way.name() + ": not the mesh that other runs gave");
+    record(one);
+  }
+
+  void record(SpeedupCase& one) {
+    StageTask task = one.ways[1].task;
+    task.trace = options_.trace_path.empty() ? (session_.folder() / "trace.json").string() : options_.trace_path;
+    one.volume.seconds = measure_stages_apart(session_.program(), task).volume;
+    one.volume.records = read_trace(task.trace);
+    one.predictions = predict(one.volume, options_.workers, options_.costs());
+  }
+
+  void write_json() const {
+    nlohmann::json cases = nlohmann::json::array();
+    for (const SpeedupCase& one : cases_) {
+      cases.push_back(to_json(one));
+      cases.back()["model"] = name_;
+    }
+    session_.write_json(cases, "");
+  }
+
+  void draw_speedups() const {
+    Figure figure = session_.make_figure("Speed-up by threads: " + name_, "from the CAD file to .vtu, per stage");
+    for (const Basis basis : {Basis::OnePart, Basis::OneThread})
+      for (const SpeedupCase& one : cases_) figure.panels.push_back(draw_speedup(one, basis, options_.threads));
+    figure.columns = cases_.size();
+    write_svg(figure, options_.session.svg_path);
+  }
+
+  void draw_predictions() const {
+    Figure figure = session_.make_figure("PREDICTED speed-up of the volume stage by threads: " + name_,
+                                         describe_prediction(options_.costs()));
+    for (const SpeedupCase& one : cases_) figure.panels.push_back(draw_prediction(one, options_.workers));
+    write_svg(figure, options_.prediction_path);
+  }
+
+  Options options_;
+  Session session_;
+  std::string name_;
+  std::vector<SpeedupCase> cases_;
+};
+
+/// The tasks of any trace, such as one of partition_speed.
+void replay_file(const Options& options) {
+  RecordedStage stage{read_trace(options.replay_path), 0};
+  stage.seconds = recorded_seconds(stage.records);
+  std::printf("%s: %zu tasks, %.3f s\n%s\n", options.replay_path.c_str(), stage.records.size(), stage.seconds,
+              describe_prediction(options.costs()).c_str());
+  print_predictions(predict(stage, options.workers, options.costs()));
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--model", options.model, "a demo model or a CAD file")->capture_default_str();
+  app.add_option("--tets", options.tets, "about how many tets")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  app.add_option("--workers", options.workers, "numbers of threads for which the volume's speed is predicted")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--latency", options.latency_us, "of a message between parts in predictions, in microseconds")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--bandwidth", options.bandwidth_gb, "of messages between parts in predictions, in GB/s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--prediction", options.prediction_path, "draw predictions into this file");
+  app.add_option("--trace", options.trace_path, "keep the tasks of the last recorded run, for a trace viewer");
+  app.add_option("--replay", options.replay_path, "measure nothing, but predict from the tasks in this file")
+      ->check(CLI::ExistingFile);
+  add_session_options(app, options.session);
+  add_plot_option(app, options.session);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app("Speed-up of meshing by threads, measured, and of its volume stage predicted", "volume_speedup");
+  add_options(app, options);
+  CLI11_PARSE(app, argc, argv);
+  if (!options.session.measure.empty()) {
+    const StageTask task = nlohmann::json::parse(options.session.measure).get<StageTask>();
+    std::puts(nlohmann::json(measure_stages_here(task)).dump().c_str());
+    return 0;
+  }
+  if (!options.replay_path.empty()) return replay_file(options), 0;
+  if (options.session.quick) {
+    options.session.runs = 1;
+    options.tets = {1e4, 2e4};
+    options.threads = {1, 2};
+  }
+  Bench(options).run();
+  return 0;
+}
+
+}  // namespace
+}  // namespace tetloom::bench
+
+int main(int argc, char** argv) { return tetloom::bench::run_bench("volume_speedup", tetloom::bench::run, argc, argv); }

@@ -1,0 +1,37 @@
+#include "bench/support/child_process.hpp"
+
+#include <catch2/catch.hpp>
+#include <stdexcept>
+
+#include "bench/support/machine.hpp"
+
+using namespace tetloom::bench;
+
+TEST_CASE("a child hands back its output, its exit status and its time") {
+  const ChildResult child = run_child({"sh", "-c", "echo out; echo err >&2; sleep 0.2; exit 3"});
+  CHECK(child.output == "out\nerr\n");
+  CHECK(child.exit_status == 3);
+  CHECK(child.seconds >= 0.2);
+  CHECK(run_child({"sh", "-c", "kill -9 $$"}).exit_status == 128 + 9);
+  CHECK_THROWS_AS(run_child({"/no/such/program"}), std::runtime_error);
+}
+
+TEST_CASE("the peak memory of a child is its own, however large its parent has been") {
+  constexpr std::uint64_t kMegabyte = 1 << 20;
+  { const std::vector<char> large(300 * kMegabyte, 1); }
+  REQUIRE(peak_resident_bytes() > 300 * kMegabyte);
+  const ChildResult small = run_child({"sleep", "0.2"});
+  CHECK(small.peak_bytes > 0);
+  CHECK(small.peak_bytes < 100 * kMegabyte);
+  const ChildResult large = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=400000000", "count=1", "status=none"});
+  CHECK(large.output.empty());
+  CHECK(large.peak_bytes > 380 * kMegabyte);
+}
+
+TEST_CASE("the memory of a process is read from its status") {
+  const ProcessMemory own = read_process_memory("/proc/self/status");
+  CHECK(own.resident > 0);
+  CHECK(own.peak >= own.resident);
+  const ProcessMemory none = read_process_memory("/no/such/file");
+  CHECK((none.peak == 0 && none.resident == 0 && none.swapped == 0));
+}
