@@ -27,6 +27,7 @@ struct Options {
   std::string model = "spline-block";
   std::vector<double> tets = {1e6, 5e6, 20e6};
   std::vector<int> threads;  ///< empty: 1, 2, 4 ... and all cores
+  double tets_per_part = 0;
   std::vector<int> workers = {1, 2, 4, 8, 16, 32, 64};
   double latency_us = 1e6 * MessageCosts::kLatency, bandwidth_gb = 1e-9 * MessageCosts::kBandwidth;
   std::string prediction_path, trace_path, replay_path;
@@ -208,7 +209,8 @@ class Bench {
     one.size = find_volume_size(session_.program(), task, tets);
     const std::string output = (session_.folder() / "mesh.vtu").string();
     one.ways.push_back({{model.string(), output, one.size, 1, true}});
-    for (const int threads : options_.threads) one.ways.push_back({{model.string(), output, one.size, threads}});
+    for (const int threads : options_.threads)
+      one.ways.push_back({{model.string(), output, one.size, threads, false, options_.tets_per_part}});
   }
 
   void measure(SpeedupCase& one) {
@@ -279,6 +281,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
+  app.add_option("--tets-per-part", options.tets_per_part, "of the volume; default: as the mesher sees fit")
+      ->check(CLI::PositiveNumber);
   app.add_option("--workers", options.workers, "numbers of threads for which the volume's speed is predicted")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
@@ -311,6 +315,7 @@ int run(int argc, char** argv) {
   if (options.session.quick) {
     options.session.runs = 1;
     options.tets = {1e4, 2e4};
+    options.tets_per_part = 3e3;
     options.threads = {1, 2};
   }
   Bench(options).run();

@@ -16,7 +16,8 @@ foreach(folder base geometry mesh io sizing predicates)
   install(DIRECTORY core/${folder}/ DESTINATION ${tetloom_include_dir}/core/${folder}
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*_detail.hpp" EXCLUDE PATTERN detail EXCLUDE)
 endforeach()
-install(FILES threading/message.hpp threading/task_runner.hpp threading/trace.hpp DESTINATION ${tetloom_include_dir}/threading)
+install(FILES threading/message.hpp threading/task_runner.hpp threading/trace.hpp
+        DESTINATION ${tetloom_include_dir}/threading)
 install(FILES mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
 install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}/mesher/lattice)
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)

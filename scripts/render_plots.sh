@@ -4,8 +4,8 @@
 #
 # usage: scripts/render_plots.sh [--quick | --long] [FOLDER]      default: docs/images
 #   (neither)  spline-block and filleted-plate with 5 million tets beside HXT; speed-up and scale with 1, 5 and 20
-#              million tets of spline-block; 3 runs of each; 4 GB of memory, about half an hour on 2 cores
-#   --long     up to 300 million tets for the scale; one run of it; 24 GB of memory and 40 GB in $TMPDIR
+#              million tets of spline-block; 3 runs of each
+#   --long     up to 300 million tets for the scale, one run of each; files of that size go to $TMPDIR
 #   --quick    small meshes once, only to see that it works
 #
 # volume_peers.svg        tetloom beside HXT: speed from file to file, speed of the 3D stage, memory

@@ -37,7 +37,7 @@ StageSample measure_stages_here(const StageTask& task) {
   MeshOptions options;
   options.sizes.size = task.size;
   options.threads = task.threads;
-  options.tets_per_part = task.one_part ? HUGE_VAL : 0;
+  options.tets_per_part = task.one_part ? HUGE_VAL : task.tets_per_part;
   options.trace = task.trace.empty() ? nullptr : &trace;
   StageSample sample;
   Stopwatch whole, stage;

@@ -12,10 +12,11 @@ struct StageTask {
   std::string model, output;
   double size = 0;  ///< target edge length
   int threads = 1;
-  bool one_part = false;   ///< the volume in one part, else in as many as suit
-  std::string trace = {};  ///< not empty: the tasks of the volume go to this file
+  bool one_part = false;     ///< the volume in one part,
+  double tets_per_part = 0;  ///< else in parts of so many tets; 0: as the mesher sees fit
+  std::string trace = {};    ///< not empty: the tasks of the volume go to this file
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTask, model, output, size, threads, one_part, trace)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTask, model, output, size, threads, one_part, tets_per_part, trace)
 
 struct StageSample {
   double read = 0, size_field = 0, surface = 0, volume = 0, write = 0;

@@ -133,6 +133,11 @@ TEST_CASE("options out of range are refused by name") {
   MeshOptions options = options_of_size(0.5);
   options.parts = -1;
   CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
+  for (const double tets : {-1.0, kNan}) {
+    options = options_of_size(0.5);
+    options.tets_per_part = tets;
+    CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
+  }
   options = options_of_size(0.5);
   options.goals.dihedral = 60.5;
   CHECK(thrown_code(*model, options) == ErrorCode::InvalidArgument);
