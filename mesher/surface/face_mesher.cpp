@@ -5,11 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "mesher/surface/constrained_delaunay.hpp"
-#include "mesher/surface/face_rim.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
+#include "mesher/surface/rim_patch.hpp"
 
 namespace tetloom {
 
@@ -126,40 +125,16 @@ class FaceMesher {
   }
 
   void mesh_in_plane() {
-    const FaceRim rim = trace_rim(model_.topology(), face_, *geometry_, rim_);
-    const PatchSurface surface(*geometry_, sizes_, plane_scale(rim));
-    Patch patch;
-    std::vector<Vec2> plane;
-    for (const FaceRim::Vertex& vertex : rim.vertices) {
-      patch.vertices.push_back(rim_vertex(surface, vertex, plane_scale_));
-      plane.push_back(patch.vertices.back().place.plane);
-    }
-    PolygonTriangulation polygon = triangulate_polygon(plane, rim.segments);
-    if (polygon.verdict != PolygonVerdict::Ok) return explain(polygon, rim, patch);
-    patch.topology = std::move(polygon.triangulation);
-    patch.has_poles = rim.repeats_nodes;
+    RimPatch given = make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_);
+    const PatchSurface surface(*geometry_, sizes_, given.scale);
+    if (given.polygon.verdict != PolygonVerdict::Ok) return explain(given);
+    Patch patch{std::move(given.polygon.triangulation), std::move(given.vertices), given.rim.repeats_nodes};
     reserve_expected(patch);
     refine_frontal(patch, surface, keep_going_);
     sort_spatially(patch);
     optimize_patch(patch, surface, {}, keep_going_);
     split_taken_chords(patch, surface);
     extract(patch);
-  }
-
-  // Room for the vertices that the area calls for at the sizes on the rim.
-  static void reserve_expected(Patch& patch) {
-    double expected = 0;
-    for (std::uint32_t tri = 0; tri < patch.topology.slots(); ++tri) {
-      const auto [a, b, c] = patch.topology.triangle(tri);
-      const PatchVertex &va = patch.vertices[a], &vb = patch.vertices[b], &vc = patch.vertices[c];
-      const double size = (va.size + vb.size + vc.size) / 3;
-      expected += 0.5 * cross(vb.place.plane - va.place.plane, vc.place.plane - va.place.plane) / (size * size);
-    }
-    constexpr double kVerticesPerSquare = 1.1547005383792515, kMargin = 1.1, kMost = 5e6;
-    const auto vertices =
-        patch.vertices.size() + static_cast<std::size_t>(std::min(kMost, kMargin * kVerticesPerSquare * expected));
-    patch.vertices.reserve(vertices);
-    patch.topology.reserve(vertices);
   }
 
   void split_taken_chords(Patch& patch, const PatchSurface& surface) const {
@@ -178,31 +153,9 @@ class FaceMesher {
     }
   }
 
-  // Root mean square of |dX/du| and |dX/dv| along the rim.
-  Vec2 plane_scale(const FaceRim& rim) {
-    double uu = 0, vv = 0;
-    for (const FaceRim::Vertex& vertex : rim.vertices) {
-      const SurfaceDerivatives d = geometry_->derivatives(vertex.uv);
-      uu += norm2(d.du);
-      vv += norm2(d.dv);
-    }
-    const double n = std::max<double>(1, static_cast<double>(rim.vertices.size()));
-    plane_scale_ = {uu > 0 ? std::sqrt(uu / n) : 1, vv > 0 ? std::sqrt(vv / n) : 1};
-    return plane_scale_;
-  }
-
-  // Rim vertices lie where their node lies, which the surface meets within the model's tolerance.
-  PatchVertex rim_vertex(const PatchSurface& surface, const FaceRim::Vertex& vertex, Vec2 scale) const {
-    PatchVertex result;
-    result.place = surface.at_plane({vertex.uv.u * scale.u, vertex.uv.v * scale.v});
-    result.place.point = rim_.point(vertex.node);
-    result.size = surface.size_at(result.place.point);
-    result.node = vertex.node;
-    return result;
-  }
-
-  void explain(const PolygonTriangulation& polygon, const FaceRim& rim, const Patch& patch) {
-    const auto segment_point = [&](std::uint32_t s) { return patch.vertices[rim.segments[s][0]].place.point; };
+  void explain(const RimPatch& given) {
+    const auto& [rim, scale, vertices, polygon] = given;
+    const auto segment_point = [&](std::uint32_t s) { return given.vertices[given.rim.segments[s][0]].place.point; };
     result_.verdict = FaceVerdict::RimCrosses;
     switch (polygon.verdict) {
       case PolygonVerdict::SegmentsCross:
@@ -212,17 +165,17 @@ class FaceMesher {
       case PolygonVerdict::PointOnSegment:
         result_.crossing_edges = {rim.segment_to_edge[polygon.first]};
         add_edges_at(polygon.second, rim);
-        result_.point = patch.vertices[polygon.second].place.point;
+        result_.point = vertices[polygon.second].place.point;
         break;
       case PolygonVerdict::DuplicatePoint:
         add_edges_at(polygon.first, rim);
         add_edges_at(polygon.second, rim);
-        result_.point = patch.vertices[polygon.second].place.point;
+        result_.point = vertices[polygon.second].place.point;
         break;
       case PolygonVerdict::NotClosed:
       case PolygonVerdict::Ok:
         result_.verdict = FaceVerdict::RimNotClosed;
-        if (!patch.vertices.empty()) result_.point = patch.vertices.front().place.point;
+        if (!vertices.empty()) result_.point = vertices.front().place.point;
         break;
     }
   }
@@ -267,7 +220,6 @@ class FaceMesher {
   bool last_attempt_;
   const std::function<bool()>& keep_going_;
   std::unique_ptr<FaceGeometry> geometry_;
-  Vec2 plane_scale_{1, 1};
   FaceMesh result_;
 };
 

@@ -45,8 +45,9 @@ double circumradius(const Metric& m, const Vec2& a, const Vec2& b, const Vec2& c
 
 class FrontalRefiner {
  public:
-  FrontalRefiner(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going)
-      : patch_(patch), mesh_(patch.topology), surface_(surface), keep_going_(keep_going) {
+  FrontalRefiner(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going,
+                 const Coarsening& coarsening)
+      : patch_(patch), mesh_(patch.topology), surface_(surface), keep_going_(keep_going), coarsening_(coarsening) {
     metrics_.reserve(patch.vertices.capacity());
     for (const PatchVertex& vertex : patch.vertices) metrics_.push_back(metric_of(vertex));
   }
@@ -178,7 +179,7 @@ class FrontalRefiner {
   bool insert(const PatchPlace& place, std::uint32_t start) {
     const std::uint32_t tri = locate(place.plane, start);
     if (tri == kNone) return false;
-    const PatchVertex vertex{place, surface_.size_at(place.point), kNone};
+    const PatchVertex vertex{place, size_for(place.point, tri), kNone};
     const Metric m = metric_of(vertex);
     if (!collect_cavity(place.plane, m, tri) || too_close(place.plane, m)) return false;
     const std::uint32_t v = mesh_.add_vertex();
@@ -187,6 +188,16 @@ class FrontalRefiner {
     mesh_.fill_cavity(v, cavity_, created_);
     update_after_insertion();
     return true;
+  }
+
+  double size_for(const Vec3& x, std::uint32_t tri) const {
+    double size = coarsening_.factor * surface_.size_at(x);
+    if (coarsening_.factor == 1) return size;
+    for (const std::uint32_t v : mesh_.triangle(tri)) {
+      const PatchVertex& corner = patch_.vertices[v];
+      size = std::min(size, corner.size + coarsening_.growth * distance(x, corner.place.point));
+    }
+    return size;
   }
 
   // Delaunay cavity in the metric at the point, reduced until the point sees its whole rim.
@@ -334,6 +345,7 @@ class FrontalRefiner {
   Triangulation& mesh_;
   const PatchSurface& surface_;
   const std::function<bool()>& keep_going_;
+  Coarsening coarsening_;
   std::vector<Metric> metrics_;       // per vertex
   std::vector<double> radius_;        // per triangle slot, in units of the target size
   std::vector<std::uint32_t> stamp_;  // per triangle slot, counts its reuses
@@ -346,8 +358,9 @@ class FrontalRefiner {
 
 }  // namespace
 
-void refine_frontal(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going) {
-  FrontalRefiner(patch, surface, keep_going).run();
+void refine_frontal(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going,
+                    const Coarsening& coarsening) {
+  FrontalRefiner(patch, surface, keep_going, coarsening).run();
 }
 
 }  // namespace tetloom

@@ -12,9 +12,18 @@
 
 namespace tetloom {
 
+/// How far the triangles inside may be larger than the field says: up to `factor` times, and from vertex to vertex by
+/// no more than `growth` times their distance.
+struct Coarsening {
+  double factor = 1;
+  double growth = 0.7;
+};
+
 /// Refines a patch made of its rim alone. Pre: surface.smooth(); vertices carry places and sizes.
 /// Post: all triangles are counter-clockwise in the plane; fixed edges and rim vertices are untouched. `keep_going` is
-/// asked every few thousand points and ends the work when it returns false.
-void refine_frontal(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going);
+/// asked every few thousand points and ends the work when it returns false. With a coarsening, the sizes of the new
+/// vertices are those that the refinement went by.
+void refine_frontal(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going,
+                    const Coarsening& coarsening = {});
 
 }  // namespace tetloom

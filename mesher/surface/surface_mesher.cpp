@@ -1,8 +1,11 @@
 #include "mesher/surface/surface_mesher.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 
 #include "mesher/surface/edge_mesher.hpp"
+#include "mesher/surface/face_in_pieces.hpp"
 #include "mesher/surface/face_mesher.hpp"
 
 namespace tetloom {
@@ -43,19 +46,107 @@ class SurfaceMesher {
           if (!(v & FaceMesh::kInner)) v = numbers[v];
   }
 
+  // Whole faces and pieces of large ones at once, largest first; then the large ones are put together.
   void mesh_faces(const std::vector<std::size_t>& pending) {
     const RimNodes rim(model_, edges_);
     const FaceSurroundings surroundings{rim, sizes_, taken_chords_, last_attempt_};
-    std::vector<double> work;
-    for (const std::size_t f : pending) work.push_back(estimate_work(f));
     const std::function<bool()> keep_going = [this] { return !runner_.cancelled(); };
     runner_.begin_stage(Stage::Faces, pending.size());
+    std::vector<CutFace> cut = cut_large_faces(pending, surroundings, keep_going);
+    std::vector<FaceTask> tasks;
+    std::vector<double> work;
+    for (CutFace& face : cut) add_tasks(face, tasks, work);
     runner_.for_each_largest_first(work, [&](std::size_t i) {
-      const ModelFaceId face(pending[i]);
-      faces_[face.value] = mesh_guarded(face, surroundings, keep_going);
-      runner_.check_cancelled();
-      runner_.advance(1, face);
+      CutFace& face = *tasks[i].face;
+      if (face.pieces)
+        mesh_piece(face, tasks[i].piece);
+      else
+        mesh_whole(face.id, surroundings, keep_going);
     });
+    for (CutFace& face : cut) join_pieces(face);
+    mesh_failed_whole(cut, surroundings, keep_going);
+  }
+
+  struct CutFace {
+    ModelFaceId id;
+    std::unique_ptr<FaceInPieces> pieces;  ///< none: it is meshed whole
+  };
+
+  struct FaceTask {
+    CutFace* face;
+    std::size_t piece;
+  };
+
+  std::vector<CutFace> cut_large_faces(const std::vector<std::size_t>& pending, const FaceSurroundings& surroundings,
+                                       const std::function<bool()>& keep_going) {
+    std::vector<CutFace> faces(pending.size());
+    std::vector<double> work;
+    for (const std::size_t f : pending) work.push_back(estimate_work(f));
+    runner_.for_each_largest_first(work, [&](std::size_t i) {
+      faces[i].id = ModelFaceId(pending[i]);
+      try {
+        if (auto cut = cut_large_face(model_, faces[i].id, surroundings, keep_going))
+          faces[i].pieces =
+              std::make_unique<FaceInPieces>(model_, faces[i].id, surroundings, std::move(*cut), keep_going);
+      } catch (const Error& error) {
+        rethrow_unless_of_face(error);  // meshed whole, the face tells
+      }
+    });
+    return faces;
+  }
+
+  void add_tasks(CutFace& face, std::vector<FaceTask>& tasks, std::vector<double>& work) const {
+    const std::size_t count = face.pieces ? face.pieces->piece_count() : 1;
+    for (std::size_t piece = 0; piece < count; ++piece) {
+      tasks.push_back({&face, piece});
+      work.push_back(face.pieces ? FaceInPieces::piece_work() : estimate_work(face.id.value));
+    }
+  }
+
+  void mesh_piece(CutFace& face, std::size_t piece) {
+    try {
+      face.pieces->mesh_piece(piece);
+    } catch (const Error& error) {
+      rethrow_unless_of_face(error);
+      face.pieces->fail_piece(piece);
+    }
+    runner_.check_cancelled();
+  }
+
+  void join_pieces(CutFace& face) {
+    if (!face.pieces) return;
+    std::optional<FaceMesh> mesh;
+    try {
+      mesh = face.pieces->join(runner_);
+    } catch (const Error& error) {
+      rethrow_unless_of_face(error);
+    }
+    if (!mesh) return;
+    face.pieces.reset();
+    faces_[face.id.value] = std::move(*mesh);
+    runner_.advance(1, face.id);
+  }
+
+  void mesh_failed_whole(const std::vector<CutFace>& cut, const FaceSurroundings& surroundings,
+                         const std::function<bool()>& keep_going) {
+    std::vector<ModelFaceId> failed;
+    std::vector<double> work;
+    for (const CutFace& face : cut) {
+      if (!face.pieces) continue;
+      failed.push_back(face.id);
+      work.push_back(estimate_work(face.id.value));
+    }
+    runner_.for_each_largest_first(work, [&](std::size_t i) { mesh_whole(failed[i], surroundings, keep_going); });
+  }
+
+  void mesh_whole(ModelFaceId face, const FaceSurroundings& surroundings, const std::function<bool()>& keep_going) {
+    faces_[face.value] = mesh_guarded(face, surroundings, keep_going);
+    runner_.check_cancelled();
+    runner_.advance(1, face);
+  }
+
+  static void rethrow_unless_of_face(const Error& error) {
+    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw error;
   }
 
   // A face that throws is a face that fails; the others go on.
@@ -64,7 +155,7 @@ class SurfaceMesher {
     try {
       return mesh_face(model_, face, surroundings, keep_going);
     } catch (const Error& error) {
-      if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+      rethrow_unless_of_face(error);
       FaceMesh failed;
       failed.verdict = FaceVerdict::NotTriangulated;
       failed.message = error.what();
@@ -73,12 +164,13 @@ class SurfaceMesher {
     }
   }
 
-  // The area grows with the square of the rim.
+  // In triangles: the area grows with the square of the rim.
   double estimate_work(std::size_t face) const {
+    constexpr double kTrianglesPerSquaredRim = 1 / 7.0;  // of a square
     double pieces = 0;
     for (const ModelLoop& loop : topology_.face_to_loops[face])
       for (const EdgeUse& use : loop) pieces += static_cast<double>(edges_[use.edge.value].t.size());
-    return pieces * pieces;
+    return kTrianglesPerSquaredRim * pieces * pieces;
   }
 
   // Doubles the pieces of the edges that cross; returns the faces to mesh again.
