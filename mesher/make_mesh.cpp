@@ -68,9 +68,10 @@ class MeshRun {
       if (round == 0) first_sizes_ = candidate.sizes;
       const Mesh& mesh = candidate.surface.mesh;
       Stopwatch watch;
-      const std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes);
+      const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
+      const std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes, tree);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
-      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate, tree);
       result_.seconds.surface += watch.lap();
       if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
       if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
@@ -101,18 +102,21 @@ class MeshRun {
     return candidate;
   }
 
-  std::vector<Misfit> find_misfits(const Candidate& candidate) const {
+  std::vector<Misfit> find_misfits(const Candidate& candidate, const intersection::TriangleTree& tree) const {
     const auto floor = [&](const Vec3& x) {
       constexpr double kLeastShare = 0.1;
       return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
     };
-    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, runner_);
+    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, tree, runner_);
   }
 
-  std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes) {
+  std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes,
+                                                       const intersection::TriangleTree& tree) const {
     std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
-    for (std::size_t t = 0; t < groups.size(); ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
-    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, runner_);
+    runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
+    });
+    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, runner_);
   }
 
   static double longest_edge(const Mesh& mesh, std::uint32_t tri) {

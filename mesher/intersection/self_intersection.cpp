@@ -22,8 +22,8 @@ bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) 
 
 class Searcher {
  public:
-  Searcher(const IntersectionSearch& search, const TaskRunner& runner)
-      : search_(search), tree_(search.points, search.tri_to_vert, runner), degenerate_(search.tri_to_vert.size()) {
+  Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const TaskRunner& runner)
+      : search_(search), tree_(tree), degenerate_(search.tri_to_vert.size()) {
     runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
@@ -41,20 +41,25 @@ class Searcher {
       for (const std::uint32_t triangle : tree_.leaf_triangles(leaf)) {
         if (degenerate_[triangle]) found.push_back(degenerate_at(triangle));
       }
+      std::array<Box3, intersection::TriangleTree::kLeafSize> boxes;
+      const auto ours = tree_.leaf_triangles(leaf);
+      for (std::size_t i = 0; i < ours.size(); ++i) boxes[i] = tree_.box_of(ours[i]);
       tree_.for_each_leaf_in(tree_.leaf_box(leaf), leaf,
-                             [&](std::size_t other) { compare_leaves(leaf, other, found); });
+                             [&](std::size_t other) { compare_leaves(leaf, boxes, other, found); });
     }
     return found;
   }
 
  private:
-  void compare_leaves(std::size_t leaf, std::size_t other, std::vector<TriangleIntersection>& found) const {
+  // `boxes`: of the triangles of `leaf`.
+  void compare_leaves(std::size_t leaf, std::span<const Box3> boxes, std::size_t other,
+                      std::vector<TriangleIntersection>& found) const {
     const auto ours = tree_.leaf_triangles(leaf), theirs = tree_.leaf_triangles(other);
-    for (std::size_t i = 0; i < ours.size(); ++i) {
-      const Box3 box = tree_.box_of(ours[i]);
-      if (!box.overlaps(tree_.leaf_box(other))) continue;
-      for (std::size_t j = leaf == other ? i + 1 : 0; j < theirs.size(); ++j) {
-        if (box.overlaps(tree_.box_of(theirs[j]))) compare(ours[i], theirs[j], found);
+    for (std::size_t j = 0; j < theirs.size(); ++j) {
+      const Box3 box = leaf == other ? boxes[j] : tree_.box_of(theirs[j]);
+      if (!box.overlaps(tree_.leaf_box(leaf))) continue;
+      for (std::size_t i = 0; i < (leaf == other ? j : ours.size()); ++i) {
+        if (box.overlaps(boxes[i])) compare(ours[i], theirs[j], found);
       }
     }
   }
@@ -73,7 +78,7 @@ class Searcher {
   }
 
   const IntersectionSearch& search_;
-  intersection::TriangleTree tree_;
+  const intersection::TriangleTree& tree_;
   std::vector<char> degenerate_;
 };
 
@@ -123,7 +128,13 @@ Diagnostic describe_group(std::span<const TriangleIntersection* const> group, co
 }  // namespace
 
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner) {
-  const Searcher searcher(search, runner);
+  return find_self_intersections(search, {search.points, search.tri_to_vert, runner}, runner);
+}
+
+std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search,
+                                                          const intersection::TriangleTree& tree,
+                                                          const TaskRunner& runner) {
+  const Searcher searcher(search, tree, runner);
   const std::size_t blocks = (searcher.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock;
   std::vector<std::vector<TriangleIntersection>> block_to_found(blocks);
   runner.for_blocks(searcher.leaf_count(), kLeavesPerBlock, [&](std::size_t begin, std::size_t end) {

@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom {
@@ -42,6 +43,10 @@ struct IntersectionSearch {
 /// each group is an embedded surface complex.
 /// Pre: indices valid, coordinates finite. Errors: Cancelled. Complexity: O(n log n) for n triangles of similar size.
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner);
+/// The same with a tree of the same points and triangles that is there already.
+std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search,
+                                                          const intersection::TriangleTree& tree,
+                                                          const TaskRunner& runner);
 
 /// Where the triangles of a search came from.
 struct TriangleOrigin {

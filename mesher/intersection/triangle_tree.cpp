@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "threading/parallel_sort.hpp"
 
 namespace tetloom::intersection {
 
@@ -65,32 +66,52 @@ double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const V
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
                            const TaskRunner& runner)
     : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {
-  Box3 all;
-  for (const auto& triangle : tri_to_vert) {
-    for (const std::uint32_t vertex : triangle) all.add(points[vertex]);
-  }
-  const double extent = std::max({all.hi.x - all.lo.x, all.hi.y - all.lo.y, all.hi.z - all.lo.z, 1e-300});
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(tri_to_vert.size());
-  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      keys[i] = {morton(box_of(static_cast<std::uint32_t>(i)).center(), all.lo, 2097151.0 / extent),
-                 static_cast<std::uint32_t>(i)};
-    }
-  });
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].second;
-
+  sort_triangles(runner);
   first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
   nodes_.resize(2 * first_leaf_);
-  runner.for_blocks(leaf_count(), kBlock, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(leaf_count(), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
     for (std::size_t leaf = begin; leaf < end; ++leaf) {
       for (const std::uint32_t triangle : leaf_triangles(leaf)) nodes_[first_leaf_ + leaf].add(box_of(triangle));
     }
   });
-  for (std::size_t node = first_leaf_ - 1; node > 0; --node) {
-    nodes_[node].add(nodes_[2 * node]);
-    nodes_[node].add(nodes_[2 * node + 1]);
+  // Level by level: the nodes of one are [width, 2 width).
+  for (std::size_t width = first_leaf_ / 2; width > 0; width /= 2) {
+    runner.for_blocks(width, kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t node = width + begin; node < width + end; ++node) {
+        nodes_[node].add(nodes_[2 * node]);
+        nodes_[node].add(nodes_[2 * node + 1]);
+      }
+    });
   }
+}
+
+void TriangleTree::sort_triangles(const TaskRunner& runner) {
+  struct Key {
+    std::uint64_t code;
+    std::uint32_t triangle;
+    bool operator<(const Key& other) const {
+      return code != other.code ? code < other.code : triangle < other.triangle;
+    }
+  };
+  const std::size_t count = tri_to_vert_.size();
+  std::vector<Box3> boxes((count + kBlock - 1) / kBlock);
+  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) boxes[begin / kBlock].add(box_of(static_cast<std::uint32_t>(i)));
+  });
+  Box3 all;
+  for (const Box3& box : boxes) all.add(box);
+  const double extent = std::max({all.hi.x - all.lo.x, all.hi.y - all.lo.y, all.hi.z - all.lo.z, 1e-300});
+  std::vector<Key> keys(count);
+  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto triangle = static_cast<std::uint32_t>(i);
+      keys[i] = {morton(box_of(triangle).center(), all.lo, 2097151.0 / extent), triangle};
+    }
+  });
+  parallel_sort(keys, runner);
+  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) order_[i] = keys[i].triangle;
+  });
 }
 
 Box3 TriangleTree::box_of(std::uint32_t triangle) const {

@@ -49,7 +49,9 @@ class TriangleTree {
         });
   }
 
-  /// Leaves hold triangles that are neighbours in space: leaf i those of leaf_triangles(i).
+  static constexpr std::size_t kLeafSize = 4;
+  /// Leaves hold triangles that are neighbours in space: leaf i those of leaf_triangles(i), kLeafSize but
+  /// for the last.
   std::size_t leaf_count() const { return (order_.size() + kLeafSize - 1) / kLeafSize; }
   std::span<const std::uint32_t> leaf_triangles(std::size_t leaf) const {
     return std::span(order_).subspan(leaf * kLeafSize, std::min(kLeafSize, order_.size() - leaf * kLeafSize));
@@ -72,8 +74,6 @@ class TriangleTree {
   }
 
  private:
-  static constexpr std::size_t kLeafSize = 4;
-
   // Visits the leaves under nodes that `enter` lets through until `visit_leaf` returns false.
   template <class Enter, class VisitLeaf>
   void descend_leaves(Enter&& enter, VisitLeaf&& visit_leaf) const {
@@ -100,6 +100,7 @@ class TriangleTree {
       return true;
     });
   }
+  void sort_triangles(const TaskRunner& runner);
   int crossing_above(std::uint32_t triangle, const Vec3& x) const;
 
   std::span<const Vec3> points_;

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "core/sizing/morton.hpp"
-#include "mesher/sizing/parallel_sort.hpp"
+#include "threading/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {

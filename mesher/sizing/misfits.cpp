@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "mesher/intersection/triangle_tree.hpp"
-
 namespace tetloom {
 namespace {
 
@@ -28,8 +26,9 @@ bool share_a_vertex(const Triangle& s, const Triangle& t) {
 
 class MisfitSearch {
  public:
-  MisfitSearch(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes, const TaskRunner& runner)
-      : mesh_(surface), topology_(topology), sizes_(sizes), tree_(surface.points, surface.tri_to_vert, runner) {
+  MisfitSearch(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
+               const intersection::TriangleTree& tree)
+      : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree) {
     for (auto [a, b] : surface.edge_to_vert) model_pieces_.push_back({std::min(a, b), std::max(a, b)});
     std::ranges::sort(model_pieces_);
     face_to_edges_.resize(topology.face_count());
@@ -174,7 +173,7 @@ class MisfitSearch {
   const Mesh& mesh_;
   const ModelTopology& topology_;
   const SizeField& sizes_;
-  intersection::TriangleTree tree_;
+  const intersection::TriangleTree& tree_;
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
   std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
   std::vector<std::array<std::uint32_t, 2>> acute_pairs_;   // of model edges, ascending, the lower first
@@ -183,8 +182,9 @@ class MisfitSearch {
 }  // namespace
 
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-                                 const std::function<double(const Vec3&)>& floor, const TaskRunner& runner) {
-  const MisfitSearch search(surface, topology, sizes, runner);
+                                 const std::function<double(const Vec3&)>& floor,
+                                 const intersection::TriangleTree& tree, const TaskRunner& runner) {
+  const MisfitSearch search(surface, topology, sizes, tree);
   std::vector<double> fitting(surface.tri_to_vert.size());
   runner.for_blocks(fitting.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) fitting[t] = search.fitting_size(static_cast<std::uint32_t>(t), floor);

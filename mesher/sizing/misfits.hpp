@@ -7,6 +7,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom {
@@ -29,8 +30,10 @@ inline constexpr double kLeastWidth = 0.4;
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
 /// edges that meet: smaller sizes would not make them any better. Nor are widths below a fifth of the floor, which no
 /// size allowed fits. Widths are sampled once per triangle, at its centre. `sizes`: those that the mesh was made with.
+/// `tree`: of the mesh.
 /// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-                                 const std::function<double(const Vec3&)>& floor, const TaskRunner& runner);
+                                 const std::function<double(const Vec3&)>& floor,
+                                 const intersection::TriangleTree& tree, const TaskRunner& runner);
 
 }  // namespace tetloom

@@ -8,7 +8,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/sizing/morton.hpp"
-#include "mesher/sizing/parallel_sort.hpp"
+#include "threading/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {

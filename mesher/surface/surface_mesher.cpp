@@ -40,10 +40,11 @@ class SurfaceMesher {
     edges_ = mesh_edges(model_, sizes_, options_, runner_);
     if (old_edges.empty()) return;
     const std::vector<std::uint32_t> numbers = RimNodes(model_, old_edges).renumbered(RimNodes(model_, edges_));
-    for (FaceMesh& face : faces_)
-      for (auto& tri : face.tri_to_vert)
-        for (std::uint32_t& v : tri)
+    for_triangle_blocks([&](const TriangleBlock& block) {
+      for (std::size_t t = block.begin; t < block.end; ++t)
+        for (std::uint32_t& v : faces_[block.face].tri_to_vert[t])
           if (!(v & FaceMesh::kInner)) v = numbers[v];
+    });
   }
 
   // Whole faces and pieces of large ones at once, largest first; then the large ones are put together.
@@ -197,7 +198,7 @@ class SurfaceMesher {
     const RimNodes rim(model_, edges_);
     std::vector<Chord> chords;
     std::vector<NodePair> pieces;
-    for (std::uint32_t f = 0; f < faces_.size(); ++f) collect_chords(f, rim, chords);
+    collect_chords(rim, chords);
     for (std::size_t e = 0; e < edges_.size(); ++e) append_pieces(ModelEdgeId(e), rim, pieces);
     for (const NodePair& piece : pieces) chords.push_back({piece, kModelEdge});
     std::sort(chords.begin(), chords.end());
@@ -224,13 +225,33 @@ class SurfaceMesher {
   using NodePair = std::array<std::uint32_t, 2>;
 
   // Edges inside a face between two rim nodes: pairs with two triangle sides more than the face's loops account for.
-  void collect_chords(std::uint32_t f, const RimNodes& rim, std::vector<Chord>& chords) const {
-    std::vector<NodePair> sides, pieces;
-    for (const auto& tri : faces_[f].tri_to_vert)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = tri[i], b = tri[(i + 1) % 3];
-        if (!((a | b) & FaceMesh::kInner)) sides.push_back({std::min(a, b), std::max(a, b)});
+  void collect_chords(const RimNodes& rim, std::vector<Chord>& chords) const {
+    std::vector<std::vector<NodePair>> block_to_sides(triangle_blocks().size());
+    for_triangle_blocks([&](const TriangleBlock& block) {
+      for (std::size_t t = block.begin; t < block.end; ++t) {
+        const auto& tri = faces_[block.face].tri_to_vert[t];
+        for (std::size_t i = 0; i < 3; ++i) {
+          const std::uint32_t a = tri[i], b = tri[(i + 1) % 3];
+          if (!((a | b) & FaceMesh::kInner)) block_to_sides[block.number].push_back({std::min(a, b), std::max(a, b)});
+        }
       }
+    });
+    std::vector<std::vector<NodePair>> face_to_sides(faces_.size());
+    for (const TriangleBlock& block : triangle_blocks()) {
+      std::vector<NodePair>& sides = face_to_sides[block.face];
+      sides.insert(sides.end(), block_to_sides[block.number].begin(), block_to_sides[block.number].end());
+    }
+    std::vector<std::vector<Chord>> face_to_chords(faces_.size());
+    runner_.for_each(faces_.size(), [&](std::size_t f) {
+      face_to_chords[f] = find_chords(static_cast<std::uint32_t>(f), std::move(face_to_sides[f]), rim);
+    });
+    for (const auto& list : face_to_chords) chords.insert(chords.end(), list.begin(), list.end());
+  }
+
+  // `sides`: of the face's triangles, between two rim nodes.
+  std::vector<Chord> find_chords(std::uint32_t f, std::vector<NodePair> sides, const RimNodes& rim) const {
+    std::vector<Chord> chords;
+    std::vector<NodePair> pieces;
     for (const ModelLoop& loop : topology_.face_to_loops[f])
       for (const EdgeUse& use : loop) append_pieces(use.edge, rim, pieces);
     std::sort(sides.begin(), sides.end());
@@ -241,6 +262,28 @@ class SurfaceMesher {
       if (next - side - (own.second - own.first) >= 2) chords.push_back({*side, f});
       side = next;
     }
+    return chords;
+  }
+
+  // Triangles [begin, end) of a face.
+  struct TriangleBlock {
+    std::uint32_t face;
+    std::size_t number, begin, end;
+  };
+
+  std::vector<TriangleBlock> triangle_blocks() const {
+    constexpr std::size_t kBlock = std::size_t{1} << 14;
+    std::vector<TriangleBlock> blocks;
+    for (std::uint32_t f = 0; f < faces_.size(); ++f)
+      for (std::size_t begin = 0; begin < faces_[f].tri_to_vert.size(); begin += kBlock)
+        blocks.push_back({f, blocks.size(), begin, std::min(begin + kBlock, faces_[f].tri_to_vert.size())});
+    return blocks;
+  }
+
+  template <class Body>
+  void for_triangle_blocks(const Body& body) const {
+    const std::vector<TriangleBlock> blocks = triangle_blocks();
+    runner_.for_each(blocks.size(), [&](std::size_t b) { body(blocks[b]); });
   }
 
   void append_pieces(ModelEdgeId edge, const RimNodes& rim, std::vector<NodePair>& pieces) const {
@@ -257,7 +300,7 @@ class SurfaceMesher {
     mesh.points = rim.points();
     for (std::uint32_t node = 0; node < rim.count(); ++node) mesh.point_to_entity.push_back(rim.classification(node));
     add_edges(rim);
-    for (std::size_t f = 0; f < faces_.size(); ++f) add_face(f);
+    add_faces();
     mesh.face_to_sides = topology_.face_to_sides;
     for (int dim = 0; dim < 4; ++dim)
       for (std::size_t i = 0; i < topology_.count(dim); ++i)
@@ -274,26 +317,52 @@ class SurfaceMesher {
     }
   }
 
-  void add_face(std::size_t f) {
-    const FaceMesh& face = faces_[f];
-    if (face.verdict != FaceVerdict::Ok) return report(f);
+  void add_faces() {
     Mesh& mesh = result_.mesh;
-    const auto first = static_cast<std::uint32_t>(mesh.points.size());
-    mesh.points.insert(mesh.points.end(), face.points.begin(), face.points.end());
-    mesh.point_to_entity.resize(mesh.points.size(), ModelFaceId(f));
-    for (std::array<std::uint32_t, 3> tri : face.tri_to_vert) {
-      for (std::uint32_t& v : tri)
-        if (v & FaceMesh::kInner) v = first + (v & ~FaceMesh::kInner);
-      mesh.tri_to_vert.push_back(tri);
-      mesh.tri_to_entity.push_back(static_cast<std::uint32_t>(f));
+    std::vector<std::size_t> first_point{mesh.points.size()}, first_triangle{0};
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      if (faces_[f].verdict != FaceVerdict::Ok) drop_face(f);
+      first_point.push_back(first_point.back() + faces_[f].points.size());
+      first_triangle.push_back(first_triangle.back() + faces_[f].tri_to_vert.size());
+      if (faces_[f].inverted > 0) warn_of_inverted(f);
     }
-    if (face.inverted > 0) {
-      result_.warnings.push_back({ErrorCode::FaceFailed,
-                                  std::to_string(face.inverted) + " triangles face away from the surface",
-                                  {model_.named(ModelFaceId(f))},
-                                  face.point,
-                                  {}});
-    }
+    mesh.points.resize(first_point.back());
+    mesh.point_to_entity.resize(first_point.back());
+    mesh.tri_to_vert.resize(first_triangle.back());
+    mesh.tri_to_entity.resize(first_triangle.back());
+    for_triangle_blocks([&](const TriangleBlock& block) {
+      const FaceMesh& face = faces_[block.face];
+      const auto first = static_cast<std::uint32_t>(first_point[block.face]);
+      for (std::size_t t = block.begin; t < block.end; ++t) {
+        std::array<std::uint32_t, 3> tri = face.tri_to_vert[t];
+        for (std::uint32_t& v : tri)
+          if (v & FaceMesh::kInner) v = first + (v & ~FaceMesh::kInner);
+        mesh.tri_to_vert[first_triangle[block.face] + t] = tri;
+        mesh.tri_to_entity[first_triangle[block.face] + t] = block.face;
+      }
+      // There are fewer points than triangles, or about one more.
+      const bool is_last = block.end == face.tri_to_vert.size();
+      const std::size_t end = is_last ? face.points.size() : std::min(block.end, face.points.size());
+      for (std::size_t p = std::min(block.begin, end); p < end; ++p) {
+        mesh.points[first + p] = face.points[p];
+        mesh.point_to_entity[first + p] = ModelFaceId(block.face);
+      }
+    });
+  }
+
+  void drop_face(std::size_t f) {
+    report(f);
+    faces_[f].points.clear();
+    faces_[f].tri_to_vert.clear();
+    faces_[f].inverted = 0;
+  }
+
+  void warn_of_inverted(std::size_t f) {
+    result_.warnings.push_back({ErrorCode::FaceFailed,
+                                std::to_string(faces_[f].inverted) + " triangles face away from the surface",
+                                {model_.named(ModelFaceId(f))},
+                                faces_[f].point,
+                                {}});
   }
 
   void report(std::size_t f) {
