@@ -36,10 +36,6 @@ void append_refinements(std::span<const SizeRefinement> refinements, double glob
     if (size < global) sources.push_back({corners[0], corners[1], corners[2], size});
 }
 
-void append(const std::vector<SizeSource>& list, std::vector<SizeSource>& sources) {
-  sources.insert(sources.end(), list.begin(), list.end());
-}
-
 /// The triangles that the sources alone call for, those beside segments included: refuses before a tree is built for
 /// them. Sources of different origin may overlap, so a triangle is counted as a fifth of what it needs.
 void check_sources(const std::vector<SizeSource>& sources, std::uint64_t max_memory) {
@@ -79,13 +75,13 @@ struct Workpiece {
 };
 
 std::vector<SizeSource> collect_sources(const Workpiece& work, const TaskRunner& runner) {
-  std::vector<SizeSource> sources;
-  append_points(work.options.point_sizes, work.targets.global, sources);
-  append(edge_sources(work.model, work.targets, runner), sources);
-  append(face_sources(work.model, work.targets, work.facets, runner), sources);
+  std::vector<std::vector<SizeSource>> lists(4);
+  append_points(work.options.point_sizes, work.targets.global, lists[0]);
+  lists[1] = edge_sources(work.model, work.targets, runner);
+  lists[2] = face_sources(work.model, work.targets, work.facets, runner);
   if (work.targets.proximity > 0)
-    append(proximity_sources(work.model, work.targets, work.facets, work.tree, runner), sources);
-  return sources;
+    lists[3] = proximity_sources(work.model, work.targets, work.facets, work.tree, runner);
+  return join(std::move(lists));
 }
 
 SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std::uint64_t max_memory,
@@ -122,6 +118,9 @@ struct SizeFieldBuilder::State {
 
   SizedModel build(std::span<const SizeRefinement> refinements) {
     check_refinements(refinements);
+    // The model keeps them, and they are dear for splines. Where one fails, whoever asks first will say so.
+    runner.for_each(model.topology().face_count(),
+                    [&](std::size_t f) { tolerate_bad_geometry([&] { model.area(ModelFaceId(f)); }); });
     check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
     if (!asks_for_more(targets, options, refinements)) {
       const SizeField uniform = SizeField::uniform(targets.global);

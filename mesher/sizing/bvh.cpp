@@ -67,9 +67,10 @@ Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner) {
   std::vector<BvhBuilder::Range> ranges{{0, 0, static_cast<std::uint32_t>(boxes.size())}};
   constexpr std::size_t kSubtrees = 64, kSmall = 4096;
   while (!ranges.empty() && ranges.size() < kSubtrees && ranges.front().end - ranges.front().begin > kSmall) {
+    std::vector<std::vector<BvhBuilder::Range>> children(ranges.size());
+    runner.for_each(ranges.size(), [&](std::size_t i) { children[i] = builder.split(ranges[i]); });
     std::vector<BvhBuilder::Range> next;
-    for (const BvhBuilder::Range& range : ranges)
-      for (const BvhBuilder::Range& child : builder.split(range)) next.push_back(child);
+    for (const auto& list : children) next.insert(next.end(), list.begin(), list.end());
     ranges = std::move(next);
   }
   runner.for_each(ranges.size(), [&](std::size_t i) { builder.build(ranges[i]); });

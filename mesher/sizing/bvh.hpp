@@ -1,5 +1,6 @@
 #pragma once
 // A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting. Private to mesher/sizing.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,14 +29,12 @@ Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner);
 
 /// The squared distance from `x` to the nearest point of `box`.
 inline double squared_distance(const Box3& box, const Vec3& x) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = x[axis] < box.lo[axis]   ? box.lo[axis] - x[axis]
-                           : x[axis] > box.hi[axis] ? x[axis] - box.hi[axis]
-                                                    : 0;
-    sum += outside * outside;
-  }
-  return sum;
+  const auto outside = [](double value, double lo, double hi) {  // without branches: nobody can foretell them
+    return std::max(std::max(lo - value, value - hi), 0.0);
+  };
+  const double dx = outside(x.x, box.lo.x, box.hi.x), dy = outside(x.y, box.lo.y, box.hi.y),
+               dz = outside(x.z, box.lo.z, box.hi.z);
+  return dx * dx + dy * dy + dz * dz;
 }
 
 }  // namespace tetloom

@@ -23,7 +23,12 @@ class CornerTable {
     std::vector<std::vector<std::uint64_t>> blocks(block_count);
     runner.for_blocks(leaves.size(), kBlock,
                       [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = corners_of(begin, end); });
-    for (const auto& block : blocks) codes_.insert(codes_.end(), block.begin(), block.end());
+    std::vector<std::size_t> first{0};
+    for (const auto& block : blocks) first.push_back(first.back() + block.size());
+    codes_.resize(first.back());
+    runner.for_each(blocks.size(), [&](std::size_t b) {
+      std::ranges::copy(blocks[b], codes_.begin() + static_cast<std::ptrdiff_t>(first[b]));
+    });
     parallel_sort_unique(codes_, runner);
     find_ids(blocks);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "mesher/sizing/source_tree.hpp"
 
@@ -20,7 +21,7 @@ bool is_sound(const Tessellation& facets) {
 Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const FacetTolerance& tolerance) {
   Tessellation facets;
   tolerate_bad_geometry([&] { facets = model.face_geometry(id)->tessellate(tolerance.chord, tolerance.angle); });
-  return is_sound(facets) ? facets : Tessellation{};
+  return is_sound(facets) ? std::move(facets) : Tessellation{};
 }
 
 /// Distance along the ray to the triangle, or infinity (Möller & Trumbore 1997).
@@ -63,20 +64,29 @@ std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::ve
 
 FacetTree::FacetTree(const GeometricModel& model, const std::vector<Tessellation>& faces, const TaskRunner& runner)
     : model_(model) {
-  std::vector<Facet> facets;
-  std::vector<Box3> boxes;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    complete_ = complete_ && !faces[f].tri_to_vert.empty();
-    for (const auto& tri : faces[f].tri_to_vert) {
-      const std::vector<Vec3>& p = faces[f].points;
-      facets.push_back({p[tri[0]], p[tri[1]], p[tri[2]], static_cast<std::uint32_t>(f)});
-      Box3& box = boxes.emplace_back();
-      for (const std::uint32_t v : tri) box.add(p[v]);
-    }
+  std::vector<std::size_t> first{0};
+  for (const Tessellation& face : faces) {
+    complete_ = complete_ && !face.tri_to_vert.empty();
+    first.push_back(first.back() + face.tri_to_vert.size());
   }
+  std::vector<Facet> facets(first.back());
+  std::vector<Box3> boxes(first.back());
+  constexpr std::size_t kBlock = 4096;
+  runner.for_blocks(facets.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    std::size_t f = static_cast<std::size_t>(std::ranges::upper_bound(first, begin) - first.begin()) - 1;
+    for (std::size_t i = begin; i < end; ++i) {
+      while (i >= first[f + 1]) ++f;
+      const auto& [a, b, c] = faces[f].tri_to_vert[i - first[f]];
+      const std::vector<Vec3>& p = faces[f].points;
+      facets[i] = {p[a], p[b], p[c], static_cast<std::uint32_t>(f)};
+      for (const std::uint32_t v : {a, b, c}) boxes[i].add(p[v]);
+    }
+  });
   bvh_ = build_bvh(boxes, runner);
-  facets_.reserve(facets.size());
-  for (const std::uint32_t i : bvh_.order) facets_.push_back(facets[i]);
+  facets_.resize(facets.size());
+  runner.for_blocks(facets.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) facets_[i] = facets[bvh_.order[i]];
+  });
 }
 
 std::optional<FacetHit> FacetTree::first_hit(const Vec3& origin, const Vec3& direction, double from, double to) const {

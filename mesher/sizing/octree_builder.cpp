@@ -52,13 +52,37 @@ Box3 OctreeBuilder::box_of(std::uint64_t code, int level) const {
   return {lo, lo + Vec3{width, width, width}};
 }
 
-std::vector<OctreeBuilder::Cell> OctreeBuilder::children_of(const std::vector<Cell>& cells) const {
-  std::vector<Cell> children;
-  for (const Cell& cell : cells) {
-    if (cell.verdict != CellVerdict::Split) continue;
-    for (std::uint64_t octant = 0; octant < 8; ++octant)
-      children.push_back({cell.code << 3 | octant, cell.state, CellVerdict::Global});
-  }
+std::vector<std::uint64_t> OctreeBuilder::cuts_of(const std::vector<Cell>& cells) const {
+  constexpr std::size_t kBlock = 8192;
+  std::vector<std::size_t> first((cells.size() + kBlock - 1) / kBlock + 1, 0);
+  const auto for_each_cut = [&](std::size_t begin, std::size_t end, const auto& visit) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (cells[i].verdict == CellVerdict::Split) visit(cells[i].code);
+  };
+  runner_.for_blocks(cells.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for_each_cut(begin, end, [&](std::uint64_t) { ++first[begin / kBlock + 1]; });
+  });
+  for (std::size_t block = 1; block < first.size(); ++block) first[block] += first[block - 1];
+  std::vector<std::uint64_t> cuts(first.back());
+  runner_.for_blocks(cells.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    std::size_t next = first[begin / kBlock];
+    for_each_cut(begin, end, [&](std::uint64_t code) { cuts[next++] = code; });
+  });
+  return cuts;
+}
+
+/// `cuts`: of the cells.
+std::vector<OctreeBuilder::Cell> OctreeBuilder::children_of(const std::vector<Cell>& cells,
+                                                            const std::vector<std::uint64_t>& cuts) const {
+  std::vector<Cell> children(8 * cuts.size());
+  runner_.for_blocks(cuts.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    auto cell = std::ranges::lower_bound(cells, cuts[begin], {}, &Cell::code);
+    for (std::size_t i = begin; i < end; ++i) {
+      while (cell->code != cuts[i]) ++cell;
+      for (std::uint64_t octant = 0; octant < 8; ++octant)
+        children[8 * i + octant] = {cell->code << 3 | octant, cell->state, CellVerdict::Global};
+    }
+  });
   return children;
 }
 
@@ -80,9 +104,23 @@ void OctreeBuilder::judge(std::vector<Cell>& cells, int level) const {
 void OctreeBuilder::balance() {
   for (std::size_t level = cuts_.size() - 1; level > 1; --level) {
     std::vector<std::uint64_t>& coarser = cuts_[level - 1];
-    for (const std::uint64_t code : cuts_[level]) append_neighbour_parents(code, static_cast<int>(level), coarser);
+    append_parents(static_cast<int>(level), coarser);
     parallel_sort_unique(coarser, runner_);
   }
+}
+
+/// Appends the parents of all neighbours of the cuts of a level; what one block finds twice it tells once.
+void OctreeBuilder::append_parents(int level, std::vector<std::uint64_t>& coarser) const {
+  constexpr std::size_t kBlock = 2048;
+  const std::vector<std::uint64_t>& cuts = cuts_[static_cast<std::size_t>(level)];
+  std::vector<std::vector<std::uint64_t>> blocks((cuts.size() + kBlock - 1) / kBlock);
+  runner_.for_blocks(cuts.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint64_t>& parents = blocks[begin / kBlock];
+    for (std::size_t i = begin; i < end; ++i) append_neighbour_parents(cuts[i], level, parents);
+    std::ranges::sort(parents);
+    parents.erase(std::unique(parents.begin(), parents.end()), parents.end());
+  });
+  for (const auto& parents : blocks) coarser.insert(coarser.end(), parents.begin(), parents.end());
 }
 
 /// Rebuilds the levels from the balanced cuts; children that nobody judged are like their parent.
@@ -165,10 +203,8 @@ SizeOctree OctreeBuilder::build(std::vector<OctreeLeaf>& leaves) {
       throw Error(ErrorCode::OutOfMemory, "the size field would need more than " + std::to_string(max_cells_) +
                                               " cells, which do not fit in memory; ask for larger sizes");
     judge(cells, level);
-    std::vector<Cell> next = children_of(cells);
-    std::vector<std::uint64_t>& cuts = cuts_.emplace_back();
-    for (const Cell& cell : cells)
-      if (cell.verdict == CellVerdict::Split) cuts.push_back(cell.code);
+    cuts_.push_back(cuts_of(cells));
+    std::vector<Cell> next = children_of(cells, cuts_.back());
     levels_.push_back(std::move(cells));
     cells = std::move(next);
   }

@@ -34,7 +34,9 @@ class OctreeBuilder {
     CellVerdict verdict;
   };
 
-  std::vector<Cell> children_of(const std::vector<Cell>& cells) const;
+  std::vector<std::uint64_t> cuts_of(const std::vector<Cell>& cells) const;
+  std::vector<Cell> children_of(const std::vector<Cell>& cells, const std::vector<std::uint64_t>& cuts) const;
+  void append_parents(int level, std::vector<std::uint64_t>& coarser) const;
   void judge(std::vector<Cell>& cells, int level) const;
   void balance();
   void adopt_cuts();

@@ -53,8 +53,10 @@ SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const 
     for (std::size_t i = begin; i < end; ++i) boxes[i] = box_of(sources[i]);
   });
   bvh_ = build_bvh(boxes, runner);
-  sources_.reserve(sources.size());
-  for (const std::uint32_t i : bvh_.order) sources_.push_back(prepare(sources[i]));
+  sources_.resize(sources.size());
+  runner.for_blocks(sources.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) sources_[i] = prepare(sources[bvh_.order[i]]);
+  });
   bounds_.resize(bvh_.nodes.size());
   for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
     const BvhNode& node = bvh_.nodes[i];
@@ -73,6 +75,9 @@ SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const 
 
 SourceTree::Triangle SourceTree::prepare(const SizeSource& source) {
   Triangle triangle;
+  triangle.center = (source.a + source.b + source.c) / 3.0;
+  for (const Vec3& corner : {source.a, source.b, source.c})
+    triangle.radius = std::max(triangle.radius, distance(triangle.center, corner));
   triangle.a = source.a;
   triangle.ab = source.b - source.a;
   triangle.ac = source.c - source.a;
@@ -92,20 +97,19 @@ double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) con
   std::uint32_t decider = kNoSource;
   // A source gives less than `best` only within the distance (best - s) / g + hold.
   const double per_growth = 1 / gradation_;
-  const auto reach2 = [&](double smallest, double hold) {
-    if (smallest >= best) return -1.0;
-    const double reach = (best - smallest) * per_growth + hold;
-    return reach * reach;
-  };
   const auto is_near = [&](std::uint32_t node, double distance2) {
-    return distance2 < reach2(bounds_[node].size, bounds_[node].hold);
+    if (bounds_[node].size >= best) return false;
+    const double reach = (best - bounds_[node].size) * per_growth + bounds_[node].hold;
+    return distance2 < reach * reach;
   };
   const auto offer = [&](std::uint32_t i) {
     const Triangle& t = sources_[i];
-    const double reach = reach2(t.size, t.hold);
+    if (t.size >= best) return;
+    const double reach = (best - t.size) * per_growth + t.hold, to_center = reach + t.radius;
+    if (norm2(x - t.center) >= to_center * to_center) return;
     const PreparedTriangle prepared{t.ab, t.ac, t.ab2, t.ac2, t.abac, t.area2};
     const double distance2 = prepared.squared_distance(x - t.a);
-    if (distance2 >= reach) return;
+    if (distance2 >= reach * reach) return;
     best = t.size + gradation_ * std::max(0.0, std::sqrt(distance2) - t.hold);
     decider = i;
   };

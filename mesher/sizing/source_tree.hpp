@@ -46,6 +46,8 @@ class SourceTree {
  private:
   /// A source made ready for distances.
   struct Triangle {
+    Vec3 center;  ///< of a ball around it
+    double radius = 0;
     Vec3 a, ab, ac;
     double ab2 = 0, ac2 = 0, abac = 0, area2 = 0;  ///< dot products; area2 is 0 for segments and points
     double size = 0, hold = 0;
