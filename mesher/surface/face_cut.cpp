@@ -126,9 +126,18 @@ class Cutter {
     for (std::uint32_t v = 0; v < rim_count; ++v) numbers_[v] = v;
   }
 
-  FaceCut run(const PatchSurface& surface) {
-    for (std::uint32_t h = 0; h < mesh_.half_edges(); ++h)
-      if (is_cut(h) && h < mesh_.twin(h)) divide(h, surface);
+  /// `divide_all`: for pairs of coarse vertices, the points between them.
+  template <class DivideAll>
+  FaceCut run(const DivideAll& divide_all) {
+    std::vector<std::uint32_t> edges;  // by the smaller half-edge
+    std::vector<std::array<const PatchVertex*, 2>> ends;
+    for (std::uint32_t h = 0; h < mesh_.half_edges(); ++h) {
+      if (!is_cut(h) || mesh_.twin(h) < h) continue;
+      edges.push_back(h);
+      ends.push_back({&coarse_.vertices[mesh_.origin(h)], &coarse_.vertices[mesh_.target(h)]});
+    }
+    const std::vector<std::vector<PatchVertex>> chains = divide_all(ends);
+    for (std::size_t i = 0; i < edges.size(); ++i) add_chain(edges[i], chains[i]);
     cut_.pieces.resize(1 + *std::ranges::max_element(piece_));
     std::vector<std::vector<std::uint32_t>> outlines(cut_.pieces.size());  // half-edges
     for (std::uint32_t h = 0; h < mesh_.half_edges(); ++h)
@@ -151,11 +160,10 @@ class Cutter {
     return numbers_[v];
   }
 
-  void divide(std::uint32_t h, const PatchSurface& surface) {
-    const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
-    number(a), number(b);
+  void add_chain(std::uint32_t h, const std::vector<PatchVertex>& points) {
+    number(mesh_.origin(h)), number(mesh_.target(h));
     auto& chain = chains_[h];
-    for (const PatchVertex& vertex : ChainDivider(surface, coarse_.vertices[a], coarse_.vertices[b]).run()) {
+    for (const PatchVertex& vertex : points) {
       chain.push_back(static_cast<std::uint32_t>(cut_.vertices.size()));
       cut_.vertices.push_back(vertex);
     }
@@ -225,30 +233,71 @@ double estimate_triangles(const RimPatch& face, const PatchSurface& surface) {
   return count;
 }
 
-std::optional<FaceCut> cut_face(const RimPatch& face, const PatchSurface& surface, double triangles,
-                                const std::function<bool()>& keep_going) {
-  const auto wanted = static_cast<std::uint32_t>(std::min(1e6, std::round(triangles / kTrianglesPerPiece)));
-  if (wanted < 2 || face.polygon.verdict != PolygonVerdict::Ok) return {};
-  Patch coarse{face.polygon.triangulation, face.vertices, face.rim.repeats_nodes};
-  refine_frontal(coarse, surface, keep_going, {.factor = kCoarsening});
-  if (!keep_going()) return {};
-  coarse.topology.compact();
-  for (PatchVertex& vertex : coarse.vertices) vertex.size = surface.size_at(vertex.place.point);
-  std::vector<double> weights(coarse.topology.slots());
-  for (std::uint32_t tri = 0; tri < weights.size(); ++tri) {
-    const auto [a, b, c] = coarse.topology.triangle(tri);
-    weights[tri] = count_triangles(surface, coarse.vertices[a], coarse.vertices[b], coarse.vertices[c]);
+namespace {
+
+/// A face that is worth cutting.
+class LargeFace {
+ public:
+  LargeFace(const GeometricModel& model, ModelFaceId face, const SizeField& sizes, const RimPatch& rim,
+            const TaskRunner& runner)
+      : model_(model), face_(face), sizes_(sizes), rim_(rim), runner_(runner) {}
+
+  std::optional<FaceCut> cut(const PatchSurface& surface, double triangles) const {
+    const auto wanted = static_cast<std::uint32_t>(std::min(1e6, std::round(triangles / kTrianglesPerPiece)));
+    if (wanted < 2) return {};
+    Patch coarse{rim_.polygon.triangulation, rim_.vertices, rim_.rim.repeats_nodes};
+    refine_frontal(coarse, surface, [&] { return !runner_.cancelled(); }, {.factor = kCoarsening});
+    runner_.check_cancelled();
+    coarse.topology.compact();
+    for (PatchVertex& vertex : coarse.vertices) vertex.size = surface.size_at(vertex.place.point);
+    const std::vector<std::uint32_t> pieces = share_triangles(coarse, weigh(coarse), wanted);
+    FaceCut cut = Cutter(coarse, pieces, rim_.vertices.size()).run([&](const auto& ends) { return divide(ends); });
+    if (cut.pieces.size() < 2) return {};
+    cut.scale = rim_.scale;
+    cut.has_poles = rim_.rim.repeats_nodes;
+    return cut;
   }
-  const std::vector<std::uint32_t> pieces = share_triangles(coarse, weights, wanted);
-  FaceCut cut = Cutter(coarse, pieces, face.vertices.size()).run(surface);
-  if (cut.pieces.size() < 2) return {};
-  cut.scale = face.scale;
-  cut.has_poles = face.rim.repeats_nodes;
-  return cut;
-}
+
+ private:
+  // Calls body(i, surface) for 0 <= i < count, with a surface for every block.
+  template <class Body>
+  void for_each(std::size_t count, const Body& body) const {
+    constexpr std::size_t kBlock = 256;
+    runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+      const auto geometry = model_.face_geometry(face_);
+      const PatchSurface surface(*geometry, sizes_, rim_.scale);
+      for (std::size_t i = begin; i < end; ++i) body(i, surface);
+    });
+  }
+
+  std::vector<double> weigh(const Patch& coarse) const {
+    std::vector<double> weights(coarse.topology.slots());
+    for_each(weights.size(), [&](std::size_t tri, const PatchSurface& surface) {
+      const auto [a, b, c] = coarse.topology.triangle(static_cast<std::uint32_t>(tri));
+      weights[tri] = count_triangles(surface, coarse.vertices[a], coarse.vertices[b], coarse.vertices[c]);
+    });
+    return weights;
+  }
+
+  std::vector<std::vector<PatchVertex>> divide(const std::vector<std::array<const PatchVertex*, 2>>& ends) const {
+    std::vector<std::vector<PatchVertex>> chains(ends.size());
+    for_each(ends.size(), [&](std::size_t i, const PatchSurface& surface) {
+      chains[i] = ChainDivider(surface, *ends[i][0], *ends[i][1]).run();
+    });
+    return chains;
+  }
+
+  const GeometricModel& model_;
+  ModelFaceId face_;
+  const SizeField& sizes_;
+  const RimPatch& rim_;
+  const TaskRunner& runner_;
+};
+
+}  // namespace
 
 std::optional<FaceCut> cut_large_face(const GeometricModel& model, ModelFaceId face,
-                                      const FaceSurroundings& surroundings, const std::function<bool()>& keep_going) {
+                                      const FaceSurroundings& surroundings, const TaskRunner& runner) {
   constexpr double kLeast = 1.5 * kTrianglesPerPiece;
   const SizeField& sizes = surroundings.sizes;
   const auto triangles_at = [&](double size) { return model.area(face) * kTrianglesPerSquare / (size * size); };
@@ -256,9 +305,11 @@ std::optional<FaceCut> cut_large_face(const GeometricModel& model, ModelFaceId f
   const auto geometry = model.face_geometry(face);
   if (geometry->parametrization() != Parametrization::Smooth) return {};
   const RimPatch rim = make_rim_patch(model.topology(), face, *geometry, surroundings.rim, sizes);
+  if (rim.polygon.verdict != PolygonVerdict::Ok) return {};
   const PatchSurface surface(*geometry, sizes, rim.scale);
   const double triangles = sizes.is_uniform() ? triangles_at(sizes.largest()) : estimate_triangles(rim, surface);
-  return triangles < kLeast ? std::nullopt : cut_face(rim, surface, triangles, keep_going);
+  if (triangles < kLeast) return {};
+  return LargeFace(model, face, sizes, rim, runner).cut(surface, triangles);
 }
 
 }  // namespace tetloom

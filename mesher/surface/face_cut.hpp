@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "mesher/surface/rim_patch.hpp"
+#include "threading/task_runner.hpp"
 
 namespace tetloom {
 
@@ -40,13 +41,10 @@ struct FaceCut {
 /// The number of triangles that the sizes call for on a face in its plane.
 double estimate_triangles(const RimPatch& face, const PatchSurface& surface);
 
-/// Cuts a face that would have `triangles` triangles; none where it is too small, or where its rim has no valid
-/// triangulation (meshing it whole says why). Pre: the face's parametrisation is smooth.
-std::optional<FaceCut> cut_face(const RimPatch& face, const PatchSurface& surface, double triangles,
-                                const std::function<bool()>& keep_going);
-
-/// The same from the start: none as well for a face without a smooth parametrisation.
+/// Cuts a large face; none where it has too few triangles, no smooth parametrisation, or a rim without a valid
+/// triangulation (meshing it whole says why). May be called for several faces at once. Errors: those of the face's
+/// geometry, Cancelled.
 std::optional<FaceCut> cut_large_face(const GeometricModel& model, ModelFaceId face,
-                                      const FaceSurroundings& surroundings, const std::function<bool()>& keep_going);
+                                      const FaceSurroundings& surroundings, const TaskRunner& runner);
 
 }  // namespace tetloom

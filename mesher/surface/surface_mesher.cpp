@@ -86,7 +86,7 @@ class SurfaceMesher {
     runner_.for_each_largest_first(work, [&](std::size_t i) {
       faces[i].id = ModelFaceId(pending[i]);
       try {
-        if (auto cut = cut_large_face(model_, faces[i].id, surroundings, keep_going))
+        if (auto cut = cut_large_face(model_, faces[i].id, surroundings, runner_))
           faces[i].pieces =
               std::make_unique<FaceInPieces>(model_, faces[i].id, surroundings, std::move(*cut), keep_going);
       } catch (const Error& error) {

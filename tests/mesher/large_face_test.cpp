@@ -31,7 +31,7 @@ struct Setting {
 
   FaceSurroundings surroundings() const { return {rim, sizes, chords, false}; }
   FaceMesh whole() const { return mesh_face(model, face, surroundings(), kGoOn); }
-  std::optional<FaceCut> cut() const { return cut_large_face(model, face, surroundings(), kGoOn); }
+  std::optional<FaceCut> cut() const { return cut_large_face(model, face, surroundings(), TaskRunner(1)); }
   FaceMesh in_pieces(int threads = 1) const {
     const TaskRunner runner(threads);
     const FaceSurroundings around = surroundings();
