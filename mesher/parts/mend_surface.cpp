@@ -98,9 +98,7 @@ class ClusterRecovery {
     }
   }
 
-  VertKey key(std::uint32_t v) const {
-    return v < first_outer_ ? keys_[v] : kNewPoint + (v - first_outer_ - 4);
-  }
+  VertKey key(std::uint32_t v) const { return v < first_outer_ ? keys_[v] : kNewPoint + (v - first_outer_ - 4); }
   bool has_outer(std::uint32_t tet) const {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh_.to_vert[std::size_t{tet} * 4 + i];
@@ -138,8 +136,8 @@ class ClusterRecovery {
       const FaceSides& sides = input_.filling.complex.tri_to_sides[triangles_[triangle->triangle]];
       return (name.turned == triangle->turned ? sides.back : sides.front).valid();
     }
-    return input_.cells.is_inside(0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) +
-                                          mesh_.point_of(tet, 3)));
+    return input_.cells.is_inside(
+        0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
   }
 
   void make(std::uint32_t tet) {
@@ -221,9 +219,8 @@ void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32
   for (std::size_t t = 0; t < patch.made.size(); ++t) {
     for (const VertKey key : patch.made[t]) {
       const auto at = std::lower_bound(patch.keys.begin(), patch.keys.end(), key);
-      strip.mesh.to_vert.push_back(key >= kNewPoint
-                                       ? static_cast<std::uint32_t>(patch.keys.size() + (key - kNewPoint))
-                                       : static_cast<std::uint32_t>(at - patch.keys.begin()));
+      strip.mesh.to_vert.push_back(key >= kNewPoint ? static_cast<std::uint32_t>(patch.keys.size() + (key - kNewPoint))
+                                                    : static_cast<std::uint32_t>(at - patch.keys.begin()));
     }
     strip.mesh.to_region.push_back(region);
     strip.mesh.to_fixed.push_back(patch.fixed[t]);
