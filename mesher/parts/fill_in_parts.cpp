@@ -241,7 +241,6 @@ class Filler {
       const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
         take_strips(input_, s, t);
         if (!is_last) return send_boundary(input_, s, t);
-        compact(s.mesh);
         send_surface_points(input_, s, t);
       };
       steps.push_back(step("strips", take, true));

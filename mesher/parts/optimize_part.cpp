@@ -34,6 +34,7 @@ void optimize_inside(const SharedInput& input, PartState& state, const TaskRunne
   options.open_faces = state.core.open_faces;
   if (input.filling.lattice == LatticeKind::Bcc)
     options.lattice_tets = static_cast<std::uint32_t>(state.figures.core_tets);
+  options.qualities = &state.qualities;
   state.figures.optimizer = optimize(state.mesh, options, runner);
   while (state.keys.size() < state.mesh.points.size()) state.keys.push_back(key_of(state.maker, state.next_index++));
   state.figures.seconds.optimize += watch.lap();
@@ -41,6 +42,7 @@ void optimize_inside(const SharedInput& input, PartState& state, const TaskRunne
 
 void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, const TaskRunner& runner) {
   tets::OptimizeOptions options = options_of(input, strip.surface_count);
+  options.qualities = &strip.qualities;
   tets::TetMesh& mesh = strip.mesh;
   count(optimize(mesh, options, runner), state.figures.optimizer);
   std::vector<char> is_outside(mesh.points.size(), 0);
@@ -54,11 +56,11 @@ void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, co
 
 void finish_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
   Stopwatch watch;
-  compact(state.mesh);
   tets::OptimizeReport& report = state.figures.optimizer;
   {
-    tets::WorkingMesh working(state.mesh, 0);
+    tets::WorkingMesh working(state.mesh, std::move(state.qualities));
     tets::summarize_result(working, input.filling.goals, report);
+    working.finish(true);
     report.tets = state.mesh.size();
   }
   state.figures.seconds.optimize += watch.lap();

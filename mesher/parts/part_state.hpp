@@ -64,6 +64,8 @@ struct PartState {
   std::vector<std::uint32_t> patches;  ///< clusters of missing triangles that this part has recovered
   std::vector<TetKeys> removed;        ///< tets of the shell, of any part, that are no more, ascending
 
+  GrowingArray<float> qualities;  ///< cubed, per tet, once optimised
+
   // Between parts.
   bool knows_waits = false;  ///< whether `waits` says all it has to
   struct SharedVert {

@@ -101,7 +101,7 @@ class Shell {
   bool is_own(std::uint32_t tet) {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     const std::uint32_t lowest = std::min({v[0], v[1], v[2], v[3]});
-    if (std::max({v[0], v[1], v[2], v[3]}) >= first_outer_) return false;
+    if (has_outer(tet)) return false;
     if (lowest < surface_count_) {
       lowest_ = lowest;
       return input_.surface.owner_of(state_.surface[lowest]) == part_;
@@ -144,7 +144,10 @@ class Shell {
 
   bool is_in_region(std::uint32_t tet) const {
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-      if (!mesh_.is_fixed(face)) continue;
+      if (!mesh_.is_fixed(face)) {
+        if (const FaceCode behind = mesh_.to_neighbor[face]; behind == kNone || has_outer(behind / 4)) return false;
+        continue;
+      }
       const tets::SortedTriangle key = tets::sorted(verts_of(mesh_, face));
       const auto* triangle = index_->find(key);
       if (!triangle) continue;
@@ -153,6 +156,11 @@ class Shell {
     }
     return input_.cells.is_inside(
         0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
+  }
+
+  bool has_outer(std::uint32_t tet) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    return std::max({v[0], v[1], v[2], v[3]}) >= first_outer_;
   }
 
   void keep(std::uint32_t tet) {

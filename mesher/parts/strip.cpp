@@ -171,6 +171,7 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::span<const FaceCo
     mesh.to_neighbor.push_back(face == kNone ? kNone : first * 4 + face);
   mesh.to_region.append(strip.mesh.to_region.span());
   mesh.to_fixed.append(strip.mesh.to_fixed.span());
+  state.qualities.append(strip.qualities.span());
   for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face)
     if (mesh.to_neighbor[face] == kNone) sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
   link_pairs(mesh, sides);

@@ -13,6 +13,7 @@ struct Strip {
   tets::TetMesh mesh;
   GrowingArray<VertKey> keys;        ///< per point, ascending for those that came with the tets
   GrowingArray<std::uint8_t> waits;  ///< per point
+  GrowingArray<float> qualities;     ///< cubed, per tet, once optimised
   std::uint32_t surface_count = 0;   ///< points of the surface
 };
 

@@ -18,19 +18,14 @@ namespace {
 using tets::FaceCode;
 using tets::TetMesh;
 
-constexpr double kPoor = .9 * .9 * .9;  // cubed: what the optimiser's last pass looks at
-constexpr double kReachInEdges = 6;     // how far the neighbours' boxes are looked for
+constexpr float kPoor = .8f * .8f * .8f;  // cubed: what lies above is not bettered by much
+constexpr double kReachInEdges = 6;       // how far the neighbours' boxes are looked for
 
 struct SharedVert {
   VertKey key;
   std::uint64_t is_poor;
   friend bool operator<(const SharedVert& a, const SharedVert& b) { return a.key < b.key; }
 };
-
-bool is_poor(const TetMesh& mesh, std::uint32_t tet) {
-  return tets::cubed_quality(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2),
-                             mesh.point_of(tet, 3)) < kPoor;
-}
 
 std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   std::vector<FaceCode> open;
@@ -44,7 +39,7 @@ std::vector<char> mark_poor(const PartState& state) {
   const TetMesh& mesh = state.mesh;
   std::vector<char> marks(mesh.points.size(), 0);
   const auto look_at = [&](std::uint32_t tet) {
-    if (!is_poor(mesh, tet)) return;
+    if (state.qualities[tet] >= kPoor) return;
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
       marks[v] |= static_cast<char>(state.waits[v]);
@@ -62,7 +57,14 @@ std::vector<char> mark_poor(const PartState& state) {
 // The tets of a part within two layers around some of its vertices, each for the part that claims it.
 class Extraction {
  public:
-  explicit Extraction(const PartState& state) : state_(state), mesh_(state.mesh), tet_to_claim_(state.mesh.size()) {}
+  explicit Extraction(const PartState& state)
+      : state_(state),
+        mesh_(state.mesh),
+        tet_to_claim_(state.mesh.size()),
+        vert_is_shared_(state.mesh.points.size(), 0),
+        vert_is_done_(state.mesh.points.size(), 0) {
+    for (const auto& shared : state.shared) vert_is_shared_[shared.vert] = 1;
+  }
 
   /// `claims`: vertices with who claims them, ascending by claimant.
   std::vector<std::pair<PartId, std::vector<std::uint32_t>>> run(
@@ -100,7 +102,9 @@ class Extraction {
   // others have claimed a part of them.
   void claim_star(FaceCode code, PartId part) {
     const std::uint32_t vert = mesh_.to_vert[code];
-    if (!visited_.insert(vert, code / 4)) return;
+    // Stars that are no part's border hang together: one walk is enough.
+    const bool is_shared = vert_is_shared_[vert] != 0;
+    if (is_shared ? visited_.contains(vert, code / 4) : std::exchange(vert_is_done_[vert], 1) != 0) return;
     stack_.assign(1, code / 4);
     star_.assign(1, code / 4);
     while (!stack_.empty()) {
@@ -119,13 +123,17 @@ class Extraction {
         stack_.push_back(behind / 4);
       }
     }
+    if (!is_shared) return;
     for (const std::uint32_t tet : star_) visited_.insert(vert, tet);
   }
 
   // Stars that were walked, as pairs of vertex and tet.
   class Visits {
    public:
-    bool insert(std::uint32_t vert, std::uint32_t tet) { return pairs_.insert(std::uint64_t{vert} << 32 | tet).second; }
+    void insert(std::uint32_t vert, std::uint32_t tet) { pairs_.insert(std::uint64_t{vert} << 32 | tet); }
+    bool contains(std::uint32_t vert, std::uint32_t tet) const {
+      return pairs_.contains(std::uint64_t{vert} << 32 | tet);
+    }
 
    private:
     std::unordered_set<std::uint64_t> pairs_;
@@ -135,6 +143,7 @@ class Extraction {
   const TetMesh& mesh_;
   std::vector<PartId> tet_to_claim_;
   std::vector<std::uint32_t> claimed_, stack_, star_;
+  std::vector<char> vert_is_shared_, vert_is_done_;
   Visits visited_;
 };
 

@@ -143,6 +143,11 @@ DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted) {
   DihedralSummary summary;
   summary.least = kRegularAngle;
   const auto bound_of = [&] { return largest_quality_with_dihedral(std::max(summary.least, least_wanted)) * kGain; };
+  // The worst tet tells most of the others that their angles are larger.
+  const std::span<const float> qualities = mesh.qualities();
+  const auto worst = std::min_element(qualities.begin(), qualities.end());
+  if (worst != qualities.end() && *worst != WorkingMesh::kDeadQuality)
+    summary.least = smallest_dihedral(mesh.mesh(), static_cast<std::uint32_t>(worst - qualities.begin())).angle;
   double bound = bound_of();
   for (std::uint32_t tet = 0; tet < mesh.qualities().size(); ++tet) {
     if (mesh.quality(tet) > bound || mesh.mesh().is_dead(tet)) continue;

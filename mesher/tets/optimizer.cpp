@@ -40,8 +40,9 @@ class Optimizer {
       repair();
       smooth(.90);  // the tets of lattices have .945 and more
     }
-    summarize_result(mesh_, options_.goals, report_);
+    if (!options_.qualities) summarize_result(mesh_, options_.goals, report_);
     mesh_.finish(options_.keep_points);
+    if (options_.qualities) *options_.qualities = mesh_.take_qualities();
     report_.tets = mesh_.mesh().size();
     return report_;
   }

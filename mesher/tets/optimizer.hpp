@@ -27,6 +27,8 @@ struct OptimizeOptions {
   std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
   std::uint32_t lattice_tets = 0;  ///< the first so many are of undisturbed lattices: alike, alive, without fixed faces
   std::span<const FaceCode> open_faces = {};  ///< of these, the faces that nothing of the mesh lies behind
+  GrowingArray<float>* qualities = nullptr;   ///< gets the cubed quality of every tet, instead of the report's figures
+                                              ///< of what the mesh has become
   bool keep_points = false;       ///< numbers of points stay; those that no tet has any more are left where they are
   bool strong_gradation = false;  ///< the size grows by more than about .1 per unit of distance: twice the passes
   QualityGoals goals;             ///< what removing vertices and inserting points aim at

@@ -115,9 +115,27 @@ WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_
   }
 }
 
+WorkingMesh::WorkingMesh(TetMesh& mesh, GrowingArray<float>&& qualities)
+    : mesh_(mesh), to_quality_(std::move(qualities)) {
+  TETLOOM_DEBUG_ASSERT(to_quality_.size() == mesh.size());
+  fixed_.resize(mesh.points.size() / 64 + 1);
+  for (std::uint32_t tet = 0; tet < to_quality_.size(); ++tet) {
+    if (mesh.is_dead(tet)) {
+      drop_tet(tet);
+    } else {
+      fix_points_of(tet);
+    }
+  }
+}
+
 void WorkingMesh::read_tet(std::uint32_t tet) {
   const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
   set_quality(tet, cubed_quality(point(v[0]), point(v[1]), point(v[2]), point(v[3])));
+  fix_points_of(tet);
+}
+
+void WorkingMesh::fix_points_of(std::uint32_t tet) {
+  const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
   for (std::uint32_t face = 0; face < 4; ++face) {
     if (mesh_.to_neighbor[std::size_t{tet} * 4 + face] != kNone && !mesh_.is_fixed(tet * 4 + face)) continue;
     for (const std::uint8_t corner : kFaceVerts[face]) set_fixed_point(v[corner]);
@@ -210,7 +228,20 @@ std::uint32_t WorkingMesh::add_point(const Vec3& point) {
   return static_cast<std::uint32_t>(mesh_.points.size() - 1);
 }
 
+// As compact does it with the tets.
+void WorkingMesh::compact_qualities() {
+  std::size_t count = to_quality_.size();
+  for (std::size_t hole = 0; hole < count; ++hole) {
+    if (to_quality_[hole] != kDeadQuality) continue;
+    while (count > hole + 1 && to_quality_[count - 1] == kDeadQuality) --count;
+    --count;
+    if (count > hole) to_quality_[hole] = to_quality_[count];
+  }
+  to_quality_.resize(count);
+}
+
 void WorkingMesh::finish(bool keep_points) {
+  compact_qualities();
   compact(mesh_);
   if (unused_points_.empty() || keep_points) return;
   std::sort(unused_points_.begin(), unused_points_.end());

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
@@ -37,6 +38,9 @@ class WorkingMesh {
   /// behind them but `open_faces`.
   WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike = 0,
               std::span<const FaceCode> open_faces = {});
+
+  /// A mesh whose qualities are known; those of dead tets may be anything.
+  WorkingMesh(TetMesh& mesh, GrowingArray<float>&& qualities);
 
   TetMesh& mesh() { return mesh_; }
   const TetMesh& mesh() const { return mesh_; }
@@ -91,9 +95,13 @@ class WorkingMesh {
 
   /// Drops dead tets and, unless they are kept, points that were given up: the last ones take their places.
   void finish(bool keep_points = false);
+  /// Gives the qualities of what is left away; the mesh is not to be worked on any more. Pre: finished.
+  GrowingArray<float> take_qualities() { return std::move(to_quality_); }
 
  private:
   void read_tet(std::uint32_t tet);
+  void fix_points_of(std::uint32_t tet);
+  void compact_qualities();
   void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
   std::uint32_t take_tet();
