@@ -232,29 +232,51 @@ class Filler {
       name_regions(input_, s);
       if (s.fault.any()) return;
       optimize_inside(input_, s, t.runner());
-      send_boundary(input_, s, t);
+      send_poor(input_, s, t);
     };
     steps.push_back(step("optimize", inside, true));
     for (std::size_t round = 0; round < kStripRounds; ++round) {
       steps.push_back(step(
+          "share", [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }, true));
+      steps.push_back(step(
           "claim", [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }, true));
       const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
         take_strips(input_, s, t);
-        if (!is_last) return send_boundary(input_, s, t);
-        send_surface_points(input_, s, t);
+        is_last ? send_borders(s, t) : send_poor(input_, s, t);
       };
       steps.push_back(step("strips", take, true));
     }
     const auto finish = [&](PartState& s, PartTask& t) {
-      take_surface_points(s, t);
+      take_borders(s, t);
       finish_part(input_, s, t.part(), t.runner());
-      send_open_faces(input_, s, t);
     };
-    steps.push_back(step("finish", finish, true));
-    steps.push_back(step(
-        "check", [&](PartState& s, PartTask& t) { check_open_faces(s, t); }, false));
+    steps.push_back(step("finish", finish, false));
     schedule_.run(steps);
     if (!all_faces_met()) states_.at(states_.local().front()).fault.message = "the faces of parts do not fit together";
+  }
+
+  // What the neighbours have to know of a part in the end: its open faces and its points of the surface.
+  void send_borders(PartState& state, PartTask& task) {
+    name_open_faces(state);
+    const std::vector<std::uint32_t> points = find_surface_points(state);
+    for (const PartId other : input_.decomposition.neighbors(task.part())) {
+      const Box3& box = input_.decomposition.box(other);
+      MessageWriter writer;
+      writer.put_array<std::uint64_t>(open_faces_near(state, box));
+      writer.put_array<std::uint32_t>(surface_points_near(input_, points, box));
+      task.send(other, writer.take());
+    }
+  }
+
+  void take_borders(PartState& state, PartTask& task) {
+    std::vector<std::span<const std::uint64_t>> names;
+    for (const Message& message : task.inbox()) {
+      MessageReader reader(message.bytes);
+      names.push_back(reader.get_view<std::uint64_t>());
+      const auto points = reader.get_view<std::uint32_t>();
+      state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());
+    }
+    check_open_faces(state, names);
   }
 
   // Strips may have brought together parts that do not tell each other of all they have: what they have not been told

@@ -141,40 +141,35 @@ class Gatherer {
 
 }  // namespace
 
-void send_open_faces(const SharedInput& input, PartState& state, PartTask& task) {
+void name_open_faces(PartState& state) {
   const TetMesh& mesh = state.mesh;
   state.open_names.clear();
-  std::vector<std::pair<std::uint64_t, FaceCode>> open;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+  for (const FaceCode face : state.open_faces) {
     const auto [a, b, c] = verts_of(mesh, face);
-    open.emplace_back(name_of({state.keys[a], state.keys[b], state.keys[c]}), face);
-  }
-  std::sort(open.begin(), open.end());
-  for (const auto& [name, face] : open) state.open_names.push_back(name);
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    std::vector<std::uint64_t> near;
-    for (const auto& [name, face] : open) {
-      const auto [a, b, c] = verts_of(mesh, face);
-      const double longest =
-          std::max(distance(mesh.points[a], mesh.points[b]), distance(mesh.points[a], mesh.points[c]));
-      if (distance_outside(mesh.points[a], box) <= kReachInEdges * longest) near.push_back(name);
-    }
-    if (near.empty()) continue;
-    MessageWriter writer;
-    writer.put_array<std::uint64_t>(near);
-    task.send(other, writer.take());
+    state.open_names.push_back(name_of({state.keys[a], state.keys[b], state.keys[c]}));
   }
 }
 
-void check_open_faces(PartState& state, PartTask& task) {
+std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& box) {
+  const TetMesh& mesh = state.mesh;
+  std::vector<std::uint64_t> near;
+  for (std::size_t i = 0; i < state.open_faces.size(); ++i) {
+    const auto [a, b, c] = verts_of(mesh, state.open_faces[i]);
+    const double length = std::max(distance(mesh.points[a], mesh.points[b]), distance(mesh.points[a], mesh.points[c]));
+    if (distance_outside(mesh.points[a], box) <= kReachInEdges * length) near.push_back(state.open_names[i]);
+  }
+  return near;
+}
+
+void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told) {
+  std::sort(state.open_names.begin(), state.open_names.end());
   std::vector<std::uint8_t> met(state.open_names.size(), 0);
-  for (const Message& message : task.inbox()) {
-    std::size_t i = 0;
-    for (const std::uint64_t name : MessageReader(message.bytes).get_view<std::uint64_t>()) {
-      while (i < met.size() && state.open_names[i] < name) ++i;
-      if (i < met.size() && state.open_names[i] == name) met[i] = static_cast<std::uint8_t>(std::min(2, met[i] + 1));
+  for (const auto& names : told) {
+    for (const std::uint64_t name : names) {
+      const auto at = std::lower_bound(state.open_names.begin(), state.open_names.end(), name);
+      if (at == state.open_names.end() || *at != name) continue;
+      std::uint8_t& count = met[static_cast<std::size_t>(at - state.open_names.begin())];
+      count = static_cast<std::uint8_t>(std::min(2, count + 1));
     }
   }
   for (std::size_t i = 0; i < met.size(); ++i) {

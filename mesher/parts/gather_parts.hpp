@@ -1,16 +1,21 @@
 #pragma once
 // What the parts have made, put together and looked at as a whole.
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "mesher/parts/part_state.hpp"
 
 namespace tetloom::parts {
 
-/// Sends the faces with nothing of the part behind them to the neighbours.
-void send_open_faces(const SharedInput& input, PartState& state, PartTask& task);
+/// Names the part's open faces by their vertices' keys, in the order of `open_faces`.
+void name_open_faces(PartState& state);
+
+/// Those of the names that a part of this box may have.
+std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& box);
 
 /// Notes those of the part's open faces that no neighbour has told of; a fault where several have.
-void check_open_faces(PartState& state, PartTask& task);
+void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told);
 
 /// All tets, those of each part together, over the given points and then the others, each by the part that made it.
 /// The states are emptied on the way. Pre: these are all parts.

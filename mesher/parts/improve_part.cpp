@@ -151,33 +151,28 @@ void improve_part(const SharedInput& input, PartState& state, PartId part, const
   Improvement(input, state, part).run(runner);
 }
 
-void send_surface_points(const SharedInput& input, PartState& state, PartTask& task) {
+std::vector<std::uint32_t> find_surface_points(const PartState& state) {
   std::vector<std::uint32_t> used;
-  for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face) {
-    if (state.mesh.is_dead(face / 4) || !state.mesh.is_fixed(face)) continue;
-    for (const std::uint32_t v : verts_of(state.mesh, face)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));
+  for (std::uint32_t tet = 0; tet < state.mesh.size(); ++tet) {
+    if (state.mesh.to_fixed[tet] == 0 || state.mesh.is_dead(tet)) continue;
+    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+      if (!state.mesh.is_fixed(face)) continue;
+      for (const std::uint32_t v : verts_of(state.mesh, face))
+        used.push_back(static_cast<std::uint32_t>(state.keys[v]));
+    }
   }
   sort_unique(used);
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    std::vector<std::uint32_t> near;
-    for (const std::uint32_t point : used) {
-      const Vec3& x = input.filling.complex.points[point];
-      if (distance_outside(x, box) <= Decomposition::kNeighborhood * input.size_at(x)) near.push_back(point);
-    }
-    if (near.empty()) continue;
-    MessageWriter writer;
-    writer.put_array<std::uint32_t>(near);
-    task.send(other, writer.take());
-  }
+  return used;
 }
 
-void take_surface_points(PartState& state, PartTask& task) {
-  for (const Message& message : task.inbox()) {
-    const auto points = MessageReader(message.bytes).get_view<std::uint32_t>();
-    state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());
+std::vector<std::uint32_t> surface_points_near(const SharedInput& input, std::span<const std::uint32_t> points,
+                                               const Box3& box) {
+  std::vector<std::uint32_t> near;
+  for (const std::uint32_t point : points) {
+    const Vec3& x = input.filling.complex.points[point];
+    if (distance_outside(x, box) <= Decomposition::kNeighborhood * input.size_at(x)) near.push_back(point);
   }
-  sort_unique(state.surface_elsewhere);
+  return near;
 }
 
 }  // namespace tetloom::parts

@@ -74,13 +74,14 @@ struct PartState {
     bool is_poor;  // waits, and tets at it are poor
   };
   std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
-  std::vector<SharedVert> shared;          ///< their vertices, ascending
-  std::vector<std::uint64_t> open_names;   ///< of the open faces in the end, ascending
+  std::vector<VertKey> poor;               ///< of their vertices, those that wait and have poor tets, ascending
+  std::vector<SharedVert> shared;          ///< those at which any part's tets are poor, ascending
+  std::vector<std::uint64_t> open_names;   ///< of the open faces in the end
   std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of
   Bytes own_piece;                         ///< of a strip that this part takes
   std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 
-  std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have, ascending
+  std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have
   std::vector<MovedPoint> moved_points;            ///< of the complex
   std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
   FillingFigures figures;
@@ -105,6 +106,6 @@ struct SharedInput {
 };
 
 /// How far a part knows the points of the shell beyond its box, in sizes of these points.
-inline constexpr double kShellReach = 2;
+inline constexpr double kShellReach = 1.4;
 
 }  // namespace tetloom::parts

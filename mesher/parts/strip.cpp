@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
+#include <utility>
 
 #include "mesher/tets/triangle_verts.hpp"
 
@@ -135,35 +135,38 @@ void link_strip(Strip& strip) {
   link_pairs(mesh, sides);
 }
 
-void put_in(PartState& state, PartId part, Strip&& strip, std::span<const FaceCode> open) {
+void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>& open) {
   TetMesh& mesh = state.mesh;
+  const std::uint32_t first_point = static_cast<std::uint32_t>(mesh.points.size());
+  const auto first = static_cast<std::uint32_t>(mesh.size());
   // Vertices that the part has are those of its open faces.
-  std::unordered_map<VertKey, std::uint32_t> key_to_vert;
-  for (const FaceCode face : open)
-    for (const std::uint32_t v : verts_of(mesh, face)) key_to_vert.emplace(state.keys[v], v);
-  std::vector<std::uint32_t> to_vert(strip.mesh.points.size());
+  std::vector<std::uint32_t> to_vert(strip.mesh.points.size(), kNone);
+  std::vector<char> seen(first_point, 0), is_in_strip(first_point, 0);
+  for (const FaceCode face : open) {
+    for (const std::uint32_t v : verts_of(mesh, face)) {
+      if (std::exchange(seen[v], 1)) continue;
+      const auto at = std::lower_bound(strip.keys.begin(), strip.keys.end(), state.keys[v]);
+      if (at == strip.keys.end() || *at != state.keys[v] || to_vert[at - strip.keys.begin()] != kNone) continue;
+      to_vert[at - strip.keys.begin()] = v;
+      is_in_strip[v] = 1;
+    }
+  }
   for (std::uint32_t v = 0; v < to_vert.size(); ++v) {
     const bool is_new = v >= strip.keys.size();
-    const VertKey key = is_new ? key_of(part, state.next_index++) : strip.keys[v];
-    const auto known = is_new ? key_to_vert.end() : key_to_vert.find(key);
-    const auto waits = is_new ? std::uint8_t{0} : strip.waits[v];
-    if (known != key_to_vert.end()) {
-      to_vert[v] = known->second;
-      state.waits[known->second] = waits;
+    const std::uint8_t waits = is_new ? std::uint8_t{0} : strip.waits[v];
+    if (to_vert[v] != kNone) {
+      state.waits[to_vert[v]] = waits;
       continue;
     }
     to_vert[v] = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.push_back(strip.mesh.points[v]);
-    state.keys.push_back(key);
+    state.keys.push_back(is_new ? key_of(part, state.next_index++) : strip.keys[v]);
     state.waits.push_back(waits);
   }
-  const auto first = static_cast<std::uint32_t>(mesh.size());
   std::vector<Side> sides;
-  std::vector<char> is_in_strip(mesh.points.size(), 0);
-  for (const std::uint32_t v : to_vert) is_in_strip[v] = 1;
   for (const FaceCode face : open) {
     const TriangleVerts verts = verts_of(mesh, face);
-    if (mesh.to_neighbor[face] == kNone && is_in_strip[verts[0]] && is_in_strip[verts[1]] && is_in_strip[verts[2]])
+    if (is_in_strip[verts[0]] && is_in_strip[verts[1]] && is_in_strip[verts[2]])
       sides.push_back({tets::sorted(verts).verts, face});
   }
   for (const std::uint32_t v : strip.mesh.to_vert) mesh.to_vert.push_back(to_vert[v]);
@@ -172,9 +175,13 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::span<const FaceCo
   mesh.to_region.append(strip.mesh.to_region.span());
   mesh.to_fixed.append(strip.mesh.to_fixed.span());
   state.qualities.append(strip.qualities.span());
-  for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face)
-    if (mesh.to_neighbor[face] == kNone) sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+  for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face) {
+    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+    sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+    open.push_back(face);
+  }
   link_pairs(mesh, sides);
+  std::erase_if(open, [&](FaceCode face) { return mesh.to_neighbor[face] != kNone; });
 }
 
 }  // namespace tetloom::parts

@@ -27,8 +27,8 @@ Strip unpack_strip(std::span<const Bytes> pieces);
 /// Links the strip's tets through the faces that they share.
 void link_strip(Strip& strip);
 
-/// Appends the strip, linked to those of `open`, the part's open faces, that it has too. `made_here`: points of the
-/// strip that are new and get keys of `part`.
-void put_in(PartState& state, PartId part, Strip&& strip, std::span<const tets::FaceCode> open);
+/// Appends the strip, linked to those of `open`, the part's open faces, that it has too; its points that have no key
+/// get one of `part`. Afterwards `open` holds the open faces as they have become.
+void put_in(PartState& state, PartId part, Strip&& strip, std::vector<tets::FaceCode>& open);
 
 }  // namespace tetloom::parts

@@ -24,7 +24,6 @@ constexpr double kReachInEdges = 6;       // how far the neighbours' boxes are l
 struct SharedVert {
   VertKey key;
   std::uint64_t is_poor;
-  friend bool operator<(const SharedVert& a, const SharedVert& b) { return a.key < b.key; }
 };
 
 std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
@@ -34,24 +33,34 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   return open;
 }
 
-// Vertices that wait at poor tets that have an open face or lie next to one.
-std::vector<char> mark_poor(const PartState& state) {
+double longest_edge(const TetMesh& mesh, FaceCode face) {
+  const auto [a, b, c] = verts_of(mesh, face);
+  return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
+                   distance(mesh.points[c], mesh.points[a])});
+}
+
+// Vertices that wait at poor tets that have an open face or lie next to one; with how far neighbours are looked for.
+std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) {
   const TetMesh& mesh = state.mesh;
-  std::vector<char> marks(mesh.points.size(), 0);
-  const auto look_at = [&](std::uint32_t tet) {
+  std::vector<std::pair<std::uint32_t, double>> poor;
+  const auto look_at = [&](std::uint32_t tet, FaceCode open) {
     if (state.qualities[tet] >= kPoor) return;
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
-      marks[v] |= static_cast<char>(state.waits[v]);
+      if (state.waits[v]) poor.emplace_back(v, kReachInEdges * longest_edge(mesh, open));
     }
   };
   for (const FaceCode open : state.open_faces) {
     const std::uint32_t tet = open / 4;
-    look_at(tet);
+    look_at(tet, open);
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
-      if (mesh.to_neighbor[face] != kNone) look_at(mesh.to_neighbor[face] / 4);
+      if (mesh.to_neighbor[face] != kNone) look_at(mesh.to_neighbor[face] / 4, open);
   }
-  return marks;
+  std::sort(poor.begin(), poor.end(),
+            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
+  poor.erase(std::unique(poor.begin(), poor.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
+             poor.end());
+  return poor;
 }
 
 // The tets of a part within two layers around some of its vertices, each for the part that claims it.
@@ -63,7 +72,8 @@ class Extraction {
         tet_to_claim_(state.mesh.size()),
         vert_is_shared_(state.mesh.points.size(), 0),
         vert_is_done_(state.mesh.points.size(), 0) {
-    for (const auto& shared : state.shared) vert_is_shared_[shared.vert] = 1;
+    for (const FaceCode face : state.open_faces)
+      for (const std::uint32_t v : verts_of(mesh_, face)) vert_is_shared_[v] = 1;
   }
 
   /// `claims`: vertices with who claims them, ascending by claimant.
@@ -154,36 +164,60 @@ struct Heard {
 
 }  // namespace
 
-void send_boundary(const SharedInput& input, PartState& state, PartTask& task) {
+void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
   TetMesh& mesh = state.mesh;
-  state.open_faces = find_open_faces(mesh);
-  const bool is_first = !std::exchange(state.knows_waits, true);
   state.waits.resize(mesh.points.size(), 0);
-  std::vector<std::pair<std::uint32_t, double>> verts;  // with how far around them neighbours are looked for
+  if (!std::exchange(state.knows_waits, true)) {
+    state.open_faces = find_open_faces(mesh);
+    for (const FaceCode face : state.open_faces)
+      for (const std::uint32_t v : verts_of(mesh, face)) state.waits[v] = 1;
+  }
+  const auto poor = find_poor(state);
+  state.poor.clear();
+  for (const auto& [v, reach] : poor) state.poor.push_back(state.keys[v]);
+  std::sort(state.poor.begin(), state.poor.end());
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    std::vector<VertKey> near;
+    for (const auto& [v, reach] : poor)
+      if (distance_outside(mesh.points[v], box) <= reach) near.push_back(state.keys[v]);
+    if (near.empty()) continue;
+    MessageWriter writer;
+    writer.put_array<VertKey>(near);
+    task.send(other, writer.take());
+  }
+}
+
+void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
+  std::vector<VertKey> poor = state.poor;
+  for (const Message& message : task.inbox()) {
+    const auto told = MessageReader(message.bytes).get_view<VertKey>();
+    poor.insert(poor.end(), told.begin(), told.end());
+  }
+  std::sort(poor.begin(), poor.end());
+  state.shared.clear();
+  if (poor.empty()) return;
+  const TetMesh& mesh = state.mesh;
+  std::vector<char> seen(mesh.points.size(), 0);
+  std::vector<std::pair<PartState::SharedVert, double>> shared;
   for (const FaceCode face : state.open_faces) {
-    const auto [a, b, c] = verts_of(mesh, face);
-    const double longest = std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
-                                     distance(mesh.points[c], mesh.points[a])});
-    for (const std::uint32_t v : {a, b, c}) {
-      verts.emplace_back(v, kReachInEdges * longest);
-      if (is_first) state.waits[v] = 1;
+    for (const std::uint32_t v : verts_of(mesh, face)) {
+      if (std::exchange(seen[v], 1)) continue;
+      const VertKey key = state.keys[v];
+      if (!std::binary_search(poor.begin(), poor.end(), key)) continue;
+      const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
+      shared.push_back({{key, v, is_poor}, kReachInEdges * longest_edge(mesh, face)});
     }
   }
-  std::sort(verts.begin(), verts.end(),
-            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
-  verts.erase(std::unique(verts.begin(), verts.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
-              verts.end());
-  const std::vector<char> poor = mark_poor(state);
-  state.shared.clear();
-  for (const auto& [v, reach] : verts) state.shared.push_back({state.keys[v], v, poor[v] != 0});
-  std::sort(state.shared.begin(), state.shared.end(), [](const auto& s, const auto& t) { return s.key < t.key; });
+  std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
+  for (const auto& [vert, reach] : shared) state.shared.push_back(vert);
   for (const PartId other : input.decomposition.neighbors(task.part())) {
     const Box3& box = input.decomposition.box(other);
     std::vector<SharedVert> near;
-    for (const auto& [v, reach] : verts)
-      if (distance_outside(mesh.points[v], box) <= reach) near.push_back({state.keys[v], std::uint64_t{poor[v] != 0}});
+    for (const auto& [vert, reach] : shared)
+      if (distance_outside(mesh.points[vert.vert], box) <= reach)
+        near.push_back({vert.key, std::uint64_t{vert.is_poor}});
     if (near.empty()) continue;
-    std::sort(near.begin(), near.end());
     MessageWriter writer;
     writer.put_array<SharedVert>(near);
     task.send(other, writer.take());
@@ -237,15 +271,13 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
     pieces.push_back(std::move(message.bytes));
   }
   if (!state.own_piece.empty()) pieces.push_back(std::exchange(state.own_piece, {}));
+  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_dead(face / 4); });
+  for (const FaceCode face : state.opened)
+    if (!state.mesh.is_dead(face / 4)) state.open_faces.push_back(face);
   if (!pieces.empty()) {
     Strip strip = unpack_strip(pieces);
     optimize_strip(input, strip, state, task.runner());
-    std::vector<FaceCode> open;
-    for (const FaceCode face : state.open_faces)
-      if (!state.mesh.is_dead(face / 4)) open.push_back(face);
-    open.insert(open.end(), state.opened.begin(), state.opened.end());
-    std::erase_if(open, [&](FaceCode face) { return state.mesh.is_dead(face / 4); });
-    put_in(state, task.part(), std::move(strip), open);
+    put_in(state, task.part(), std::move(strip), state.open_faces);
   }
   state.opened.clear();
   state.figures.seconds.optimize += watch.lap();

@@ -8,9 +8,12 @@
 
 namespace tetloom::parts {
 
-/// Marks, the first time, what could not change between parts; tells the neighbours which vertices the part shares
-/// with others, and at which of those that waited for it the tets are poor.
-void send_boundary(const SharedInput& input, PartState& state, PartTask& task);
+/// Marks, the first time, what could not change between parts; tells the neighbours at which of the vertices that
+/// waited for it the part's tets are poor.
+void send_poor(const SharedInput& input, PartState& state, PartTask& task);
+
+/// Tells the neighbours which of the vertices where any part's tets are poor the part has.
+void send_shared(const SharedInput& input, PartState& state, PartTask& task);
 
 /// Takes the strips that other parts are to have out of the mesh and sends them; in the first round, number 0, only
 /// those between two parts.
