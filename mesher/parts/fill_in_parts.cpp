@@ -28,6 +28,7 @@ class Filler {
         schedule_(communicator, runner, input.decomposition.part_count(), trace),
         states_(input.decomposition.part_count(), schedule_.local_parts()) {
     for (const PartId part : states_.local()) states_.at(part).maker = part;
+    for (std::size_t p = 0; p < states_.part_count(); ++p) all_work_ += input.decomposition.work(PartId(p));
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
 
@@ -46,33 +47,49 @@ class Filler {
   }
 
  private:
-  Step step(const char* name, std::function<void(PartState&, PartTask&)> body, bool sends) {
+  enum class Sends { Nothing, Messages };
+
+  // `percent`: of the whole time, roughly, for progress.
+  Step step(const char* name, int percent, Sends sends, std::function<void(PartState&, PartTask&)> body) {
     Step made;
     made.name = name;
-    made.body = [this, body = std::move(body)](PartTask& task) {
+    percents_.push_back(percent);
+    made.body = [this, percent, body = std::move(body)](PartTask& task) {
       PartState& state = states_[task];
       if (!state.fault.any()) body(state, task);
+      runner_.advance(progress_of(task.part(), percent));
     };
-    if (sends) made.links = links_;
+    if (sends == Sends::Messages) made.links = links_;
     made.work = [this](PartId part) { return input_.decomposition.work(part); };
     return made;
   }
 
+  std::uint64_t progress_of(PartId part, int percent) const {
+    return input_.filling.progress.part_of_whole(percent, input_.decomposition.work(part) / all_work_);
+  }
+
+  void run_steps(const std::vector<Step>& steps) {
+    schedule_.run(steps);
+    std::uint64_t advanced = 0;
+    for (const PartId part : states_.local())
+      for (const int percent : percents_) advanced += progress_of(part, percent);
+    input_.filling.progress.note(advanced);
+    percents_.clear();
+  }
+
   void make_tets() {
     std::vector<Step> steps;
-    steps.push_back(step(
-        "points", [&](PartState& s, PartTask& t) { find_points(input_, s, t); }, true));
+    steps.push_back(step("points", 15, Sends::Messages, [&](PartState& s, PartTask& t) { find_points(input_, s, t); }));
     if (input_.is_graded())
-      steps.push_back(step(
-          "grading", [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }, true));
-    steps.push_back(step(
-        "core", [&](PartState& s, PartTask& t) { make_core(input_, s, t); }, true));
+      steps.push_back(
+          step("grading", 5, Sends::Messages, [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }));
+    steps.push_back(step("core", 8, Sends::Messages, [&](PartState& s, PartTask& t) { make_core(input_, s, t); }));
     const auto shell = [&](PartState& s, PartTask& t) {
       take_shell_points(s, t);
       make_shell(input_, s, t.part(), t.runner());
     };
-    steps.push_back(step("shell", shell, false));
-    schedule_.run(steps);
+    steps.push_back(step("shell", 30, Sends::Nothing, shell));
+    run_steps(steps);
   }
 
   // Tets whose balls reach beyond what their part knows are asked about where they reach to.
@@ -234,24 +251,23 @@ class Filler {
       optimize_inside(input_, s, t.runner());
       send_poor(input_, s, t);
     };
-    steps.push_back(step("optimize", inside, true));
+    steps.push_back(step("optimize", 25, Sends::Messages, inside));
     for (std::size_t round = 0; round < kStripRounds; ++round) {
-      steps.push_back(step(
-          "share", [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }, true));
-      steps.push_back(step(
-          "claim", [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }, true));
+      steps.push_back(step("share", 1, Sends::Messages, [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }));
+      steps.push_back(
+          step("claim", 2, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
       const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
         take_strips(input_, s, t);
         is_last ? send_borders(s, t) : send_poor(input_, s, t);
       };
-      steps.push_back(step("strips", take, true));
+      steps.push_back(step("strips", 3, Sends::Messages, take));
     }
     const auto finish = [&](PartState& s, PartTask& t) {
       take_borders(s, t);
       finish_part(input_, s, t.part(), t.runner());
     };
-    steps.push_back(step("finish", finish, false));
-    schedule_.run(steps);
+    steps.push_back(step("finish", 8, Sends::Nothing, finish));
+    run_steps(steps);
     if (!all_faces_met()) states_.at(states_.local().front()).fault.message = "the faces of parts do not fit together";
   }
 
@@ -347,6 +363,8 @@ class Filler {
   PerPart<PartState> states_;
   Links links_;
   std::vector<Patch> patches_;  // per cluster
+  double all_work_ = 0;
+  std::vector<int> percents_;  // of the steps that are about to run
   std::size_t rounds_ = 0;
   std::size_t asked_ = 0;
 };

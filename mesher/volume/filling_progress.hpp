@@ -31,6 +31,13 @@ class FillingProgress {
   /// Cancelled.
   void reach(FillingStep step, const TaskRunner& runner);
 
+  /// So much of the whole a task of several may advance by, where it does `share` of what takes so many percent.
+  std::uint64_t part_of_whole(int percent, double share) const {
+    return static_cast<std::uint64_t>(static_cast<double>(whole_) * percent / 100 * share);
+  }
+  /// What tasks have advanced by on their own.
+  void note(std::uint64_t advanced) { reached_ += advanced; }
+
  private:
   std::uint64_t whole_, reached_ = 0;
   ModelEntity region_;
