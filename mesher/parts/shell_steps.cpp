@@ -66,8 +66,12 @@ class Shell {
   void find_kept() {
     fix_surface();
     state_.kept.clear(), state_.doubts.clear();
-    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet)
-      if (is_own(tet) && is_kept(tet)) keep(tet);
+    find_own_verts();
+    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
+      if (!has_own_vert(tet) || !is_kept(tet)) continue;
+      if (is_own(tet)) state_.kept.push_back(tet);
+      doubt(tet);
+    }
   }
 
   void fix_surface() {
@@ -97,19 +101,27 @@ class Shell {
     }
   }
 
-  // Sets lowest_, too.
-  bool is_own(std::uint32_t tet) {
+  void find_own_verts() {
+    is_own_vert_.assign(first_outer_, 0);
+    for (std::uint32_t v = 0; v < surface_count_; ++v)
+      is_own_vert_[v] = input_.surface.owner_of(state_.surface[v]) == part_;
+    for (const std::uint32_t v : state_.core.shell_verts) is_own_vert_[v] = 1;
+  }
+
+  // Sets own_, too.
+  bool has_own_vert(std::uint32_t tet) {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
-    const std::uint32_t lowest = std::min({v[0], v[1], v[2], v[3]});
-    if (has_outer(tet)) return false;
-    if (lowest < surface_count_) {
-      lowest_ = lowest;
-      return input_.surface.owner_of(state_.surface[lowest]) == part_;
+    own_ = kNone;
+    for (int i = 0; i < 4; ++i) {
+      if (v[i] >= first_outer_) return false;
+      if (is_own_vert_[v[i]] && (own_ == kNone || state_.keys[v[i]] < state_.keys[own_])) own_ = v[i];
     }
-    lowest_ = v[0];
-    for (int i = 1; i < 4; ++i)
-      if (state_.keys[v[i]] < state_.keys[lowest_]) lowest_ = v[i];
-    return maker_of(state_.keys[lowest_]) == part_;
+    return own_ != kNone;
+  }
+
+  bool is_own(std::uint32_t tet) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    return std::all_of(v, v + 4, [&](std::uint32_t vert) { return state_.keys[own_] <= state_.keys[vert]; });
   }
 
   // Whether the tet is one of the mesh, of those that are no tets of the core: neither outside nor in the core's place.
@@ -121,19 +133,19 @@ class Shell {
     return count > 0 || !is_in_core(tet);
   }
 
-  // In the place of the core when it holds a pure site. One next to its lowest vertex is held then: near that vertex,
-  // the tet overlaps a tet of the core, which has another vertex in the ball.
+  // In the place of the core when it holds a pure site. One next to its own vertex is held then: near that vertex, the
+  // tet overlaps a tet of the core, which has another vertex in the ball.
   bool is_in_core(std::uint32_t tet) const {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
       if (state_.pure_around[v[i]] == 0) return false;
     std::size_t l = 0;
-    while (lowest_ >= state_.core.level_to_vert[l + 1]) ++l;
+    while (own_ >= state_.core.level_to_vert[l + 1]) ++l;
     const lattice::LevelPoints& level = state_.levels[l];
-    const lattice::Site& site = level.sites[lowest_ - state_.core.level_to_vert[l]];
+    const lattice::Site& site = level.sites[own_ - state_.core.level_to_vert[l]];
     const auto& around = level.lattice.shape().around(level.lattice.shape().kind_of(site));
     for (std::size_t i = 0; i < around.size(); ++i) {
-      if (!(state_.pure_around[lowest_] >> i & 1)) continue;
+      if (!(state_.pure_around[own_] >> i & 1)) continue;
       const lattice::Site next{site.i + around[i].i, site.j + around[i].j, site.k + around[i].k};
       if (insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
                    level.lattice.point(next)) > 0)
@@ -163,14 +175,15 @@ class Shell {
     return std::max({v[0], v[1], v[2], v[3]}) >= first_outer_;
   }
 
-  void keep(std::uint32_t tet) {
-    state_.kept.push_back(tet);
+  // Tets of other parts are doubted, too: where the part does not know a point of a tet of its own, another one stands
+  // in its place.
+  void doubt(std::uint32_t tet) {
     const Doubt ball = ball_of(mesh_, tet);
     const Vec3 reach{ball.radius, ball.radius, ball.radius};
     const double outside =
         std::max(distance_outside(ball.center - reach, box_), distance_outside(ball.center + reach, box_));
     if (outside <= 0) return;
-    const double size = input_.size_at(mesh_.points[lowest_]);
+    const double size = input_.size_at(mesh_.points[own_]);
     const double least =
         input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
     if (!(outside <= kShellReach * least)) state_.doubts.push_back(ball);
@@ -182,7 +195,9 @@ class Shell {
   const TaskRunner& runner_;
   TetMesh& mesh_;
   const Box3& box_;
-  std::uint32_t surface_count_, first_outer_ = 0, lowest_ = 0;
+  std::uint32_t surface_count_, first_outer_ = 0;
+  std::uint32_t own_ = 0;  // of a tet's vertices of the part, the one of the lowest key
+  std::vector<char> is_own_vert_;
   std::optional<tets::TriangleIndex> index_;
 };
 
