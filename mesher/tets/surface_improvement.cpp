@@ -42,7 +42,7 @@ class SurfaceImprover {
       if ((swapped + slid) * kLeastShare < first) break;
     }
     if (first > 0) summarize_result(mesh_, options_.goals, report);
-    mesh_.finish();
+    mesh_.finish(options_.keep_points);
     report.tets = mesh_.mesh().size();
   }
 
