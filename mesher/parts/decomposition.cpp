@@ -99,8 +99,8 @@ std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, 
   for (const Piece& piece : pieces)
     if (piece.box.hi[axis] > piece.box.lo[axis]) spans.push_back({piece.box.lo[axis], piece.box.hi[axis], piece.work});
   const std::size_t low_count = part_count / 2;
-  const double at =
-      spans.empty() ? 0 : find_cut(spans, static_cast<double>(low_count) / static_cast<double>(part_count));
+  double at = spans.empty() ? 0 : find_cut(spans, static_cast<double>(low_count) / static_cast<double>(part_count));
+  at = std::clamp(at, box.lo[axis], box.hi[axis]);  // where nothing is to be cut
   std::array<std::vector<Piece>, 2> sides;
   for (const Piece& piece : pieces) {
     for (std::size_t side = 0; side < 2; ++side) {

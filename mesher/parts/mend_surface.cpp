@@ -226,6 +226,7 @@ void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32
     strip.mesh.to_fixed.push_back(patch.fixed[t]);
     state.seen_sides += static_cast<std::size_t>(std::popcount(patch.fixed[t]));
   }
+  state.figures.shell_tets += patch.made.size();
   link_strip(strip);
   std::vector<FaceCode> open;
   for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face)

@@ -119,6 +119,26 @@ Surface ball_surface(int levels, const Vec3& center, std::uint32_t region, Radiu
   return surface;
 }
 
+/// Sizes that grow from `low` to `high` along x in [-1.5, 1.5].
+inline SizeField growing_sizes(double low, double high) {
+  SizeOctree tree;
+  tree.origin = {-1.5, -1.5, -1.5};
+  tree.width = 3;
+  tree.domain = {tree.origin, {1.5, 1.5, 1.5}};
+  tree.size = high;
+  tree.gradation = (high - low) / 3;
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    tree.cells.push_back(SizeOctree::kLeafBit + octant);
+    std::array<float, 8> ratios;
+    for (std::uint32_t corner = 0; corner < 8; ++corner) {
+      const double x = 0.5 * ((octant & 1) + (corner & 1));
+      ratios[corner] = static_cast<float>((low + x * (high - low)) / high);
+    }
+    tree.corner_ratios.push_back(ratios);
+  }
+  return SizeField::from_octree(tree);
+}
+
 inline std::vector<Vec3> all_points(const Surface& surface, const VolumeMesh& mesh) {
   std::vector<Vec3> points = surface.points;
   points.insert(points.end(), mesh.new_points.begin(), mesh.new_points.end());

@@ -1,0 +1,173 @@
+// Space in boxes, one per part.
+#include <cmath>
+#include <optional>
+
+#include "mesher/parts/decomposition.hpp"
+#include "tests/mesher/volume_surfaces.hpp"
+
+namespace tetloom::parts {
+namespace {
+
+using namespace volume_tests;
+
+// A surface with the cells of its inside.
+struct Cells {
+  Surface surface;
+  SizeField sizes;
+  std::optional<intersection::TriangleTree> tree;
+  lattice::LatticeRequest request;
+  std::optional<lattice::LatticeCells> cells;
+
+  Cells(Surface from, SizeField of) : surface(std::move(from)), sizes(std::move(of)) {
+    const TaskRunner runner(2);
+    tree.emplace(surface.points, surface.tri_to_vert, runner);
+    request.tree = &*tree, request.tri_to_sides = surface.tri_to_sides, request.sizes = &sizes;
+    for (const Vec3& x : surface.points) request.box.add(x);
+    cells.emplace(request, runner);
+  }
+  Cells(const Cells&) = delete;
+
+  Decomposition cut(std::size_t parts) const { return {*cells, parts}; }
+  Vec3 any_point(std::mt19937_64& random, double margin) const {
+    Vec3 x;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double lo = request.box.lo[axis] - margin, hi = request.box.hi[axis] + margin;
+      x[axis] = std::uniform_real_distribution<double>(lo, hi)(random);
+    }
+    return x;
+  }
+};
+
+Surface ball(int levels) {
+  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+}
+
+bool is_in(const Vec3& x, const Box3& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(box.lo[axis] <= x[axis] && x[axis] < box.hi[axis])) return false;
+  return true;
+}
+
+bool are_neighbors(const Decomposition& decomposition, PartId a, PartId b) {
+  const auto list = decomposition.neighbors(a);
+  return std::binary_search(list.begin(), list.end(), b);
+}
+
+// A boundary that is exactly at the point belongs to the upper box, as it does to the upper child.
+void check_tiles(const Cells& cells, const Decomposition& decomposition) {
+  std::mt19937_64 random(99);
+  for (int i = 0; i < 2000; ++i) {
+    Vec3 x = cells.any_point(random, 1);
+    if (i % 4 == 0)
+      x[i / 4 % 3] =
+          decomposition.box(PartId(static_cast<std::uint32_t>(random() % decomposition.part_count()))).hi[i / 4 % 3];
+    if (!is_finite(x)) continue;
+    const PartId owner = decomposition.owner_of(x);
+    REQUIRE(owner.value < decomposition.part_count());
+    for (std::uint32_t p = 0; p < decomposition.part_count(); ++p)
+      REQUIRE(is_in(x, decomposition.box(PartId(p))) == (owner == PartId(p)));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("boxes of parts tile space: every point lies in that of its owner and in no other") {
+  const Cells uniform(ball(3), SizeField::uniform(0.1)), graded(ball(3), growing_sizes(0.05, 0.2));
+  for (const Cells* cells : {&uniform, &graded})
+    for (const std::size_t parts : {1u, 2u, 3u, 7u, 64u}) check_tiles(*cells, cells->cut(parts));
+}
+
+TEST_CASE("parts of any number have the same work") {
+  const Surface ring = voxel_surface({3, 3, 1}, 4, [](int i, int j, int) { return i == 1 && j == 1 ? kOutside : 0u; });
+  const Cells uniform(ball(3), SizeField::uniform(0.1)), graded(ball(3), growing_sizes(0.05, 0.2)),
+      hollow(ring, SizeField::uniform(0.1));
+  for (const Cells* cells : {&uniform, &graded, &hollow}) {
+    const double whole = cells->cut(1).work(PartId(0));
+    REQUIRE(whole > 0);
+    for (const std::size_t parts : {2u, 5u, 16u, 100u}) {
+      const Decomposition decomposition = cells->cut(parts);
+      REQUIRE(decomposition.part_count() == parts);
+      double sum = 0;
+      for (std::uint32_t p = 0; p < parts; ++p) {
+        const double work = decomposition.work(PartId(p));
+        CHECK(work * double(parts) == Approx(whole).epsilon(0.2));
+        sum += work;
+      }
+      CHECK(sum == Approx(whole).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("the number of tets is estimated within a fifth") {
+  const Surface surface = ball(5);
+  const SizeField sizes = SizeField::uniform(0.06);
+  const Cells cells(surface, sizes);
+  const VolumeMesh mesh = fill_volume(surface.input(sizes), {}, TaskRunner(2));
+  CHECK(estimate_tets(*cells.cells) == Approx(double(mesh.tet_to_vert.size())).epsilon(0.2));
+}
+
+TEST_CASE("a part's cells are those that reach into its box") {
+  const Cells cells(ball(3), growing_sizes(0.05, 0.2));
+  const Decomposition decomposition = cells.cut(9);
+  for (std::uint32_t p = 0; p < 9; ++p) {
+    const Box3& box = decomposition.box(PartId(p));
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t c = 0; c < cells.cells->cells().size(); ++c) {
+      const Box3& cell = cells.cells->cells()[c].box;
+      bool reaches = true;
+      for (int axis = 0; axis < 3; ++axis) reaches &= cell.lo[axis] < box.hi[axis] && cell.hi[axis] > box.lo[axis];
+      if (reaches) expected.push_back(c);
+    }
+    const auto found = decomposition.cells_of(PartId(p));
+    CHECK(std::vector<std::uint32_t>(found.begin(), found.end()) == expected);
+  }
+}
+
+TEST_CASE("neighbours are so on both sides, and whoever has anything near is one") {
+  const Cells uniform(ball(3), SizeField::uniform(0.02)), graded(ball(3), growing_sizes(0.02, 0.06));
+  for (const Cells* cells : {&uniform, &graded}) {
+    const Decomposition decomposition = cells->cut(40);
+    std::size_t links = 0;
+    for (std::uint32_t p = 0; p < 40; ++p) {
+      CHECK_FALSE(are_neighbors(decomposition, PartId(p), PartId(p)));
+      for (const PartId other : decomposition.neighbors(PartId(p)))
+        CHECK(are_neighbors(decomposition, other, PartId(p)));
+      links += decomposition.neighbors(PartId(p)).size();
+    }
+    CHECK(links < 40 * 39);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 x = cells->any_point(random, 0);
+      if (!cells->cells->is_inside(x)) continue;
+      const double reach = Decomposition::kNeighborhood * cells->sizes.size_at(x);
+      std::uniform_real_distribution<double> step(-reach, reach);
+      const PartId a = decomposition.owner_of(x);
+      const PartId b = decomposition.owner_of(x + Vec3{step(random), step(random), step(random)});
+      if (a != b) REQUIRE(are_neighbors(decomposition, a, b));
+    }
+  }
+}
+
+TEST_CASE("one part is all of space") {
+  const Cells cells(ball(2), SizeField::uniform(0.2));
+  const Decomposition decomposition = cells.cut(1);
+  CHECK(decomposition.neighbors(PartId(0)).empty());
+  CHECK(decomposition.cells_of(PartId(0)).size() == cells.cells->cells().size());
+  CHECK(decomposition.box(PartId(0)).lo == Vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL));
+  CHECK(decomposition.box(PartId(0)).hi == Vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL));
+}
+
+TEST_CASE("where there are more parts than numbers to cut at, some are left without cells") {
+  Surface cube = cube_surface(1);
+  for (Vec3& x : cube.points) x += 0x1p51 * Vec3{1, 1, 1};  // numbers are halves there
+  const Cells cells(cube, SizeField::uniform(1));
+  const Decomposition decomposition = cells.cut(600);
+  CHECK(decomposition.part_count() == 600);
+  std::size_t empty = 0;
+  for (std::uint32_t p = 0; p < 600; ++p) empty += decomposition.cells_of(PartId(p)).empty();
+  CHECK(empty > 0);
+  CHECK(empty < 600);
+  check_tiles(cells, decomposition);
+}
+
+}  // namespace tetloom::parts
