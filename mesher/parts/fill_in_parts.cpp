@@ -172,17 +172,19 @@ class Filler {
     const std::vector<Cluster> clusters = make_clusters(input_, missing);
     std::vector<Message> answers;
     for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(clusters[c], c, answers);
-    std::vector<std::vector<ShellPoint>> cluster_to_points(clusters.size());
+    std::vector<Neighborhood> around(clusters.size());
     for (const Message& message : exchange_all(std::move(answers))) {
       MessageReader reader(message.bytes);
-      auto& list = cluster_to_points[reader.get<std::uint64_t>()];
+      Neighborhood& one = around[reader.get<std::uint64_t>()];
       const auto points = reader.get_view<ShellPoint>();
-      list.insert(list.end(), points.begin(), points.end());
+      const auto pure = reader.get_view<PureSite>();
+      one.points.insert(one.points.end(), points.begin(), points.end());
+      one.pure.insert(one.pure.end(), pure.begin(), pure.end());
     }
     patches_.resize(clusters.size());
     runner_.for_each(clusters.size(), [&](std::size_t c) {
       if (!states_.is_local(clusters[c].part)) return;
-      patches_[c] = recover_cluster(input_, clusters[c], std::move(cluster_to_points[c]), runner_);
+      patches_[c] = recover_cluster(input_, clusters[c], std::move(around[c]), runner_);
     });
     take_patches(clusters);
   }
@@ -213,10 +215,11 @@ class Filler {
   void send_neighborhood(const Cluster& cluster, std::uint32_t index, std::vector<Message>& messages) {
     input_.decomposition.for_each_in(cluster.box, [&](PartId part) {
       if (!states_.is_local(part)) return;
-      const std::vector<ShellPoint> points = find_points_in(input_, states_.at(part), part, cluster);
+      const Neighborhood found = find_neighborhood(input_, states_.at(part), part, cluster);
       MessageWriter writer;
       writer.put(std::uint64_t{index});
-      writer.put_array<ShellPoint>(points);
+      writer.put_array<ShellPoint>(found.points);
+      writer.put_array<PureSite>(found.pure);
       messages.push_back({part, cluster.part, index, writer.take()});
     });
   }

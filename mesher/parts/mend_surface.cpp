@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <optional>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/predicates/predicates.hpp"
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/delaunay.hpp"
+#include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recovery.hpp"
 
 namespace tetloom::parts {
@@ -33,10 +36,15 @@ Box3 box_around(const SharedInput& input, std::uint32_t triangle, double sizes) 
 
 class ClusterRecovery {
  public:
-  ClusterRecovery(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
-                  const TaskRunner& runner)
-      : input_(input), cluster_(cluster), points_(std::move(points)), runner_(runner) {
+  ClusterRecovery(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner)
+      : input_(input),
+        cluster_(cluster),
+        points_(std::move(around.points)),
+        pure_(std::move(around.pure)),
+        runner_(runner) {
     std::sort(points_.begin(), points_.end(), [](const ShellPoint& a, const ShellPoint& b) { return a.key < b.key; });
+    std::stable_sort(pure_.begin(), pure_.end(),
+                     [](const PureSite& a, const PureSite& b) { return a.next_to < b.next_to; });
     for (const ShellPoint& point : points_) {
       mesh_.points.push_back(point.point);
       keys_.push_back(point.key);
@@ -48,6 +56,7 @@ class ClusterRecovery {
     std::vector<std::uint32_t> verts(keys_.size());
     std::iota(verts.begin(), verts.end(), 0u);
     first_outer_ = make_delaunay(mesh_, verts, runner_, {input_.box, keys_}).first_outer;
+    fix_core();
     find_triangles();
     const std::vector<TetKeys> before = name_tets();
     const tets::RecoveryReport report = recover_boundary(mesh_, verts_, {}, runner_);
@@ -69,6 +78,33 @@ class ClusterRecovery {
   }
 
  private:
+  // Faces between the shell and the place of the core stay.
+  void fix_core() {
+    std::vector<char> in_core(mesh_.size());
+    for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) in_core[tet] = is_in_core(tet);
+    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
+      const FaceCode behind = mesh_.to_neighbor[face];
+      if (behind == kNone || in_core[face / 4] == in_core[behind / 4]) continue;
+      if (!has_outer(face / 4) && !has_outer(behind / 4))
+        mesh_.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4);
+    }
+  }
+
+  // As the shell's tets are; see there.
+  bool is_in_core(std::uint32_t tet) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    for (int i = 0; i < 4; ++i)
+      if (v[i] >= first_outer_ || points_[v[i]].has_pure == 0) return false;
+    const VertKey lowest = keys_[std::min({v[0], v[1], v[2], v[3]})];
+    auto pure = std::lower_bound(pure_.begin(), pure_.end(), lowest,
+                                 [](const PureSite& site, VertKey key) { return site.next_to < key; });
+    for (; pure != pure_.end() && pure->next_to == lowest; ++pure)
+      if (insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
+                   pure->point) > 0)
+        return true;
+    return false;
+  }
+
   // Those that are there, to be kept, and those that are to be recovered.
   void find_triangles() {
     std::vector<std::uint32_t> near;
@@ -96,6 +132,7 @@ class ClusterRecovery {
       verts_.push_back(near_verts[t]);
       triangles_.push_back(near[t]);
     }
+    index_.emplace(verts_, surface_count_);
   }
 
   VertKey key(std::uint32_t v) const { return v < first_outer_ ? keys_[v] : kNewPoint + (v - first_outer_ - 4); }
@@ -127,11 +164,10 @@ class ClusterRecovery {
   bool is_inside(std::uint32_t tet) const {
     for (const VertKey one : keys_of(tet))
       if (!is_of_surface(one) && one < kNewPoint) return true;
-    const tets::TriangleIndex index(verts_, surface_count_);
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
       if (!mesh_.is_fixed(face)) continue;
       const tets::SortedTriangle name = tets::sorted(verts_of(mesh_, face));
-      const auto* triangle = index.find(name);
+      const auto* triangle = index_->find(name);
       if (!triangle) continue;
       const FaceSides& sides = input_.filling.complex.tri_to_sides[triangles_[triangle->triangle]];
       return (name.turned == triangle->turned ? sides.back : sides.front).valid();
@@ -142,7 +178,9 @@ class ClusterRecovery {
 
   void make(std::uint32_t tet) {
     patch_.made.push_back(keys_of(tet));
-    patch_.fixed.push_back(mesh_.to_fixed[tet]);
+    std::uint8_t& fixed = patch_.fixed.emplace_back(mesh_.to_fixed[tet]);
+    for (std::uint32_t i = 0; i < 4; ++i)
+      if (verts_of(mesh_, tet * 4 + i)[0] >= surface_count_) fixed &= static_cast<std::uint8_t>(~(1u << i));
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh_.to_vert[std::size_t{tet} * 4 + i];
       if (v >= first_outer_) continue;
@@ -153,13 +191,15 @@ class ClusterRecovery {
 
   const SharedInput& input_;
   const Cluster& cluster_;
-  std::vector<ShellPoint> points_;
+  std::vector<ShellPoint> points_;  // by key
+  std::vector<PureSite> pure_;      // by the key that they are next to
   const TaskRunner& runner_;
   TetMesh mesh_;
   std::vector<VertKey> keys_;
   std::uint32_t surface_count_ = 0, first_outer_ = 0;
   std::vector<TriangleVerts> verts_;      // triangles there are to be
   std::vector<std::uint32_t> triangles_;  // the same, of the complex
+  std::optional<tets::TriangleIndex> index_;
   std::vector<std::uint32_t> used_;
   Patch patch_;
 };
@@ -191,21 +231,25 @@ std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std
   return clusters;
 }
 
-std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
-                                       const Cluster& cluster) {
-  std::vector<ShellPoint> found;
+Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
+  Neighborhood found;
   const GrowingArray<Vec3>& points = state.shell.points;
   for (std::uint32_t v = 0; v < state.surface_count(); ++v)
     if (input.surface.owner_of(state.surface[v]) == part && cluster.box.contains(points[v]))
-      found.push_back({points[v], state.keys[v], 0});
-  for (const std::uint32_t v : state.core.shell_verts)
-    if (cluster.box.contains(points[v])) found.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+      found.points.push_back({points[v], state.keys[v], 0});
+  for (const std::uint32_t v : state.core.shell_verts) {
+    if (!cluster.box.contains(points[v])) continue;
+    found.points.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+    any_pure_around(state, v, [&](const Vec3& pure) {
+      found.pure.push_back({state.keys[v], pure});
+      return false;
+    });
+  }
   return found;
 }
 
-Patch recover_cluster(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
-                      const TaskRunner& runner) {
-  return ClusterRecovery(input, cluster, std::move(points), runner).run();
+Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner) {
+  return ClusterRecovery(input, cluster, std::move(around), runner).run();
 }
 
 void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32_t region) {

@@ -24,9 +24,20 @@ struct Cluster {
 /// The clusters of missing triangles, by their lowest triangle. Pre: `missing` ascends.
 std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std::uint32_t> missing);
 
+/// A pure site next to a point of the shell.
+struct PureSite {
+  VertKey next_to;
+  Vec3 point;
+};
+
+/// What there is around a cluster.
+struct Neighborhood {
+  std::vector<ShellPoint> points;
+  std::vector<PureSite> pure;  ///< next to these, and so inside of the core
+};
+
 /// Own points of the shell in the cluster's box.
-std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
-                                       const Cluster& cluster);
+Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster);
 
 /// What recovering a cluster has changed.
 struct Patch {
@@ -40,9 +51,8 @@ struct Patch {
 };
 inline constexpr VertKey kNewPoint = VertKey{1} << 63;
 
-/// `points`: of all parts, in the cluster's box.
-Patch recover_cluster(const SharedInput& input, const Cluster& cluster, std::vector<ShellPoint> points,
-                      const TaskRunner& runner);
+/// `around`: of all parts, in the cluster's box.
+Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner);
 
 /// Puts the tets of a patch into its part's mesh, whose own ones have been joined.
 void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32_t region);

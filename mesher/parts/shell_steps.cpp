@@ -139,19 +139,10 @@ class Shell {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
       if (state_.pure_around[v[i]] == 0) return false;
-    std::size_t l = 0;
-    while (own_ >= state_.core.level_to_vert[l + 1]) ++l;
-    const lattice::LevelPoints& level = state_.levels[l];
-    const lattice::Site& site = level.sites[own_ - state_.core.level_to_vert[l]];
-    const auto& around = level.lattice.shape().around(level.lattice.shape().kind_of(site));
-    for (std::size_t i = 0; i < around.size(); ++i) {
-      if (!(state_.pure_around[own_] >> i & 1)) continue;
-      const lattice::Site next{site.i + around[i].i, site.j + around[i].j, site.k + around[i].k};
-      if (insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
-                   level.lattice.point(next)) > 0)
-        return true;
-    }
-    return false;
+    return any_pure_around(state_, own_, [&](const Vec3& pure) {
+      return insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
+                      pure) > 0;
+    });
   }
 
   bool is_in_region(std::uint32_t tet) const {

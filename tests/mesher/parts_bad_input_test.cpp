@@ -63,15 +63,15 @@ TEST_CASE("parts of a few tets, and more parts than points, make a valid mesh") 
 }
 
 TEST_CASE("a surface without room for the points of a lattice is filled in parts") {
-  const PartsCase one{"rod", voxel_surface({400, 1, 1}, 1, [](int, int, int) { return 0u; }), SizeField::uniform(2),
+  const PartsCase one{"rod", voxel_surface({250, 1, 1}, 1, [](int, int, int) { return 0u; }), SizeField::uniform(2),
                       20};
   const VolumeMesh mesh = fill_case(one);
   REQUIRE(mesh.errors.empty());
   INFO(mesh.figures.parts.given_up_why);
   CHECK(mesh.figures.parts.given_up == 0);
   CHECK(mesh.figures.parts.parts > 3);
-  CHECK(mesh.new_points.size() < 100);
-  CHECK(check_filling(one.surface, mesh).at(0) == Approx(400));
+  CHECK(mesh.new_points.size() < 60);
+  CHECK(check_filling(one.surface, mesh).at(0) == Approx(250));
 }
 
 TEST_CASE("two points in one place are the error in parts that they are in one") {

@@ -37,9 +37,9 @@ Polled fill_polled(const PartsCase& one, std::uint64_t last, int threads) {
 
 std::vector<PartsCase> cases() {
   std::vector<PartsCase> list;
-  list.push_back({"ball", round_ball(3), SizeField::uniform(0.16), 1e3});
-  list.push_back({"graded", round_ball(3), growing_sizes(0.11, 0.25), 1e3});
-  list.push_back({"prisms", ball_with_prisms(3, {{-0.4, 0, 0}, {0.4, 0.1, 0}}, 0.2), SizeField::uniform(0.16), 1e3});
+  list.push_back({"ball", round_ball(3), SizeField::uniform(0.2), 600});
+  list.push_back({"graded", round_ball(3), growing_sizes(0.14, 0.3), 600});
+  list.push_back({"prisms", ball_with_prisms(3, {{-0.4, 0, 0}, {0.4, 0.1, 0}}, 0.2), SizeField::uniform(0.2), 600});
   return list;
 }
 

@@ -20,14 +20,14 @@ Surface ball_in_ball(std::uint32_t core) {
 
 std::vector<PartsCase> all_kinds() {
   std::vector<PartsCase> cases;
-  cases.push_back({"uniform", round_ball(4), SizeField::uniform(0.09), 4e3});
-  cases.push_back({"graded", round_ball(4), growing_sizes(0.05, 0.2), 4e3});
-  cases.push_back({"A15", round_ball(4), SizeField::uniform(0.09), 4e3, LatticeKind::A15});
-  cases.push_back({"graded A15", round_ball(4), growing_sizes(0.07, 0.2), 4e3, LatticeKind::A15});
+  cases.push_back({"uniform", round_ball(4), SizeField::uniform(0.11), 2500});
+  cases.push_back({"graded", round_ball(4), growing_sizes(0.06, 0.2), 3e3});
+  cases.push_back({"A15", round_ball(4), SizeField::uniform(0.11), 2500, LatticeKind::A15});
+  cases.push_back({"graded A15", round_ball(4), growing_sizes(0.07, 0.2), 2500, LatticeKind::A15});
   cases.push_back({"regions", voxel_surface({3, 2, 1}, 8, [](int i, int, int) { return i == 0 ? 4u : 2u; }),
-                   SizeField::uniform(1.0 / 8), 4e3});
-  cases.push_back({"void", ball_in_ball(kOutside), SizeField::uniform(0.09), 3e3});
-  cases.push_back({"region in another", ball_in_ball(7), SizeField::uniform(0.09), 4e3});
+                   SizeField::uniform(1.0 / 8), 2500});
+  cases.push_back({"void", ball_in_ball(kOutside), SizeField::uniform(0.11), 2e3});
+  cases.push_back({"region in another", ball_in_ball(7), SizeField::uniform(0.11), 2500});
   cases.push_back({"plate", voxel_surface({20, 20, 2}, 1, all_of_it), SizeField::uniform(1), 2e3});
   return cases;
 }
@@ -140,9 +140,9 @@ TEST_CASE("random star-shaped bodies are filled in parts, where tets reach far a
 }
 
 TEST_CASE("the surface of a volume in parts may change, and is true to the model") {
-  PartsCase one{"shaken", round_ball(4), SizeField::uniform(0.1), 2e3};
+  PartsCase one{"shaken", round_ball(4), SizeField::uniform(0.1), 3e3};
   std::mt19937 random(5);
-  const auto amount = [&] { return 0.08 * (double(random()) / 4294967296.0 - 0.5); };
+  const auto amount = [&] { return 0.06 * (double(random()) / 4294967296.0 - 0.5); };
   for (Vec3& x : one.surface.points) x = normalized(x + Vec3{amount(), amount(), amount()});
   const auto model = test_models::make_sphere({}, 1);
   const std::vector<ModelEntity> point_to_entity(one.surface.points.size(), ModelFaceId(0));
@@ -154,11 +154,12 @@ TEST_CASE("the surface of a volume in parts may change, and is true to the model
     return fill_volume(input, options, TaskRunner(threads));
   };
   const VolumeMesh mesh = fill(true, 2), kept = fill(false, 2);
+  CAPTURE(kept.figures.optimizer.below_dihedral, kept.figures.optimizer.least, kept.figures.parts.parts);
   for (const Diagnostic& error : mesh.errors) UNSCOPED_INFO(error.message);
   REQUIRE(mesh.errors.empty());
   INFO(mesh.figures.parts.given_up_why);
   CHECK(mesh.figures.parts.given_up == 0);
-  CHECK(mesh.figures.parts.parts > 5);
+  CHECK(mesh.figures.parts.parts > 4);
   CHECK(mesh.moved_points.size() > 0);
   CHECK(kept.moved_points.size() + kept.changed_triangles.size() == 0);
   Surface changed = one.surface;
@@ -168,7 +169,7 @@ TEST_CASE("the surface of a volume in parts may change, and is true to the model
   }
   for (const ChangedTriangle& triangle : mesh.changed_triangles)
     changed.tri_to_vert[triangle.triangle] = triangle.verts;
-  CHECK(check_filling(changed, mesh).at(0) == Approx(4.18).epsilon(0.01));
+  CHECK(check_filling(changed, mesh).at(0) == Approx(4.18).epsilon(0.03));
   CHECK(find_self_intersections({changed.points, changed.tri_to_vert, {}}, TaskRunner(1)).empty());
   CHECK(mesh.figures.optimizer.below_dihedral <= kept.figures.optimizer.below_dihedral);
   const VolumeMesh again = fill(true, 1);

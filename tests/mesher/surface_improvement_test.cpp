@@ -194,8 +194,9 @@ TEST_CASE("a vertex stays where the model, the surface or its entity forbid a sl
   expect(SlideVerdict::Stays);
 }
 
-tets::OptimizeReport improve(CubeGrid& grid) {
+tets::OptimizeReport improve(CubeGrid& grid, bool keep_points = false) {
   tets::OptimizeOptions options;
+  options.keep_points = keep_points;
   options.fixed_points = grid.fixed_points;
   options.goals.dihedral = 30;
   tets::OptimizeReport report;
@@ -225,6 +226,26 @@ TEST_CASE("shaken cubes of one and two regions get better, with their shape, fac
       CHECK(grid.surface.tri_to_vert == again.surface.tri_to_vert);
     }
   }
+}
+
+TEST_CASE("points keep their numbers where it is asked, also those that no tet has any more") {
+  std::size_t dropped = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    CAPTURE(seed);
+    CubeGrid grid = make_cube_grid(6, 1, 0.75, seed), kept = grid;
+    const std::size_t before = grid.mesh.points.size();
+    const tets::OptimizeReport report = improve(grid), same_report = improve(kept, true);
+    CHECK(kept.mesh.points.size() >= before);
+    CHECK(kept.mesh.points.size() >= grid.mesh.points.size());
+    dropped += kept.mesh.points.size() - grid.mesh.points.size();
+    // The same tets, with other numbers of points only.
+    CHECK(report.vertices_removed == same_report.vertices_removed);
+    REQUIRE(kept.mesh.size() == grid.mesh.size());
+    for (std::uint32_t tet = 0; tet < grid.mesh.size(); ++tet)
+      for (int corner = 0; corner < 4; ++corner)
+        REQUIRE(kept.mesh.point_of(tet, corner) == grid.mesh.point_of(tet, corner));
+  }
+  CHECK(dropped > 0);
 }
 
 TEST_CASE("without a model no vertex moves and what lies in a plane is swapped") {
