@@ -255,7 +255,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
       ->type_name("P")
       ->group(group);
   mesh->add_option("--tets-per-part", raw.tets_per_part,
-                   "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: 5e5. The mesh "
+                   "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: 2.5e5. The mesh "
                    "depends on it, where parts meet")
       ->type_name("N")
       ->group(group);

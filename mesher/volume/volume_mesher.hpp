@@ -108,7 +108,7 @@ struct VolumeOptions {
 };
 
 /// Enough for the work at a part's boundary to be small, and few enough for many cores to share a mesh.
-inline constexpr double kTetsPerPart = 5e5;
+inline constexpr double kTetsPerPart = 2.5e5;
 
 /// The tetrahedra that fill_volume will make, within about a tenth for uniform sizes: the size field over the box of
 /// the surface, times the share of the box that the regions take; and the memory for them. Pre: as fill_volume.
