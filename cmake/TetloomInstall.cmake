@@ -1,6 +1,6 @@
 # The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading and ::mesher.
 # Headers lie under include/tetloom and are included as in the checkout: "mesher/mesher.hpp". Private headers
-# (detail/, *_detail.hpp and everything of threading and mesher but their one public header) stay behind.
+# (detail/, *_detail.hpp and everything of threading and mesher but their public headers) stay behind.
 include(CMakePackageConfigHelpers)
 
 get_property(tetloom_libraries GLOBAL PROPERTY TETLOOM_LIBRARIES)
@@ -12,13 +12,14 @@ install(TARGETS ${tetloom_libraries} EXPORT tetloomTargets ARCHIVE DESTINATION $
 if(tetloom_executables)
   install(TARGETS ${tetloom_executables} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-foreach(folder base geometry mesh io sizing predicates)
+foreach(folder base geometry mesh part io sizing predicates)
   install(DIRECTORY core/${folder}/ DESTINATION ${tetloom_include_dir}/core/${folder}
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*_detail.hpp" EXCLUDE PATTERN detail EXCLUDE)
 endforeach()
-install(FILES threading/message.hpp threading/task_runner.hpp threading/trace.hpp
+install(FILES threading/communicator.hpp threading/message.hpp threading/partitioned_mesh.hpp threading/parts_io.hpp
+              threading/schedule.hpp threading/task_runner.hpp threading/trace.hpp threading/whole_mesh.hpp
         DESTINATION ${tetloom_include_dir}/threading)
-install(FILES mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
+install(FILES mesher/mesh_in_parts.hpp mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
 install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}/mesher/lattice)
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp

@@ -1,271 +1,38 @@
 #include <algorithm>
-#include <map>
-#include <new>
-#include <optional>
-#include <sstream>
 
-#include "core/base/stopwatch.hpp"
-#include "mesher/complexes.hpp"
-#include "mesher/intersection/self_intersection.hpp"
-#include "mesher/mesher.hpp"
-#include "mesher/sizing/build_size_field.hpp"
-#include "mesher/sizing/misfits.hpp"
-#include "mesher/surface/surface_mesher.hpp"
-#include "mesher/volume/volume_mesher.hpp"
+#include "mesher/mesh_run_detail.hpp"
 
 namespace tetloom {
 namespace {
 
-class MeshRun {
- public:
-  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host)
-      : model_(model), options_(options), runner_(options.threads, host) {}
-
-  MeshResult run() {
-    for (std::size_t r = 0; r < model_.topology().region_count(); ++r)
-      result_.model_volume += model_.volume(ModelRegionId(r));
-    try {
-      run_stages();
-    } catch (const Error& error) {
-      if (error.code() == ErrorCode::InvalidArgument) throw;
-      fail(error.diagnostic());
-    } catch (const std::bad_alloc&) {
-      fail({ErrorCode::OutOfMemory, "the memory is exhausted", {}, {}, {}});
-    }
-    return std::move(result_);
+void add_volume(const GeometricModel& model, VolumeMesh&& volume, Mesh& mesh) {
+  const std::size_t given = mesh.points.size();
+  for (const MovedPoint& moved : volume.moved_points) mesh.points[moved.point] = moved.to;
+  for (const ChangedTriangle& changed : volume.changed_triangles) mesh.tri_to_vert[changed.triangle] = changed.verts;
+  mesh.points.insert(mesh.points.end(), volume.new_points.begin(), volume.new_points.end());
+  mesh.point_to_entity.resize(mesh.points.size());
+  mesh.tet_to_vert = std::move(volume.tet_to_vert);
+  mesh.tet_to_entity = std::move(volume.tet_to_region);
+  if (model.topology().region_count() == 1) {
+    std::fill(mesh.point_to_entity.begin() + static_cast<std::ptrdiff_t>(given), mesh.point_to_entity.end(),
+              ModelRegionId(0));
+    return;
   }
-
- private:
-  void fail(const Diagnostic& diagnostic) {
-    result_.status = diagnostic.code == ErrorCode::Cancelled ? MeshStatus::Cancelled : MeshStatus::Failed;
-    result_.errors.push_back(diagnostic);
-  }
-
-  void run_stages() {
-    if (!mesh_fitting_surface()) return;
-    const bool has_regions = model_.topology().region_count() > 0;
-    if (!options_.surface_only && has_regions && !mesh_volume()) return;
-    result_.status = MeshStatus::Ok;
-  }
-
-  // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross
-  // because they are too coarse for the shape, and as small as it takes where it is narrow. What still crosses after a
-  // few rounds crosses in the model.
-  bool mesh_fitting_surface() {
-    const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    SizeFieldBuilder sizing(model_, options_.sizes, runner_, options_.max_memory);
-    std::vector<SizeRefinement> refinements;
-    std::optional<Candidate> good;
-    constexpr int kMostRounds = 6, kMostFittingRounds = 3;
-    for (int round = 0;; ++round) {
-      Candidate candidate;
-      try {
-        candidate = make_surface(sizing, refinements);
-      } catch (const Error& error) {
-        if (error.code() != ErrorCode::OutOfMemory || !good) throw;
-        return accept(std::move(*good), Refined::TooLarge);
-      }
-      if (round == 0) first_sizes_ = candidate.sizes;
-      const Mesh& mesh = candidate.surface.mesh;
-      Stopwatch watch;
-      const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
-      const std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes, tree);
-      const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
-      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate, tree);
-      result_.seconds.surface += watch.lap();
-      if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-      if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
-      if (!options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate), hits);
-      for (const TriangleIntersection& hit : hits) refine_at(hit, mesh, refinements);
-      for (const Misfit& misfit : misfits) refine_at(misfit, mesh, refinements);
-      result_.refinement.crossings += hits.size();
-      result_.refinement.narrow_places += misfits.size();
-      result_.refinement.rounds = round + 1;
-      if (hits.empty()) good = std::move(candidate);
-    }
-  }
-
-  enum class Refined { Done, TooLarge };
-
-  struct Candidate {
-    SizeField sizes = SizeField::uniform(1);
-    SurfaceMeshResult surface;
-  };
-
-  Candidate make_surface(SizeFieldBuilder& sizing, const std::vector<SizeRefinement>& refinements) {
-    Stopwatch watch;
-    const SizedModel sized = sizing.build(refinements);
-    check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
-    result_.seconds.size_field += watch.lap();
-    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, runner_)};
-    result_.seconds.surface += watch.lap();
-    return candidate;
-  }
-
-  std::vector<Misfit> find_misfits(const Candidate& candidate, const intersection::TriangleTree& tree) const {
-    const auto floor = [&](const Vec3& x) {
-      constexpr double kLeastShare = 0.1;
-      return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
-    };
-    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, tree, runner_);
-  }
-
-  std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes,
-                                                       const intersection::TriangleTree& tree) const {
-    std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
-    runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
-    });
-    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, runner_);
-  }
-
-  static double longest_edge(const Mesh& mesh, std::uint32_t tri) {
-    const auto& [a, b, c] = mesh.tri_to_vert[tri];
-    return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
-                     distance(mesh.points[c], mesh.points[a])});
-  }
-
-  void refine_at(const TriangleIntersection& hit, const Mesh& mesh, std::vector<SizeRefinement>& refinements) {
-    const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
-    refinements.push_back({{hit.point, hit.point, hit.point}, 0.5 * length});
-    note(refinements.back(), {hit.first, hit.second}, mesh);
-  }
-
-  void refine_at(const Misfit& misfit, const Mesh& mesh, std::vector<SizeRefinement>& refinements) {
-    const auto& [a, b, c] = mesh.tri_to_vert[misfit.triangle];
-    refinements.push_back({{mesh.points[a], mesh.points[b], mesh.points[c]}, misfit.size});
-    note(refinements.back(), {misfit.triangle}, mesh);
-  }
-
-  void note(const SizeRefinement& refinement, std::initializer_list<std::uint32_t> triangles, const Mesh& mesh) {
-    for (const std::uint32_t triangle : triangles) ++refined_faces_[mesh.tri_to_entity[triangle]];
-    double& smallest = result_.refinement.smallest_size;
-    if (smallest > 0 && smallest <= refinement.size) return;
-    smallest = refinement.size;
-    const auto& [a, b, c] = refinement.corners;
-    smallest_place_ = (1.0 / 3) * (a + b + c);
-  }
-
-  Diagnostic describe_refinement(Refined refined) const {
-    std::ostringstream message;
-    message << "the size asked for does not fit everywhere (" << result_.refinement.narrow_places
-            << " triangles at walls, faces or edges narrower than 0.4 of it, " << result_.refinement.crossings
-            << " crossings): ";
-    if (refined == Refined::Done)
-      message << "it was made smaller there, down to " << result_.refinement.smallest_size;
-    else
-      message << "there is too little memory for sizes that do";
-    std::vector<std::pair<std::size_t, std::uint32_t>> most;
-    for (const auto& [face, count] : refined_faces_) most.push_back({count, face});
-    std::ranges::sort(most, [](const auto& s, const auto& t) {
-      return s.first != t.first ? s.first > t.first : s.second < t.second;
-    });
-    Diagnostic diagnostic{ErrorCode::SizeReduced, message.str(), {}, smallest_place_, {}};
-    for (const auto& [count, face] : most)
-      diagnostic.entities.push_back({{2, face}, model_.attributes({2, face}).name});
-    return diagnostic;
-  }
-
-  bool reject(Candidate&& candidate) {
-    append(candidate.surface.errors, candidate.surface.warnings);
-    take(std::move(candidate));
-    result_.status = MeshStatus::Failed;
-    return false;
-  }
-
-  bool accept(Candidate&& candidate, Refined refined) {
-    append({}, candidate.surface.warnings);
-    if (result_.refinement.rounds > 0) result_.warnings.push_back(describe_refinement(refined));
-    take(std::move(candidate));
-    return true;
-  }
-
-  void take(Candidate&& candidate) {
-    result_.mesh = std::move(candidate.surface.mesh);
-    result_.sizes = candidate.sizes;
-  }
-
-  // Crossings spoil a solid; sheets may cross.
-  bool judge_crossings(Candidate&& candidate, const std::vector<TriangleIntersection>& hits) {
-    const std::vector<Diagnostic> found = describe_intersections(hits, {candidate.surface.mesh.tri_to_entity, &model_});
-    const auto bounds_region = [&](const NamedEntity& entity) {
-      const FaceSides& sides = model_.topology().face_to_sides[entity.entity.index];
-      return entity.entity.dim == 2 && (sides.front.valid() || sides.back.valid());
-    };
-    std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
-    for (const Diagnostic& diagnostic : found) {
-      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
-      (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
-    }
-    append(errors, warnings);
-    take(std::move(candidate));
-    if (!errors.empty()) result_.status = MeshStatus::Failed;
-    return errors.empty();
-  }
-
-  void append(const std::vector<Diagnostic>& errors, const std::vector<Diagnostic>& warnings) {
-    result_.errors.insert(result_.errors.end(), errors.begin(), errors.end());
-    result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
-  }
-
-  bool mesh_volume() {
-    Stopwatch watch;
-    Mesh& mesh = result_.mesh;
-    std::vector<FaceSides> sides(mesh.tri_to_vert.size());
-    for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
-    const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
-                            mesh.point_to_entity, mesh.edge_to_vert};
-    const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
-                                options_.max_memory,    options_.goals,       options_.lattice,
-                                options_.tets_per_part, options_.trace};
-    VolumeMesh volume = fill_volume(input, options, runner_);
-    result_.seconds.volume += watch.lap();
-    result_.filling = volume.figures;
-    append(volume.errors, volume.warnings);
-    if (!volume.errors.empty()) {
-      result_.status = MeshStatus::Failed;
-      return false;
-    }
-    add_volume(std::move(volume));
-    return true;
-  }
-
-  void add_volume(VolumeMesh&& volume) {
-    Mesh& mesh = result_.mesh;
-    const std::size_t given = mesh.points.size();
-    for (const MovedPoint& moved : volume.moved_points) mesh.points[moved.point] = moved.to;
-    for (const ChangedTriangle& changed : volume.changed_triangles) mesh.tri_to_vert[changed.triangle] = changed.verts;
-    mesh.points.insert(mesh.points.end(), volume.new_points.begin(), volume.new_points.end());
-    mesh.point_to_entity.resize(mesh.points.size());
-    mesh.tet_to_vert = std::move(volume.tet_to_vert);
-    mesh.tet_to_entity = std::move(volume.tet_to_region);
-    if (model_.topology().region_count() == 1) {
-      std::fill(mesh.point_to_entity.begin() + static_cast<std::ptrdiff_t>(given), mesh.point_to_entity.end(),
-                ModelRegionId(0));
-      return;
-    }
-    for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t)
-      for (const std::uint32_t v : mesh.tet_to_vert[t])
-        if (v >= given) mesh.point_to_entity[v] = ModelRegionId(mesh.tet_to_entity[t]);
-  }
-
-  const GeometricModel& model_;
-  const MeshOptions& options_;
-  TaskRunner runner_;
-  MeshResult result_;
-  SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
-  std::map<std::uint32_t, std::size_t> refined_faces_;
-  Vec3 smallest_place_;
-};
+  for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t)
+    for (const std::uint32_t v : mesh.tet_to_vert[t])
+      if (v >= given) mesh.point_to_entity[v] = ModelRegionId(mesh.tet_to_entity[t]);
+}
 
 }  // namespace
 
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
-  check_goals(options.goals);
-  if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
-  if (!(options.tets_per_part >= 0))
-    throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
-  return MeshRun(model, options, host).run();
+  return run_mesh(model, options, host,
+                  [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
+                    VolumeMesh volume = fill_volume(input, how, runner);
+                    FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
+                    if (report.errors.empty()) add_volume(model, std::move(volume), mesh);
+                    return report;
+                  });
 }
 
 }  // namespace tetloom

@@ -59,7 +59,7 @@ struct MeshOptions {
   QualityGoals goals;           ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
-  int parts = 0;                           ///< 0: from the estimated number of elements
+  int parts = 0;  ///< of make_mesh_in_parts: the result is dealt to so many; 0: those in which it was made
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   std::string volume_worker;     ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
   bool worker_only = false;      ///< fill volumes by TetGen alone, to compare

@@ -3,115 +3,81 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
 #include "apps/tetloom/entity_sizes.hpp"
+#include "apps/tetloom/mesh_report.hpp"
+#include "apps/tetloom/parts_text.hpp"
+#include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
+#include "mesher/mesh_in_parts.hpp"
+#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {
 
-nlohmann::ordered_json parts_json(const FillingPartsFigures& parts) {
-  nlohmann::ordered_json strips = nlohmann::ordered_json::array();
-  for (const FillingPartsFigures::Strips& round : parts.strips)
-    strips.push_back({{"waiting_vertices", round.waiting}, {"tets", round.tets}, {"moved_tets", round.moved}});
-  nlohmann::ordered_json json = {{"parts", parts.parts},
-                                 {"tets_asked_about", parts.asked},
-                                 {"rounds_of_asking", parts.asking_rounds},
-                                 {"strips", strips},
-                                 {"given_up", parts.given_up}};
-  if (parts.given_up > 0) json["given_up_why"] = parts.given_up_why;
-  return json;
-}
+struct Sized {
+  ModelDocument document;
+  MeshOptions options;
+};
 
-nlohmann::ordered_json filling_json(const FillingFigures& figures, const QualityGoals& goals) {
-  const FillingFigures::Seconds& seconds = figures.seconds;
-  const tets::OptimizeReport& optimizer = figures.optimizer;
-  return {
-      {"core_tets", figures.core_tets},
-      {"shell_tets", figures.shell_tets},
-      {"missing_triangles", figures.missing_triangles},
-      {"recovery_points", figures.recovery_points},
-      {"worker_complexes", figures.worker_complexes},
-      {"parts", parts_json(figures.parts)},
-      {"seconds",
-       {{"points", seconds.points},
-        {"core", seconds.core},
-        {"delaunay", seconds.delaunay},
-        {"recovery", seconds.recovery},
-        {"join", seconds.join},
-        {"optimize", seconds.optimize},
-        {"surface", seconds.surface}}},
-      {"goals", {{"min_dihedral_deg", goals.dihedral}, {"mean_ratio_min", goals.mean_ratio}, {"rounds", goals.rounds}}},
-      {"optimizer",
-       {{"edges_removed", optimizer.edges_removed},
-        {"vertices_moved", optimizer.vertices_moved},
-        {"vertices_removed", optimizer.vertices_removed},
-        {"points_inserted", optimizer.points_inserted},
-        {"surface_edges_swapped", optimizer.edges_swapped},
-        {"surface_vertices_slid", optimizer.vertices_slid},
-        {"below_goal", optimizer.below_goal},
-        {"below_dihedral", optimizer.below_dihedral},
-        {"forced", optimizer.forced}}},
-      {"acute_tets", acute_tets_json(optimizer)}};
-}
-
-nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
-  return {{"rounds", refinement.rounds},
-          {"narrow_places", refinement.narrow_places},
-          {"crossings", refinement.crossings},
-          {"smallest_size", refinement.smallest_size}};
-}
-
-void note_result(const MeshResult& result, const QualityGoals& goals, RunReport& report) {
-  const Mesh& mesh = result.mesh;
-  report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
-  report.seconds.size_field = result.seconds.size_field;
-  report.seconds.surface = result.seconds.surface;
-  report.seconds.volume = result.seconds.volume;
-  report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
-  report.entities = mesh.entities;
-  report.extra["refinement"] = refinement_json(result.refinement);
-  report.goals = goals;
-  report.optimizer = result.filling.optimizer;
-  if (!mesh.tet_to_vert.empty()) report.extra["filling"] = filling_json(result.filling, goals);
-}
-
-void measure(const MeshResult& result, const TaskRunner& runner, RunReport& report) {
-  if (result.mesh.points.empty()) return;
-  report.quality = compute_quality(result.mesh, &result.sizes, runner);
-  report.counts.regions = report.quality->cells.regions.size();
-  report.digest = mesh_digest(result.mesh, runner);
-}
-
-void mesh_model(const MeshCommand& command, Run& run) {
+Sized read_sized_model(const MeshCommand& command, Run& run) {
   RunReport& report = run.report();
   SizesFile sizes;
   if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
-
   run.begin(Stage::Read);
-  ModelDocument document;
-  report.seconds.read =
-      timed([&] { document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
-  report.warnings = document.warnings;
-  MeshOptions options = command.options;
-  apply_sizes(sizes, *document.model, options.sizes);
+  Sized sized{{}, command.options};
+  report.seconds.read = timed(
+      [&] { sized.document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
+  report.warnings = sized.document.warnings;
+  apply_sizes(sizes, *sized.document.model, sized.options.sizes);
+  return sized;
+}
 
+void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
+  RunReport& report = run.report();
+  if (report.status == ExitStatus::Cancelled) return;
+  run.begin(Stage::Check);
+  report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
+}
+
+void mesh_model(const MeshCommand& command, Run& run) {
+  const auto [document, options] = read_sized_model(command, run);
+  RunReport& report = run.report();
   const MeshResult result = make_mesh(*document.model, options, run.host());
-  note_result(result, options.goals, report);
-  if (!options.surface_only && document.model->topology().region_count() > 0) {
-    report.model_volume = result.model_volume;
-  }
-  for (const Diagnostic& error : result.errors) add_failure(report, error);
+  note_run(result, *document.model, options, report);
+  if (!result.mesh.tet_to_vert.empty()) note_filling(result.filling, options.goals, report);
   const TaskRunner runner(options.threads, run.host());
-  if (report.status != ExitStatus::Cancelled) {
-    run.begin(Stage::Check);
-    report.seconds.check = timed([&] { measure(result, runner, report); });
-  }
+  check(result, runner, run);
   if (result.status != MeshStatus::Ok) return;
 
   run.begin(Stage::Write);
   report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()));
+}
+
+void mesh_model_in_parts(const MeshCommand& command, Communicator& communicator, Run& run) {
+  const auto [document, options] = read_sized_model(command, run);
+  RunReport& report = run.report();
+  const MeshInPartsResult result = make_mesh_in_parts(*document.model, options, communicator, run.host());
+  note_run(result.run, *document.model, options, report);
+  const TaskRunner runner(options.threads, run.host());
+  if (!result.mesh) return check(result.run, runner, run);
+
+  note_filling(result.run.filling, options.goals, report);
+  run.begin(Stage::Check);
+  PartsFigures figures;
+  report.parts = static_cast<int>(result.mesh->part_count());
+  report.counts.regions = document.model->topology().region_count();
+  report.seconds.check = timed([&] {
+    figures = measure_parts(*result.mesh);
+    note_whole(*result.mesh, figures, runner, report,
+               [&](const Mesh& whole) { report.quality = compute_quality(whole, &result.run.sizes, runner); });
+  });
+  report.extra["partition"] = parts_json(figures);
+  report.extra["partition"]["seconds"] = result.partition_seconds;
+
+  run.begin(Stage::Write);
+  report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
+  run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
 }
 
 }  // namespace
@@ -123,7 +89,9 @@ ExitStatus run_mesh(const MeshCommand& command) {
            .quiet = command.quiet,
            .threads = TaskRunner(command.options.threads).threads(),
            .parts = std::max(1, command.options.parts)});
-  return run.execute([&](Run& r) { mesh_model(command, r); });
+  const auto communicator = make_thread_communicator();
+  return run.execute(
+      [&](Run& r) { command.in_parts ? mesh_model_in_parts(command, *communicator, r) : mesh_model(command, r); });
 }
 
 }  // namespace tetloom::app

@@ -24,6 +24,7 @@ Examples:
   tetloom mesh part.step -o part.msh --size 2 --curvature 24
   tetloom mesh part.step -o part.vtu --relative-size 0.01 --sizes sizes.json --report report.json
   tetloom mesh assembly.step -o assembly.vtu --imprint      touching solids share their faces
+  tetloom mesh part.step -o parts.pvtu --parts 64           in parts, a file each
   tetloom mesh scan.stl -o surface.stl --surface-only --size 0.5
 
 The file of --sizes gives the size of single entities, by tag or by name, and of points:
@@ -137,13 +138,21 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
 }
 
+/// Whether `path` lies in the folder of pieces that belongs to the list `output`.
+bool lies_in_pieces(const std::filesystem::path& path, const std::filesystem::path& output) {
+  return is_piece_list(output) && same_file(path.parent_path(), output.parent_path() / output.stem());
+}
+
 void check_files(const MeshCommand& command) {
   require(!command.input.empty(), "INPUT must not be empty");
-  require(is_writable_mesh_format(command.output), "cannot tell the format of the output '" + command.output.string() +
-                                                       "' from its extension; known are " + known_mesh_extensions());
-  require(!same_file(command.input, command.output), "the output would replace the input");
+  require(is_writable_mesh_format(command.output) || is_piece_list(command.output),
+          "cannot tell the format of the output '" + command.output.string() + "' from its extension; known are " +
+              known_mesh_extensions() + ", .pvtu");
+  require(!same_file(command.input, command.output) && !lies_in_pieces(command.input, command.output),
+          "the output would replace the input");
   require(!same_file(command.input, command.report), "the report would replace the input");
-  require(!same_file(command.output, command.report), "the report would replace the output");
+  require(!same_file(command.output, command.report) && !lies_in_pieces(command.report, command.output),
+          "the report would replace the output");
 }
 
 MeshCommand make_mesh_command(const RawMeshOptions& raw) {
@@ -168,6 +177,11 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   }
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
+  command.in_parts = raw.parts || is_piece_list(command.output);
+  require(!command.in_parts || is_writable_parts_format(command.output),
+          "--parts goes with .pvtu and .msh, which hold parts, not with '" + command.output.string() + "'");
+  require(!command.in_parts || !command.options.surface_only,
+          "only meshes of volumes can be dealt to parts, and --surface-only makes none");
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
@@ -231,7 +245,9 @@ void add_reading_options(CLI::App& command, Raw& raw) {
 CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   CLI::App* mesh = app.add_subcommand("mesh", "Mesh a CAD model (STEP, IGES, BREP) or a facet model (STL, OBJ)");
   mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
-  mesh->add_option("-o,--output", raw.output, "The mesh: " + known_mesh_extensions())->required()->type_name("OUT");
+  mesh->add_option("-o,--output", raw.output, "The mesh: " + known_mesh_extensions() + ", .pvtu (in parts)")
+      ->required()
+      ->type_name("OUT");
   add_size_options(*mesh, raw);
   add_goal_options(*mesh, raw);
   add_reading_options(*mesh, raw);
@@ -251,7 +267,9 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   mesh->add_option("--threads", raw.threads, "Default: all cores; the mesh does not depend on it")
       ->type_name("T")
       ->group(group);
-  mesh->add_option("--parts", raw.parts, "Parts of the mesh; accepted, and without effect so far")
+  mesh->add_option("--parts", raw.parts,
+                   "Deal the mesh to P parts: .pvtu (a file per part) or .msh (one file); .pvtu without it: the parts "
+                   "in which volumes were filled")
       ->type_name("P")
       ->group(group);
   mesh->add_option("--tets-per-part", raw.tets_per_part,
@@ -278,11 +296,6 @@ PartitionMethod method_named(const std::string& name) {
        {PartitionMethod::Multilevel, PartitionMethod::Rcb, PartitionMethod::Sfc, PartitionMethod::Scotch})
     if (name == to_string(method)) return method;
   throw UsageError("--method must be multilevel, rcb, sfc or scotch, not '" + name + "'");
-}
-
-/// Whether `path` lies in the folder of pieces that belongs to the list `output`.
-bool lies_in_pieces(const std::filesystem::path& path, const std::filesystem::path& output) {
-  return is_piece_list(output) && same_file(path.parent_path(), output.parent_path() / output.stem());
 }
 
 PartitionCommand make_partition_command(const RawPartition& raw) {

@@ -19,6 +19,7 @@ struct MeshCommand {
   std::filesystem::path report;      ///< empty: none
   ReadOptions read;
   MeshOptions options;
+  bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the volume was filled in
   bool quiet = false;
 };
 

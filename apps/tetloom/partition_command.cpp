@@ -1,17 +1,14 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/parts_text.hpp"
+#include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "apps/tetloom/run.hpp"
-#include "core/mesh/digest.hpp"
 #include "threading/agreement.hpp"
 #include "threading/parts_io.hpp"
 #include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {
-
-/// Larger meshes are not brought together in one place for their digest alone.
-constexpr std::int64_t kMostGathered = 20'000'000;
 
 /// The partitioners want finite places, and each rank sees only its own.
 void require_finite_points(const PartitionedMesh& mesh) {
@@ -28,22 +25,6 @@ void deal(const PartitionCommand& command, PartitionedMesh& mesh, const TaskRunn
   if (command.balance.method == PartitionMethod::Scotch && mesh.part_count() > 1) gather_in_one_part(mesh, runner);
   PerPart<Destinations> destinations = compute_destinations(mesh, command.balance, runner);
   migrate(mesh, std::move(destinations), command.balance.part_count, runner);
-}
-
-/// Counts and digest of the whole mesh; without triangles and digest where it is too large to be brought together.
-void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report) {
-  std::array<std::int64_t, 1> tets{};
-  for (const PartId part : mesh.local())
-    tets[0] += static_cast<std::int64_t>(mesh.parts.at(part).mesh.block(CellKind::Tet).size());
-  mesh.communicator->sum(tets);
-  report.counts.points = static_cast<std::uint64_t>(figures.vertices);
-  report.counts.tets = static_cast<std::uint64_t>(tets[0]);
-  if (figures.elements > kMostGathered) return;
-  const Mesh whole = gather_mesh(mesh, runner);
-  run_on_first(*mesh.communicator, [&] {
-    report.digest = mesh_digest(whole, runner);
-    report.counts.triangles = whole.tri_to_vert.size();
-  });
 }
 
 std::string render_run(const PartitionCommand& command, const PartsFigures& figures, const RunReport& report) {

@@ -8,6 +8,7 @@
 #include "mesher/parts/lattice_steps.hpp"
 #include "mesher/parts/mend_surface.hpp"
 #include "mesher/parts/optimize_part.hpp"
+#include "mesher/parts/part_meshes.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "mesher/parts/strips.hpp"
 #include "threading/exchange.hpp"
@@ -32,7 +33,7 @@ class Filler {
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
 
-  FilledParts run() {
+  FilledParts run(bool keep_parts) {
     make_tets();
     ask_others();
     if (!any_fault()) {
@@ -42,7 +43,14 @@ class Filler {
     FilledParts result;
     take_figures(result);
     if (result.fault.any()) return result;
-    result.filling = gather(result);
+    note_triangles(result);
+    if (!keep_parts) {
+      result.filling = gather();
+      return result;
+    }
+    HandedOn handed_on = hand_on_parts(input_, states_, communicator_, runner_);
+    result.parts = std::move(handed_on.parts);
+    result.new_points = handed_on.new_points;
     return result;
   }
 
@@ -349,13 +357,16 @@ class Filler {
     if (!result.fault.any() && seen != wanted) result.fault.message = "sides of the surface were left empty";
   }
 
-  volume::Filling gather(FilledParts& result) {
+  void note_triangles(FilledParts& result) const {
+    result.tri_to_vert = input_.filling.complex.tri_to_vert;
+    for (const PartId part : states_.local())
+      for (const ChangedTriangle& changed : states_.at(part).changed_triangles)
+        result.tri_to_vert[changed.triangle] = changed.verts;
+  }
+
+  volume::Filling gather() {
     std::vector<PartState*> states;
     for (const PartId part : states_.local()) states.push_back(&states_.at(part));
-    result.tri_to_vert = input_.filling.complex.tri_to_vert;
-    for (const PartState* state : states)
-      for (const ChangedTriangle& changed : state->changed_triangles)
-        result.tri_to_vert[changed.triangle] = changed.verts;
     return gather_parts(input_.filling.complex.points, states, runner_);
   }
 
@@ -378,20 +389,20 @@ std::uint32_t only_region_of(const volume::Complex& complex) {
 
 }  // namespace
 
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, double tets_per_part,
-                                         const TaskRunner& runner, Trace* trace) {
-  lattice::LatticeRequest request{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
+                                         const TaskRunner& runner) {
+  lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
                                   input.attempt};
-  for (const Vec3& x : input.complex.points) request.box.add(x);
-  const lattice::LatticeCells cells(request, runner);
-  const double parts = std::round(estimate_tets(cells) / tets_per_part);
+  for (const Vec3& x : input.complex.points) lattice.box.add(x);
+  const lattice::LatticeCells cells(lattice, runner);
+  const double parts = std::round(estimate_tets(cells) / request.tets_per_part);
   if (!(parts >= 2)) return std::nullopt;
   const Decomposition decomposition(cells, static_cast<std::size_t>(std::min(parts, 1e5)));
   const PartSurface surface(input.complex, input.sizes, decomposition, kShellReach, runner);
   const tets::TriangleIndex triangles(input.complex.tri_to_vert, input.complex.points.size());
-  const SharedInput shared{input, cells, decomposition, surface, triangles, request.box, only_region_of(input.complex)};
+  const SharedInput shared{input, cells, decomposition, surface, triangles, lattice.box, only_region_of(input.complex)};
   const std::unique_ptr<Communicator> communicator = make_thread_communicator();
-  return Filler(shared, *communicator, runner, trace).run();
+  return Filler(shared, *communicator, runner, request.trace).run(request.keep_parts);
 }
 
 }  // namespace tetloom::parts

@@ -13,20 +13,29 @@
 // by the distance from its boundary, so that no part of the volume is left open between the parts, and strips hold what
 // is to be bettered only.
 #include "mesher/parts/part_state.hpp"
+#include "mesher/volume/volume_parts.hpp"
 #include "threading/trace.hpp"
 
 namespace tetloom::parts {
 
+struct PartsRequest {
+  double tets_per_part = kTetsPerPart;
+  Trace* trace = nullptr;   ///< may be null
+  bool keep_parts = false;  ///< they are not put together
+};
+
 struct FilledParts {
-  std::optional<volume::Filling> filling;                 ///< nothing after a fault
+  std::optional<volume::Filling> filling;  ///< nothing after a fault, or when parts are kept
+  std::vector<VolumePart> parts;           ///< kept ones; points and triangles numbered as in the complex
+  std::uint64_t new_points = 0;            ///< of all kept parts
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles as they have become
   FillingFigures figures;
   tets::Fault fault;  ///< any: why the parts do not fit together; one part may succeed where they do not
 };
 
-/// The result depends on the input and `tets_per_part` alone. Nothing when the complex is too small for two parts.
+/// The result depends on the input and the tets per part alone. Nothing when the complex is too small for two parts.
 /// Errors: Cancelled, OutOfMemory.
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, double tets_per_part,
-                                         const TaskRunner& runner, Trace* trace);
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
+                                         const TaskRunner& runner);
 
 }  // namespace tetloom::parts

@@ -54,7 +54,7 @@ class ComplexFiller {
 
   FilledComplex run() {
     if (!options_.worker_only) fill_by_own_means();
-    if (result_.filling) return std::move(result_);
+    if (result_.filling || !result_.parts.empty()) return std::move(result_);
     if (failure_ && failure_->code == ErrorCode::SelfIntersection) {
       result_.errors.push_back(describe_failure());
       return std::move(result_);
@@ -89,7 +89,8 @@ class ComplexFiller {
 
   // False when there is one part only, or where the parts' tets do not fit together.
   bool fill_in_parts() {
-    auto filled = parts::fill_in_parts(filling_input(), options_.tets_per_part, runner_, options_.trace);
+    const parts::PartsRequest request{options_.tets_per_part, options_.trace, options_.keep_parts};
+    auto filled = parts::fill_in_parts(filling_input(), request, runner_);
     if (!filled) return false;
     if (filled->fault.any()) {
       result_.figures.parts.given_up = 1;
@@ -100,6 +101,8 @@ class ComplexFiller {
     result_.figures.add(filled->figures);
     result_.tri_to_vert = std::move(filled->tri_to_vert);
     result_.filling = std::move(filled->filling);
+    result_.parts = std::move(filled->parts);
+    result_.new_points = filled->new_points;
     return true;
   }
 

@@ -7,11 +7,14 @@
 
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/filling.hpp"
+#include "mesher/volume/volume_parts.hpp"
 
 namespace tetloom::volume {
 
 struct FilledComplex {
-  std::optional<Filling> filling;  ///< nothing when no attempt succeeded
+  std::optional<Filling> filling;  ///< nothing when no attempt succeeded, or when there are parts
+  std::vector<VolumePart> parts;   ///< where they are kept; points and triangles numbered as in the complex
+  std::uint64_t new_points = 0;    ///< of all parts
   std::vector<std::array<std::uint32_t, 3>>
       tri_to_vert;  ///< the complex's triangles as they have become; empty: as before
   std::vector<Diagnostic> errors, warnings;
@@ -26,6 +29,7 @@ struct ComplexOptions {
   LatticeKind lattice = LatticeKind::Bcc;
   double tets_per_part = kTetsPerPart;
   Trace* trace = nullptr;
+  bool keep_parts = false;  ///< what is filled in parts, of which there are then two at least, stays in them
 };
 
 /// Fills `complex` as fill_volume promises; a filling's first points are the complex's, where they have become. Errors:

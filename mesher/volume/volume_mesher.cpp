@@ -10,6 +10,8 @@
 #include "mesher/sizing/mesh_estimate.hpp"
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
+#include "mesher/volume/volume_parts.hpp"
+#include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
 
 namespace tetloom {
@@ -120,10 +122,12 @@ void append(const VolumeInput& input, const Complex& complex, volume::Filling&& 
   mesh.tet_to_region.insert(mesh.tet_to_region.end(), filling.tet_to_region.begin(), filling.tet_to_region.end());
 }
 
-void fill_complexes(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner,
-                    VolumeMesh& mesh) {
+// Fills all complexes, and gives them one after the other to `take`.
+template <class Result, class Take>
+void fill_complexes(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Result& result,
+                    bool keep_parts, const Take& take) {
   volume::OpenRegions open = volume::find_open_regions(input);
-  mesh.errors = std::move(open.diagnostics);
+  result.errors = std::move(open.diagnostics);
   const std::vector<Complex> complexes = volume::split_complexes(input, open.regions);
   std::vector<double> work;
   std::vector<volume::FillingProgress> progress;
@@ -137,11 +141,12 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
   volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals, options.lattice};
   if (options.tets_per_part > 0) how.tets_per_part = options.tets_per_part;
   how.trace = options.trace;
+  how.keep_parts = keep_parts;
   try {
     how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : complexes) mesh.errors.push_back(worker_missing(input, complex, error));
+      for (const Complex& complex : complexes) result.errors.push_back(worker_missing(input, complex, error));
       return;
     }
   }
@@ -153,19 +158,28 @@ void fill_complexes(const VolumeInput& input, const VolumeOptions& options, cons
     progress[i].reach(volume::FillingStep::Done, runner);
   });
   for (std::size_t i = 0; i < complexes.size(); ++i) {
-    if (filled[i].filling) {
-      append_changes(complexes[i], filled[i], mesh);
-      append(input, complexes[i], std::move(*filled[i].filling), mesh, runner);
-    }
-    for (auto* to : {&mesh.errors, &mesh.warnings}) {
-      auto& from = to == &mesh.errors ? filled[i].errors : filled[i].warnings;
+    take(complexes[i], filled[i]);
+    for (auto* to : {&result.errors, &result.warnings}) {
+      auto& from = to == &result.errors ? filled[i].errors : filled[i].warnings;
       std::move(from.begin(), from.end(), std::back_inserter(*to));
     }
-    mesh.figures.add(filled[i].figures);
+    result.figures.add(filled[i].figures);
     filled[i] = {};
   }
-  std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
-  std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
+}
+
+// What every way of filling begins with, and what becomes of a lack of memory.
+template <class Fill>
+void fill_checked(const VolumeInput& input, const VolumeOptions& options, const Fill& fill) {
+  check_input(input);
+  check_goals(options.goals);
+  if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
+  check_memory(estimate_filling(input), options.max_memory);
+  try {
+    fill();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
+  }
 }
 
 }  // namespace
@@ -195,17 +209,31 @@ void FillingFigures::add(const FillingFigures& other) {
 }
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
-  check_input(input);
-  check_goals(options.goals);
-  if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
-  check_memory(estimate_filling(input), options.max_memory);
   VolumeMesh mesh;
-  try {
-    fill_complexes(input, options, runner, mesh);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
-  }
+  fill_checked(input, options, [&] {
+    fill_complexes(input, options, runner, mesh, false, [&](const Complex& complex, FilledComplex& filled) {
+      if (!filled.filling) return;
+      append_changes(complex, filled, mesh);
+      append(input, complex, std::move(*filled.filling), mesh, runner);
+    });
+  });
+  std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
+  std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
   return mesh;
+}
+
+VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  VolumeParts result;
+  std::uint64_t next_point = input.points.size();
+  fill_checked(input, options, [&] {
+    fill_complexes(input, options, runner, result, true, [&](const Complex& complex, FilledComplex& filled) {
+      volume::keep_as_parts(complex, filled);
+      volume::to_numbers_of_input(complex, next_point, filled.parts, runner);
+      next_point += filled.new_points;
+      std::move(filled.parts.begin(), filled.parts.end(), std::back_inserter(result.parts));
+    });
+  });
+  return result;
 }
 
 }  // namespace tetloom

@@ -78,8 +78,6 @@ TEST_CASE("every option of mesh reaches its place") {
                                     "s.json",
                                     "--threads",
                                     "3",
-                                    "--parts",
-                                    "4",
                                     "--report",
                                     "r.json",
                                     "--surface-only",
@@ -115,7 +113,8 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.options.goals.rounds == 5);
   CHECK(c.options.lattice == LatticeKind::A15);
   CHECK(c.options.threads == 3);
-  CHECK(c.options.parts == 4);
+  CHECK(c.options.parts == 0);
+  CHECK_FALSE(c.in_parts);
   CHECK(c.options.surface_only);
   CHECK_FALSE(c.options.refine_surface);
   CHECK_FALSE(c.options.improve_surface);
@@ -130,6 +129,23 @@ TEST_CASE("every option of mesh reaches its place") {
 TEST_CASE("an STL output asks for the surface alone") {
   CHECK(std::get<MeshCommand>(parse({"mesh", "in.step", "-o", "out.STL"})).options.surface_only);
   CHECK_FALSE(std::get<MeshCommand>(parse({"mesh", "in.step", "-o", "out.msh"})).options.surface_only);
+}
+
+TEST_CASE("a list of pieces, and a number of parts, ask for parts") {
+  const auto parse_output = [](const char* output, std::vector<const char*> more = {}) {
+    std::vector<const char*> arguments{"mesh", "in.step", "-o", output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::get<MeshCommand>(parse(arguments));
+  };
+  CHECK(parse_output("out.pvtu").in_parts);
+  CHECK(parse_output("out.pvtu").options.parts == 0);
+  CHECK(parse_output("out.PVTU", {"--parts", "4"}).options.parts == 4);
+  CHECK(parse_output("out.msh", {"--parts", "4"}).in_parts);
+  CHECK_FALSE(parse_output("out.msh").in_parts);
+  CHECK_THROWS_WITH(parse_output("out.vtu", {"--parts", "4"}), Catch::Contains("--parts"));
+  CHECK_THROWS_WITH(parse_output("out.stl", {"--parts", "4"}), Catch::Contains("--parts"));
+  CHECK_THROWS_WITH(parse_output("out.pvtu", {"--surface-only"}), Catch::Contains("--surface-only"));
+  CHECK_THROWS_WITH(parse_output("out.pvtu", {"--report", "out/r.json"}), Catch::Contains("replace the output"));
 }
 
 TEST_CASE("values that make no sense are refused") {

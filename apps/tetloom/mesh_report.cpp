@@ -1,0 +1,87 @@
+#include "apps/tetloom/mesh_report.hpp"
+
+#include "core/mesh/digest.hpp"
+
+namespace tetloom::app {
+namespace {
+
+nlohmann::ordered_json filling_parts_json(const FillingPartsFigures& parts) {
+  nlohmann::ordered_json strips = nlohmann::ordered_json::array();
+  for (const FillingPartsFigures::Strips& round : parts.strips)
+    strips.push_back({{"waiting_vertices", round.waiting}, {"tets", round.tets}, {"moved_tets", round.moved}});
+  nlohmann::ordered_json json = {{"parts", parts.parts},
+                                 {"tets_asked_about", parts.asked},
+                                 {"rounds_of_asking", parts.asking_rounds},
+                                 {"strips", strips},
+                                 {"given_up", parts.given_up}};
+  if (parts.given_up > 0) json["given_up_why"] = parts.given_up_why;
+  return json;
+}
+
+nlohmann::ordered_json filling_json(const FillingFigures& figures, const QualityGoals& goals) {
+  const FillingFigures::Seconds& seconds = figures.seconds;
+  const tets::OptimizeReport& optimizer = figures.optimizer;
+  return {
+      {"core_tets", figures.core_tets},
+      {"shell_tets", figures.shell_tets},
+      {"missing_triangles", figures.missing_triangles},
+      {"recovery_points", figures.recovery_points},
+      {"worker_complexes", figures.worker_complexes},
+      {"parts", filling_parts_json(figures.parts)},
+      {"seconds",
+       {{"points", seconds.points},
+        {"core", seconds.core},
+        {"delaunay", seconds.delaunay},
+        {"recovery", seconds.recovery},
+        {"join", seconds.join},
+        {"optimize", seconds.optimize},
+        {"surface", seconds.surface}}},
+      {"goals", {{"min_dihedral_deg", goals.dihedral}, {"mean_ratio_min", goals.mean_ratio}, {"rounds", goals.rounds}}},
+      {"optimizer",
+       {{"edges_removed", optimizer.edges_removed},
+        {"vertices_moved", optimizer.vertices_moved},
+        {"vertices_removed", optimizer.vertices_removed},
+        {"points_inserted", optimizer.points_inserted},
+        {"surface_edges_swapped", optimizer.edges_swapped},
+        {"surface_vertices_slid", optimizer.vertices_slid},
+        {"below_goal", optimizer.below_goal},
+        {"below_dihedral", optimizer.below_dihedral},
+        {"forced", optimizer.forced}}},
+      {"acute_tets", acute_tets_json(optimizer)}};
+}
+
+nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
+  return {{"rounds", refinement.rounds},
+          {"narrow_places", refinement.narrow_places},
+          {"crossings", refinement.crossings},
+          {"smallest_size", refinement.smallest_size}};
+}
+
+}  // namespace
+
+void note_run(const MeshResult& result, const GeometricModel& model, const MeshOptions& options, RunReport& report) {
+  report.seconds.size_field = result.seconds.size_field;
+  report.seconds.surface = result.seconds.surface;
+  report.seconds.volume = result.seconds.volume;
+  report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
+  report.entities = result.mesh.entities;
+  report.extra["refinement"] = refinement_json(result.refinement);
+  report.goals = options.goals;
+  report.optimizer = result.filling.optimizer;
+  if (!options.surface_only && model.topology().region_count() > 0) report.model_volume = result.model_volume;
+  for (const Diagnostic& error : result.errors) add_failure(report, error);
+}
+
+void note_filling(const FillingFigures& figures, const QualityGoals& goals, RunReport& report) {
+  report.extra["filling"] = filling_json(figures, goals);
+}
+
+void measure_mesh(const Mesh& mesh, const SizeField& sizes, const TaskRunner& runner, RunReport& report) {
+  report.counts = {mesh.points.size(), mesh.tri_to_vert.size(), mesh.tet_to_vert.size(), 0};
+  if (mesh.points.empty()) return;
+  report.quality = compute_quality(mesh, &sizes, runner);
+  report.counts.regions = report.quality->cells.regions.size();
+  report.digest = mesh_digest(mesh, runner);
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,18 @@
+#pragma once
+// What the report says of a run of `mesh`.
+#include "apps/tetloom/report.hpp"
+#include "mesher/mesher.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::app {
+
+/// How the run went; and what it was asked for.
+void note_run(const MeshResult& result, const GeometricModel& model, const MeshOptions& options, RunReport& report);
+
+/// How the volume was filled.
+void note_filling(const FillingFigures& figures, const QualityGoals& goals, RunReport& report);
+
+/// Counts, quality and digest of `mesh`, unless it is empty.
+void measure_mesh(const Mesh& mesh, const SizeField& sizes, const TaskRunner& runner, RunReport& report);
+
+}  // namespace tetloom::app

@@ -1,0 +1,34 @@
+#include "apps/tetloom/parts_whole.hpp"
+
+#include <array>
+
+#include "core/mesh/digest.hpp"
+#include "threading/agreement.hpp"
+#include "threading/whole_mesh.hpp"
+
+namespace tetloom::app {
+namespace {
+
+/// Larger meshes are not brought together in one place for their digest alone.
+constexpr std::int64_t kMostGathered = 20'000'000;
+
+}  // namespace
+
+void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
+                const std::function<void(const Mesh&)>& look) {
+  std::array<std::int64_t, 1> tets{};
+  for (const PartId part : mesh.local())
+    tets[0] += static_cast<std::int64_t>(mesh.parts.at(part).mesh.block(CellKind::Tet).size());
+  mesh.communicator->sum(tets);
+  report.counts.points = static_cast<std::uint64_t>(figures.vertices);
+  report.counts.tets = static_cast<std::uint64_t>(tets[0]);
+  if (figures.elements > kMostGathered) return;
+  const Mesh whole = gather_mesh(mesh, runner);
+  run_on_first(*mesh.communicator, [&] {
+    report.digest = mesh_digest(whole, runner);
+    report.counts.triangles = whole.tri_to_vert.size();
+    if (look) look(whole);
+  });
+}
+
+}  // namespace tetloom::app

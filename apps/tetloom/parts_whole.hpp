@@ -1,0 +1,16 @@
+#pragma once
+// What is said of a mesh in parts as a whole.
+#include <functional>
+
+#include "apps/tetloom/report.hpp"
+#include "threading/parts_figures.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::app {
+
+/// Notes counts and digest of the whole mesh, on the first rank; without triangles and digest where it is too large to
+/// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too. A collective call.
+void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
+                const std::function<void(const Mesh&)>& look = {});
+
+}  // namespace tetloom::app

@@ -1,0 +1,16 @@
+#pragma once
+// The parts of a volume as parts of a mesh, with everything that is known of the surface that it was filled from.
+#include "core/mesh/mesh.hpp"
+#include "mesher/volume/volume_parts.hpp"
+#include "threading/partitioned_mesh.hpp"
+
+namespace tetloom {
+
+/// A mesh of `parts`, all of them, linked: vertices, triangles and pieces of model edges are classified as `surface`
+/// says, which holds the points, triangles and edges that the volume was filled from. Each part gets the triangles and
+/// edges that its tets have, and what the surface knows of the model entities that it lies on. `parts` is emptied on
+/// the way. Errors: Cancelled, OutOfMemory; InputUnsuitable when a part is too large.
+PartitionedMesh classify_parts(const Mesh& surface, std::vector<VolumePart>&& parts, Communicator& communicator,
+                               const TaskRunner& runner);
+
+}  // namespace tetloom

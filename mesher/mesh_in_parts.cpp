@@ -1,0 +1,83 @@
+#include "mesher/mesh_in_parts.hpp"
+
+#include <algorithm>
+
+#include "core/base/stopwatch.hpp"
+#include "mesher/classify_parts.hpp"
+#include "mesher/mesh_run_detail.hpp"
+#include "threading/balance/balance.hpp"
+#include "threading/migration.hpp"
+
+namespace tetloom {
+namespace {
+
+constexpr const char* kWhy = "; only meshes of volumes can be dealt to parts";
+
+Diagnostic refusal(const GeometricModel& model, const std::vector<ModelEntity>& entities, const std::string& what) {
+  Diagnostic diagnostic{ErrorCode::InputUnsuitable, what + kWhy, {}, {}, {}};
+  for (const ModelEntity entity : entities) diagnostic.entities.push_back({entity, model.attributes(entity).name});
+  return diagnostic;
+}
+
+// Why the mesh of a model cannot be dealt to parts, which are of cells and what lies on them.
+std::optional<Diagnostic> find_unsuitable(const GeometricModel& model) {
+  const ModelTopology& topology = model.topology();
+  if (topology.region_count() == 0) return refusal(model, {}, "the model has no solid");
+  std::vector<ModelEntity> sheets, wires;
+  std::vector<bool> bounds(topology.edge_count(), false);
+  for (std::uint32_t f = 0; f < topology.face_count(); ++f) {
+    const FaceSides& sides = topology.face_to_sides[f];
+    if (!sides.front.valid() && !sides.back.valid()) {
+      sheets.push_back({2, f});
+      continue;
+    }
+    for (const ModelLoop& loop : topology.face_to_loops[f])
+      for (const EdgeUse& use : loop) bounds[use.edge.value] = true;
+  }
+  if (!sheets.empty()) return refusal(model, sheets, "the model has faces that bound no solid");
+  for (std::uint32_t e = 0; e < topology.edge_count(); ++e)
+    if (!bounds[e] && !topology.edges[e].degenerate) wires.push_back({1, e});
+  if (!wires.empty()) return refusal(model, wires, "the model has edges that bound no solid");
+  return std::nullopt;
+}
+
+MeshInPartsResult refuse(const Diagnostic& diagnostic) {
+  MeshInPartsResult result;
+  result.run.errors.push_back(diagnostic);
+  return result;
+}
+
+void deal(PartitionedMesh& mesh, std::size_t part_count, const TaskRunner& runner) {
+  BalanceOptions options;
+  options.part_count = part_count;
+  PerPart<Destinations> destinations = compute_destinations(mesh, options, runner);
+  migrate(mesh, std::move(destinations), part_count, runner);
+}
+
+}  // namespace
+
+MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,
+                                     Communicator& communicator, const Host& host) {
+  if (options.surface_only)
+    throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
+  if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
+  MeshInPartsResult result;
+  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& surface) {
+    VolumeParts volume = fill_volume_in_parts(input, how, runner);
+    FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
+    if (!report.errors.empty()) return report;
+    Stopwatch watch;
+    runner.begin_stage(Stage::Partition, 0);
+    runner.check_cancelled();
+    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), communicator, runner);
+    if (options.parts > 0) deal(mesh, static_cast<std::size_t>(options.parts), runner);
+    result.partition_seconds = watch.lap();
+    result.mesh = std::move(mesh);
+    return report;
+  };
+  result.run = run_mesh(model, options, host, fill);
+  result.run.seconds.volume -= result.partition_seconds;
+  return result;
+}
+
+}  // namespace tetloom

@@ -1,0 +1,21 @@
+#pragma once
+// What all ways of meshing a model have in common: sizes and surface; the volume is filled by whoever calls.
+#include <functional>
+#include <vector>
+
+#include "mesher/mesher.hpp"
+
+namespace tetloom {
+
+struct FillingReport {
+  std::vector<Diagnostic> errors, warnings;
+  FillingFigures figures;
+};
+
+/// Called once at most, when there is a surface that may be filled: the mesh, from which the input is made.
+using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const TaskRunner&, Mesh&)>;
+
+/// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result.
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill);
+
+}  // namespace tetloom

@@ -1,0 +1,33 @@
+#pragma once
+// A filled volume as the parts in which it was filled, never put together.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/growing_array.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+
+namespace tetloom {
+
+/// Tets with vertices of their own. Numbers of points: those of the input below its number of points; then the new
+/// ones, without gaps over all parts, the same in all parts that have them.
+struct VolumePart {
+  GrowingArray<Vec3> points;  ///< each in a tet; those of the input where they have become
+  GrowingArray<std::uint64_t> vert_to_number;
+  GrowingArray<std::uint32_t> tet_to_vert;  ///< 4 · tet; positive volume
+  GrowingArray<std::uint32_t> tet_to_region;
+  std::vector<std::uint32_t> triangles;                   ///< of the input that are faces of these tets, ascending
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< vertices here of each, as they have become
+};
+
+struct VolumeParts {
+  std::vector<VolumePart> parts;             ///< those of each complex together, in the order of the complexes
+  std::vector<Diagnostic> errors, warnings;  ///< as of VolumeMesh
+  FillingFigures figures;
+};
+
+/// As fill_volume, the same tets in parts: a complex that was filled in one part is one, and the numbers of all points
+/// are those of fill_volume.
+VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
+
+}  // namespace tetloom

@@ -1,0 +1,103 @@
+// Models that are meshed into parts, as a user does it.
+#include <csignal>
+
+#include <catch2/catch.hpp>
+
+#include "tests/apps/command_process.hpp"
+
+using namespace tetloom::test;
+
+namespace {
+
+nlohmann::json mesh(const TestFolder& folder, const std::string& input, const std::string& output,
+                    const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"mesh",
+                                     input,
+                                     "-o",
+                                     folder / output,
+                                     "--report",
+                                     folder / "report.json",
+                                     "--quiet",
+                                     "--imprint",
+                                     "--tets-per-part",
+                                     "4000",
+                                     "--relative-size",
+                                     "0.03"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const ProcessResult result = run_tetloom(arguments);
+  CAPTURE(result.err);
+  REQUIRE(result.status == 0);
+  return read_json(folder / "report.json");
+}
+
+nlohmann::json check(const std::string& file, const TestFolder& folder) {
+  const ProcessResult result = run_tetloom({"check", file, "--report", folder / "check.json"});
+  CAPTURE(result.err);
+  CHECK(result.status == 0);
+  return read_json(folder / "check.json");
+}
+
+}  // namespace
+
+TEST_CASE("a model is meshed into parts, and they are the mesh in one piece") {
+  const TestFolder folder;
+  const std::string model = demo_model("assembly");
+  const nlohmann::json whole = mesh(folder, model, "whole.vtu");
+  REQUIRE(whole["filling"]["parts"]["parts"] >= 2);
+  struct Case {
+    std::string output;
+    std::vector<std::string> more;
+    int parts;
+  };
+  const std::vector<Case> cases{{"as_made.pvtu", {}, whole["filling"]["parts"]["parts"]},
+                                {"three.pvtu", {"--parts", "3"}, 3},
+                                {"one.msh", {"--parts", "1"}, 1},
+                                {"three.msh", {"--parts", "3"}, 3}};
+  for (const Case& one : cases) {
+    CAPTURE(one.output);
+    const nlohmann::json report = mesh(folder, model, one.output, one.more);
+    CHECK(report["digest"] == whole["digest"]);
+    CHECK(report["counts"] == whole["counts"]);
+    CHECK(report["quality"] == whole["quality"]);
+    CHECK(report["parts"] == one.parts);
+    CHECK(report["partition"]["table"].size() == static_cast<std::size_t>(one.parts));
+    const nlohmann::json checked = check(folder / one.output, folder);
+    CHECK(checked["digest"] == whole["digest"]);
+    if (one.parts > 1) CHECK(checked["parts"] == one.parts);
+  }
+}
+
+TEST_CASE("the files of parts do not depend on threads") {
+  const TestFolder folder;
+  const std::string model = demo_model("assembly");
+  const nlohmann::json report = mesh(folder, model, "a.pvtu", {"--threads", "1"});
+  mesh(folder, model, "b.pvtu", {"--threads", "4"});
+  for (int part = 0; part < report["parts"]; ++part) {
+    const std::string number = std::to_string(part) + ".vtu";
+    CHECK(read_text(folder / ("a/a_" + number)) == read_text(folder / ("b/b_" + number)));
+  }
+}
+
+TEST_CASE("a surface cannot be meshed into parts") {
+  const TestFolder folder;
+  const std::string open = folder.write("open.stl", cube_stl(10));
+  CHECK(run_tetloom({"mesh", open, "-o", folder / "a.pvtu"}).status == 3);
+  CHECK(run_tetloom({"mesh", open, "-o", folder / "a.msh", "--parts", "2"}).status == 3);
+  CHECK(folder.files() == std::vector<std::string>{"open.stl"});
+}
+
+TEST_CASE("a cancelled run into parts leaves nothing behind") {
+  for (const std::string stage : {"faces", "volume", "partition", "check"}) {
+    CAPTURE(stage);
+    const TestFolder folder;
+    ProcessOptions options;
+    options.signal_when = stage;
+    options.signals = {SIGINT};
+    const ProcessResult result = run_tetloom({"mesh", demo_model("part"), "-o", folder / "a.pvtu", "--relative-size",
+                                              "0.01", "--parts", "8", "--report", folder / "r.json"},
+                                             options);
+    CHECK(result.status == 5);
+    CHECK(folder.files() == std::vector<std::string>{"r.json"});
+    CHECK(read_json(folder / "r.json")["status"] == "cancelled");
+  }
+}
