@@ -50,7 +50,7 @@ TEST_CASE("what is small for two parts is filled in one, and so is everything wh
 
 TEST_CASE("parts of a few tets, and more parts than points, make a valid mesh") {
   const PartsCase one{"ball", round_ball(3), SizeField::uniform(0.25), 0};
-  for (const double tets : {100.0, 20.0, 5.0}) {
+  for (const double tets : {100.0, 20.0, 8.0}) {
     CAPTURE(tets);
     const VolumeMesh mesh = fill_case(one, tets, TaskRunner(2));
     REQUIRE(mesh.errors.empty());
@@ -64,7 +64,7 @@ TEST_CASE("parts of a few tets, and more parts than points, make a valid mesh") 
 
 TEST_CASE("a surface without room for the points of a lattice is filled in parts") {
   const PartsCase one{"rod", voxel_surface({250, 1, 1}, 1, [](int, int, int) { return 0u; }), SizeField::uniform(2),
-                      20};
+                      60};
   const VolumeMesh mesh = fill_case(one);
   REQUIRE(mesh.errors.empty());
   INFO(mesh.figures.parts.given_up_why);

@@ -81,7 +81,7 @@ TEST_CASE("a mesh made in parts does not depend on the number of threads") {
   for (const PartsCase& one : cases) {
     INFO(one.name);
     const VolumeMesh mesh = fill_case(one, 1);
-    for (const int threads : {2, 4, 8}) CHECK(same_mesh(fill_case(one, threads), mesh));
+    for (const int threads : {2, 8}) CHECK(same_mesh(fill_case(one, threads), mesh));
   }
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("random star-shaped bodies are filled in parts, where tets reach far a
   CAPTURE(seed);
   std::mt19937_64 random(seed);
   std::size_t missing = 0, in_parts = 0;
-  for (int body = 0; body < 40; ++body) {
+  for (int body = 0; body < 24; ++body) {
     CAPTURE(body);
     std::uniform_real_distribution<double> radius(body % 2 == 0 ? 0.8 : 0.4, 1);
     const Surface surface = ball_surface(2 + body % 3, {}, 0, [&](const Vec3&) { return radius(random); });
@@ -136,7 +136,7 @@ TEST_CASE("random star-shaped bodies are filled in parts, where tets reach far a
     CHECK(check_filling(surface, mesh).at(0) == Approx(expected).epsilon(1e-9));
   }
   CHECK(missing > 100);
-  CHECK(in_parts == 40);
+  CHECK(in_parts == 24);
 }
 
 TEST_CASE("the surface of a volume in parts may change, and is true to the model") {
