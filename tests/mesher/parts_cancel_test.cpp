@@ -56,7 +56,7 @@ TEST_CASE("stopped at any moment, filling in parts ends as cancelled; else it is
     REQUIRE(whole.mesh.figures.parts.parts > 3);
     REQUIRE(whole.mesh.figures.parts.given_up == 0);
     CAPTURE(whole.polls);
-    const int runs = test::kSanitized ? 6 : 40;
+    const int runs = test::kSanitized ? 6 : 67;
     int cancelled = 0, completed = 0;
     for (int i = 0; i < runs; ++i) {
       const std::uint64_t last = 1 + random() % (whole.polls + whole.polls / 4);
