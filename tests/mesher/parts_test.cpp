@@ -111,6 +111,21 @@ TEST_CASE("triangles that are missing between parts are recovered") {
   }
 }
 
+TEST_CASE("where sizes change as fast as they may, tets that a part cannot know are found by asking") {
+  struct Small {
+    double finest, shift, tets_per_part;
+  };
+  for (const auto& [finest, shift, tets_per_part] :
+       {Small{0.025, -0.95, 100}, {0.025, -0.95, 140}, {0.03, -0.95, 120}, {0.03, -1, 150}, {0.03, -1, 240}}) {
+    CAPTURE(finest, shift, tets_per_part);
+    PartsCase one{"steep", round_ball(4), growing_sizes(finest, 0.9), tets_per_part};
+    for (Vec3& x : one.surface.points) x = 0.5 * x + Vec3{shift, 0, 0};
+    const VolumeMesh mesh = fill_case(one);
+    CHECK(mesh.figures.parts.asking_rounds < 8);
+    check_whole(one, mesh, fill_case(one, kOnePart, TaskRunner(2)));
+  }
+}
+
 TEST_CASE("random star-shaped bodies are filled in parts, where tets reach far and sizes do not fit the surface") {
   const unsigned seed = 1234;
   CAPTURE(seed);
