@@ -57,7 +57,7 @@ class Filler {
  private:
   enum class Sends { Nothing, Messages };
 
-  // `percent`: of the whole time, roughly, for progress.
+  // `percent`: of the whole time, roughly, for progress; all steps together take less than 100.
   Step step(const char* name, int percent, Sends sends, std::function<void(PartState&, PartTask&)> body) {
     Step made;
     made.name = name;
@@ -87,16 +87,16 @@ class Filler {
 
   void make_tets() {
     std::vector<Step> steps;
-    steps.push_back(step("points", 15, Sends::Messages, [&](PartState& s, PartTask& t) { find_points(input_, s, t); }));
+    steps.push_back(step("points", 14, Sends::Messages, [&](PartState& s, PartTask& t) { find_points(input_, s, t); }));
     if (input_.is_graded())
       steps.push_back(
-          step("grading", 5, Sends::Messages, [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }));
+          step("grading", 3, Sends::Messages, [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }));
     steps.push_back(step("core", 8, Sends::Messages, [&](PartState& s, PartTask& t) { make_core(input_, s, t); }));
     const auto shell = [&](PartState& s, PartTask& t) {
       take_shell_points(s, t);
       make_shell(input_, s, t.part(), t.runner());
     };
-    steps.push_back(step("shell", 30, Sends::Nothing, shell));
+    steps.push_back(step("shell", 26, Sends::Nothing, shell));
     run_steps(steps);
   }
 
@@ -262,11 +262,11 @@ class Filler {
       optimize_inside(input_, s, t.runner());
       send_poor(input_, s, t);
     };
-    steps.push_back(step("optimize", 25, Sends::Messages, inside));
+    steps.push_back(step("optimize", 22, Sends::Messages, inside));
     for (std::size_t round = 0; round < kStripRounds; ++round) {
       steps.push_back(step("share", 1, Sends::Messages, [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }));
       steps.push_back(
-          step("claim", 2, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
+          step("claim", 1, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
       const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
         take_strips(input_, s, t);
         is_last ? send_borders(s, t) : send_poor(input_, s, t);

@@ -106,6 +106,6 @@ struct SharedInput {
 };
 
 /// How far a part knows the points of the shell beyond its box, in sizes of these points.
-inline constexpr double kShellReach = 1.7;
+inline constexpr double kShellReach = 2;
 
 }  // namespace tetloom::parts

@@ -176,12 +176,12 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
   mesh.to_fixed.append(strip.mesh.to_fixed.span());
   state.qualities.append(strip.qualities.span());
   for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+    if (mesh.to_neighbor[face] != kNone) continue;
     sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
     open.push_back(face);
   }
   link_pairs(mesh, sides);
-  std::erase_if(open, [&](FaceCode face) { return mesh.to_neighbor[face] != kNone; });
+  std::erase_if(open, [&](FaceCode face) { return mesh.to_neighbor[face] != kNone || mesh.is_fixed(face); });
 }
 
 }  // namespace tetloom::parts

@@ -18,7 +18,7 @@ namespace {
 using tets::FaceCode;
 using tets::TetMesh;
 
-constexpr float kPoor = .8f * .8f * .8f;  // cubed: what lies above is not bettered by much
+constexpr float kPoor = .9f * .9f * .9f;  // cubed: what the optimiser's last pass looks at
 constexpr double kReachInEdges = 6;       // how far the neighbours' boxes are looked for
 
 struct SharedVert {
@@ -279,6 +279,8 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
     optimize_strip(input, strip, state, task.runner());
     put_in(state, task.part(), std::move(strip), state.open_faces);
   }
+  // Faces of the surface that taking out has opened are open for what comes back only.
+  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_fixed(face); });
   state.opened.clear();
   state.figures.seconds.optimize += watch.lap();
 }

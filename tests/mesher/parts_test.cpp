@@ -152,7 +152,7 @@ TEST_CASE("random star-shaped bodies are filled in parts, where tets reach far a
 }
 
 TEST_CASE("the surface of a volume in parts may change, and is true to the model") {
-  PartsCase one{"shaken", round_ball(4), SizeField::uniform(0.1), 3e3};
+  PartsCase one{"shaken", round_ball(4), SizeField::uniform(0.1), 8e3};
   std::mt19937 random(5);
   const auto amount = [&] { return 0.06 * (double(random()) / 4294967296.0 - 0.5); };
   for (Vec3& x : one.surface.points) x = normalized(x + Vec3{amount(), amount(), amount()});
@@ -171,8 +171,8 @@ TEST_CASE("the surface of a volume in parts may change, and is true to the model
   REQUIRE(mesh.errors.empty());
   INFO(mesh.figures.parts.given_up_why);
   CHECK(mesh.figures.parts.given_up == 0);
-  CHECK(mesh.figures.parts.parts > 4);
-  CHECK(mesh.moved_points.size() > 0);
+  CHECK(mesh.figures.parts.parts > 2);
+  CHECK(mesh.moved_points.size() + mesh.changed_triangles.size() > 0);
   CHECK(kept.moved_points.size() + kept.changed_triangles.size() == 0);
   Surface changed = one.surface;
   for (const MovedPoint& moved : mesh.moved_points) {
