@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "threading/agreement.hpp"
+
 namespace tetloom {
 namespace {
 
@@ -132,13 +134,16 @@ class PartClassifier {
 
 }  // namespace
 
-PartitionedMesh classify_parts(const Mesh& surface, std::vector<VolumePart>&& parts, Communicator& communicator,
-                               const TaskRunner& runner) {
-  PartitionedMesh mesh(communicator, parts.size());
-  const EdgeIndex edges(surface);
-  runner.for_each(parts.size(), [&](std::size_t p) {
-    mesh.parts.at(PartId(p)).mesh = PartClassifier(surface, edges, std::move(parts[p])).run();
-    runner.check_cancelled();
+PartitionedMesh classify_parts(const Mesh& surface, std::vector<VolumePart>&& parts, std::size_t part_count,
+                               Communicator& communicator, const TaskRunner& runner) {
+  PartitionedMesh mesh(communicator, part_count);
+  const auto local = mesh.local();
+  run_on_all(communicator, [&] {
+    const EdgeIndex edges(surface);
+    runner.for_each(local.size(), [&](std::size_t i) {
+      mesh.parts.at(local[i]).mesh = PartClassifier(surface, edges, std::move(parts[i])).run();
+      runner.check_cancelled();
+    });
   });
   parts.clear();
   link_parts(mesh, runner);

@@ -5,6 +5,7 @@
 #include "core/base/stopwatch.hpp"
 #include "mesher/classify_parts.hpp"
 #include "mesher/mesh_run_detail.hpp"
+#include "threading/agreement.hpp"
 #include "threading/balance/balance.hpp"
 #include "threading/migration.hpp"
 
@@ -63,19 +64,21 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
   const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& surface) {
-    VolumeParts volume = fill_volume_in_parts(input, how, runner);
+    VolumeParts volume = fill_volume_in_parts(input, how, communicator, runner);
     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
     if (!report.errors.empty()) return report;
     Stopwatch watch;
-    runner.begin_stage(Stage::Partition, 0);
-    runner.check_cancelled();
-    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), communicator, runner);
+    run_on_all(communicator, [&] {
+      runner.begin_stage(Stage::Partition, 0);
+      runner.check_cancelled();
+    });
+    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, communicator, runner);
     if (options.parts > 0) deal(mesh, static_cast<std::size_t>(options.parts), runner);
     result.partition_seconds = watch.lap();
     result.mesh = std::move(mesh);
     return report;
   };
-  result.run = run_mesh(model, options, host, fill);
+  result.run = run_mesh(model, options, host, fill, &communicator);
   result.run.seconds.volume -= result.partition_seconds;
   return result;
 }

@@ -11,14 +11,16 @@
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom {
 namespace {
 
 class MeshRun {
  public:
-  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill)
-      : model_(model), options_(options), runner_(options.threads, host), fill_(fill) {}
+  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+          Communicator* ranks)
+      : model_(model), options_(options), runner_(options.threads, host), fill_(fill), ranks_(ranks) {}
 
   MeshResult run() {
     for (std::size_t r = 0; r < model_.topology().region_count(); ++r)
@@ -41,7 +43,10 @@ class MeshRun {
   }
 
   void run_stages() {
-    if (!mesh_fitting_surface()) return;
+    bool fits = false;
+    const auto mesh_surface = [&] { fits = mesh_fitting_surface(); };
+    ranks_ ? run_on_all(*ranks_, mesh_surface) : mesh_surface();
+    if (!fits) return;
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
@@ -229,6 +234,7 @@ class MeshRun {
   const MeshOptions& options_;
   TaskRunner runner_;
   const FillVolume& fill_;
+  Communicator* const ranks_;
   MeshResult result_;
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   std::map<std::uint32_t, std::size_t> refined_faces_;
@@ -237,12 +243,13 @@ class MeshRun {
 
 }  // namespace
 
-MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill) {
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+                    Communicator* ranks) {
   check_goals(options.goals);
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
   if (!(options.tets_per_part >= 0))
     throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
-  return MeshRun(model, options, host, fill).run();
+  return MeshRun(model, options, host, fill, ranks).run();
 }
 
 }  // namespace tetloom

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesher/mesher.hpp"
+#include "threading/communicator.hpp"
 
 namespace tetloom {
 
@@ -15,7 +16,9 @@ struct FillingReport {
 /// Called once at most, when there is a surface that may be filled: the mesh, from which the input is made.
 using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const TaskRunner&, Mesh&)>;
 
-/// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result.
-MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill);
+/// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result. `ranks`, where there
+/// are some, make the same surface each, and come to `fill` together or not at all.
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+                    Communicator* ranks = nullptr);
 
 }  // namespace tetloom

@@ -6,8 +6,8 @@
 
 namespace tetloom::app {
 
-ExitStatus run_mesh(const MeshCommand& command);
-/// The others are collective calls.
+/// All are collective calls.
+ExitStatus run_mesh(const MeshCommand& command, Communicator& communicator);
 ExitStatus run_info(const InfoCommand& command, Communicator& communicator);
 ExitStatus run_check(const CheckCommand& command, Communicator& communicator);
 ExitStatus run_partition(const PartitionCommand& command, Communicator& communicator);

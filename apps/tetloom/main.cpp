@@ -32,7 +32,9 @@ struct Dispatch {
   int& argc;
   char**& argv;
 
-  ExitStatus operator()(const MeshCommand& command) const { return run_mesh(command); }
+  ExitStatus operator()(const MeshCommand& command) const {
+    return run_mesh(command, Ranks(argc, argv).communicator());
+  }
   ExitStatus operator()(const InfoCommand& command) const {
     return run_info(command, Ranks(argc, argv).communicator());
   }

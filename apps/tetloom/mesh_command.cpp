@@ -9,7 +9,9 @@
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
 #include "mesher/mesh_in_parts.hpp"
+#include "threading/agreement.hpp"
 #include "threading/parts_io.hpp"
+#include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -39,8 +41,9 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
   report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
 }
 
-void mesh_model(const MeshCommand& command, Run& run) {
-  const auto [document, options] = read_sized_model(command, run);
+// By one process.
+void mesh_model(const MeshCommand& command, const Sized& sized, Run& run) {
+  const auto& [document, options] = sized;
   RunReport& report = run.report();
   const MeshResult result = make_mesh(*document.model, options, run.host());
   note_run(result, *document.model, options, report);
@@ -54,16 +57,22 @@ void mesh_model(const MeshCommand& command, Run& run) {
   run.set_text(render_summary(report, command.output.string(), command.report.string()));
 }
 
-void mesh_model_in_parts(const MeshCommand& command, Communicator& communicator, Run& run) {
-  const auto [document, options] = read_sized_model(command, run);
+void write_in_one_piece(const PartitionedMesh& mesh, const MeshCommand& command, const TaskRunner& runner, Run& run) {
+  const Mesh whole = gather_mesh(mesh, runner);
+  run_on_first(*mesh.communicator, [&] { write_mesh(whole, command.output, &run.cancel(), runner); });
+}
+
+// By all ranks.
+void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
+  const auto& [document, options] = sized;
   RunReport& report = run.report();
   const MeshInPartsResult result = make_mesh_in_parts(*document.model, options, communicator, run.host());
   note_run(result.run, *document.model, options, report);
   const TaskRunner runner(options.threads, run.host());
-  if (!result.mesh) return check(result.run, runner, run);
+  if (!result.mesh) return run_on_first(communicator, [&] { check(result.run, runner, run); });
 
   note_filling(result.run.filling, options.goals, report);
-  run.begin(Stage::Check);
+  run.begin_together(Stage::Check);
   PartsFigures figures;
   report.parts = static_cast<int>(result.mesh->part_count());
   report.counts.regions = document.model->topology().region_count();
@@ -75,23 +84,34 @@ void mesh_model_in_parts(const MeshCommand& command, Communicator& communicator,
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
 
-  run.begin(Stage::Write);
-  report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
+  run.begin_together(Stage::Write);
+  report.seconds.write = timed([&] {
+    command.in_parts ? write_parts(*result.mesh, command.output, runner, &run.cancel())
+                     : write_in_one_piece(*result.mesh, command, runner, run);
+  });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
+}
+
+void mesh_input(const MeshCommand& command, Communicator& communicator, Run& run) {
+  Sized sized;
+  run_on_all(communicator, [&] { sized = read_sized_model(command, run); });
+  const bool has_volume = !sized.options.surface_only && sized.document.model->topology().region_count() > 0;
+  if (command.in_parts || (communicator.rank_count() > 1 && has_volume))
+    return mesh_model_in_parts(command, sized, communicator, run);
+  run_on_first(communicator, [&] { mesh_model(command, sized, run); });
 }
 
 }  // namespace
 
-ExitStatus run_mesh(const MeshCommand& command) {
+ExitStatus run_mesh(const MeshCommand& command, Communicator& communicator) {
   Run run({.input = command.input,
            .output = command.output,
            .report = command.report,
            .quiet = command.quiet,
            .threads = TaskRunner(command.options.threads).threads(),
-           .parts = std::max(1, command.options.parts)});
-  const auto communicator = make_thread_communicator();
-  return run.execute(
-      [&](Run& r) { command.in_parts ? mesh_model_in_parts(command, *communicator, r) : mesh_model(command, r); });
+           .parts = std::max(1, command.options.parts),
+           .ranks = &communicator});
+  return run.execute([&](Run& r) { mesh_input(command, communicator, r); });
 }
 
 }  // namespace tetloom::app

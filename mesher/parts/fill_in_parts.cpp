@@ -11,6 +11,8 @@
 #include "mesher/parts/part_meshes.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "mesher/parts/strips.hpp"
+#include "mesher/volume/filling_messages.hpp"
+#include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
 
 namespace tetloom::parts {
@@ -43,7 +45,6 @@ class Filler {
     FilledParts result;
     take_figures(result);
     if (result.fault.any()) return result;
-    note_triangles(result);
     if (!keep_parts) {
       result.filling = gather();
       return result;
@@ -104,12 +105,16 @@ class Filler {
   void ask_others() {
     for (std::size_t round = 0; round < kMostRoundsOfAsking && !any_fault(); ++round) {
       std::vector<Message> questions;
-      for (const PartId part : states_.local()) ask(part, questions);
+      run_on_all(communicator_, [&] {
+        for (const PartId part : states_.local()) ask(part, questions);
+      });
       std::array<std::int64_t, 1> count{static_cast<std::int64_t>(questions.size())};
       communicator_.sum(count);
       if (count[0] == 0) return;
       ++rounds_;
-      std::vector<Message> answers = answer(exchange_all(std::move(questions)));
+      questions = exchange_all(std::move(questions));
+      std::vector<Message> answers;
+      run_on_all(communicator_, [&] { answers = answer(questions); });
       if (!take_answers(exchange_all(std::move(answers)))) return;
     }
   }
@@ -161,12 +166,14 @@ class Filler {
     }
     const auto local = states_.local();
     std::vector<char> learnt(local.size(), 0);
-    runner_.for_each(local.size(), [&](std::size_t i) {
-      PartState& state = states_.at(local[i]);
-      state.doubts.clear();
-      if (!add_shell_points(input_, state, part_to_points[local[i].value])) return;
-      make_shell(input_, state, local[i], runner_);
-      learnt[i] = 1;
+    run_on_all(communicator_, [&] {
+      runner_.for_each(local.size(), [&](std::size_t i) {
+        PartState& state = states_.at(local[i]);
+        state.doubts.clear();
+        if (!add_shell_points(input_, state, part_to_points[local[i].value])) return;
+        make_shell(input_, state, local[i], runner_);
+        learnt[i] = 1;
+      });
     });
     std::array<std::int64_t, 1> count{std::count(learnt.begin(), learnt.end(), 1)};
     communicator_.sum(count);
@@ -190,9 +197,11 @@ class Filler {
       one.pure.insert(one.pure.end(), pure.begin(), pure.end());
     }
     patches_.resize(clusters.size());
-    runner_.for_each(clusters.size(), [&](std::size_t c) {
-      if (!states_.is_local(clusters[c].part)) return;
-      patches_[c] = recover_cluster(input_, clusters[c], std::move(around[c]), runner_);
+    run_on_all(communicator_, [&] {
+      runner_.for_each(clusters.size(), [&](std::size_t c) {
+        if (!states_.is_local(clusters[c].part)) return;
+        patches_[c] = recover_cluster(input_, clusters[c], std::move(around[c]), runner_);
+      });
     });
     take_patches(clusters);
   }
@@ -279,7 +288,8 @@ class Filler {
     };
     steps.push_back(step("finish", 8, Sends::Nothing, finish));
     run_steps(steps);
-    if (!all_faces_met()) states_.at(states_.local().front()).fault.message = "the faces of parts do not fit together";
+    if (all_faces_met()) return;
+    for (const PartId part : states_.local()) states_.at(part).fault.message = "the faces of parts do not fit together";
   }
 
   // What the neighbours have to know of a part in the end: its open faces and its points of the surface.
@@ -342,26 +352,36 @@ class Filler {
     return count[0] > 0;
   }
 
+  // What all ranks know in the end: the figures of all parts, in their order, and what became of the surface.
   void take_figures(FilledParts& result) {
-    std::size_t seen = 0, wanted = 0;
-    result.figures.parts.parts = states_.part_count();
-    result.figures.parts.asking_rounds = rounds_, result.figures.parts.asked = asked_;
+    MessageWriter writer;
     for (const PartId part : states_.local()) {
       const PartState& state = states_.at(part);
-      result.figures.add(state.figures);
-      seen += state.seen_sides;
-      if (state.fault.any() && !result.fault.any()) result.fault = state.fault;
+      volume::put_figures(writer, state.figures);
+      volume::put_text(writer, state.fault.message);
+      writer.put(static_cast<std::uint64_t>(state.seen_sides));
+      writer.put_array<ChangedTriangle>(state.changed_triangles);
     }
+    result.figures.parts.parts = states_.part_count();
+    result.figures.parts.asking_rounds = rounds_;
+    result.tri_to_vert = input_.filling.complex.tri_to_vert;
+    std::size_t seen = 0, wanted = 0;
+    for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
+      for (MessageReader reader(bytes); !reader.at_end();) {
+        result.figures.add(volume::get_figures(reader));
+        const std::string fault = volume::get_text(reader);
+        if (!result.fault.any()) result.fault.message = fault;
+        seen += reader.get<std::uint64_t>();
+        for (const ChangedTriangle& changed : reader.get_view<ChangedTriangle>())
+          result.tri_to_vert[changed.triangle] = changed.verts;
+      }
+    }
+    std::array<std::int64_t, 1> asked{static_cast<std::int64_t>(asked_)};
+    communicator_.sum(asked);
+    result.figures.parts.asked = static_cast<std::size_t>(asked[0]);
     for (const FaceSides& sides : input_.filling.complex.tri_to_sides)
       wanted += std::size_t{sides.front.valid()} + std::size_t{sides.back.valid()};
     if (!result.fault.any() && seen != wanted) result.fault.message = "sides of the surface were left empty";
-  }
-
-  void note_triangles(FilledParts& result) const {
-    result.tri_to_vert = input_.filling.complex.tri_to_vert;
-    for (const PartId part : states_.local())
-      for (const ChangedTriangle& changed : states_.at(part).changed_triangles)
-        result.tri_to_vert[changed.triangle] = changed.verts;
   }
 
   volume::Filling gather() {
@@ -394,15 +414,24 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
   lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
                                   input.attempt};
   for (const Vec3& x : input.complex.points) lattice.box.add(x);
-  const lattice::LatticeCells cells(lattice, runner);
-  const double parts = std::round(estimate_tets(cells) / request.tets_per_part);
-  if (!(parts >= 2)) return std::nullopt;
-  const Decomposition decomposition(cells, static_cast<std::size_t>(std::min(parts, 1e5)));
-  const PartSurface surface(input.complex, input.sizes, decomposition, kShellReach, runner);
-  const tets::TriangleIndex triangles(input.complex.tri_to_vert, input.complex.points.size());
-  const SharedInput shared{input, cells, decomposition, surface, triangles, lattice.box, only_region_of(input.complex)};
-  const std::unique_ptr<Communicator> communicator = make_thread_communicator();
-  return Filler(shared, *communicator, runner, request.trace).run(request.keep_parts);
+  const std::unique_ptr<Communicator> own = request.communicator ? nullptr : make_thread_communicator();
+  Communicator& communicator = own ? *own : *request.communicator;
+  std::optional<lattice::LatticeCells> cells;
+  std::optional<Decomposition> decomposition;
+  std::optional<PartSurface> surface;
+  std::optional<tets::TriangleIndex> triangles;
+  run_on_all(communicator, [&] {
+    cells.emplace(lattice, runner);
+    const double parts = std::round(estimate_tets(*cells) / request.tets_per_part);
+    if (!(parts >= 2)) return;
+    decomposition.emplace(*cells, static_cast<std::size_t>(std::min(parts, 1e5)));
+    surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
+    triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
+  });
+  if (!decomposition) return std::nullopt;
+  const SharedInput shared{
+      input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
+  return Filler(shared, communicator, runner, request.trace).run(request.keep_parts || request.communicator);
 }
 
 }  // namespace tetloom::parts

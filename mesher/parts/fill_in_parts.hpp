@@ -20,13 +20,14 @@ namespace tetloom::parts {
 
 struct PartsRequest {
   double tets_per_part = kTetsPerPart;
-  Trace* trace = nullptr;   ///< may be null
-  bool keep_parts = false;  ///< they are not put together
+  Trace* trace = nullptr;                ///< may be null
+  bool keep_parts = false;               ///< they are not put together
+  Communicator* communicator = nullptr;  ///< of the ranks that share the parts, which are kept then; null: this process
 };
 
 struct FilledParts {
   std::optional<volume::Filling> filling;  ///< nothing after a fault, or when parts are kept
-  std::vector<VolumePart> parts;           ///< kept ones; points and triangles numbered as in the complex
+  std::vector<VolumePart> parts;           ///< kept ones of this rank; points and triangles numbered as in the complex
   std::uint64_t new_points = 0;            ///< of all kept parts
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles as they have become
   FillingFigures figures;
@@ -34,7 +35,8 @@ struct FilledParts {
 };
 
 /// The result depends on the input and the tets per part alone. Nothing when the complex is too small for two parts.
-/// Errors: Cancelled, OutOfMemory.
+/// Errors: Cancelled, OutOfMemory. With a communicator, a collective call; all ranks give the same input, and know all
+/// but the parts of the others then.
 std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
                                          const TaskRunner& runner);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mesher/tets/triangle_verts.hpp"
+#include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
 
 namespace tetloom::parts {
@@ -33,7 +34,9 @@ class Numberer {
 
   // A part says which vertices it uses; whoever made them hears it, and answers with their numbers.
   std::uint64_t run() {
-    std::vector<Message> arrived = exchange_all(find_used());
+    std::vector<Message> used;
+    run_on_all(communicator_, [&] { used = find_used(); });
+    std::vector<Message> arrived = exchange_all(std::move(used));
     for (const Message& message : arrived)
       for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>())
         numberings_.at(message.to).made[static_cast<std::uint32_t>(key)] = 0;
@@ -47,8 +50,10 @@ class Numberer {
       part_to_answers.emplace_back(begin, end);
       begin = end;
     }
-    runner_.for_each(part_to_answers.size(),
-                     [&](std::size_t i) { take_numbers(states_.local()[i], part_to_answers[i]); });
+    run_on_all(communicator_, [&] {
+      runner_.for_each(part_to_answers.size(),
+                       [&](std::size_t i) { take_numbers(states_.local()[i], part_to_answers[i]); });
+    });
     return count;
   }
 
@@ -264,8 +269,11 @@ HandedOn hand_on_parts(const SharedInput& input, PerPart<PartState>& states, Com
   result.new_points = numberer.run();
   const auto local = states.local();
   result.parts.resize(local.size());
-  runner.for_each(local.size(),
-                  [&](std::size_t i) { result.parts[i] = hand_on(input, states.at(local[i]), numberer.of(local[i])); });
+  run_on_all(communicator, [&] {
+    runner.for_each(local.size(), [&](std::size_t i) {
+      result.parts[i] = hand_on(input, states.at(local[i]), numberer.of(local[i]));
+    });
+  });
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include "mesher/volume/lattice_filling.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom::volume {
 
@@ -70,6 +71,11 @@ class ComplexFiller {
     return std::move(result_);
   }
 
+  FilledComplex run_in_parts() {
+    fill_in_parts();
+    return std::move(result_);
+  }
+
  private:
   // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
   void fill_by_own_means() {
@@ -89,7 +95,8 @@ class ComplexFiller {
 
   // False when there is one part only, or where the parts' tets do not fit together.
   bool fill_in_parts() {
-    const parts::PartsRequest request{options_.tets_per_part, options_.trace, options_.keep_parts};
+    const parts::PartsRequest request{options_.tets_per_part, options_.trace, options_.keep_parts,
+                                      options_.communicator};
     auto filled = parts::fill_in_parts(filling_input(), request, runner_);
     if (!filled) return false;
     if (filled->fault.any()) {
@@ -103,6 +110,7 @@ class ComplexFiller {
     result_.filling = std::move(filled->filling);
     result_.parts = std::move(filled->parts);
     result_.new_points = filled->new_points;
+    result_.part_count = filled->figures.parts.parts;
     return true;
   }
 
@@ -262,6 +270,13 @@ class ComplexFiller {
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
                            FillingProgress& progress, const TaskRunner& runner) {
   return ComplexFiller(input, complex, options, progress, runner).run();
+}
+
+FilledComplex fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
+                                    FillingProgress& progress, const TaskRunner& runner) {
+  std::optional<ComplexFiller> filler;
+  run_on_all(*options.communicator, [&] { filler.emplace(input, complex, options, progress, runner); });
+  return filler->run_in_parts();
 }
 
 }  // namespace tetloom::volume

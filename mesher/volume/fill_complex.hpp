@@ -15,6 +15,7 @@ struct FilledComplex {
   std::optional<Filling> filling;  ///< nothing when no attempt succeeded, or when there are parts
   std::vector<VolumePart> parts;   ///< where they are kept; points and triangles numbered as in the complex
   std::uint64_t new_points = 0;    ///< of all parts
+  std::size_t part_count = 0;      ///< on all ranks
   std::vector<std::array<std::uint32_t, 3>>
       tri_to_vert;  ///< the complex's triangles as they have become; empty: as before
   std::vector<Diagnostic> errors, warnings;
@@ -29,6 +30,7 @@ struct ComplexOptions {
   LatticeKind lattice = LatticeKind::Bcc;
   double tets_per_part = kTetsPerPart;
   Trace* trace = nullptr;
+  Communicator* communicator = nullptr;  ///< see fill_complex_in_parts
   bool keep_parts = false;  ///< what is filled in parts, of which there are then two at least, stays in them
 };
 
@@ -37,5 +39,10 @@ struct ComplexOptions {
 /// worker alone.
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
                            FillingProgress& progress, const TaskRunner& runner);
+
+/// Fills `complex` in parts on all ranks of the options' communicator, where it is large enough and the parts fit
+/// together; else there are figures alone, and it is to be filled in one part. A collective call.
+FilledComplex fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
+                                    FillingProgress& progress, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

@@ -10,9 +10,11 @@
 #include "mesher/sizing/mesh_estimate.hpp"
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
+#include "mesher/volume/fill_on_ranks.hpp"
 #include "mesher/volume/volume_parts.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
+#include "threading/agreement.hpp"
 
 namespace tetloom {
 
@@ -122,64 +124,70 @@ void append(const VolumeInput& input, const Complex& complex, volume::Filling&& 
   mesh.tet_to_region.insert(mesh.tet_to_region.end(), filling.tet_to_region.begin(), filling.tet_to_region.end());
 }
 
-// Fills all complexes, and gives them one after the other to `take`.
-template <class Result, class Take>
-void fill_complexes(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Result& result,
-                    bool keep_parts, const Take& take) {
+// What is to be filled, and how.
+struct Plan {
+  std::vector<Complex> complexes;
+  std::vector<volume::FillingProgress> progress;
+  volume::ComplexOptions how;
+  std::optional<volume::SurfaceFreedom> freedom;
+};
+
+template <class Result>
+void make_plan(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Plan& plan,
+               Result& result) {
   volume::OpenRegions open = volume::find_open_regions(input);
   result.errors = std::move(open.diagnostics);
-  const std::vector<Complex> complexes = volume::split_complexes(input, open.regions);
-  std::vector<double> work;
-  std::vector<volume::FillingProgress> progress;
+  plan.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
-  for (const Complex& complex : complexes) {
-    whole += progress.emplace_back(input, complex).whole();
-    work.push_back(static_cast<double>(progress.back().whole()));
-  }
+  for (const Complex& complex : plan.complexes) whole += plan.progress.emplace_back(input, complex).whole();
   runner.begin_stage(Stage::Volume, whole);
-  if (complexes.empty()) return;
-  volume::ComplexOptions how{{}, options.worker_only, nullptr, options.goals, options.lattice};
-  if (options.tets_per_part > 0) how.tets_per_part = options.tets_per_part;
-  how.trace = options.trace;
-  how.keep_parts = keep_parts;
+  plan.how.worker_only = options.worker_only;
+  plan.how.goals = options.goals;
+  plan.how.lattice = options.lattice;
+  plan.how.trace = options.trace;
+  if (options.tets_per_part > 0) plan.how.tets_per_part = options.tets_per_part;
+  if (plan.complexes.empty()) return;
   try {
-    how.worker = volume::find_worker(options.worker);
+    plan.how.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : complexes) result.errors.push_back(worker_missing(input, complex, error));
-      return;
+      for (const Complex& complex : plan.complexes) result.errors.push_back(worker_missing(input, complex, error));
+      return plan.complexes.clear();
     }
   }
-  std::optional<volume::SurfaceFreedom> freedom;
-  if (options.improve_surface) how.freedom = &freedom.emplace(input, complexes);
-  std::vector<FilledComplex> filled(complexes.size());
+  if (options.improve_surface) plan.how.freedom = &plan.freedom.emplace(input, plan.complexes);
+}
+
+std::vector<FilledComplex> fill_here(const VolumeInput& input, Plan& plan, const TaskRunner& runner) {
+  std::vector<FilledComplex> filled(plan.complexes.size());
+  std::vector<double> work;
+  for (std::size_t i = 0; i < filled.size(); ++i) work.push_back(static_cast<double>(plan.progress[i].whole()));
   runner.for_each_largest_first(work, [&](std::size_t i) {
-    filled[i] = volume::fill_complex(input, complexes[i], how, progress[i], runner);
-    progress[i].reach(volume::FillingStep::Done, runner);
+    filled[i] = volume::fill_complex(input, plan.complexes[i], plan.how, plan.progress[i], runner);
+    if (plan.how.keep_parts) volume::keep_as_parts(plan.complexes[i], filled[i]);
+    plan.progress[i].reach(volume::FillingStep::Done, runner);
   });
+  return filled;
+}
+
+// Gives the complexes one after the other to `take`, and adds up what there is to be said.
+template <class Result, class Take>
+void take_filled(std::span<const Complex> complexes, std::vector<FilledComplex>&& filled, Result& result,
+                 const Take& take) {
   for (std::size_t i = 0; i < complexes.size(); ++i) {
     take(complexes[i], filled[i]);
-    for (auto* to : {&result.errors, &result.warnings}) {
-      auto& from = to == &result.errors ? filled[i].errors : filled[i].warnings;
-      std::move(from.begin(), from.end(), std::back_inserter(*to));
-    }
+    std::ranges::move(filled[i].errors, std::back_inserter(result.errors));
+    std::ranges::move(filled[i].warnings, std::back_inserter(result.warnings));
     result.figures.add(filled[i].figures);
     filled[i] = {};
   }
 }
 
-// What every way of filling begins with, and what becomes of a lack of memory.
-template <class Fill>
-void fill_checked(const VolumeInput& input, const VolumeOptions& options, const Fill& fill) {
+void check(const VolumeInput& input, const VolumeOptions& options) {
   check_input(input);
   check_goals(options.goals);
   if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
   check_memory(estimate_filling(input), options.max_memory);
-  try {
-    fill();
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
-  }
 }
 
 }  // namespace
@@ -209,30 +217,54 @@ void FillingFigures::add(const FillingFigures& other) {
 }
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  check(input, options);
   VolumeMesh mesh;
-  fill_checked(input, options, [&] {
-    fill_complexes(input, options, runner, mesh, false, [&](const Complex& complex, FilledComplex& filled) {
-      if (!filled.filling) return;
-      append_changes(complex, filled, mesh);
-      append(input, complex, std::move(*filled.filling), mesh, runner);
-    });
-  });
+  try {
+    Plan plan;
+    make_plan(input, options, runner, plan, mesh);
+    take_filled(plan.complexes, fill_here(input, plan, runner), mesh,
+                [&](const Complex& complex, FilledComplex& filled) {
+                  if (!filled.filling) return;
+                  append_changes(complex, filled, mesh);
+                  append(input, complex, std::move(*filled.filling), mesh, runner);
+                });
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
+  }
   std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
   std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
   return mesh;
 }
 
-VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
+                                 const TaskRunner& runner) {
   VolumeParts result;
-  std::uint64_t next_point = input.points.size();
-  fill_checked(input, options, [&] {
-    fill_complexes(input, options, runner, result, true, [&](const Complex& complex, FilledComplex& filled) {
-      volume::keep_as_parts(complex, filled);
-      volume::to_numbers_of_input(complex, next_point, filled.parts, runner);
-      next_point += filled.new_points;
-      std::move(filled.parts.begin(), filled.parts.end(), std::back_inserter(result.parts));
-    });
+  Plan plan;
+  std::vector<FilledComplex> filled;
+  const bool is_alone = communicator.rank_count() == 1;
+  run_on_all(communicator, [&] {
+    check(input, options);
+    make_plan(input, options, runner, plan, result);
+    plan.how.keep_parts = true;
+    if (is_alone) filled = fill_here(input, plan, runner);
   });
+  if (!is_alone) {
+    plan.how.communicator = &communicator;
+    filled = volume::fill_on_ranks(input, plan.complexes, plan.how, plan.progress, runner);
+  }
+  std::vector<volume::NumberedPart> parts;
+  std::uint64_t next_point = input.points.size();
+  take_filled(plan.complexes, std::move(filled), result, [&](const Complex& complex, FilledComplex& of) {
+    volume::to_numbers_of_input(complex, next_point, of.parts, runner.uninterruptible());
+    next_point += of.new_points;
+    // One part lies where it was made.
+    const auto own = of.part_count > 1 ? communicator.parts_of_rank(of.part_count) : std::vector{PartId(0)};
+    for (std::size_t i = 0; i < of.parts.size(); ++i)
+      parts.push_back({PartId(result.part_count + own[i].value), std::move(of.parts[i])});
+    result.part_count += of.part_count;
+  });
+  if (!result.errors.empty() || result.part_count == 0) return result;
+  result.parts = volume::send_home(std::move(parts), result.part_count, communicator);
   return result;
 }
 

@@ -11,6 +11,7 @@ void keep_as_parts(const Complex& complex, FilledComplex& filled) {
   if (!filled.filling) return;
   Filling& filling = *filled.filling;
   VolumePart& part = filled.parts.emplace_back();
+  filled.part_count = 1;
   filled.new_points = filling.points.size() - complex.points.size();
   part.points.append(std::span<const Vec3>(filling.points));
   part.vert_to_number.resize_for_overwrite(filling.points.size());

@@ -6,6 +6,7 @@
 
 #include "core/base/growing_array.hpp"
 #include "mesher/volume/volume_mesher.hpp"
+#include "threading/communicator.hpp"
 
 namespace tetloom {
 
@@ -21,13 +22,15 @@ struct VolumePart {
 };
 
 struct VolumeParts {
-  std::vector<VolumePart> parts;             ///< those of each complex together, in the order of the complexes
+  std::vector<VolumePart> parts;  ///< those of each complex together, in the order of the complexes; of this rank
+  std::size_t part_count = 0;     ///< on all ranks
   std::vector<Diagnostic> errors, warnings;  ///< as of VolumeMesh
   FillingFigures figures;
 };
 
 /// As fill_volume, the same tets in parts: a complex that was filled in one part is one, and the numbers of all points
-/// are those of fill_volume.
-VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
+/// are those of fill_volume. A collective call, for which all ranks give the same; errors are the same on all of them.
+VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
+                                 const TaskRunner& runner);
 
 }  // namespace tetloom

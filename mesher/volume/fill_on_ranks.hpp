@@ -1,0 +1,24 @@
+#pragma once
+// Complexes filled by several ranks together.
+#include "mesher/volume/fill_complex.hpp"
+
+namespace tetloom::volume {
+
+/// Large complexes are filled in parts, one complex after the other, by all ranks; those that are filled in one part
+/// are dealt to the ranks. All ranks know errors, warnings, figures and numbers of all complexes in the end, and have
+/// the parts that they made. A collective call; all ranks give the same.
+std::vector<FilledComplex> fill_on_ranks(const VolumeInput& input, std::span<const Complex> complexes,
+                                         const ComplexOptions& options, std::span<FillingProgress> progress,
+                                         const TaskRunner& runner);
+
+/// A part of the whole volume.
+struct NumberedPart {
+  PartId number;
+  VolumePart part;
+};
+
+/// Sends parts to the ranks that host them, of `part_count`; returns those of this rank, ascending. A collective call.
+std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
+                                  Communicator& communicator);
+
+}  // namespace tetloom::volume

@@ -1,0 +1,171 @@
+#include "mesher/volume/filling_messages.hpp"
+
+namespace tetloom::volume {
+
+namespace {
+
+using tets::OptimizeReport;
+
+constexpr std::array kFillingCounts{&FillingFigures::core_tets, &FillingFigures::shell_tets,
+                                    &FillingFigures::worker_complexes, &FillingFigures::missing_triangles,
+                                    &FillingFigures::recovery_points};
+constexpr std::array kPartsCounts{&FillingPartsFigures::parts, &FillingPartsFigures::asked,
+                                  &FillingPartsFigures::asking_rounds, &FillingPartsFigures::given_up};
+constexpr std::array kOptimizeCounts{&OptimizeReport::edges_removed,
+                                     &OptimizeReport::vertices_moved,
+                                     &OptimizeReport::points_inserted,
+                                     &OptimizeReport::vertices_removed,
+                                     &OptimizeReport::edges_swapped,
+                                     &OptimizeReport::vertices_slid,
+                                     &OptimizeReport::below_goal,
+                                     &OptimizeReport::below_dihedral,
+                                     &OptimizeReport::forced,
+                                     &OptimizeReport::forced_by_angles,
+                                     &OptimizeReport::forced_by_triangles,
+                                     &OptimizeReport::forced_by_points,
+                                     &OptimizeReport::tets};
+constexpr std::array kOptimizeValues{&OptimizeReport::least_before, &OptimizeReport::mean_before,
+                                     &OptimizeReport::least, &OptimizeReport::mean, &OptimizeReport::least_dihedral};
+
+template <class T, class Members>
+void put_members(MessageWriter& writer, const T& from, const Members& members) {
+  for (const auto member : members) writer.put(from.*member);
+}
+template <class T, class Members>
+void get_members(MessageReader& reader, T& to, const Members& members) {
+  for (const auto member : members) to.*member = reader.get<std::remove_cvref_t<decltype(to.*member)>>();
+}
+
+template <class T>
+void put_list(MessageWriter& writer, const std::vector<T>& values) {
+  writer.put_array(std::span<const T>(values));
+}
+
+void put_entities(MessageWriter& writer, const std::vector<NamedEntity>& entities) {
+  writer.put(static_cast<std::uint64_t>(entities.size()));
+  for (const NamedEntity& named : entities) {
+    writer.put(named.entity);
+    put_text(writer, named.name);
+  }
+}
+
+std::vector<NamedEntity> get_entities(MessageReader& reader) {
+  std::vector<NamedEntity> entities(reader.get<std::uint64_t>());
+  for (NamedEntity& named : entities) {
+    named.entity = reader.get<ModelEntity>();
+    named.name = get_text(reader);
+  }
+  return entities;
+}
+
+void put_acute_tet(MessageWriter& writer, const AcuteTet& tet) {
+  writer.put(tet.angle);
+  writer.put(tet.point);
+  writer.put(tet.cause);
+  writer.put(tet.cause_angle);
+  put_list(writer, tet.triangles);
+  put_list(writer, tet.points);
+  put_entities(writer, tet.entities);
+}
+
+AcuteTet get_acute_tet(MessageReader& reader) {
+  AcuteTet tet;
+  tet.angle = reader.get<double>();
+  tet.point = reader.get<Vec3>();
+  tet.cause = reader.get<AngleCause>();
+  tet.cause_angle = reader.get<double>();
+  tet.triangles = reader.get_array<std::array<std::uint32_t, 3>>();
+  tet.points = reader.get_array<std::uint32_t>();
+  tet.entities = get_entities(reader);
+  return tet;
+}
+
+template <class T>
+GrowingArray<T> get_growing(MessageReader& reader) {
+  return GrowingArray<T>(reader.get_view<T>());
+}
+
+}  // namespace
+
+void put_text(MessageWriter& writer, const std::string& text) {
+  writer.put_array(std::span<const char>(text.data(), text.size()));
+}
+
+std::string get_text(MessageReader& reader) {
+  const auto text = reader.get_view<char>();
+  return {text.begin(), text.end()};
+}
+
+void put_diagnostics(MessageWriter& writer, std::span<const Diagnostic> diagnostics) {
+  writer.put(static_cast<std::uint64_t>(diagnostics.size()));
+  for (const Diagnostic& diagnostic : diagnostics) {
+    writer.put(diagnostic.code);
+    put_text(writer, diagnostic.message);
+    put_entities(writer, diagnostic.entities);
+    writer.put(diagnostic.point.has_value());
+    writer.put(diagnostic.point.value_or(Vec3{}));
+    put_list(writer, diagnostic.elements);
+  }
+}
+
+std::vector<Diagnostic> get_diagnostics(MessageReader& reader) {
+  std::vector<Diagnostic> diagnostics(reader.get<std::uint64_t>());
+  for (Diagnostic& diagnostic : diagnostics) {
+    diagnostic.code = reader.get<ErrorCode>();
+    diagnostic.message = get_text(reader);
+    diagnostic.entities = get_entities(reader);
+    const bool has_point = reader.get<bool>();
+    const Vec3 point = reader.get<Vec3>();
+    if (has_point) diagnostic.point = point;
+    diagnostic.elements = reader.get_array<std::uint64_t>();
+  }
+  return diagnostics;
+}
+
+void put_figures(MessageWriter& writer, const FillingFigures& figures) {
+  put_members(writer, figures, kFillingCounts);
+  writer.put(figures.seconds);
+  put_members(writer, figures.parts, kPartsCounts);
+  writer.put(figures.parts.strips);
+  put_text(writer, figures.parts.given_up_why);
+  put_members(writer, figures.optimizer, kOptimizeCounts);
+  put_members(writer, figures.optimizer, kOptimizeValues);
+  writer.put(static_cast<std::uint64_t>(figures.optimizer.acute_tets.size()));
+  for (const AcuteTet& tet : figures.optimizer.acute_tets) put_acute_tet(writer, tet);
+}
+
+FillingFigures get_figures(MessageReader& reader) {
+  FillingFigures figures;
+  get_members(reader, figures, kFillingCounts);
+  figures.seconds = reader.get<FillingFigures::Seconds>();
+  get_members(reader, figures.parts, kPartsCounts);
+  figures.parts.strips = reader.get<decltype(figures.parts.strips)>();
+  figures.parts.given_up_why = get_text(reader);
+  get_members(reader, figures.optimizer, kOptimizeCounts);
+  get_members(reader, figures.optimizer, kOptimizeValues);
+  figures.optimizer.acute_tets.resize(reader.get<std::uint64_t>());
+  for (AcuteTet& tet : figures.optimizer.acute_tets) tet = get_acute_tet(reader);
+  return figures;
+}
+
+void put_part(MessageWriter& writer, const VolumePart& part) {
+  writer.put_array(part.points.span());
+  writer.put_array(part.vert_to_number.span());
+  writer.put_array(part.tet_to_vert.span());
+  writer.put_array(part.tet_to_region.span());
+  put_list(writer, part.triangles);
+  put_list(writer, part.tri_to_vert);
+}
+
+VolumePart get_part(MessageReader& reader) {
+  VolumePart part;
+  part.points = get_growing<Vec3>(reader);
+  part.vert_to_number = get_growing<std::uint64_t>(reader);
+  part.tet_to_vert = get_growing<std::uint32_t>(reader);
+  part.tet_to_region = get_growing<std::uint32_t>(reader);
+  part.triangles = reader.get_array<std::uint32_t>();
+  part.tri_to_vert = reader.get_array<std::array<std::uint32_t, 3>>();
+  return part;
+}
+
+}  // namespace tetloom::volume
