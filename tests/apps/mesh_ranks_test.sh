@@ -1,0 +1,54 @@
+#!/bin/sh
+# usage: mesh_ranks_test.sh TETLOOM DEMO_MODEL MPIEXEC NUMPROC_FLAG
+# A model is meshed into the same files on any number of ranks, with one report, and fails on all ranks together.
+set -eu
+tetloom=$1 demo_model=$2 mpiexec=$3 numproc=$4
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+    echo "mesh_ranks_test: $1" >&2
+    exit 1
+}
+on_ranks() {
+    ranks=$1
+    shift
+    "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" "$ranks" \
+        "$tetloom" "$@"
+}
+
+"$demo_model" assembly model.step
+for way in "--tets-per-part 4000" "--tets-per-part 4000 --parts 5" "--tets-per-part inf"; do
+    options="--imprint --relative-size 0.03 --quiet --report report.json $way"
+    # shellcheck disable=SC2086
+    "$tetloom" mesh model.step -o parts.pvtu $options
+    rm -rf expected
+    mkdir expected
+    mv parts parts.pvtu expected/
+    digest=$(grep '"digest"' report.json)
+    for ranks in 1 2 3; do
+        # shellcheck disable=SC2086
+        on_ranks "$ranks" mesh model.step -o parts.pvtu --threads 1 $options
+        diff -r parts expected/parts || fail "other pieces on $ranks ranks with $way"
+        cmp parts.pvtu expected/parts.pvtu || fail "another list on $ranks ranks with $way"
+        [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on $ranks ranks with $way"
+    done
+done
+on_ranks 2 mesh model.step -o whole.vtu --imprint --relative-size 0.03 --report report.json > text
+[ "$(grep -c 'tets in 2 regions' text)" = 1 ] || fail "the ranks do not speak with one voice"
+"$tetloom" check whole.vtu --quiet --report check.json
+[ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest in one piece"
+on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
+"$tetloom" check surface.stl --quiet
+
+rm -rf parts parts.pvtu
+for output in parts.pvtu whole2.vtu; do
+    status=0
+    on_ranks 2 mesh missing.step -o "$output" 2> errors || status=$?
+    [ "$status" = 3 ] || fail "status $status where the model is missing"
+    status=0
+    on_ranks 2 mesh model.step -o "nowhere/$output" 2> errors || status=$?
+    [ "$status" = 6 ] || fail "status $status where nothing can be written"
+done
+[ ! -e parts ] && [ ! -e parts.pvtu ] && [ ! -e whole2.vtu ] || fail "a run that failed left something behind"
