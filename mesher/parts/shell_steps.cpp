@@ -79,6 +79,8 @@ class Shell {
     index_.emplace(state_.tri_verts, surface_count_);
     state_.missing.clear();
     for (const std::uint32_t t : fix_triangles(mesh_, state_.tri_verts, *index_, runner_)) {
+      Box3& box = missing_boxes_.emplace_back();
+      for (const std::uint32_t v : state_.tri_verts[t]) box.add(mesh_.points[v]);
       const std::uint32_t triangle = state_.triangles[t];
       const auto& verts = input_.filling.complex.tri_to_vert[triangle];
       if (input_.surface.owner_of(*std::min_element(verts.begin(), verts.end())) == part_)
@@ -146,9 +148,11 @@ class Shell {
   }
 
   bool is_in_region(std::uint32_t tet) const {
+    bool is_at_outside = false;
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
       if (!mesh_.is_fixed(face)) {
-        if (const FaceCode behind = mesh_.to_neighbor[face]; behind == kNone || has_outer(behind / 4)) return false;
+        const FaceCode behind = mesh_.to_neighbor[face];
+        is_at_outside |= behind == kNone || has_outer(behind / 4);
         continue;
       }
       const tets::SortedTriangle key = tets::sorted(verts_of(mesh_, face));
@@ -157,8 +161,17 @@ class Shell {
       const FaceSides& sides = input_.filling.complex.tri_to_sides[state_.triangles[triangle->triangle]];
       return (key.turned == triangle->turned ? sides.back : sides.front).valid();
     }
+    if (is_at_outside && !may_meet_missing(tet)) return false;
     return input_.cells.is_inside(
         0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
+  }
+
+  // Only where a triangle is missing, the surface may lie between a tet and the outside that it has behind a face.
+  bool may_meet_missing(std::uint32_t tet) const {
+    Box3 box;
+    for (int i = 0; i < 4; ++i) box.add(mesh_.point_of(tet, i));
+    return std::any_of(missing_boxes_.begin(), missing_boxes_.end(),
+                       [&](const Box3& missing) { return missing.overlaps(box); });
   }
 
   bool has_outer(std::uint32_t tet) const {
@@ -190,6 +203,7 @@ class Shell {
   std::uint32_t own_ = 0;  // of a tet's vertices of the part, the one of the lowest key
   std::vector<char> is_own_vert_;
   std::optional<tets::TriangleIndex> index_;
+  std::vector<Box3> missing_boxes_;  // of all triangles that the part knows and the shell does not have
 };
 
 // Own points of the shell along x, so that a ball meets a range of them.

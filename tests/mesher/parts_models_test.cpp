@@ -28,7 +28,7 @@ void check_valid(const MeshResult& result) {
   CHECK(validate_mesh(result.mesh).problems.empty());
   CHECK(result.filling.worker_complexes == 0);
   INFO(result.filling.parts.given_up_why);
-  CHECK(result.filling.parts.given_up <= 1);
+  CHECK(result.filling.parts.given_up == 0);
 }
 
 }  // namespace
