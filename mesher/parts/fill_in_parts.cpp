@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/parts/gather_parts.hpp"
+#include "mesher/parts/borders.hpp"
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/parts/lattice_steps.hpp"
 #include "mesher/parts/mend_surface.hpp"
@@ -45,11 +45,12 @@ class Filler {
     FilledParts result;
     take_figures(result);
     if (result.fault.any()) return result;
+    const HandsOn what = keep_parts ? HandsOn::TetsAndTriangles : HandsOn::Tets;
+    HandedOn handed_on = hand_on_parts(input_, states_, what, communicator_, runner_);
     if (!keep_parts) {
-      result.filling = gather();
+      result.filling = put_together(input_.filling.complex.points, std::move(handed_on), runner_);
       return result;
     }
-    HandedOn handed_on = hand_on_parts(input_, states_, communicator_, runner_);
     result.parts = std::move(handed_on.parts);
     result.new_points = handed_on.new_points;
     return result;
@@ -382,12 +383,6 @@ class Filler {
     for (const FaceSides& sides : input_.filling.complex.tri_to_sides)
       wanted += std::size_t{sides.front.valid()} + std::size_t{sides.back.valid()};
     if (!result.fault.any() && seen != wanted) result.fault.message = "sides of the surface were left empty";
-  }
-
-  volume::Filling gather() {
-    std::vector<PartState*> states;
-    for (const PartId part : states_.local()) states.push_back(&states_.at(part));
-    return gather_parts(input_.filling.complex.points, states, runner_);
   }
 
   const SharedInput& input_;

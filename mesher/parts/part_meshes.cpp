@@ -1,6 +1,7 @@
 #include "mesher/parts/part_meshes.hpp"
 
 #include <algorithm>
+#include <new>
 
 #include "mesher/tets/triangle_verts.hpp"
 #include "threading/agreement.hpp"
@@ -14,7 +15,17 @@ using tets::FaceCode;
 using tets::TetMesh;
 using tets::TriangleVerts;
 
+constexpr std::size_t kTetsPerTask = 1 << 14;
 constexpr std::uint64_t kUnused = ~std::uint64_t{0};
+
+// What is kept of a part's state: all of them are numbered before any of them is handed on.
+struct Leaving {
+  GrowingArray<Vec3> points;
+  GrowingArray<VertKey> keys;
+  GrowingArray<std::uint32_t> to_vert, to_region;
+  std::uint32_t next_index = 0;
+  VolumePart part;  // its triangles, by vertices of the state
+};
 
 // The vertices of a part that tets use, and their numbers in the complex.
 struct Numbering {
@@ -24,49 +35,49 @@ struct Numbering {
 
 class Numberer {
  public:
-  Numberer(const SharedInput& input, const PerPart<PartState>& states, Communicator& communicator,
-           const TaskRunner& runner)
-      : states_(states),
+  Numberer(std::uint64_t given, const PerPart<Leaving>& parts, Communicator& communicator, const TaskRunner& runner)
+      : parts_(parts),
         communicator_(communicator),
         runner_(runner),
-        given_(input.filling.complex.points.size()),
-        numberings_(states.part_count(), states.local()) {}
+        given_(given),
+        numberings_(parts.part_count(), parts.local()) {}
 
   // A part says which vertices it uses; whoever made them hears it, and answers with their numbers.
-  std::uint64_t run() {
+  void run() {
     std::vector<Message> used;
     run_on_all(communicator_, [&] { used = find_used(); });
     std::vector<Message> arrived = exchange_all(std::move(used));
     for (const Message& message : arrived)
       for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>())
         numberings_.at(message.to).made[static_cast<std::uint32_t>(key)] = 0;
-    const std::uint64_t count = number_made();
+    number_made();
     for (Message& message : arrived) answer(message);
     std::vector<Message> answers = exchange_all(std::move(arrived));
     std::vector<std::span<const Message>> part_to_answers;
     auto begin = answers.begin();
-    for (const PartId part : states_.local()) {
+    for (const PartId part : parts_.local()) {
       const auto end = std::find_if(begin, answers.end(), [&](const Message& message) { return message.to != part; });
       part_to_answers.emplace_back(begin, end);
       begin = end;
     }
     run_on_all(communicator_, [&] {
       runner_.for_each(part_to_answers.size(),
-                       [&](std::size_t i) { take_numbers(states_.local()[i], part_to_answers[i]); });
+                       [&](std::size_t i) { take_numbers(parts_.local()[i], part_to_answers[i]); });
     });
-    return count;
   }
 
   Numbering& of(PartId part) { return numberings_.at(part); }
+  /// The first number of a new point that the part made; of one past the last part: one past the last number.
+  std::uint64_t first_of(std::size_t part) const { return first_[part]; }
 
  private:
   std::vector<Message> exchange_all(std::vector<Message> messages) {
     return exchange(communicator_, std::move(messages),
-                    [&](PartId part) { return communicator_.rank_of(part, states_.part_count()); });
+                    [&](PartId part) { return communicator_.rank_of(part, parts_.part_count()); });
   }
 
   std::vector<Message> find_used() {
-    const auto local = states_.local();
+    const auto local = parts_.local();
     std::vector<std::vector<Message>> part_to_messages(local.size());
     runner_.for_each(local.size(), [&](std::size_t i) { part_to_messages[i] = find_used_by(local[i]); });
     std::vector<Message> messages;
@@ -75,14 +86,14 @@ class Numberer {
   }
 
   std::vector<Message> find_used_by(PartId part) {
-    const PartState& state = states_.at(part);
+    const Leaving& leaving = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
-    numbering.to_number.assign(state.keys.size(), kUnused);
-    for (const std::uint32_t v : state.mesh.to_vert) numbering.to_number[v] = 0;
-    numbering.made.assign(state.next_index, kUnused);
+    numbering.to_number.assign(leaving.keys.size(), kUnused);
+    for (const std::uint32_t v : leaving.to_vert) numbering.to_number[v] = 0;
+    numbering.made.assign(leaving.next_index, kUnused);
     std::vector<VertKey> foreign;
-    for (std::size_t v = 0; v < state.keys.size(); ++v) {
-      const VertKey key = state.keys[v];
+    for (std::size_t v = 0; v < leaving.keys.size(); ++v) {
+      const VertKey key = leaving.keys[v];
       if (numbering.to_number[v] == kUnused || is_of_surface(key)) continue;
       if (maker_of(key) == part) {
         numbering.made[static_cast<std::uint32_t>(key)] = 0;
@@ -104,22 +115,22 @@ class Numberer {
   }
 
   // By maker, then in the order in which they were made; behind the points of the complex.
-  std::uint64_t number_made() {
+  void number_made() {
     MessageWriter writer;
-    for (const PartId part : states_.local()) {
+    for (const PartId part : parts_.local()) {
       const auto& made = numberings_.at(part).made;
       writer.put(static_cast<std::uint64_t>(made.size()) -
                  static_cast<std::uint64_t>(std::count(made.begin(), made.end(), kUnused)));
     }
-    std::vector<std::uint64_t> first{given_};
+    first_.assign(1, given_);
     for (const Bytes& bytes : communicator_.all_gather(writer.take()))
-      for (MessageReader reader(bytes); !reader.at_end();) first.push_back(first.back() + reader.get<std::uint64_t>());
-    for (const PartId part : states_.local()) {
-      std::uint64_t next = first[part.value];
+      for (MessageReader reader(bytes); !reader.at_end();)
+        first_.push_back(first_.back() + reader.get<std::uint64_t>());
+    for (const PartId part : parts_.local()) {
+      std::uint64_t next = first_[part.value];
       for (std::uint64_t& number : numberings_.at(part).made)
         if (number != kUnused) number = next++;
     }
-    return first.back() - given_;
   }
 
   // The question becomes its answer.
@@ -135,13 +146,13 @@ class Numberer {
 
   // Answers come by maker, and so in the order of the keys that were asked.
   void take_numbers(PartId part, std::span<const Message> answers) {
-    const PartState& state = states_.at(part);
+    const Leaving& leaving = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
     std::vector<std::pair<VertKey, std::uint32_t>> foreign;
-    for (std::uint32_t v = 0; v < state.keys.size(); ++v) {
+    for (std::uint32_t v = 0; v < leaving.keys.size(); ++v) {
       std::uint64_t& number = numbering.to_number[v];
       if (number == kUnused) continue;
-      const VertKey key = state.keys[v];
+      const VertKey key = leaving.keys[v];
       if (is_of_surface(key)) {
         number = key;
       } else if (maker_of(key) == part) {
@@ -158,11 +169,12 @@ class Numberer {
     TETLOOM_ASSERT(next == foreign.size());
   }
 
-  const PerPart<PartState>& states_;
+  const PerPart<Leaving>& parts_;
   Communicator& communicator_;
   const TaskRunner& runner_;
   const std::uint64_t given_;
   PerPart<Numbering> numberings_;
+  std::vector<std::uint64_t> first_;  // per part, and one past the last
 };
 
 // The triangles of the surface among the faces of a part.
@@ -220,14 +232,25 @@ class TriangleFinder {
   std::vector<std::pair<TriangleVerts, const ChangedTriangle*>> changed_;
 };
 
+// The state with all that is not needed any more is gone.
+Leaving take_leave(const SharedInput& input, PartState& state, HandsOn what) {
+  Leaving leaving;
+  if (what == HandsOn::TetsAndTriangles) TriangleFinder(input, state).find(leaving.part);
+  leaving.points = std::move(state.mesh.points), leaving.keys = std::move(state.keys);
+  leaving.to_vert = std::move(state.mesh.to_vert), leaving.to_region = std::move(state.mesh.to_region);
+  leaving.next_index = state.next_index;
+  state = PartState();
+  return leaving;
+}
+
 // What a strip brings is joined to the part where the part is open. Two regions may so have vertices of their own at
 // points of the surface between them; the first then stands for the others.
-std::vector<std::uint32_t> find_twins(const PartState& state, const Numbering& numbering) {
+std::vector<std::uint32_t> find_twins(const Leaving& leaving, const Numbering& numbering) {
   std::vector<std::pair<VertKey, std::uint32_t>> surface;
-  std::vector<std::uint32_t> to_twin(state.keys.size());
+  std::vector<std::uint32_t> to_twin(leaving.keys.size());
   for (std::uint32_t v = 0; v < to_twin.size(); ++v) {
     to_twin[v] = v;
-    if (is_of_surface(state.keys[v]) && numbering.to_number[v] != kUnused) surface.emplace_back(state.keys[v], v);
+    if (is_of_surface(leaving.keys[v]) && numbering.to_number[v] != kUnused) surface.emplace_back(leaving.keys[v], v);
   }
   std::sort(surface.begin(), surface.end());
   for (std::size_t i = 1; i < surface.size(); ++i)
@@ -235,11 +258,9 @@ std::vector<std::uint32_t> find_twins(const PartState& state, const Numbering& n
   return to_twin;
 }
 
-VolumePart hand_on(const SharedInput& input, PartState& state, Numbering& numbering) {
-  VolumePart part;
-  TriangleFinder(input, state).find(part);
-  TetMesh& mesh = state.mesh;
-  std::vector<std::uint32_t> to_new = find_twins(state, numbering);
+VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
+  VolumePart part = std::move(leaving.part);
+  std::vector<std::uint32_t> to_new = find_twins(leaving, numbering);
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
     if (numbering.to_number[v] == kUnused) continue;
     if (to_new[v] != v) {
@@ -247,34 +268,83 @@ VolumePart hand_on(const SharedInput& input, PartState& state, Numbering& number
       continue;
     }
     to_new[v] = static_cast<std::uint32_t>(part.points.size());
-    part.points.push_back(mesh.points[v]);
+    part.points.push_back(leaving.points[v]);
     part.vert_to_number.push_back(numbering.to_number[v]);
   }
-  part.tet_to_vert = std::move(mesh.to_vert);
-  part.tet_to_region = std::move(mesh.to_region);
+  part.tet_to_vert = std::move(leaving.to_vert);
+  part.tet_to_region = std::move(leaving.to_region);
   for (std::uint32_t& v : part.tet_to_vert) v = to_new[v];
   for (TriangleVerts& verts : part.tri_to_vert)
     for (std::uint32_t& v : verts) v = to_new[v];
   numbering = Numbering();
-  state = PartState();
+  leaving = Leaving();
   return part;
+}
+
+// A part writes the points that it made itself; then come those that others have, and the surface's.
+void write_points(const HandedOn& handed_on, std::span<Vec3> points, const TaskRunner& runner) {
+  const auto write = [&](std::size_t i, bool own) {
+    const VolumePart& part = handed_on.parts[i];
+    const std::uint64_t begin = handed_on.first_new[i];
+    const std::uint64_t end = i + 1 < handed_on.parts.size() ? handed_on.first_new[i + 1] : points.size();
+    for (std::size_t v = 0; v < part.points.size(); ++v) {
+      const std::uint64_t number = part.vert_to_number[v];
+      if ((begin <= number && number < end) == own) points[number] = part.points[v];
+    }
+  };
+  runner.for_each(handed_on.parts.size(), [&](std::size_t i) { write(i, true); });
+  for (std::size_t i = 0; i < handed_on.parts.size(); ++i) write(i, false);
 }
 
 }  // namespace
 
-HandedOn hand_on_parts(const SharedInput& input, PerPart<PartState>& states, Communicator& communicator,
+HandedOn hand_on_parts(const SharedInput& input, PerPart<PartState>& states, HandsOn what, Communicator& communicator,
                        const TaskRunner& runner) {
-  Numberer numberer(input, states, communicator, runner);
-  HandedOn result;
-  result.new_points = numberer.run();
   const auto local = states.local();
+  PerPart<Leaving> leaving(states.part_count(), local);
+  run_on_all(communicator, [&] {
+    runner.for_each(local.size(),
+                    [&](std::size_t i) { leaving.at(local[i]) = take_leave(input, states.at(local[i]), what); });
+  });
+  const std::uint64_t given = input.filling.complex.points.size();
+  Numberer numberer(given, leaving, communicator, runner);
+  numberer.run();
+  HandedOn result;
+  result.new_points = numberer.first_of(states.part_count()) - given;
+  for (const PartId part : local) result.first_new.push_back(numberer.first_of(part.value));
   result.parts.resize(local.size());
   run_on_all(communicator, [&] {
-    runner.for_each(local.size(), [&](std::size_t i) {
-      result.parts[i] = hand_on(input, states.at(local[i]), numberer.of(local[i]));
-    });
+    runner.for_each(local.size(),
+                    [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
   });
   return result;
+}
+
+volume::Filling put_together(std::span<const Vec3> given, HandedOn&& handed_on, const TaskRunner& runner) {
+  if (given.size() + handed_on.new_points >= kNone) throw std::bad_alloc();
+  volume::Filling filling;
+  filling.points.reserve(given.size() + handed_on.new_points);
+  filling.points.assign(given.begin(), given.end());
+  filling.points.resize(given.size() + handed_on.new_points);
+  write_points(handed_on, filling.points, runner);
+  std::size_t tets = 0;
+  for (const VolumePart& part : handed_on.parts) tets += part.tet_to_region.size();
+  filling.tet_to_vert.reserve(tets);
+  filling.tet_to_region.reserve(tets);
+  for (VolumePart& part : handed_on.parts) {
+    part.points.release();
+    const std::size_t first = filling.tet_to_vert.size(), count = part.tet_to_region.size();
+    filling.tet_to_vert.resize(first + count);
+    runner.for_blocks(count, kTetsPerTask, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tet = begin; tet < end; ++tet)
+        for (std::size_t i = 0; i < 4; ++i)
+          filling.tet_to_vert[first + tet][i] =
+              static_cast<std::uint32_t>(part.vert_to_number[part.tet_to_vert[4 * tet + i]]);
+    });
+    filling.tet_to_region.insert(filling.tet_to_region.end(), part.tet_to_region.begin(), part.tet_to_region.end());
+    part = VolumePart();
+  }
+  return filling;
 }
 
 }  // namespace tetloom::parts

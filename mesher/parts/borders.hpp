@@ -1,5 +1,5 @@
 #pragma once
-// What the parts have made, put together and looked at as a whole.
+// What parts know of each other's borders in the end: the open faces of each, which have to fit together.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,9 +16,5 @@ std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& b
 
 /// Notes those of the part's open faces that no neighbour has told of; a fault where several have.
 void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told);
-
-/// All tets, those of each part together, over the given points and then the others, each by the part that made it.
-/// The states are emptied on the way. Pre: these are all parts.
-volume::Filling gather_parts(std::span<const Vec3> given, std::span<PartState* const> states, const TaskRunner& runner);
 
 }  // namespace tetloom::parts
