@@ -243,7 +243,7 @@ class Filler {
   }
 
   void take_patches(const std::vector<Cluster>& clusters) {
-    std::vector<TetKeys> own, removed;
+    std::vector<TetKeys> own;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
       if (!states_.is_local(clusters[c].part)) continue;
       PartState& state = states_.at(clusters[c].part);
@@ -256,16 +256,15 @@ class Filler {
     writer.put_array<TetKeys>(own);
     for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
       const auto tets = MessageReader(bytes).get_view<TetKeys>();
-      removed.insert(removed.end(), tets.begin(), tets.end());
+      removed_.insert(removed_.end(), tets.begin(), tets.end());
     }
-    std::sort(removed.begin(), removed.end());
-    for (const PartId part : states_.local()) states_.at(part).removed = removed;
+    std::sort(removed_.begin(), removed_.end());
   }
 
   void optimize() {
     std::vector<Step> steps;
     const auto inside = [&](PartState& s, PartTask& t) {
-      join_shell(input_, s);
+      join_shell(input_, s, removed_);
       for (const std::uint32_t c : s.patches) put_in_patch(s, t.part(), patches_[c], input_.only_region);
       name_regions(input_, s);
       if (s.fault.any()) return;
@@ -391,7 +390,8 @@ class Filler {
   Schedule schedule_;
   PerPart<PartState> states_;
   Links links_;
-  std::vector<Patch> patches_;  // per cluster
+  std::vector<Patch> patches_;    // per cluster
+  std::vector<TetKeys> removed_;  // tets of the shell, of any part, that are no more, ascending
   double all_work_ = 0;
   std::vector<int> percents_;  // of the steps that are about to run
   std::size_t rounds_ = 0;

@@ -15,7 +15,8 @@ using tets::TriangleVerts;
 
 class Joiner {
  public:
-  Joiner(const SharedInput& input, PartState& state) : input_(input), state_(state), mesh_(state.mesh) {}
+  Joiner(const SharedInput& input, PartState& state, std::span<const TetKeys> removed)
+      : input_(input), state_(state), mesh_(state.mesh), removed_(removed) {}
 
   void join() {
     core_size_ = static_cast<std::uint32_t>(mesh_.size());
@@ -31,20 +32,21 @@ class Joiner {
     for (const std::uint32_t tet : state_.kept) append(tet, open);
     mesh_.to_region.resize(count, input_.only_region);
     mesh_.points = std::move(state_.shell.points);
-    state_.shell = TetMesh();
     state_.figures.shell_tets = state_.kept.size();
-    state_.waits.resize(mesh_.points.size(), 0);
     std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
+    release_shell();
+    drop_points_of_others();
+    state_.waits.resize(mesh_.points.size(), 0);
   }
 
  private:
   void drop_removed() {
-    if (state_.removed.empty()) return;
+    if (removed_.empty()) return;
     std::erase_if(state_.kept, [&](std::uint32_t tet) {
       TetKeys keys;
       for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[state_.shell.to_vert[std::size_t{tet} * 4 + i]];
       std::sort(keys.begin(), keys.end());
-      return std::binary_search(state_.removed.begin(), state_.removed.end(), keys);
+      return std::binary_search(removed_.begin(), removed_.end(), keys);
     });
   }
 
@@ -79,18 +81,45 @@ class Joiner {
     mesh_.to_neighbor[core] = to;
   }
 
+  // What served to make the core and the shell.
+  void release_shell() {
+    state_.shell = TetMesh();
+    state_.levels = {}, state_.own_first = {}, state_.tri_verts = {};
+    state_.core.shell_verts = {}, state_.core.pure_around = {}, state_.core.level_to_vert = {};
+    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.doubts = {}, state_.missing = {};
+  }
+
+  // Points around the part that none of its tets has got. Those of the surface stay: their places are counted on.
+  void drop_points_of_others() {
+    const std::uint32_t first = state_.surface_count();
+    std::vector<std::uint32_t> to_new(mesh_.points.size(), kNone);
+    for (const std::uint32_t v : mesh_.to_vert) to_new[v] = 0;
+    std::uint32_t next = first;
+    for (std::uint32_t v = first; v < to_new.size(); ++v) {
+      if (to_new[v] == kNone) continue;
+      mesh_.points[next] = mesh_.points[v];
+      state_.keys[next] = state_.keys[v];
+      to_new[v] = next++;
+    }
+    for (std::uint32_t& v : mesh_.to_vert)
+      if (v >= first) v = to_new[v];
+    mesh_.points.resize(next), mesh_.points.shrink_to_fit();
+    state_.keys.resize(next), state_.keys.shrink_to_fit();
+  }
+
   const SharedInput& input_;
   PartState& state_;
   TetMesh& mesh_;
+  std::span<const TetKeys> removed_;
   std::uint32_t core_size_ = 0;
   GrowingArray<std::uint32_t> to_kept_;
 };
 
 }  // namespace
 
-void join_shell(const SharedInput& input, PartState& state) {
+void join_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed) {
   Stopwatch watch;
-  Joiner(input, state).join();
+  Joiner(input, state, removed).join();
   state.figures.seconds.join += watch.lap();
 }
 

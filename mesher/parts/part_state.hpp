@@ -62,7 +62,6 @@ struct PartState {
   GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
 
   std::vector<std::uint32_t> patches;  ///< clusters of missing triangles that this part has recovered
-  std::vector<TetKeys> removed;        ///< tets of the shell, of any part, that are no more, ascending
 
   GrowingArray<float> qualities;  ///< cubed, per tet, once optimised
 

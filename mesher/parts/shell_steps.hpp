@@ -45,8 +45,9 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
 std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
                                        std::span<const Doubt> doubts);
 
-/// Appends the kept tets of the shell to the core and drops the rest.
-void join_shell(const SharedInput& input, PartState& state);
+/// Appends the kept tets of the shell to the core and drops the rest, with all that only making them has needed.
+/// `removed`: tets of any part's shell that are no more, ascending.
+void join_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed);
 
 /// Names the region of every tet where there are several: what hangs together is in that around one of its tets.
 void name_regions(const SharedInput& input, PartState& state);
