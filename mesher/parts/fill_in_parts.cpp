@@ -30,7 +30,6 @@ class Filler {
         runner_(runner),
         schedule_(communicator, runner, input.decomposition.part_count(), trace),
         states_(input.decomposition.part_count(), schedule_.local_parts()) {
-    for (const PartId part : states_.local()) states_.at(part).maker = part;
     for (std::size_t p = 0; p < states_.part_count(); ++p) all_work_ += input.decomposition.work(PartId(p));
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
@@ -268,7 +267,7 @@ class Filler {
       for (const std::uint32_t c : s.patches) put_in_patch(s, t.part(), patches_[c], input_.only_region);
       name_regions(input_, s);
       if (s.fault.any()) return;
-      optimize_inside(input_, s, t.runner());
+      optimize_inside(input_, s, t.part(), t.runner());
       send_poor(input_, s, t);
     };
     steps.push_back(step("optimize", 22, Sends::Messages, inside));

@@ -27,7 +27,7 @@ void sort_unique(std::vector<T>& list) {
 class Improvement {
  public:
   Improvement(const SharedInput& input, PartState& state, PartId part)
-      : input_(input), state_(state), mesh_(state.mesh), box_(input.decomposition.box(part)) {}
+      : input_(input), state_(state), mesh_(state.mesh), box_(input.decomposition.box(part)), part_(part) {}
 
   void run(const TaskRunner& runner) {
     collect();
@@ -132,13 +132,14 @@ class Improvement {
       const auto& [a, b, c] = after[t];
       state_.changed_triangles.push_back({triangles_[t], {points_[a], points_[b], points_[c]}});
     }
-    while (state_.keys.size() < mesh_.points.size()) state_.keys.push_back(key_of(state_.maker, state_.next_index++));
+    while (state_.keys.size() < mesh_.points.size()) state_.keys.push_back(key_of(part_, state_.next_index++));
   }
 
   const SharedInput& input_;
   PartState& state_;
   TetMesh& mesh_;
   const Box3& box_;
+  PartId part_;
   std::vector<std::uint32_t> triangles_, points_;  // of the complex, ascending
   Complex surface_;
   std::vector<char> is_frozen_;

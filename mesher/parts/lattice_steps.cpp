@@ -142,7 +142,6 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
   take_sites(task, state.levels, foreign);
   const auto known = input.surface.points_of(task.part());
   state.surface.assign(known.begin(), known.end());
-  state.given_points = known.size();
   state.keys.reserve(known.size());
   for (const std::uint32_t point : known) {
     state.mesh.points.push_back(input.filling.complex.points[point]);

@@ -28,7 +28,7 @@ void count(const tets::OptimizeReport& done, tets::OptimizeReport& all) {
 
 }  // namespace
 
-void optimize_inside(const SharedInput& input, PartState& state, const TaskRunner& runner) {
+void optimize_inside(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
   Stopwatch watch;
   tets::OptimizeOptions options = options_of(input, state.surface_count());
   options.open_faces = state.core.open_faces;
@@ -36,7 +36,7 @@ void optimize_inside(const SharedInput& input, PartState& state, const TaskRunne
     options.lattice_tets = static_cast<std::uint32_t>(state.figures.core_tets);
   options.qualities = &state.qualities;
   state.figures.optimizer = optimize(state.mesh, options, runner);
-  while (state.keys.size() < state.mesh.points.size()) state.keys.push_back(key_of(state.maker, state.next_index++));
+  while (state.keys.size() < state.mesh.points.size()) state.keys.push_back(key_of(part, state.next_index++));
   state.figures.seconds.optimize += watch.lap();
 }
 

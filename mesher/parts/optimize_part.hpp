@@ -6,7 +6,7 @@
 namespace tetloom::parts {
 
 /// Everything but what lies between parts.
-void optimize_inside(const SharedInput& input, PartState& state, const TaskRunner& runner);
+void optimize_inside(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
 
 /// The same for a strip; what is done is counted as the part's, and vertices inside of the strip wait no more.
 void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, const TaskRunner& runner);

@@ -36,12 +36,9 @@ using TetKeys = std::array<VertKey, 4>;
 inline constexpr std::size_t kStripRounds = std::tuple_size_v<decltype(FillingPartsFigures::strips)>;
 
 struct PartState {
-  PartId maker;  ///< the part itself, in keys
-
   // Before there are tets.
   std::vector<lattice::LevelPoints> levels;    ///< own sites, then those of other parts
   std::vector<std::uint32_t> own_first;        ///< per level: the number of its first own site; and one past the last
-  std::vector<VertKey> foreign_keys;           ///< of the sites of other parts, level by level
   std::vector<std::uint32_t> surface;          ///< points of the complex that the part knows, ascending
   std::vector<std::uint32_t> triangles;        ///< triangles of the complex between these
   std::vector<tets::TriangleVerts> tri_verts;  ///< their vertices here
@@ -56,7 +53,6 @@ struct PartState {
   std::vector<std::uint32_t> kept;     ///< own tets of the shell, ascending
   std::vector<Doubt> doubts;           ///< such tets whose balls reach beyond what the part knows
   std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
-  std::size_t given_points = 0;        ///< of the surface, known here: the first ones
   std::uint32_t next_index = 0;        ///< of the next point made here
   std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
   GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
