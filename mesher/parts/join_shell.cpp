@@ -3,6 +3,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/shell_steps.hpp"
+#include "mesher/parts/shell_tets.hpp"
 #include "mesher/tets/find_triangles.hpp"
 
 namespace tetloom::parts {
@@ -130,8 +131,7 @@ void name_regions(const SharedInput& input, PartState& state) {
   std::vector<std::uint32_t> stack;
   for (std::uint32_t seed = 0; seed < mesh.size(); ++seed) {
     if (is_named[seed]) continue;
-    const std::uint32_t region = input.cells.region_at(
-        0.25 * (mesh.point_of(seed, 0) + mesh.point_of(seed, 1) + mesh.point_of(seed, 2) + mesh.point_of(seed, 3)));
+    const std::uint32_t region = input.cells.region_at(center_of(mesh, seed));
     if (region == kNone) state.fault.message = "a tetrahedron lies in no region";
     stack.assign(1, seed);
     is_named[seed] = 1;

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/base/disjoint_sets.hpp"
-#include "core/predicates/predicates.hpp"
+#include "mesher/parts/shell_tets.hpp"
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
@@ -99,9 +99,7 @@ class ClusterRecovery {
     auto pure = std::lower_bound(pure_.begin(), pure_.end(), lowest,
                                  [](const PureSite& site, VertKey key) { return site.next_to < key; });
     for (; pure != pure_.end() && pure->next_to == lowest; ++pure)
-      if (insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
-                   pure->point) > 0)
-        return true;
+      if (ball_holds(mesh_, tet, pure->point)) return true;
     return false;
   }
 
@@ -164,16 +162,8 @@ class ClusterRecovery {
   bool is_inside(std::uint32_t tet) const {
     for (const VertKey one : keys_of(tet))
       if (!is_of_surface(one) && one < kNewPoint) return true;
-    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-      if (!mesh_.is_fixed(face)) continue;
-      const tets::SortedTriangle name = tets::sorted(verts_of(mesh_, face));
-      const auto* triangle = index_->find(name);
-      if (!triangle) continue;
-      const FaceSides& sides = input_.filling.complex.tri_to_sides[triangles_[triangle->triangle]];
-      return (name.turned == triangle->turned ? sides.back : sides.front).valid();
-    }
-    return input_.cells.is_inside(
-        0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
+    if (const auto told = is_inside_by_faces(input_, mesh_, tet, {*index_, triangles_})) return *told;
+    return is_inside_by_center(input_, mesh_, tet);
   }
 
   void make(std::uint32_t tet) {
@@ -233,18 +223,15 @@ std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std
 
 Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
   Neighborhood found;
-  const GrowingArray<Vec3>& points = state.shell.points;
-  for (std::uint32_t v = 0; v < state.surface_count(); ++v)
-    if (input.surface.owner_of(state.surface[v]) == part && cluster.box.contains(points[v]))
-      found.points.push_back({points[v], state.keys[v], 0});
-  for (const std::uint32_t v : state.core.shell_verts) {
-    if (!cluster.box.contains(points[v])) continue;
-    found.points.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+  for_each_own_vert(input, state, part, [&](std::uint32_t v) {
+    if (!cluster.box.contains(state.shell.points[v])) return;
+    found.points.push_back(shell_point(state, v));
+    if (v < state.surface_count()) return;
     any_pure_around(state, v, [&](const Vec3& pure) {
       found.pure.push_back({state.keys[v], pure});
       return false;
     });
-  }
+  });
   return found;
 }
 

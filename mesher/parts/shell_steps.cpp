@@ -7,6 +7,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
+#include "mesher/parts/shell_tets.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
 
@@ -105,9 +106,7 @@ class Shell {
 
   void find_own_verts() {
     is_own_vert_.assign(first_outer_, 0);
-    for (std::uint32_t v = 0; v < surface_count_; ++v)
-      is_own_vert_[v] = input_.surface.owner_of(state_.surface[v]) == part_;
-    for (const std::uint32_t v : state_.core.shell_verts) is_own_vert_[v] = 1;
+    for_each_own_vert(input_, state_, part_, [&](std::uint32_t v) { is_own_vert_[v] = 1; });
   }
 
   // Sets own_, too.
@@ -141,29 +140,21 @@ class Shell {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
       if (state_.pure_around[v[i]] == 0) return false;
-    return any_pure_around(state_, own_, [&](const Vec3& pure) {
-      return insphere(mesh_.point_of(tet, 0), mesh_.point_of(tet, 1), mesh_.point_of(tet, 2), mesh_.point_of(tet, 3),
-                      pure) > 0;
-    });
+    return any_pure_around(state_, own_, [&](const Vec3& pure) { return ball_holds(mesh_, tet, pure); });
   }
 
   bool is_in_region(std::uint32_t tet) const {
-    bool is_at_outside = false;
+    if (const auto told = is_inside_by_faces(input_, mesh_, tet, {*index_, state_.triangles})) return *told;
+    if (is_at_outside(tet) && !may_meet_missing(tet)) return false;
+    return is_inside_by_center(input_, mesh_, tet);
+  }
+
+  bool is_at_outside(std::uint32_t tet) const {
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-      if (!mesh_.is_fixed(face)) {
-        const FaceCode behind = mesh_.to_neighbor[face];
-        is_at_outside |= behind == kNone || has_outer(behind / 4);
-        continue;
-      }
-      const tets::SortedTriangle key = tets::sorted(verts_of(mesh_, face));
-      const auto* triangle = index_->find(key);
-      if (!triangle) continue;
-      const FaceSides& sides = input_.filling.complex.tri_to_sides[state_.triangles[triangle->triangle]];
-      return (key.turned == triangle->turned ? sides.back : sides.front).valid();
+      const FaceCode behind = mesh_.to_neighbor[face];
+      if (!mesh_.is_fixed(face) && (behind == kNone || has_outer(behind / 4))) return true;
     }
-    if (is_at_outside && !may_meet_missing(tet)) return false;
-    return input_.cells.is_inside(
-        0.25 * (mesh_.point_of(tet, 0) + mesh_.point_of(tet, 1) + mesh_.point_of(tet, 2) + mesh_.point_of(tet, 3)));
+    return false;
   }
 
   // Only where a triangle is missing, the surface may lie between a tet and the outside that it has behind a face.
@@ -208,12 +199,8 @@ class Shell {
 
 // Own points of the shell along x, so that a ball meets a range of them.
 std::vector<ShellPoint> sort_own_points(const SharedInput& input, const PartState& state, PartId part) {
-  const GrowingArray<Vec3>& points = state.shell.points;
   std::vector<ShellPoint> own;
-  for (std::uint32_t v = 0; v < state.surface_count(); ++v)
-    if (input.surface.owner_of(state.surface[v]) == part) own.push_back({points[v], state.keys[v], 0});
-  for (const std::uint32_t v : state.core.shell_verts)
-    own.push_back({points[v], state.keys[v], state.pure_around[v] != 0});
+  for_each_own_vert(input, state, part, [&](std::uint32_t v) { own.push_back(shell_point(state, v)); });
   std::sort(own.begin(), own.end(), [](const ShellPoint& a, const ShellPoint& b) {
     return a.point.x != b.point.x ? a.point.x < b.point.x : a.key < b.key;
   });

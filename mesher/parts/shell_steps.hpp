@@ -35,6 +35,19 @@ bool any_pure_around(const PartState& state, std::uint32_t vert, Predicate&& hol
   return false;
 }
 
+/// Calls visit(vertex) for the part's own points of the shell, those of the surface first; both ascend.
+template <class Visit>
+void for_each_own_vert(const SharedInput& input, const PartState& state, PartId part, Visit&& visit) {
+  for (std::uint32_t v = 0; v < state.surface_count(); ++v)
+    if (input.surface.owner_of(state.surface[v]) == part) visit(v);
+  for (const std::uint32_t v : state.core.shell_verts) visit(v);
+}
+
+/// A vertex of the shell as other parts are told of it.
+inline ShellPoint shell_point(const PartState& state, std::uint32_t vert) {
+  return {state.shell.points[vert], state.keys[vert], state.pure_around[vert] != 0};
+}
+
 /// Makes the shell anew from `shell_verts`: kept tets, doubts, missing triangles, the fault.
 void make_shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
 
