@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/mix_bits.hpp"
+#include "mesher/parts/improve_part.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
@@ -12,7 +13,7 @@ namespace {
 using tets::FaceCode;
 using tets::TetMesh;
 
-constexpr double kReachInEdges = 6;
+constexpr double kReachInEdges = 6;  // of the open face
 
 std::uint64_t name_of(std::array<VertKey, 3> keys) {
   std::sort(keys.begin(), keys.end());
@@ -21,8 +22,7 @@ std::uint64_t name_of(std::array<VertKey, 3> keys) {
   return name;
 }
 
-}  // namespace
-
+// In the order of `open_faces`.
 void name_open_faces(PartState& state) {
   const TetMesh& mesh = state.mesh;
   state.open_names.clear();
@@ -32,13 +32,14 @@ void name_open_faces(PartState& state) {
   }
 }
 
+// Those of the names that a part of this box may have.
 std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& box) {
   const TetMesh& mesh = state.mesh;
   std::vector<std::uint64_t> near;
   for (std::size_t i = 0; i < state.open_faces.size(); ++i) {
-    const auto [a, b, c] = verts_of(mesh, state.open_faces[i]);
-    const double length = std::max(distance(mesh.points[a], mesh.points[b]), distance(mesh.points[a], mesh.points[c]));
-    if (distance_outside(mesh.points[a], box) <= kReachInEdges * length) near.push_back(state.open_names[i]);
+    const FaceCode face = state.open_faces[i];
+    const Vec3& x = mesh.points[verts_of(mesh, face)[0]];
+    if (distance_outside(x, box) <= reach_of(mesh, face)) near.push_back(state.open_names[i]);
   }
   return near;
 }
@@ -58,6 +59,58 @@ void check_open_faces(PartState& state, std::span<const std::span<const std::uin
     if (met[i] == 0) state.unmet_names.push_back(state.open_names[i]);
     if (met[i] > 1) state.fault.message = "three parts have the same face";
   }
+}
+
+}  // namespace
+
+double reach_of(const TetMesh& mesh, FaceCode open_face) {
+  const auto [a, b, c] = verts_of(mesh, open_face);
+  return kReachInEdges * std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
+                                   distance(mesh.points[c], mesh.points[a])});
+}
+
+void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
+  name_open_faces(state);
+  const std::vector<std::uint32_t> points = find_surface_points(state);
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    const Box3& box = input.decomposition.box(other);
+    MessageWriter writer;
+    writer.put_array<std::uint64_t>(open_faces_near(state, box));
+    writer.put_array<std::uint32_t>(surface_points_near(input, points, box));
+    task.send(other, writer.take());
+  }
+}
+
+void take_borders(PartState& state, PartTask& task) {
+  std::vector<std::span<const std::uint64_t>> names;
+  for (const Message& message : task.inbox()) {
+    MessageReader reader(message.bytes);
+    names.push_back(reader.get_view<std::uint64_t>());
+    const auto points = reader.get_view<std::uint32_t>();
+    state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());
+  }
+  check_open_faces(state, names);
+}
+
+bool all_faces_met(const AllParts& parts) {
+  std::vector<std::uint64_t> names;
+  for (const PartId part : parts.states.local()) {
+    const auto& unmet = parts.states.at(part).unmet_names;
+    names.insert(names.end(), unmet.begin(), unmet.end());
+  }
+  names = parts.gather<std::uint64_t>(names);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::vector<std::int64_t> counts(names.size(), 0);
+  for (const PartId part : parts.states.local()) {
+    const auto& open = parts.states.at(part).open_names;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto [begin, end] = std::equal_range(open.begin(), open.end(), names[i]);
+      counts[i] += end - begin;
+    }
+  }
+  parts.communicator.sum(counts);
+  return std::all_of(counts.begin(), counts.end(), [](std::int64_t count) { return count == 2; });
 }
 
 }  // namespace tetloom::parts

@@ -1,20 +1,22 @@
 #pragma once
-// What parts know of each other's borders in the end: the open faces of each, which have to fit together.
-#include <cstdint>
-#include <span>
-#include <vector>
-
-#include "mesher/parts/part_state.hpp"
+// What parts know of each other's borders: how far they look for each other there, and whether their open faces fit
+// together in the end.
+#include "mesher/parts/all_parts.hpp"
 
 namespace tetloom::parts {
 
-/// Names the part's open faces by their vertices' keys, in the order of `open_faces`.
-void name_open_faces(PartState& state);
+/// How far from an open face the boxes of parts are looked for that may have it, too.
+double reach_of(const tets::TetMesh& mesh, tets::FaceCode open_face);
 
-/// Those of the names that a part of this box may have.
-std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& box);
+/// Tells the neighbours of the part's open faces and of its points of the surface.
+void send_borders(const SharedInput& input, PartState& state, PartTask& task);
 
-/// Notes those of the part's open faces that no neighbour has told of; a fault where several have.
-void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told);
+/// Notes what the neighbours have told: points of the surface elsewhere, and which open faces none of them has; a fault
+/// where several have the same.
+void take_borders(PartState& state, PartTask& task);
+
+/// Whether every open face is one of two parts. Strips may have brought together parts that do not tell each other of
+/// all they have: what they have not been told of is asked of all. A collective call.
+bool all_faces_met(const AllParts& parts);
 
 }  // namespace tetloom::parts

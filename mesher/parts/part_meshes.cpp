@@ -5,7 +5,6 @@
 
 #include "mesher/tets/triangle_verts.hpp"
 #include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
 
 namespace tetloom::parts {
 
@@ -35,24 +34,23 @@ struct Numbering {
 
 class Numberer {
  public:
-  Numberer(std::uint64_t given, const PerPart<Leaving>& parts, Communicator& communicator, const TaskRunner& runner)
-      : parts_(parts),
-        communicator_(communicator),
-        runner_(runner),
-        given_(given),
+  Numberer(const AllParts& all, const PerPart<Leaving>& parts)
+      : all_(all),
+        parts_(parts),
+        given_(all.input.filling.complex.points.size()),
         numberings_(parts.part_count(), parts.local()) {}
 
   // A part says which vertices it uses; whoever made them hears it, and answers with their numbers.
   void run() {
     std::vector<Message> used;
-    run_on_all(communicator_, [&] { used = find_used(); });
-    std::vector<Message> arrived = exchange_all(std::move(used));
+    run_on_all(all_.communicator, [&] { used = find_used(); });
+    std::vector<Message> arrived = all_.exchange(std::move(used));
     for (const Message& message : arrived)
       for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>())
         numberings_.at(message.to).made[static_cast<std::uint32_t>(key)] = 0;
     number_made();
     for (Message& message : arrived) answer(message);
-    std::vector<Message> answers = exchange_all(std::move(arrived));
+    std::vector<Message> answers = all_.exchange(std::move(arrived));
     std::vector<std::span<const Message>> part_to_answers;
     auto begin = answers.begin();
     for (const PartId part : parts_.local()) {
@@ -60,26 +58,22 @@ class Numberer {
       part_to_answers.emplace_back(begin, end);
       begin = end;
     }
-    run_on_all(communicator_, [&] {
-      runner_.for_each(part_to_answers.size(),
-                       [&](std::size_t i) { take_numbers(parts_.local()[i], part_to_answers[i]); });
+    run_on_all(all_.communicator, [&] {
+      all_.runner.for_each(part_to_answers.size(),
+                           [&](std::size_t i) { take_numbers(parts_.local()[i], part_to_answers[i]); });
     });
   }
 
   Numbering& of(PartId part) { return numberings_.at(part); }
-  /// The first number of a new point that the part made; of one past the last part: one past the last number.
+  /// The number of the first new point that the part made.
   std::uint64_t first_of(std::size_t part) const { return first_[part]; }
+  std::uint64_t new_points() const { return first_.back() - given_; }
 
  private:
-  std::vector<Message> exchange_all(std::vector<Message> messages) {
-    return exchange(communicator_, std::move(messages),
-                    [&](PartId part) { return communicator_.rank_of(part, parts_.part_count()); });
-  }
-
   std::vector<Message> find_used() {
     const auto local = parts_.local();
     std::vector<std::vector<Message>> part_to_messages(local.size());
-    runner_.for_each(local.size(), [&](std::size_t i) { part_to_messages[i] = find_used_by(local[i]); });
+    all_.runner.for_each(local.size(), [&](std::size_t i) { part_to_messages[i] = find_used_by(local[i]); });
     std::vector<Message> messages;
     for (auto& list : part_to_messages) std::move(list.begin(), list.end(), std::back_inserter(messages));
     return messages;
@@ -116,16 +110,14 @@ class Numberer {
 
   // By maker, then in the order in which they were made; behind the points of the complex.
   void number_made() {
-    MessageWriter writer;
+    std::vector<std::uint64_t> counts;
     for (const PartId part : parts_.local()) {
       const auto& made = numberings_.at(part).made;
-      writer.put(static_cast<std::uint64_t>(made.size()) -
-                 static_cast<std::uint64_t>(std::count(made.begin(), made.end(), kUnused)));
+      counts.push_back(
+          static_cast<std::uint64_t>(std::ranges::count_if(made, [](auto number) { return number != kUnused; })));
     }
     first_.assign(1, given_);
-    for (const Bytes& bytes : communicator_.all_gather(writer.take()))
-      for (MessageReader reader(bytes); !reader.at_end();)
-        first_.push_back(first_.back() + reader.get<std::uint64_t>());
+    for (const std::uint64_t count : all_.gather<std::uint64_t>(counts)) first_.push_back(first_.back() + count);
     for (const PartId part : parts_.local()) {
       std::uint64_t next = first_[part.value];
       for (std::uint64_t& number : numberings_.at(part).made)
@@ -169,9 +161,8 @@ class Numberer {
     TETLOOM_ASSERT(next == foreign.size());
   }
 
+  const AllParts& all_;
   const PerPart<Leaving>& parts_;
-  Communicator& communicator_;
-  const TaskRunner& runner_;
   const std::uint64_t given_;
   PerPart<Numbering> numberings_;
   std::vector<std::uint64_t> first_;  // per part, and one past the last
@@ -298,24 +289,23 @@ void write_points(const HandedOn& handed_on, std::span<Vec3> points, const TaskR
 
 }  // namespace
 
-HandedOn hand_on_parts(const SharedInput& input, PerPart<PartState>& states, HandsOn what, Communicator& communicator,
-                       const TaskRunner& runner) {
-  const auto local = states.local();
-  PerPart<Leaving> leaving(states.part_count(), local);
-  run_on_all(communicator, [&] {
-    runner.for_each(local.size(),
-                    [&](std::size_t i) { leaving.at(local[i]) = take_leave(input, states.at(local[i]), what); });
+HandedOn hand_on_parts(const AllParts& all, HandsOn what) {
+  const auto local = all.states.local();
+  PerPart<Leaving> leaving(all.states.part_count(), local);
+  run_on_all(all.communicator, [&] {
+    all.runner.for_each(local.size(), [&](std::size_t i) {
+      leaving.at(local[i]) = take_leave(all.input, all.states.at(local[i]), what);
+    });
   });
-  const std::uint64_t given = input.filling.complex.points.size();
-  Numberer numberer(given, leaving, communicator, runner);
+  Numberer numberer(all, leaving);
   numberer.run();
   HandedOn result;
-  result.new_points = numberer.first_of(states.part_count()) - given;
+  result.new_points = numberer.new_points();
   for (const PartId part : local) result.first_new.push_back(numberer.first_of(part.value));
   result.parts.resize(local.size());
-  run_on_all(communicator, [&] {
-    runner.for_each(local.size(),
-                    [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
+  run_on_all(all.communicator, [&] {
+    all.runner.for_each(local.size(),
+                        [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
   });
   return result;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // What the parts have made, handed on as parts or put together.
-#include "mesher/parts/part_state.hpp"
+#include "mesher/parts/all_parts.hpp"
 #include "mesher/volume/volume_parts.hpp"
 
 namespace tetloom::parts {
@@ -15,8 +15,7 @@ enum class HandsOn { Tets, TetsAndTriangles };
 
 /// Each part's tets with the vertices that they use. New points are numbered by the part that made them, then in the
 /// order in which they were made. The states are emptied first. A collective call. Errors: Cancelled.
-HandedOn hand_on_parts(const SharedInput& input, PerPart<PartState>& states, HandsOn what, Communicator& communicator,
-                       const TaskRunner& runner);
+HandedOn hand_on_parts(const AllParts& all, HandsOn what);
 
 /// All tets, those of each part together, over the given points and then the new ones. The parts are freed one by one
 /// while the whole grows. Pre: these are all parts. Errors: OutOfMemory; Cancelled.

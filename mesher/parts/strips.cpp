@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "mesher/parts/borders.hpp"
 #include "mesher/parts/optimize_part.hpp"
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/tet_quality.hpp"
@@ -19,7 +20,6 @@ using tets::FaceCode;
 using tets::TetMesh;
 
 constexpr float kPoor = .9f * .9f * .9f;  // cubed: what the optimiser's last pass looks at
-constexpr double kReachInEdges = 6;       // how far the neighbours' boxes are looked for
 
 struct SharedVert {
   VertKey key;
@@ -33,12 +33,6 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   return open;
 }
 
-double longest_edge(const TetMesh& mesh, FaceCode face) {
-  const auto [a, b, c] = verts_of(mesh, face);
-  return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
-                   distance(mesh.points[c], mesh.points[a])});
-}
-
 // Vertices that wait at poor tets that have an open face or lie next to one; with how far neighbours are looked for.
 std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) {
   const TetMesh& mesh = state.mesh;
@@ -47,7 +41,7 @@ std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) 
     if (state.qualities[tet] >= kPoor) return;
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
-      if (state.waits[v]) poor.emplace_back(v, kReachInEdges * longest_edge(mesh, open));
+      if (state.waits[v]) poor.emplace_back(v, reach_of(mesh, open));
     }
   };
   for (const FaceCode open : state.open_faces) {
@@ -206,7 +200,7 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
       const VertKey key = state.keys[v];
       if (!std::binary_search(poor.begin(), poor.end(), key)) continue;
       const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
-      shared.push_back({{key, v, is_poor}, kReachInEdges * longest_edge(mesh, face)});
+      shared.push_back({{key, v, is_poor}, reach_of(mesh, face)});
     }
   }
   std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });

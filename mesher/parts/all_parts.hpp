@@ -1,0 +1,40 @@
+#pragma once
+// All parts at once, between schedules: what the ranks do together.
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mesher/parts/part_state.hpp"
+#include "threading/communicator.hpp"
+
+namespace tetloom::parts {
+
+/// Refers to what must outlive it. All functions are collective calls.
+struct AllParts {
+  const SharedInput& input;
+  PerPart<PartState>& states;  ///< those of this rank
+  Communicator& communicator;
+  const TaskRunner& runner;
+
+  bool any_fault() const;
+  std::uint64_t sum(std::uint64_t of_this_rank) const;
+  /// As tetloom::exchange.
+  std::vector<Message> exchange(std::vector<Message> messages) const;
+  /// The lists of all ranks, one after the other.
+  template <class T>
+  std::vector<T> gather(std::span<const T> own) const {
+    MessageWriter writer;
+    writer.put_array<T>(own);
+    std::vector<T> all;
+    for (const Bytes& bytes : communicator.all_gather(writer.take())) {
+      const auto list = MessageReader(bytes).get_view<T>();
+      all.insert(all.end(), list.begin(), list.end());
+    }
+    return all;
+  }
+  /// Not a collective call: all ranks have found the same.
+  void set_fault(const std::string& message) const;
+};
+
+}  // namespace tetloom::parts

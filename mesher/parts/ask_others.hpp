@@ -1,0 +1,15 @@
+#pragma once
+// Doubted tets are asked about where their balls reach to, in rounds, until no part learns anything new.
+#include "mesher/parts/all_parts.hpp"
+
+namespace tetloom::parts {
+
+struct Asked {
+  std::size_t rounds = 0;
+  std::size_t tets = 0;  ///< of all parts, in the first round
+};
+
+/// The same on all ranks. A collective call. Errors: Cancelled.
+Asked ask_others(const AllParts& parts);
+
+}  // namespace tetloom::parts

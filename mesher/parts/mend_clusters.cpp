@@ -1,0 +1,93 @@
+#include "mesher/parts/mend_clusters.hpp"
+
+#include <algorithm>
+
+#include "threading/agreement.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+constexpr std::size_t kMostMissing = 3000;  // triangles: more say that the surface is not sound
+
+std::vector<std::uint32_t> gather_missing(const AllParts& parts) {
+  std::vector<std::uint32_t> own;
+  for (const PartId part : parts.states.local()) {
+    PartState& state = parts.states.at(part);
+    state.figures.missing_triangles = state.missing.size();
+    own.insert(own.end(), state.missing.begin(), state.missing.end());
+  }
+  std::vector<std::uint32_t> all = parts.gather<std::uint32_t>(own);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+void send_neighborhood(const AllParts& parts, const Cluster& cluster, std::uint32_t index,
+                       std::vector<Message>& messages) {
+  parts.input.decomposition.for_each_in(cluster.box, [&](PartId part) {
+    if (!parts.states.is_local(part)) return;
+    const Neighborhood found = find_neighborhood(parts.input, parts.states.at(part), part, cluster);
+    MessageWriter writer;
+    writer.put(std::uint64_t{index});
+    writer.put_array<ShellPoint>(found.points);
+    writer.put_array<PureSite>(found.pure);
+    messages.push_back({part, cluster.part, index, writer.take()});
+  });
+}
+
+std::vector<Neighborhood> gather_neighborhoods(const AllParts& parts, const std::vector<Cluster>& clusters) {
+  std::vector<Message> messages;
+  for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(parts, clusters[c], c, messages);
+  std::vector<Neighborhood> around(clusters.size());
+  for (const Message& message : parts.exchange(std::move(messages))) {
+    MessageReader reader(message.bytes);
+    Neighborhood& one = around[reader.get<std::uint64_t>()];
+    const auto points = reader.get_view<ShellPoint>();
+    const auto pure = reader.get_view<PureSite>();
+    one.points.insert(one.points.end(), points.begin(), points.end());
+    one.pure.insert(one.pure.end(), pure.begin(), pure.end());
+  }
+  return around;
+}
+
+// Notes which parts the patches belong to; what all patches have removed.
+std::vector<TetKeys> note_patches(const AllParts& parts, const std::vector<Cluster>& clusters,
+                                  std::span<const Patch> patches) {
+  std::vector<TetKeys> own;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    if (!parts.states.is_local(clusters[c].part)) continue;
+    PartState& state = parts.states.at(clusters[c].part);
+    own.insert(own.end(), patches[c].removed.begin(), patches[c].removed.end());
+    state.patches.push_back(static_cast<std::uint32_t>(c));
+    state.figures.recovery_points += patches[c].new_points.size();
+    if (!patches[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
+  }
+  std::vector<TetKeys> removed = parts.gather<TetKeys>(own);
+  std::sort(removed.begin(), removed.end());
+  return removed;
+}
+
+}  // namespace
+
+Mending mend_surface(const AllParts& parts) {
+  Mending mending;
+  const std::vector<std::uint32_t> missing = gather_missing(parts);
+  if (missing.empty()) return mending;
+  if (missing.size() > kMostMissing) {
+    parts.set_fault(std::to_string(missing.size()) + " triangles of the surface are missing");
+    return mending;
+  }
+  const std::vector<Cluster> clusters = make_clusters(parts.input, missing);
+  std::vector<Neighborhood> around = gather_neighborhoods(parts, clusters);
+  mending.patches.resize(clusters.size());
+  run_on_all(parts.communicator, [&] {
+    parts.runner.for_each(clusters.size(), [&](std::size_t c) {
+      if (!parts.states.is_local(clusters[c].part)) return;
+      mending.patches[c] = recover_cluster(parts.input, clusters[c], std::move(around[c]), parts.runner);
+    });
+  });
+  mending.removed = note_patches(parts, clusters, mending.patches);
+  return mending;
+}
+
+}  // namespace tetloom::parts
