@@ -70,6 +70,7 @@ struct PartState {
   };
   std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
   std::vector<VertKey> poor;               ///< of their vertices, those that wait and have poor tets, ascending
+  std::vector<VertKey> astray;             ///< of their vertices, those far outside of the part's box, ascending
   std::vector<SharedVert> shared;          ///< those at which any part's tets are poor, ascending
   std::vector<std::uint64_t> open_names;   ///< of the open faces in the end
   std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of

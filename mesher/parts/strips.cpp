@@ -33,6 +33,14 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   return open;
 }
 
+// Of every vertex, the farthest reach.
+void keep_farthest(std::vector<std::pair<std::uint32_t, double>>& verts) {
+  std::sort(verts.begin(), verts.end(),
+            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
+  verts.erase(std::unique(verts.begin(), verts.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
+              verts.end());
+}
+
 // Vertices that wait at poor tets that have an open face or lie next to one; with how far neighbours are looked for.
 std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) {
   const TetMesh& mesh = state.mesh;
@@ -50,11 +58,31 @@ std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) 
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
       if (mesh.to_neighbor[face] != kNone) look_at(mesh.to_neighbor[face] / 4, open);
   }
-  std::sort(poor.begin(), poor.end(),
-            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
-  poor.erase(std::unique(poor.begin(), poor.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
-             poor.end());
+  keep_farthest(poor);
   return poor;
+}
+
+// Vertices of open faces so far outside of the part's box that others do not look for the part there: a patch may reach
+// that far. In the same form.
+std::vector<std::pair<std::uint32_t, double>> find_astray(const PartState& state, const Box3& own_box) {
+  const TetMesh& mesh = state.mesh;
+  std::vector<std::pair<std::uint32_t, double>> astray;
+  for (const FaceCode open : state.open_faces) {
+    for (const std::uint32_t v : verts_of(mesh, open)) {
+      const double outside = state.waits[v] ? distance_outside(mesh.points[v], own_box) : 0;
+      if (outside <= 0) continue;
+      if (const double reach = reach_of(mesh, open); outside > reach) astray.emplace_back(v, reach);
+    }
+  }
+  keep_farthest(astray);
+  return astray;
+}
+
+std::vector<VertKey> keys_of(const PartState& state, std::span<const std::pair<std::uint32_t, double>> verts) {
+  std::vector<VertKey> keys;
+  for (const auto& [v, reach] : verts) keys.push_back(state.keys[v]);
+  std::sort(keys.begin(), keys.end());
+  return keys;
 }
 
 // The tets of a part within two layers around some of its vertices, each for the part that claims it.
@@ -166,14 +194,16 @@ void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
     for (const FaceCode face : state.open_faces)
       for (const std::uint32_t v : verts_of(mesh, face)) state.waits[v] = 1;
   }
-  const auto poor = find_poor(state);
-  state.poor.clear();
-  for (const auto& [v, reach] : poor) state.poor.push_back(state.keys[v]);
-  std::sort(state.poor.begin(), state.poor.end());
+  std::vector<std::pair<std::uint32_t, double>> told = find_poor(state);
+  state.poor = keys_of(state, told);
+  const auto astray = find_astray(state, input.decomposition.box(task.part()));
+  state.astray = keys_of(state, astray);
+  told.insert(told.end(), astray.begin(), astray.end());
+  keep_farthest(told);
   for (const PartId other : input.decomposition.neighbors(task.part())) {
     const Box3& box = input.decomposition.box(other);
     std::vector<VertKey> near;
-    for (const auto& [v, reach] : poor)
+    for (const auto& [v, reach] : told)
       if (distance_outside(mesh.points[v], box) <= reach) near.push_back(state.keys[v]);
     if (near.empty()) continue;
     MessageWriter writer;
@@ -183,14 +213,19 @@ void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
 }
 
 void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
-  std::vector<VertKey> poor = state.poor;
+  std::vector<VertKey> wanted = state.poor;
+  wanted.insert(wanted.end(), state.astray.begin(), state.astray.end());
+  std::vector<std::pair<VertKey, PartId>> told;
   for (const Message& message : task.inbox()) {
-    const auto told = MessageReader(message.bytes).get_view<VertKey>();
-    poor.insert(poor.end(), told.begin(), told.end());
+    for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>()) {
+      wanted.push_back(key);
+      told.emplace_back(key, message.from);
+    }
   }
-  std::sort(poor.begin(), poor.end());
+  std::sort(wanted.begin(), wanted.end());
+  std::sort(told.begin(), told.end());
   state.shared.clear();
-  if (poor.empty()) return;
+  if (wanted.empty()) return;
   const TetMesh& mesh = state.mesh;
   std::vector<char> seen(mesh.points.size(), 0);
   std::vector<std::pair<PartState::SharedVert, double>> shared;
@@ -198,7 +233,7 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
     for (const std::uint32_t v : verts_of(mesh, face)) {
       if (std::exchange(seen[v], 1)) continue;
       const VertKey key = state.keys[v];
-      if (!std::binary_search(poor.begin(), poor.end(), key)) continue;
+      if (!std::binary_search(wanted.begin(), wanted.end(), key)) continue;
       const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
       shared.push_back({{key, v, is_poor}, reach_of(mesh, face)});
     }
@@ -209,7 +244,8 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
     const Box3& box = input.decomposition.box(other);
     std::vector<SharedVert> near;
     for (const auto& [vert, reach] : shared)
-      if (distance_outside(mesh.points[vert.vert], box) <= reach)
+      if (distance_outside(mesh.points[vert.vert], box) <= reach ||
+          std::binary_search(told.begin(), told.end(), std::pair{vert.key, other}))
         near.push_back({vert.key, std::uint64_t{vert.is_poor}});
     if (near.empty()) continue;
     MessageWriter writer;

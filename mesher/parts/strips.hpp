@@ -9,10 +9,11 @@
 namespace tetloom::parts {
 
 /// Marks, the first time, what could not change between parts; tells the neighbours at which of the vertices that
-/// waited for it the part's tets are poor.
+/// waited for it the part's tets are poor, and which it has where they do not look for it.
 void send_poor(const SharedInput& input, PartState& state, PartTask& task);
 
-/// Tells the neighbours which of the vertices where any part's tets are poor the part has.
+/// Tells the neighbours which of the vertices where any part's tets are poor the part has, and those that have told of
+/// a vertex in any case.
 void send_shared(const SharedInput& input, PartState& state, PartTask& task);
 
 /// Takes the strips that other parts are to have out of the mesh and sends them; in the first round, number 0, only

@@ -69,3 +69,19 @@ TEST_CASE("a real model filled in parts is the same for any number of threads", 
   }
   if (!any) WARN("skipped: no models in " << test::kRealModels);
 }
+
+// A patch of recovered triangles lies in one part, also where it reaches far into the boxes of others.
+TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[strips]") {
+  const fs::path file = test::kRealModels / "Voron-0__Electronics_Mounts_SKR_3_EZ_Din_Mount.step";
+  if (!fs::exists(file)) {
+    WARN("skipped: " << file << " is not there");
+    return;
+  }
+  const ModelDocument document = read_model(file);
+  const MeshResult result = make(*document.model, 0.0125, 1e4, 2);
+  check_valid(result);
+  const auto& strips = result.filling.parts.strips;
+  CHECK(strips[0].waiting > 500);
+  CHECK(strips[0].moved > 1000);
+  CHECK(strips[1].waiting < 50);
+}
