@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "mesher/parts/send_found.hpp"
 
 namespace tetloom::parts {
 
@@ -160,9 +161,7 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
     state.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
   state.figures.core_tets = state.mesh.size();
 
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    std::vector<SentShellPoint> sent;
+  send_found<SentShellPoint>(input, task, [&](PartId, const Box3& box, std::vector<SentShellPoint>& sent) {
     std::size_t l = 0;
     for (const std::uint32_t vert : state.core.shell_verts) {
       while (vert >= state.core.level_to_vert[l + 1]) ++l;
@@ -170,11 +169,7 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
       if (distance_outside(x, box) > kShellReach * state.levels[l].lattice.size()) continue;
       sent.push_back({x, static_cast<std::uint32_t>(state.keys[vert]), state.pure_around[vert] != 0});
     }
-    if (sent.empty()) continue;
-    MessageWriter writer;
-    writer.put_array<SentShellPoint>(sent);
-    task.send(other, writer.take());
-  }
+  });
   state.figures.seconds.core += watch.lap();
 }
 

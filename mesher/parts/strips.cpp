@@ -8,6 +8,7 @@
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/borders.hpp"
 #include "mesher/parts/optimize_part.hpp"
+#include "mesher/parts/send_found.hpp"
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
@@ -200,16 +201,10 @@ void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
   state.astray = keys_of(state, astray);
   told.insert(told.end(), astray.begin(), astray.end());
   keep_farthest(told);
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    std::vector<VertKey> near;
+  send_found<VertKey>(input, task, [&](PartId, const Box3& box, std::vector<VertKey>& near) {
     for (const auto& [v, reach] : told)
       if (distance_outside(mesh.points[v], box) <= reach) near.push_back(state.keys[v]);
-    if (near.empty()) continue;
-    MessageWriter writer;
-    writer.put_array<VertKey>(near);
-    task.send(other, writer.take());
-  }
+  });
 }
 
 void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
@@ -240,18 +235,12 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
   }
   std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
   for (const auto& [vert, reach] : shared) state.shared.push_back(vert);
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    std::vector<SharedVert> near;
+  send_found<SharedVert>(input, task, [&](PartId other, const Box3& box, std::vector<SharedVert>& near) {
     for (const auto& [vert, reach] : shared)
       if (distance_outside(mesh.points[vert.vert], box) <= reach ||
           std::binary_search(told.begin(), told.end(), std::pair{vert.key, other}))
         near.push_back({vert.key, std::uint64_t{vert.is_poor}});
-    if (near.empty()) continue;
-    MessageWriter writer;
-    writer.put_array<SharedVert>(near);
-    task.send(other, writer.take());
-  }
+  });
 }
 
 void send_strips(PartState& state, std::size_t round, PartTask& task) {
