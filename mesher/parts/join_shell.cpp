@@ -35,8 +35,8 @@ class Joiner {
     mesh_.points = std::move(state_.shell.points);
     state_.figures.shell_tets = state_.kept.size();
     std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
-    release_shell();
     drop_points_of_others();
+    release_shell();
     state_.waits.resize(mesh_.points.size(), 0);
   }
 
@@ -90,20 +90,22 @@ class Joiner {
     state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.doubts = {}, state_.missing = {};
   }
 
-  // Points around the part that none of its tets has got. Those of the surface stay: their places are counted on.
+  // Points around the part that none of its tets has got. The first ones are those of the surface, whose places are
+  // counted on, and the part's own of the first level, which most tets have.
   void drop_points_of_others() {
-    const std::uint32_t first = state_.surface_count();
-    std::vector<std::uint32_t> to_new(mesh_.points.size(), kNone);
-    for (const std::uint32_t v : mesh_.to_vert) to_new[v] = 0;
+    const auto first = state_.core.level_to_vert[1] - static_cast<std::uint32_t>(state_.levels[0].foreign);
+    std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
+    for (const std::uint32_t v : mesh_.to_vert)
+      if (v >= first) to_new[v - first] = 0;
     std::uint32_t next = first;
-    for (std::uint32_t v = first; v < to_new.size(); ++v) {
-      if (to_new[v] == kNone) continue;
+    for (std::uint32_t v = first; v < mesh_.points.size(); ++v) {
+      if (to_new[v - first] == kNone) continue;
       mesh_.points[next] = mesh_.points[v];
       state_.keys[next] = state_.keys[v];
-      to_new[v] = next++;
+      to_new[v - first] = next++;
     }
     for (std::uint32_t& v : mesh_.to_vert)
-      if (v >= first) v = to_new[v];
+      if (v >= first) v = to_new[v - first];
     mesh_.points.resize(next), mesh_.points.shrink_to_fit();
     state_.keys.resize(next), state_.keys.shrink_to_fit();
   }
