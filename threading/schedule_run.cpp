@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "threading/agreement.hpp"
 #include "threading/schedule_state_detail.hpp"
 
 namespace tetloom {
@@ -54,9 +55,14 @@ void Schedule::State::Run::prepare() {
     sums[1] = 1;
   }
   state_.communicator.sum(sums);
-  if (error) std::rethrow_exception(error);
-  if (sums[1] != 0) throw Error(ErrorCode::Internal, "another rank failed to begin a run");
+  if (sums[1] != 0) fail_together(error);
   if (sums[0] != 0) throw Error(ErrorCode::Internal, "broken invariant: receivers and senders of a step disagree");
+}
+
+// Throws what the lowest rank gives that gives an error; all ranks call it, and one of them gives one.
+void Schedule::State::Run::fail_together(const std::exception_ptr& error) const {
+  if (state_.communicator.rank_count() == 1) std::rethrow_exception(error);
+  agree(state_.communicator, error ? failure_of([&] { std::rethrow_exception(error); }) : std::nullopt);
 }
 
 void Schedule::State::Run::make_tables() {
@@ -253,10 +259,9 @@ void Schedule::State::Run::report() const {
   const bool only_cancelled = error ? detail::is_cancellation(error) : host_cancelled_.load();
   std::int64_t sums[2] = {error && !only_cancelled, only_cancelled};
   state_.communicator.sum(sums);
-  if (error && !only_cancelled) std::rethrow_exception(error);
-  if (sums[0] != 0 && !host_cancelled_) throw Error(ErrorCode::Internal, "another rank failed in the same run");
+  if (sums[0] != 0) fail_together(only_cancelled ? nullptr : error);
   if (error) std::rethrow_exception(error);
-  if (sums[0] != 0 || sums[1] != 0) throw Error(ErrorCode::Cancelled, "cancelled by the host");
+  if (sums[1] != 0) throw Error(ErrorCode::Cancelled, "cancelled by the host");
 }
 
 }  // namespace tetloom

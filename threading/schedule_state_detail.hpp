@@ -80,6 +80,7 @@ class Schedule::State::Run {
   };
 
   void prepare();
+  void fail_together(const std::exception_ptr& error) const;
   void make_tables();
   std::uint64_t link_imbalance() const;
   std::vector<oneapi::tbb::flow::node_priority_t> rank_by_work(const Step& step) const;
