@@ -6,23 +6,40 @@
 namespace tetloom {
 namespace {
 
+void put_text(MessageWriter& writer, const std::string& text) {
+  writer.put_array(std::span<const char>(text.data(), text.size()));
+}
+
+std::string get_text(MessageReader& reader) {
+  const auto text = reader.get_view<char>();
+  return {text.begin(), text.end()};
+}
+
 Bytes to_bytes(const Diagnostic& diagnostic) {
   MessageWriter writer;
   writer.put(diagnostic.code);
-  writer.put_array(std::span<const char>(diagnostic.message.data(), diagnostic.message.size()));
+  put_text(writer, diagnostic.message);
+  writer.put(static_cast<std::uint64_t>(diagnostic.entities.size()));
+  for (const NamedEntity& named : diagnostic.entities) {
+    writer.put(named.entity);
+    put_text(writer, named.name);
+  }
   writer.put(diagnostic.point.has_value());
   writer.put(diagnostic.point.value_or(Vec3{}));
   writer.put_array(std::span<const std::uint64_t>(diagnostic.elements));
   return writer.take();
 }
 
-// Without the model entities: what fails on one rank alone are files and memory.
 Diagnostic from_bytes(const Bytes& bytes) {
   MessageReader reader(bytes);
   Diagnostic diagnostic;
   diagnostic.code = reader.get<ErrorCode>();
-  const auto message = reader.get_view<char>();
-  diagnostic.message.assign(message.begin(), message.end());
+  diagnostic.message = get_text(reader);
+  diagnostic.entities.resize(reader.get<std::uint64_t>());
+  for (NamedEntity& named : diagnostic.entities) {
+    named.entity = reader.get<ModelEntity>();
+    named.name = get_text(reader);
+  }
   const bool has_point = reader.get<bool>();
   const Vec3 point = reader.get<Vec3>();
   if (has_point) diagnostic.point = point;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/assert.hpp"
+#include "threading/agreement.hpp"
 #include "threading/frame_detail.hpp"
 
 namespace tetloom {
@@ -231,8 +232,12 @@ std::vector<Bytes> MpiCommunicator::all_gather(Bytes bytes) {
   MPI_Request request;
   check(MPI_Iallgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_, &request), "MPI_Iallgather");
   wait_for(request, "MPI_Iallgather");
-  std::vector<Bytes> gathered(sizes.size());
-  for (std::size_t from = 0; from < sizes.size(); ++from) gathered[from].resize(sizes[from]);
+  std::vector<Bytes> gathered;
+  run_on_all(*this, [&] {
+    gathered.resize(sizes.size());
+    for (std::size_t from = 0; from < sizes.size(); ++from)
+      if (from != static_cast<std::size_t>(rank_)) gathered[from].resize(sizes[from]);
+  });
   gathered[static_cast<std::size_t>(rank_)] = std::move(bytes);
   for (std::size_t from = 0; from < sizes.size(); ++from)
     for (std::size_t begin = 0; begin < sizes[from]; begin += largest_piece_) {
@@ -284,19 +289,20 @@ void MpiCommunicator::rest(Patience& patience) {
 
 bool MpiCommunicator::take_outgoing() {
   std::vector<std::vector<Message>> taken(outgoing_.size());
-  bool failure = false, any = false;
+  bool failure = false, any = false, ends = false;
   {
     const std::lock_guard lock(mutex_);
     failure = std::exchange(failure_to_announce_, false);
     any = std::exchange(has_outgoing_, false);
     if (any) taken.swap(outgoing_);
-    if (closing_ && !any && !failure && !ending_) ending_ = true;
+    ends = closing_ && !any && !failure && !ending_;
+    if (ends) ending_ = true;
   }
   for (int rank = 0; failure && rank < rank_count_; ++rank)
     if (rank != rank_) post(rank, detail::failure_frame(epoch_));
   for (int rank = 0; any && rank < rank_count_; ++rank) ship(rank, taken[static_cast<std::size_t>(rank)]);
   if (ending_ && !end_agreed_ && end_request_ == MPI_REQUEST_NULL) agree_on_end();
-  return any || failure;
+  return any || failure || ends;
 }
 
 void MpiCommunicator::ship(int destination, std::vector<Message>& messages) {

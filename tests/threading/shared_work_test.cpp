@@ -1,0 +1,193 @@
+// Ranks that share the items of loops, and what becomes of one that fails.
+#include "threading/shared_work.hpp"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <new>
+#include <numeric>
+
+#include "tests/support/simulated_ranks.hpp"
+#include "tests/threading/communicators.hpp"
+
+using namespace tetloom;
+
+namespace {
+
+std::vector<std::uint32_t> list_of(std::size_t i) {
+  std::vector<std::uint32_t> list(i % 5);
+  std::iota(list.begin(), list.end(), static_cast<std::uint32_t>(i));
+  return list;
+}
+
+const std::vector<double> kAmounts{3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5};
+
+void check_loops(const SharedWork& work, Communicator& communicator) {
+  std::vector<std::int64_t> made(kAmounts.size(), 0);
+  std::vector<std::vector<std::uint32_t>> lists;
+  std::vector<double> values(1000, 0.0);
+  work.together([&] {
+    lists = work.make_lists<std::uint32_t>(kAmounts, [&](std::size_t i) {
+      ++made[i];
+      return list_of(i);
+    });
+    work.fill<double>(values, 7, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) values[i] = 0.1 * static_cast<double>(i);
+    });
+  });
+  communicator.sum(made);
+  CHECK(made == std::vector<std::int64_t>(kAmounts.size(), 1));
+  for (std::size_t i = 0; i < kAmounts.size(); ++i) CHECK(lists[i] == list_of(i));
+  for (std::size_t i = 0; i < values.size(); ++i) REQUIRE(values[i] == 0.1 * static_cast<double>(i));
+}
+
+std::optional<Diagnostic> outcome(const SharedWork& work, const std::function<void()>& body) {
+  try {
+    work.together(body);
+  } catch (const Error& error) {
+    return error.diagnostic();
+  }
+  return std::nullopt;
+}
+
+Diagnostic trouble(int rank) {
+  return {ErrorCode::EdgeFailed, "trouble on rank " + std::to_string(rank), {{{1, 7}, "rim"}}, Vec3{1, 2, 3}, {4}};
+}
+
+void check_trouble(const std::optional<Diagnostic>& told, int rank) {
+  REQUIRE(told);
+  CHECK(told->code == ErrorCode::EdgeFailed);
+  CHECK(told->message == "trouble on rank " + std::to_string(rank));
+  REQUIRE(told->entities.size() == 1);
+  CHECK(told->entities[0].entity == ModelEntity{1, 7});
+  CHECK(told->entities[0].name == "rim");
+  CHECK(told->point == Vec3{1, 2, 3});
+}
+
+void run_loop(const SharedWork& work, const std::function<void(std::size_t)>& body = {}) {
+  std::vector<std::uint8_t> values(50);
+  work.fill<std::uint8_t>(values, 1, [&](std::size_t begin, std::size_t) {
+    if (body) body(begin);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("each item is made on one rank, and all ranks have what was made of it") {
+  const auto communicator = make_communicator();
+  for (const int threads : {1, 3}) check_loops({threads, {}, communicator.get()}, *communicator);
+  check_loops(TaskRunner(2), *make_thread_communicator());
+}
+
+TEST_CASE("loops are shared by any number of ranks") {
+  for (const int ranks : {1, 2, 3, 20}) {
+    std::atomic<int> made{0};
+    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      const SharedWork work(1, {}, &communicator);
+      std::vector<std::vector<std::uint32_t>> lists;
+      work.together([&] {
+        lists = work.make_lists<std::uint32_t>(kAmounts, [&](std::size_t i) {
+          ++made;
+          return list_of(i);
+        });
+      });
+      for (std::size_t i = 0; i < lists.size(); ++i)
+        if (lists[i] != list_of(i)) throw Error(ErrorCode::Internal, "another list");
+    });
+    CHECK(made == static_cast<int>(kAmounts.size()));
+  }
+}
+
+TEST_CASE("what fails on one rank fails on all, with entities and place, wherever it happens") {
+  const auto communicator = make_communicator();
+  const SharedWork work(2, {}, communicator.get());
+  for (int failing = 0; failing < communicator->rank_count(); ++failing) {
+    const bool here = failing == communicator->rank();
+    CAPTURE(failing);
+    const auto fail = [&] {
+      if (here) throw Error(trouble(failing));
+    };
+    check_trouble(outcome(work, fail), failing);
+    check_trouble(outcome(work, [&] { run_loop(work), fail(), run_loop(work); }), failing);
+    check_trouble(outcome(work, [&] { run_loop(work), run_loop(work), fail(); }), failing);
+    check_trouble(outcome(work, [&] { run_loop(work, [&](std::size_t) { fail(); }), run_loop(work); }), failing);
+    check_trouble(outcome(work, [&] { work.together([&] { run_loop(work, [&](std::size_t) { fail(); }); }); }),
+                  failing);
+    const auto fail_at = [&](bool put, bool take) {
+      const std::vector<double> amounts(50, 1.0);
+      return outcome(work, [&] {
+        work.for_each(amounts, {[](std::size_t) {}, [&](std::size_t, MessageWriter&) { put ? fail() : void(); },
+                                [&](std::size_t, MessageReader&) { take ? fail() : void(); }});
+      });
+    };
+    if (communicator->rank_count() > 1) {
+      check_trouble(fail_at(true, false), failing);
+      check_trouble(fail_at(false, true), failing);
+    }
+    const auto exhausted = outcome(work, [&] {
+      run_loop(work);
+      if (here && communicator->rank_count() > 1) throw std::bad_alloc();
+      if (here) throw Error(ErrorCode::OutOfMemory, "");
+      run_loop(work);
+    });
+    REQUIRE(exhausted);
+    CHECK(exhausted->code == ErrorCode::OutOfMemory);
+    CHECK_FALSE(outcome(work, [&] { run_loop(work); }));
+  }
+}
+
+TEST_CASE("a failure that all ranks get over is forgotten") {
+  const auto communicator = make_communicator();
+  const SharedWork work(1, {}, communicator.get());
+  const int last = communicator->rank_count() - 1;
+  const bool here = communicator->rank() == last;
+  const auto told = outcome(work, [&] {
+    const auto first = outcome(work, [&] {
+      run_loop(work);
+      if (here) throw Error(ErrorCode::OutOfMemory, "too much");
+      run_loop(work);
+    });
+    CHECK((first && first->code == ErrorCode::OutOfMemory));
+    run_loop(work);
+    if (here) throw Error(trouble(last));
+    run_loop(work);
+  });
+  check_trouble(told, last);
+}
+
+TEST_CASE("the host of one rank stops all of them, in the middle of what they do") {
+  const auto communicator = make_communicator();
+  for (int stopping = 0; stopping < communicator->rank_count(); ++stopping) {
+    CAPTURE(stopping);
+    Host host;
+    if (communicator->rank() == stopping) host.wants_stop = [] { return true; };
+    const SharedWork work(2, host, communicator.get());
+    const auto told = outcome(work, [&] {
+      run_loop(work, [&](std::size_t) {
+        while (!work.runner().cancelled()) std::this_thread::yield();
+        work.runner().check_cancelled();
+      });
+    });
+    REQUIRE(told);
+    CHECK(told->code == ErrorCode::Cancelled);
+    CHECK(work.runner().cancelled() == (communicator->rank() == stopping));
+  }
+}
+
+TEST_CASE("ranks that are stopped because another one fails tell of that failure") {
+  const auto communicator = make_communicator();
+  if (communicator->rank_count() == 1) return;
+  for (int failing = 0; failing < communicator->rank_count(); ++failing) {
+    CAPTURE(failing);
+    const bool here = communicator->rank() == failing;
+    const SharedWork work(1, {}, communicator.get());
+    check_trouble(outcome(work,
+                          [&] {
+                            run_loop(work, [&](std::size_t) {
+                              if (here) throw Error(trouble(failing));
+                              while (!work.runner().cancelled()) std::this_thread::yield();
+                              work.runner().check_cancelled();
+                            });
+                          }),
+                  failing);
+  }
+}

@@ -1,0 +1,117 @@
+#include "threading/shared_work.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "threading/agreement.hpp"
+
+namespace tetloom {
+
+struct SharedWork::Ranks {
+  explicit Ranks(Communicator& given) : communicator(given) {}
+
+  Communicator& communicator;
+  // Raised around loops that ranks carry out together, read by whoever asks whether to go on; carries no data.
+  std::atomic<bool> meeting{false};
+  bool agreed = false;  // what is being thrown is being thrown on all ranks
+
+  bool stopped() const { return meeting.load(std::memory_order_relaxed) && communicator.failed_elsewhere(); }
+};
+
+SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks) : runner_(nullptr) {
+  Host listening = host;
+  if (ranks != nullptr && ranks->rank_count() > 1) {
+    ranks_ = std::make_shared<Ranks>(*ranks);
+    listening.wants_stop = [given = host.wants_stop, shared = ranks_] {
+      return (given && given()) || shared->stopped();
+    };
+  }
+  own_runner_ = std::make_shared<TaskRunner>(threads, std::move(listening));
+  runner_ = own_runner_.get();
+}
+
+// Whatever happens on a rank, it comes to the next meeting of the others: those in `together` follow each other on all
+// ranks alike, so that a rank that left early finds the others there.
+void SharedWork::together(const std::function<void()>& work) const {
+  if (!is_shared()) return work();
+  ranks_->agreed = false;
+  const std::optional<Diagnostic> failure = failure_of(work);
+  if (failure && std::exchange(ranks_->agreed, false)) throw Error(*failure);
+  meet([&] {
+    if (failure) throw Error(*failure);
+  });
+}
+
+// Work that may fail on any rank, and does on all then. A rank that was stopped because another one failed has no
+// failure of its own: whoever fails first has seen no other.
+void SharedWork::meet(const std::function<void()>& work) const {
+  Communicator& communicator = ranks_->communicator;
+  communicator.open([](Message&&) {});
+  ranks_->meeting = true;
+  std::optional<Diagnostic> failure = failure_of(work);
+  const bool is_first = !communicator.failed_elsewhere();
+  ranks_->meeting = false;
+  const bool is_own = failure && (failure->code != ErrorCode::Cancelled || is_first || runner_->cancelled());
+  if (is_own) communicator.announce_failure();
+  communicator.close();
+  std::array<std::int64_t, 2> failures{is_own ? 1 : 0, failure ? 1 : 0};
+  communicator.sum(failures);
+  if (failures[1] == 0) return;
+  ranks_->agreed = true;
+  agree(communicator, is_own || failures[0] == 0 ? failure : std::nullopt);
+}
+
+// Largest first, each to the rank that has least; the same on all ranks.
+std::vector<std::size_t> SharedWork::own_items(std::span<const double> work, std::vector<int>& owners) const {
+  const Communicator& communicator = ranks_->communicator;
+  std::vector<std::size_t> order(work.size()), own;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return work[a] > work[b]; });
+  std::vector<double> loads(static_cast<std::size_t>(communicator.rank_count()), 0.0);
+  owners.resize(work.size());
+  for (const std::size_t i : order) {
+    const auto least = std::ranges::min_element(loads);
+    *least += work[i];
+    owners[i] = static_cast<int>(least - loads.begin());
+    if (owners[i] == communicator.rank()) own.push_back(i);
+  }
+  return own;
+}
+
+void SharedWork::carry_out(std::span<const double> work, std::span<const std::size_t> own,
+                           const SharedItems& items) const {
+  std::vector<double> own_work;
+  for (const std::size_t i : own) own_work.push_back(work[i]);
+  runner_->for_each_largest_first(own_work, [&](std::size_t k) { items.make(own[k]); });
+}
+
+void SharedWork::for_each(std::span<const double> work, const SharedItems& items) const {
+  if (!is_shared()) return runner_->for_each_largest_first(work, items.make);
+  if (work.empty()) return;
+  Communicator& communicator = ranks_->communicator;
+  std::vector<int> owners;
+  MessageWriter writer;
+  meet([&] {
+    const std::vector<std::size_t> own = own_items(work, owners);
+    carry_out(work, own, items);
+    for (std::size_t i = 0; i < work.size(); ++i)
+      if (owners[i] == communicator.rank()) items.put(i, writer);
+  });
+  ranks_->agreed = true;  // from here on all ranks fail together or none does
+  const std::vector<Bytes> given = communicator.all_gather(writer.take());
+  run_on_all(communicator, [&] {
+    for (int from = 0; from < communicator.rank_count(); ++from) {
+      if (from == communicator.rank()) continue;
+      MessageReader reader(given[static_cast<std::size_t>(from)]);
+      for (std::size_t i = 0; i < work.size(); ++i)
+        if (owners[i] == from) items.take(i, reader);
+    }
+  });
+  ranks_->agreed = false;
+}
+
+}  // namespace tetloom
