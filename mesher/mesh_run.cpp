@@ -11,7 +11,7 @@
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/surface/surface_mesher.hpp"
-#include "threading/agreement.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 namespace {
@@ -20,7 +20,7 @@ class MeshRun {
  public:
   MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
           Communicator* ranks)
-      : model_(model), options_(options), runner_(options.threads, host), fill_(fill), ranks_(ranks) {}
+      : model_(model), options_(options), work_(options.threads, host, ranks), runner_(work_.runner()), fill_(fill) {}
 
   MeshResult run() {
     for (std::size_t r = 0; r < model_.topology().region_count(); ++r)
@@ -44,8 +44,7 @@ class MeshRun {
 
   void run_stages() {
     bool fits = false;
-    const auto mesh_surface = [&] { fits = mesh_fitting_surface(); };
-    ranks_ ? run_on_all(*ranks_, mesh_surface) : mesh_surface();
+    work_.together([&] { fits = mesh_fitting_surface(); });
     if (!fits) return;
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
@@ -57,14 +56,14 @@ class MeshRun {
   // few rounds crosses in the model.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    SizeFieldBuilder sizing(model_, options_.sizes, runner_, options_.max_memory);
+    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
     std::vector<SizeRefinement> refinements;
     std::optional<Candidate> good;
     constexpr int kMostRounds = 6, kMostFittingRounds = 3;
     for (int round = 0;; ++round) {
       Candidate candidate;
       try {
-        candidate = make_surface(sizing, refinements);
+        work_.together([&] { candidate = make_surface(sizing, refinements); });
       } catch (const Error& error) {
         if (error.code() != ErrorCode::OutOfMemory || !good) throw;
         return accept(std::move(*good), Refined::TooLarge);
@@ -101,7 +100,7 @@ class MeshRun {
     const SizedModel sized = sizing.build(refinements);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
     result_.seconds.size_field += watch.lap();
-    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, runner_)};
+    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, work_)};
     result_.seconds.surface += watch.lap();
     return candidate;
   }
@@ -111,7 +110,7 @@ class MeshRun {
       constexpr double kLeastShare = 0.1;
       return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
     };
-    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, tree, runner_);
+    return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, tree, work_);
   }
 
   std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes,
@@ -120,7 +119,7 @@ class MeshRun {
     runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
     });
-    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, runner_);
+    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, work_);
   }
 
   static double longest_edge(const Mesh& mesh, std::uint32_t tri) {
@@ -232,9 +231,9 @@ class MeshRun {
 
   const GeometricModel& model_;
   const MeshOptions& options_;
-  TaskRunner runner_;
+  const SharedWork work_;
+  const TaskRunner& runner_;
   const FillVolume& fill_;
-  Communicator* const ranks_;
   MeshResult result_;
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   std::map<std::uint32_t, std::size_t> refined_faces_;

@@ -17,7 +17,8 @@ struct FillingReport {
 using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const TaskRunner&, Mesh&)>;
 
 /// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result. `ranks`, where there
-/// are some, make the same surface each, and come to `fill` together or not at all.
+/// are some, share the work on sizes and surface; they have the same surface then, and come to `fill` together or not
+/// at all.
 MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
                     Communicator* ranks = nullptr);
 

@@ -128,17 +128,17 @@ Diagnostic describe_group(std::span<const TriangleIntersection* const> group, co
 }  // namespace
 
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner) {
-  return find_self_intersections(search, {search.points, search.tri_to_vert, runner}, runner);
+  return find_self_intersections(search, intersection::TriangleTree(search.points, search.tri_to_vert, runner), runner);
 }
 
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search,
                                                           const intersection::TriangleTree& tree,
-                                                          const TaskRunner& runner) {
-  const Searcher searcher(search, tree, runner);
-  const std::size_t blocks = (searcher.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock;
-  std::vector<std::vector<TriangleIntersection>> block_to_found(blocks);
-  runner.for_blocks(searcher.leaf_count(), kLeavesPerBlock, [&](std::size_t begin, std::size_t end) {
-    block_to_found[begin / kLeavesPerBlock] = searcher.search_leaves(begin, end);
+                                                          const SharedWork& work) {
+  const Searcher searcher(search, tree, work.runner());
+  const std::vector<double> blocks((searcher.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock, 1.0);
+  const auto block_to_found = work.make_lists<TriangleIntersection>(blocks, [&](std::size_t block) {
+    const std::size_t begin = block * kLeavesPerBlock;
+    return searcher.search_leaves(begin, std::min(begin + kLeavesPerBlock, searcher.leaf_count()));
   });
   std::vector<TriangleIntersection> all;
   for (const auto& found : block_to_found) all.insert(all.end(), found.begin(), found.end());

@@ -9,7 +9,7 @@
 #include "core/base/vec.hpp"
 #include "core/geometry/model.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -43,10 +43,10 @@ struct IntersectionSearch {
 /// each group is an embedded surface complex.
 /// Pre: indices valid, coordinates finite. Errors: Cancelled. Complexity: O(n log n) for n triangles of similar size.
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner);
-/// The same with a tree of the same points and triangles that is there already.
+/// The same with a tree of the same points and triangles that is there already; ranks share it by blocks of triangles.
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search,
                                                           const intersection::TriangleTree& tree,
-                                                          const TaskRunner& runner);
+                                                          const SharedWork& work);
 
 /// Where the triangles of a search came from.
 struct TriangleOrigin {

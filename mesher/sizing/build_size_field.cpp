@@ -74,26 +74,26 @@ struct Workpiece {
   const FacetTree& tree;
 };
 
-std::vector<SizeSource> collect_sources(const Workpiece& work, const TaskRunner& runner) {
+std::vector<SizeSource> collect_sources(const Workpiece& piece, const SharedWork& work) {
   std::vector<std::vector<SizeSource>> lists(4);
-  append_points(work.options.point_sizes, work.targets.global, lists[0]);
-  lists[1] = edge_sources(work.model, work.targets, runner);
-  lists[2] = face_sources(work.model, work.targets, work.facets, runner);
-  if (work.targets.proximity > 0)
-    lists[3] = proximity_sources(work.model, work.targets, work.facets, work.tree, runner);
+  append_points(piece.options.point_sizes, piece.targets.global, lists[0]);
+  lists[1] = edge_sources(piece.model, piece.targets, work);
+  lists[2] = face_sources(piece.model, piece.targets, piece.facets, work);
+  if (piece.targets.proximity > 0)
+    lists[3] = proximity_sources(piece.model, piece.targets, piece.facets, piece.tree, work);
   return join(std::move(lists));
 }
 
-SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std::uint64_t max_memory,
-                    const TaskRunner& runner) {
-  if (sources.empty() && !work.options.callback) return SizeField::uniform(work.targets.global);
+SizeField grow_tree(const Workpiece& piece, std::vector<SizeSource> sources, std::uint64_t max_memory,
+                    const SharedWork& work) {
+  if (sources.empty() && !piece.options.callback) return SizeField::uniform(piece.targets.global);
   check_sources(sources, max_memory);
-  const SourceTree source_tree(std::move(sources), work.targets.gradation, runner);
-  const TargetField field(work.targets, source_tree, work.tree, work.options.callback);
-  OctreeBuilder builder(field, work.model.bounding_box(), cell_limit(max_memory), runner);
+  const SourceTree source_tree(std::move(sources), piece.targets.gradation, work.runner());
+  const TargetField field(piece.targets, source_tree, piece.tree, piece.options.callback);
+  OctreeBuilder builder(field, piece.model.bounding_box(), cell_limit(max_memory), work);
   std::vector<OctreeLeaf> leaves;
   SizeOctree octree = builder.build(leaves);
-  fill_corner_ratios(octree, leaves, field, runner);
+  fill_corner_ratios(octree, leaves, field, work);
   return SizeField::from_octree(std::move(octree));
 }
 
@@ -101,41 +101,41 @@ SizeField grow_tree(const Workpiece& work, std::vector<SizeSource> sources, std:
 
 /// What does not depend on refinements.
 struct SizeFieldBuilder::State {
-  State(const GeometricModel& given_model, const SizeOptions& given_options, const TaskRunner& given_runner,
+  State(const GeometricModel& given_model, const SizeOptions& given_options, const SharedWork& given_work,
         std::uint64_t given_memory)
       : model(given_model),
         options(given_options),
-        runner(given_runner),
+        work(given_work),
         max_memory(given_memory),
         targets(resolve_sizes(model, options)) {}
 
   void facet_model() {
     if (tree) return;
-    facets = facet_faces(model, source_tolerances(model, targets), runner);
-    tree.emplace(model, facets, runner);
-    sources = collect_sources({model, options, targets, facets, *tree}, runner);
+    facets = facet_faces(model, source_tolerances(model, targets), work);
+    tree.emplace(model, facets, work.runner());
+    sources = collect_sources({model, options, targets, facets, *tree}, work);
   }
 
   SizedModel build(std::span<const SizeRefinement> refinements) {
     check_refinements(refinements);
     // The model keeps them, and they are dear for splines. Where one fails, whoever asks first will say so.
-    runner.for_each(model.topology().face_count(),
-                    [&](std::size_t f) { tolerate_bad_geometry([&] { model.area(ModelFaceId(f)); }); });
+    work.runner().for_each(model.topology().face_count(),
+                           [&](std::size_t f) { tolerate_bad_geometry([&] { model.area(ModelFaceId(f)); }); });
     check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
     if (!asks_for_more(targets, options, refinements)) {
       const SizeField uniform = SizeField::uniform(targets.global);
-      return {uniform, estimate_mesh(model, uniform, runner)};
+      return {uniform, estimate_mesh(model, uniform, work)};
     }
     facet_model();
     std::vector<SizeSource> all = sources;
     append_refinements(refinements, targets.global, all);
-    const SizeField sizes = grow_tree({model, options, targets, facets, *tree}, std::move(all), max_memory, runner);
-    return {sizes, estimate_mesh(model, sizes, facets, *tree, runner)};
+    const SizeField sizes = grow_tree({model, options, targets, facets, *tree}, std::move(all), max_memory, work);
+    return {sizes, estimate_mesh(model, sizes, facets, *tree, work)};
   }
 
   const GeometricModel& model;
   const SizeOptions& options;
-  const TaskRunner& runner;
+  SharedWork work;
   std::uint64_t max_memory;
   SizeTargets targets;
   std::vector<Tessellation> facets;
@@ -143,9 +143,9 @@ struct SizeFieldBuilder::State {
   std::vector<SizeSource> sources;
 };
 
-SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const TaskRunner& runner,
+SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
                                    std::uint64_t max_memory)
-    : state_(std::make_unique<State>(model, options, runner, max_memory)) {}
+    : state_(std::make_unique<State>(model, options, work, max_memory)) {}
 
 SizeFieldBuilder::~SizeFieldBuilder() = default;
 

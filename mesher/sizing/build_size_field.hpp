@@ -9,7 +9,7 @@
 #include "core/sizing/size_field.hpp"
 #include "mesher/mesher.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -49,11 +49,12 @@ struct SizedModel {
 };
 
 /// build_size_field and estimate_mesh in one, again and again with other refinements: the model is facetted, and its
-/// own sources are found, once. Refers to its arguments, which must outlive it. Thread safety: one call at a time.
+/// own sources are found, once. Ranks share facets, sources, cells and corners; all have the whole field in the end.
+/// Refers to its arguments, which must outlive it. Thread safety: one call at a time.
 class SizeFieldBuilder {
  public:
   /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.
-  SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const TaskRunner& runner,
+  SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
                    std::uint64_t max_memory = 0);
   ~SizeFieldBuilder();
 

@@ -78,10 +78,10 @@ class CornerTable {
 };
 
 std::vector<double> evaluate_corners(const SizeOctree& tree, const std::vector<std::uint64_t>& codes,
-                                     const TargetField& field, const TaskRunner& runner) {
+                                     const TargetField& field, const SharedWork& work) {
   std::vector<double> sizes(codes.size());
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
-  runner.for_blocks(codes.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  work.fill<double>(sizes, 1024, [&](std::size_t begin, std::size_t end) {
     std::uint32_t winner = SourceTree::kNoSource;
     for (std::size_t i = begin; i < end; ++i) {
       const std::array<std::uint32_t, 3> at = morton_decode(codes[i]);
@@ -150,9 +150,10 @@ void drop_global_leaves(SizeOctree& tree) {
 }  // namespace
 
 void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const TaskRunner& runner) {
+                        const SharedWork& work) {
+  const TaskRunner& runner = work.runner();
   const CornerTable table(leaves, runner);
-  std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, runner);
+  std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, work);
   lower_deepest_leaves(tree, leaves, table.ids(), field, sizes);
   if (field.may_be_steep()) enforce_gradation(tree, leaves, table.ids(), sizes, runner);
   tree.corner_ratios.resize(leaves.size());

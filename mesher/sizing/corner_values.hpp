@@ -5,7 +5,7 @@
 #include "core/sizing/size_octree.hpp"
 #include "mesher/sizing/octree_builder.hpp"
 #include "mesher/sizing/target_field.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -14,6 +14,6 @@ namespace tetloom {
 /// a leaf: the largest such values, which are unique, whatever the order of the sweeps. Leaves that turn out to hold
 /// the global size throughout lose their entry.
 void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const TaskRunner& runner);
+                        const SharedWork& work);
 
 }  // namespace tetloom

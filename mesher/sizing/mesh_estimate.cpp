@@ -55,7 +55,7 @@ double triangles_of(const Tessellation& facets, const SizeField& sizes, double a
 /// Which share of the tetrahedra that would fill the model's box lies inside its regions: systematic samples of the
 /// octree's leaves, spaced evenly by the number of tetrahedra, so that fine leaves are seen as they count.
 double inside_share(const FacetTree& facets, const SizeField& sizes, const Box3& box, double total,
-                    const TaskRunner& runner) {
+                    const SharedWork& work) {
   constexpr std::size_t kSamples = 8192;
   std::vector<Vec3> samples;
   double sum = 0;
@@ -75,7 +75,7 @@ double inside_share(const FacetTree& facets, const SizeField& sizes, const Box3&
   });
   if (samples.empty()) return 0;
   std::vector<std::uint8_t> inside(samples.size());
-  runner.for_blocks(samples.size(), 256, [&](std::size_t begin, std::size_t end) {
+  work.fill<std::uint8_t>(inside, 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) inside[i] = facets.region_at(samples[i]).valid() ? 1 : 0;
   });
   return static_cast<double>(std::ranges::count(inside, 1)) / static_cast<double>(samples.size());
@@ -102,24 +102,24 @@ std::string in_gigabytes(double bytes) {
 
 }  // namespace
 
-MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner) {
+MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const SharedWork& work) {
   if (sizes.is_uniform()) return estimate_uniform(model, sizes.largest());
   const std::vector<FacetTolerance> tolerances(model.topology().face_count(), {0.2 * sizes.largest(), 0.5});
-  const std::vector<Tessellation> facets = facet_faces(model, tolerances, runner);
-  return estimate_mesh(model, sizes, facets, FacetTree(model, facets, runner), runner);
+  const std::vector<Tessellation> facets = facet_faces(model, tolerances, work);
+  return estimate_mesh(model, sizes, facets, FacetTree(model, facets, work.runner()), work);
 }
 
 MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const std::vector<Tessellation>& facets,
-                           const FacetTree& tree, const TaskRunner& runner) {
+                           const FacetTree& tree, const SharedWork& work) {
   if (sizes.is_uniform()) return estimate_uniform(model, sizes.largest());
   std::vector<double> triangles(facets.size());
-  runner.for_each(facets.size(),
-                  [&](std::size_t f) { triangles[f] = triangles_of(facets[f], sizes, model.area(ModelFaceId(f))); });
+  work.runner().for_each(
+      facets.size(), [&](std::size_t f) { triangles[f] = triangles_of(facets[f], sizes, model.area(ModelFaceId(f))); });
   double triangle_count = 0;
   for (const double count : triangles) triangle_count += count;
   if (model.topology().region_count() == 0) return with_bytes(triangle_count, 0);
   const double in_box = sizes.estimate_tets(model.bounding_box());
-  const double share = inside_share(tree, sizes, model.bounding_box(), in_box, runner);
+  const double share = inside_share(tree, sizes, model.bounding_box(), in_box, work);
   const double at_least = total_volume(model) * kTetsPerCube / cube(sizes.largest());
   return with_bytes(triangle_count, std::max(share * in_box, at_least));
 }

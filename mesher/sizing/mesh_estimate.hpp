@@ -6,7 +6,7 @@
 #include "core/geometry/model.hpp"
 #include "core/sizing/size_field.hpp"
 #include "mesher/mesher.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -15,11 +15,11 @@ class FacetTree;
 /// Triangles from the faces' areas and the sizes on them (4/√3 per size²), tetrahedra from the regions' volumes and
 /// the sizes in them (kTetsPerCube per size³), bytes from 800 per triangle and 90 per tetrahedron. Within a few
 /// percent for uniform sizes; graded sizes are integrated over samples, which is good to about a tenth.
-MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner);
+MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const SharedWork& work);
 
 /// The same with facets of all faces at hand.
 MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const std::vector<Tessellation>& facets,
-                           const FacetTree& tree, const TaskRunner& runner);
+                           const FacetTree& tree, const SharedWork& work);
 
 /// A lower bound from the global size and the sizes of faces and regions alone, before anything is built, so that it
 /// can refuse sizes that would already fill the memory with their own size field.

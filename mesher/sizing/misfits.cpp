@@ -183,10 +183,10 @@ class MisfitSearch {
 
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<double(const Vec3&)>& floor,
-                                 const intersection::TriangleTree& tree, const TaskRunner& runner) {
+                                 const intersection::TriangleTree& tree, const SharedWork& work) {
   const MisfitSearch search(surface, topology, sizes, tree);
   std::vector<double> fitting(surface.tri_to_vert.size());
-  runner.for_blocks(fitting.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  work.fill<double>(fitting, 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) fitting[t] = search.fitting_size(static_cast<std::uint32_t>(t), floor);
   });
   std::vector<Misfit> misfits;

@@ -8,7 +8,7 @@
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -34,6 +34,6 @@ inline constexpr double kLeastWidth = 0.4;
 /// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<double(const Vec3&)>& floor,
-                                 const intersection::TriangleTree& tree, const TaskRunner& runner);
+                                 const intersection::TriangleTree& tree, const SharedWork& work);
 
 }  // namespace tetloom

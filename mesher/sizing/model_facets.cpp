@@ -24,6 +24,24 @@ Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const Facet
   return is_sound(facets) ? std::move(facets) : Tessellation{};
 }
 
+void put_facets(MessageWriter& writer, const Tessellation& facets) {
+  writer.put_array(std::span<const Vec3>(facets.points));
+  writer.put_array(std::span<const Vec2>(facets.uv));
+  writer.put_array(std::span<const std::array<std::uint32_t, 3>>(facets.tri_to_vert));
+  writer.put_array(std::span<const ModelEntity>(facets.classification));
+  writer.put_array(std::span<const double>(facets.edge_parameter));
+}
+
+Tessellation get_facets(MessageReader& reader) {
+  Tessellation facets;
+  facets.points = reader.get_array<Vec3>();
+  facets.uv = reader.get_array<Vec2>();
+  facets.tri_to_vert = reader.get_array<std::array<std::uint32_t, 3>>();
+  facets.classification = reader.get_array<ModelEntity>();
+  facets.edge_parameter = reader.get_array<double>();
+  return facets;
+}
+
 /// Distance along the ray to the triangle, or infinity (Möller & Trumbore 1997).
 double ray_distance(const Vec3& origin, const Vec3& direction, const Vec3& a, const Vec3& ab, const Vec3& ac) {
   const Vec3 p = cross(direction, ac);
@@ -53,12 +71,13 @@ bool meets(const Box3& box, const Vec3& origin, const Vec3& inverse, double to) 
 }  // namespace
 
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
-                                      const TaskRunner& runner) {
+                                      const SharedWork& work) {
   std::vector<Tessellation> faces(model.topology().face_count());
-  std::vector<double> work(faces.size(), 0.0);
-  for (std::size_t f = 0; f < faces.size(); ++f) work[f] = model.area(ModelFaceId(f));
-  runner.for_each_largest_first(work,
-                                [&](std::size_t f) { faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]); });
+  std::vector<double> areas(faces.size(), 0.0);
+  for (std::size_t f = 0; f < faces.size(); ++f) areas[f] = model.area(ModelFaceId(f));
+  work.for_each(areas, {[&](std::size_t f) { faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]); },
+                        [&](std::size_t f, MessageWriter& writer) { put_facets(writer, faces[f]); },
+                        [&](std::size_t f, MessageReader& reader) { faces[f] = get_facets(reader); }});
   return faces;
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/geometry/model.hpp"
 #include "mesher/sizing/bvh.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -30,7 +30,7 @@ void tolerate_bad_geometry(const Body& body) {
 /// Facets of every face within its tolerance, in parallel. A face that cannot be facetted stays empty: whoever meshes
 /// it reports it.
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
-                                      const TaskRunner& runner);
+                                      const SharedWork& work);
 
 struct FacetHit {
   std::uint32_t face = 0;  ///< model face

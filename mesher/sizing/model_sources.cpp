@@ -153,19 +153,21 @@ std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const
   return tolerances;
 }
 
-std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets,
-                                     const TaskRunner& runner) {
+std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets, const SharedWork& work) {
   const ModelTopology& topology = model.topology();
-  std::vector<std::vector<SizeSource>> lists(topology.edge_count() + 1);
-  runner.for_each(topology.edge_count(), [&](std::size_t e) {
+  const std::vector<double> edges(topology.edge_count(), 1.0);
+  auto lists = work.make_lists<SizeSource>(edges, [&](std::size_t e) {
+    std::vector<SizeSource> list;
     if (topology.edges[e].degenerate) {
       const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
-      if (targets.edge[e] < targets.global) lists[e] = {{pole, pole, pole, targets.edge[e]}};
+      if (targets.edge[e] < targets.global) list = {{pole, pole, pole, targets.edge[e]}};
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
       tolerate_bad_geometry(
-          [&] { lists[e] = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
+          [&] { list = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
     }
+    return list;
   });
+  lists.emplace_back();
   for (std::size_t v = 0; v < targets.vertex.size(); ++v) {
     if (targets.vertex[v] >= targets.global) continue;
     const Vec3 point = model.vertex_point(ModelVertexId(v));
@@ -175,16 +177,16 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
 }
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
-                                     const std::vector<Tessellation>& facets, const TaskRunner& runner) {
-  std::vector<std::vector<SizeSource>> lists(facets.size());
-  runner.for_each_largest_first(facet_counts(facets), [&](std::size_t f) {
-    if (targets.curvature <= 0 && targets.face[f] >= targets.global) return;
+                                     const std::vector<Tessellation>& facets, const SharedWork& work) {
+  return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
+    std::vector<SizeSource> list;
+    if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      lists[f] = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], runner);
+      list = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], work.runner());
     });
-  });
-  return join(std::move(lists));
+    return list;
+  }));
 }
 
 }  // namespace tetloom

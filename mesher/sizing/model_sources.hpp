@@ -1,14 +1,14 @@
 #pragma once
 // Sources of small sizes on a model: sizes of entities, curvature, proximity. Private to mesher/sizing.
-// An entity whose geometry fails gives no sources. All functions run in parallel over entities, and what they return
-// depends on the entities' order alone.
+// An entity whose geometry fails gives no sources. All functions run in parallel over entities, which ranks share, and
+// what they return depends on the entities' order alone.
 #include <vector>
 
 #include "core/geometry/model.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -16,11 +16,11 @@ namespace tetloom {
 std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const SizeTargets& targets);
 
 /// Sizes of model vertices, and sizes and curvature of model edges.
-std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets, const TaskRunner& runner);
+std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets, const SharedWork& work);
 
 /// Sizes (with those of their regions) and curvature of faces.
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
-                                     const std::vector<Tessellation>& facets, const TaskRunner& runner);
+                                     const std::vector<Tessellation>& facets, const SharedWork& work);
 
 /// Where gaps between faces, and walls between them, are thinner than `targets.proximity` times the global size: sizes
 /// that fit the asked number of edges in. A gap is seen along the facets' normals, to the first face that is turned
@@ -28,7 +28,7 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
 /// is no gap. Gaps below a millionth of the model's diagonal are contacts.
 std::vector<SizeSource> proximity_sources(const GeometricModel& model, const SizeTargets& targets,
                                           const std::vector<Tessellation>& facets, const FacetTree& tree,
-                                          const TaskRunner& runner);
+                                          const SharedWork& work);
 
 /// One list after the other.
 std::vector<SizeSource> join(std::vector<std::vector<SizeSource>> lists);

@@ -35,8 +35,8 @@ void append_neighbour_parents(std::uint64_t code, int level, std::vector<std::ui
 }  // namespace
 
 OctreeBuilder::OctreeBuilder(const TargetField& field, const Box3& domain, std::size_t max_cells,
-                             const TaskRunner& runner)
-    : field_(field), domain_(domain), max_cells_(max_cells), runner_(runner) {
+                             const SharedWork& work)
+    : field_(field), domain_(domain), max_cells_(max_cells), work_(work), runner_(work.runner()) {
   const Vec3 extent = domain.hi - domain.lo;
   const double least = 1.001 * std::max({extent.x, extent.y, extent.z});
   // Where the smallest size is asked for lie most leaves: let a level have just the width that they need.
@@ -88,7 +88,7 @@ std::vector<OctreeBuilder::Cell> OctreeBuilder::children_of(const std::vector<Ce
 
 void OctreeBuilder::judge(std::vector<Cell>& cells, int level) const {
   const bool search = field_.may_be_steep() && level < kCallbackDepth;
-  runner_.for_blocks(cells.size(), 512, [&](std::size_t begin, std::size_t end) {
+  work_.fill<Cell>(cells, 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Box3 box = box_of(cells[i].code, level);
       if (!box.overlaps(domain_)) continue;

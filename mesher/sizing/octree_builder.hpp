@@ -7,7 +7,7 @@
 
 #include "core/sizing/size_octree.hpp"
 #include "mesher/sizing/target_field.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -18,11 +18,11 @@ struct OctreeLeaf {
 };
 
 /// Cells are kept as Morton codes in sorted arrays, one per level: no hash, no pointers. Cells of a level are judged in
-/// parallel and independently; the tree is the same for any number of threads.
+/// parallel and independently, by all ranks together; the tree is the same for any number of threads and ranks.
 class OctreeBuilder {
  public:
   /// `domain`: cells outside of it are never cut. Throws Error(OutOfMemory) when the tree would exceed `max_cells`.
-  OctreeBuilder(const TargetField& field, const Box3& domain, std::size_t max_cells, const TaskRunner& runner);
+  OctreeBuilder(const TargetField& field, const Box3& domain, std::size_t max_cells, const SharedWork& work);
 
   /// The tree, with corner_ratios still to be filled: one entry per leaf of `leaves`, in the same (Morton) order.
   SizeOctree build(std::vector<OctreeLeaf>& leaves);
@@ -46,6 +46,7 @@ class OctreeBuilder {
   const TargetField& field_;
   Box3 domain_;
   std::size_t max_cells_;
+  const SharedWork& work_;
   const TaskRunner& runner_;
   Vec3 origin_;
   double width_ = 0;

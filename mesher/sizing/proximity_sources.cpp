@@ -92,13 +92,11 @@ class GapProbe {
 
 std::vector<SizeSource> proximity_sources(const GeometricModel& model, const SizeTargets& targets,
                                           const std::vector<Tessellation>& facets, const FacetTree& tree,
-                                          const TaskRunner& runner) {
+                                          const SharedWork& work) {
   const GapProbe probe(model, targets, tree);
-  std::vector<std::vector<SizeSource>> lists(facets.size());
-  runner.for_each_largest_first(facet_counts(facets), [&](std::size_t f) {
-    lists[f] = probe.run(static_cast<std::uint32_t>(f), facets[f], runner);
-  });
-  return join(std::move(lists));
+  return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
+    return probe.run(static_cast<std::uint32_t>(f), facets[f], work.runner());
+  }));
 }
 
 }  // namespace tetloom

@@ -242,7 +242,10 @@ void FaceInPieces::improve(std::size_t number, const std::vector<FaceTriangle>& 
   for (std::uint32_t v = 0; v < ids.size(); ++v) {
     const bool used = patch.topology.outgoing(v) != kNoVertex, given = v < region.ids.size();
     if (given && !used) part.dropped.push_back(ids[v]);
-    if (given && used && patch.vertices[v].node == kNoVertex) vertex(ids[v]) = patch.vertices[v];
+    if (given && used && patch.vertices[v].node == kNoVertex) {
+      vertex(ids[v]) = patch.vertices[v];
+      part.moved.push_back(ids[v]);
+    }
     if (given || !used) continue;
     ids[v] = kOwn | static_cast<std::uint32_t>(part.own.size());
     part.own.push_back(patch.vertices[v]);
@@ -281,26 +284,38 @@ void FaceInPieces::hand_to_junctions(std::uint32_t zone) {
 }
 
 void FaceInPieces::improve_parts(std::size_t first_part, std::size_t end_part, std::size_t at_once,
-                                 const TaskRunner& runner) {
-  runner.for_blocks(end_part - first_part, at_once, [&](std::size_t begin, std::size_t end) {
+                                 const SharedWork& work) {
+  const auto for_each_of = [&](std::size_t block, const auto& visit) {
+    const std::size_t begin = first_part + block * at_once;
+    for (std::size_t part = begin; part < std::min(begin + at_once, end_part); ++part) visit(part);
+  };
+  const auto make = [&](std::size_t block) {
     const auto geometry = model_.face_geometry(face_);
     const PatchSurface surface(*geometry, surroundings_.sizes, cut_.scale);
-    for (std::size_t part = first_part + begin; part < first_part + end; ++part) {
+    for_each_of(block, [&](std::size_t part) {
       improve(part, gather(part, part_to_sources_[part]), surface);
       if (part < junction_part(0)) hand_to_junctions(static_cast<std::uint32_t>(part - zone_part(0)));
-    }
-  });
+    });
+  };
+  const std::vector<double> blocks((end_part - first_part + at_once - 1) / at_once, 1.0);
+  work.for_each(blocks, {make,
+                         [&](std::size_t block, MessageWriter& writer) {
+                           for_each_of(block, [&](std::size_t part) { put_part(part, writer); });
+                         },
+                         [&](std::size_t block, MessageReader& reader) {
+                           for_each_of(block, [&](std::size_t part) { take_part(part, reader); });
+                         }});
   number_vertices(first_part, end_part);
 }
 
-std::optional<FaceMesh> FaceInPieces::join(const TaskRunner& runner) {
+std::optional<FaceMesh> FaceInPieces::join(const SharedWork& work) {
   if (std::ranges::any_of(parts_, &Part::failed)) return {};
   number_vertices(0, zone_part(0));
-  improve_parts(zone_part(0), junction_part(0), kZonesAtOnce, runner);
-  improve_parts(junction_part(0), parts_.size() - 1, kJunctionsAtOnce, runner);
+  improve_parts(zone_part(0), junction_part(0), kZonesAtOnce, work);
+  improve_parts(junction_part(0), parts_.size() - 1, kJunctionsAtOnce, work);
   number_vertices(parts_.size() - 1, parts_.size());
   split_taken_chords();
-  return extract(runner);
+  return extract(work.runner());
 }
 
 }  // namespace tetloom

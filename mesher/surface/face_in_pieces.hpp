@@ -13,7 +13,7 @@
 #include <functional>
 
 #include "mesher/surface/face_cut.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -31,8 +31,13 @@ class FaceInPieces {
   /// For a piece whose meshing threw.
   void fail_piece(std::size_t piece) { parts_[piece].failed = true; }
 
-  /// After all pieces: puts them together. None where a piece could not be meshed: the face must be meshed whole.
-  std::optional<FaceMesh> join(const TaskRunner& runner);
+  /// A piece that another rank has meshed.
+  void put_part(std::size_t number, MessageWriter& writer) const;
+  void take_part(std::size_t number, MessageReader& reader);
+
+  /// After all pieces: puts them together. None where a piece could not be meshed: the face must be meshed whole. Ranks
+  /// share the zones and the junctions.
+  std::optional<FaceMesh> join(const SharedWork& work);
 
  private:
   struct FaceTriangle {
@@ -50,6 +55,7 @@ class FaceInPieces {
     std::vector<FaceTriangle> kept;      ///< done
     std::vector<LooseTriangle> loose;    ///< go to a later part, sorted by its label
     std::vector<std::uint32_t> dropped;  ///< vertices of the face that are no longer used
+    std::vector<std::uint32_t> moved;    ///< vertices of the face that lie elsewhere now
     bool failed = false;
   };
   struct Layers;
@@ -68,7 +74,7 @@ class FaceInPieces {
   void take_piece(std::size_t piece, const Patch& patch);
   Layers find_layers(const FacePiece& piece, const Patch& patch) const;
 
-  void improve_parts(std::size_t first_part, std::size_t end_part, std::size_t at_once, const TaskRunner& runner);
+  void improve_parts(std::size_t first_part, std::size_t end_part, std::size_t at_once, const SharedWork& work);
   std::vector<FaceTriangle> gather(std::size_t part, std::span<const std::uint32_t> sources) const;
   void improve(std::size_t part, const std::vector<FaceTriangle>& triangles, const PatchSurface& surface);
   void hand_to_junctions(std::uint32_t zone);

@@ -1,20 +1,18 @@
 #include "mesher/surface/surface_mesher.hpp"
 
 #include <algorithm>
-#include <memory>
-#include <optional>
 
 #include "mesher/surface/edge_mesher.hpp"
-#include "mesher/surface/face_in_pieces.hpp"
 #include "mesher/surface/face_mesher.hpp"
+#include "mesher/surface/mesh_faces.hpp"
 
 namespace tetloom {
 namespace {
 
 class SurfaceMesher {
  public:
-  SurfaceMesher(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner)
-      : model_(model), topology_(model.topology()), sizes_(sizes), runner_(runner) {}
+  SurfaceMesher(const GeometricModel& model, const SizeField& sizes, const SharedWork& work)
+      : model_(model), topology_(model.topology()), sizes_(sizes), work_(work), runner_(work.runner()) {}
 
   SurfaceMeshResult run() {
     faces_.resize(topology_.face_count());
@@ -47,131 +45,9 @@ class SurfaceMesher {
     });
   }
 
-  // Whole faces and pieces of large ones at once, largest first; then the large ones are put together.
   void mesh_faces(const std::vector<std::size_t>& pending) {
     const RimNodes rim(model_, edges_);
-    const FaceSurroundings surroundings{rim, sizes_, taken_chords_, last_attempt_};
-    const std::function<bool()> keep_going = [this] { return !runner_.cancelled(); };
-    runner_.begin_stage(Stage::Faces, pending.size());
-    std::vector<CutFace> cut = cut_large_faces(pending, surroundings, keep_going);
-    std::vector<FaceTask> tasks;
-    std::vector<double> work;
-    for (CutFace& face : cut) add_tasks(face, tasks, work);
-    runner_.for_each_largest_first(work, [&](std::size_t i) {
-      CutFace& face = *tasks[i].face;
-      if (face.pieces)
-        mesh_piece(face, tasks[i].piece);
-      else
-        mesh_whole(face.id, surroundings, keep_going);
-    });
-    for (CutFace& face : cut) join_pieces(face);
-    mesh_failed_whole(cut, surroundings, keep_going);
-  }
-
-  struct CutFace {
-    ModelFaceId id;
-    std::unique_ptr<FaceInPieces> pieces;  ///< none: it is meshed whole
-  };
-
-  struct FaceTask {
-    CutFace* face;
-    std::size_t piece;
-  };
-
-  std::vector<CutFace> cut_large_faces(const std::vector<std::size_t>& pending, const FaceSurroundings& surroundings,
-                                       const std::function<bool()>& keep_going) {
-    std::vector<CutFace> faces(pending.size());
-    std::vector<double> work;
-    for (const std::size_t f : pending) work.push_back(estimate_work(f));
-    runner_.for_each_largest_first(work, [&](std::size_t i) {
-      faces[i].id = ModelFaceId(pending[i]);
-      try {
-        if (auto cut = cut_large_face(model_, faces[i].id, surroundings, runner_))
-          faces[i].pieces =
-              std::make_unique<FaceInPieces>(model_, faces[i].id, surroundings, std::move(*cut), keep_going);
-      } catch (const Error& error) {
-        rethrow_unless_of_face(error);  // meshed whole, the face tells
-      }
-    });
-    return faces;
-  }
-
-  void add_tasks(CutFace& face, std::vector<FaceTask>& tasks, std::vector<double>& work) const {
-    const std::size_t count = face.pieces ? face.pieces->piece_count() : 1;
-    for (std::size_t piece = 0; piece < count; ++piece) {
-      tasks.push_back({&face, piece});
-      work.push_back(face.pieces ? FaceInPieces::piece_work() : estimate_work(face.id.value));
-    }
-  }
-
-  void mesh_piece(CutFace& face, std::size_t piece) {
-    try {
-      face.pieces->mesh_piece(piece);
-    } catch (const Error& error) {
-      rethrow_unless_of_face(error);
-      face.pieces->fail_piece(piece);
-    }
-    runner_.check_cancelled();
-  }
-
-  void join_pieces(CutFace& face) {
-    if (!face.pieces) return;
-    std::optional<FaceMesh> mesh;
-    try {
-      mesh = face.pieces->join(runner_);
-    } catch (const Error& error) {
-      rethrow_unless_of_face(error);
-    }
-    if (!mesh) return;
-    face.pieces.reset();
-    faces_[face.id.value] = std::move(*mesh);
-    runner_.advance(1, face.id);
-  }
-
-  void mesh_failed_whole(const std::vector<CutFace>& cut, const FaceSurroundings& surroundings,
-                         const std::function<bool()>& keep_going) {
-    std::vector<ModelFaceId> failed;
-    std::vector<double> work;
-    for (const CutFace& face : cut) {
-      if (!face.pieces) continue;
-      failed.push_back(face.id);
-      work.push_back(estimate_work(face.id.value));
-    }
-    runner_.for_each_largest_first(work, [&](std::size_t i) { mesh_whole(failed[i], surroundings, keep_going); });
-  }
-
-  void mesh_whole(ModelFaceId face, const FaceSurroundings& surroundings, const std::function<bool()>& keep_going) {
-    faces_[face.value] = mesh_guarded(face, surroundings, keep_going);
-    runner_.check_cancelled();
-    runner_.advance(1, face);
-  }
-
-  static void rethrow_unless_of_face(const Error& error) {
-    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw error;
-  }
-
-  // A face that throws is a face that fails; the others go on.
-  FaceMesh mesh_guarded(ModelFaceId face, const FaceSurroundings& surroundings,
-                        const std::function<bool()>& keep_going) {
-    try {
-      return mesh_face(model_, face, surroundings, keep_going);
-    } catch (const Error& error) {
-      rethrow_unless_of_face(error);
-      FaceMesh failed;
-      failed.verdict = FaceVerdict::NotTriangulated;
-      failed.message = error.what();
-      if (error.diagnostic().point) failed.point = *error.diagnostic().point;
-      return failed;
-    }
-  }
-
-  // In triangles: the area grows with the square of the rim.
-  double estimate_work(std::size_t face) const {
-    constexpr double kTrianglesPerSquaredRim = 1 / 7.0;  // of a square
-    double pieces = 0;
-    for (const ModelLoop& loop : topology_.face_to_loops[face])
-      for (const EdgeUse& use : loop) pieces += static_cast<double>(edges_[use.edge.value].t.size());
-    return kTrianglesPerSquaredRim * pieces * pieces;
+    tetloom::mesh_faces(model_, pending, {rim, sizes_, taken_chords_, last_attempt_}, work_, faces_);
   }
 
   // Doubles the pieces of the edges that cross; returns the faces to mesh again.
@@ -379,6 +255,7 @@ class SurfaceMesher {
   const GeometricModel& model_;
   const ModelTopology& topology_;
   const SizeField& sizes_;
+  const SharedWork& work_;
   const TaskRunner& runner_;
   EdgeMeshOptions options_;
   bool last_attempt_ = false;
@@ -390,8 +267,8 @@ class SurfaceMesher {
 
 }  // namespace
 
-SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner) {
-  return SurfaceMesher(model, sizes, runner).run();
+SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const SharedWork& work) {
+  return SurfaceMesher(model, sizes, work).run();
 }
 
 }  // namespace tetloom

@@ -5,7 +5,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
-#include "threading/task_runner.hpp"
+#include "threading/shared_work.hpp"
 
 namespace tetloom {
 
@@ -16,8 +16,9 @@ struct SurfaceMeshResult {
 };
 
 /// Meshes all edges and faces. Where pieces of edges cross because they are too coarse for a face, these edges are
-/// made finer and the faces at them meshed again. The result does not depend on the number of threads.
-/// Errors: Cancelled, OutOfMemory and EdgeFailed are thrown; faces that fail are in the result.
-SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const TaskRunner& runner);
+/// made finer and the faces at them meshed again. Ranks share the faces, and the pieces of large ones; all have the
+/// whole surface in the end. The result does not depend on the number of threads or ranks. Errors: Cancelled,
+/// OutOfMemory and EdgeFailed are thrown; faces that fail are in the result.
+SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const SharedWork& work);
 
 }  // namespace tetloom
