@@ -17,6 +17,7 @@ struct SharedWork::Ranks {
   Communicator& communicator;
   // Raised around loops that ranks carry out together, read by whoever asks whether to go on; carries no data.
   std::atomic<bool> meeting{false};
+  int depth = 0;        // of calls of `together`
   bool agreed = false;  // what is being thrown is being thrown on all ranks
 
   bool stopped() const { return meeting.load(std::memory_order_relaxed) && communicator.failed_elsewhere(); }
@@ -35,15 +36,23 @@ SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks) : run
 }
 
 // Whatever happens on a rank, it comes to the next meeting of the others: those in `together` follow each other on all
-// ranks alike, so that a rank that left early finds the others there.
+// ranks alike, so that a rank that left early finds the others there. One `together` inside of another begins with a
+// meeting, so that a rank that fails just before does not meet those who are inside already.
 void SharedWork::together(const std::function<void()>& work) const {
   if (!is_shared()) return work();
+  if (ranks_->depth > 0) meet([] {});
+  ++ranks_->depth;
   ranks_->agreed = false;
   const std::optional<Diagnostic> failure = failure_of(work);
-  if (failure && std::exchange(ranks_->agreed, false)) throw Error(*failure);
-  meet([&] {
-    if (failure) throw Error(*failure);
+  --ranks_->depth;
+  const bool agreed = failure && ranks_->agreed;
+  const std::optional<Diagnostic> told = agreed ? failure : failure_of([&] {
+    meet([&] {
+      if (failure) throw Error(*failure);
+    });
   });
+  ranks_->agreed = false;
+  if (told) throw Error(*told);
 }
 
 // Work that may fail on any rank, and does on all then. A rank that was stopped because another one failed has no

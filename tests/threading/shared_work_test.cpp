@@ -110,6 +110,9 @@ TEST_CASE("what fails on one rank fails on all, with entities and place, whereve
     check_trouble(outcome(work, [&] { run_loop(work), fail(), run_loop(work); }), failing);
     check_trouble(outcome(work, [&] { run_loop(work), run_loop(work), fail(); }), failing);
     check_trouble(outcome(work, [&] { run_loop(work, [&](std::size_t) { fail(); }), run_loop(work); }), failing);
+    check_trouble(outcome(work, [&] { run_loop(work), fail(), work.together([&] { run_loop(work); }); }), failing);
+    check_trouble(outcome(work, [&] { work.together([&] { run_loop(work), fail(), run_loop(work); }); }), failing);
+    check_trouble(outcome(work, [&] { work.together([&] { run_loop(work); }), fail(), run_loop(work); }), failing);
     check_trouble(outcome(work, [&] { work.together([&] { run_loop(work, [&](std::size_t) { fail(); }); }); }),
                   failing);
     const auto fail_at = [&](bool put, bool take) {
