@@ -57,8 +57,10 @@ void mesh_model(const MeshCommand& command, const Sized& sized, Run& run) {
   run.set_text(render_summary(report, command.output.string(), command.report.string()));
 }
 
-void write_in_one_piece(const PartitionedMesh& mesh, const MeshCommand& command, const TaskRunner& runner, Run& run) {
-  const Mesh whole = gather_mesh(mesh, runner);
+// `known`: the whole mesh, on the first rank, where it was needed before.
+void write_in_one_piece(const PartitionedMesh& mesh, std::optional<Mesh> known, const MeshCommand& command,
+                        const TaskRunner& runner, Run& run) {
+  const Mesh whole = known ? std::move(*known) : gather_mesh(mesh, runner);
   run_on_first(*mesh.communicator, [&] { write_mesh(whole, command.output, &run.cancel(), runner); });
 }
 
@@ -74,12 +76,14 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   note_filling(result.run.filling, options.goals, report);
   run.begin_together(Stage::Check);
   PartsFigures figures;
+  std::optional<Mesh> whole;
   report.parts = static_cast<int>(result.mesh->part_count());
   report.counts.regions = document.model->topology().region_count();
   report.seconds.check = timed([&] {
     figures = measure_parts(*result.mesh);
-    note_whole(*result.mesh, figures, runner, report,
-               [&](const Mesh& whole) { report.quality = compute_quality(whole, &result.run.sizes, runner); });
+    whole = note_whole(*result.mesh, figures, runner, report,
+                       [&](const Mesh& mesh) { report.quality = compute_quality(mesh, &result.run.sizes, runner); });
+    if (command.in_parts) whole.reset();
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
@@ -87,7 +91,7 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] {
     command.in_parts ? write_parts(*result.mesh, command.output, runner, &run.cancel())
-                     : write_in_one_piece(*result.mesh, command, runner, run);
+                     : write_in_one_piece(*result.mesh, std::move(whole), command, runner, run);
   });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What is said of a mesh in parts as a whole.
 #include <functional>
+#include <optional>
 
 #include "apps/tetloom/report.hpp"
 #include "threading/parts_figures.hpp"
@@ -9,8 +10,9 @@
 namespace tetloom::app {
 
 /// Notes counts and digest of the whole mesh, on the first rank; without triangles and digest where it is too large to
-/// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too. A collective call.
-void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
+/// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too. Returns the whole mesh,
+/// which is empty on the other ranks, or none where it is too large. A collective call.
+std::optional<Mesh> note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
                 const std::function<void(const Mesh&)>& look = {});
 
 }  // namespace tetloom::app
