@@ -54,7 +54,10 @@ SortedCells sort_by_destination(const Destinations& destinations, std::size_t pa
 
 /// Makes a part of packets, which must be ascending by sender; frees each once it has been read. The fields are those
 /// of `mesh`.
-PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh);
+PartMesh unpack_part(std::span<Message> packets, const PartitionedMesh& mesh);
+
+/// The same, where nothing is connected yet.
+PartMesh merge_packets(std::span<Message> packets, const PartitionedMesh& mesh);
 
 /// What a packet has become in the part that it was added to.
 struct AddedPacket {

@@ -205,7 +205,7 @@ class PartBuilder {
 
 }  // namespace
 
-PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh) {
+PartMesh merge_packets(std::span<Message> packets, const PartitionedMesh& mesh) {
   std::vector<PacketView> views;
   for (const Message& packet : packets) {
     MessageReader reader(packet.bytes);
@@ -217,7 +217,11 @@ PartMesh unpack_part(std::vector<Message>& packets, const PartitionedMesh& mesh)
     builder.add(views[i]);
     packets[i].bytes = Bytes();
   }
-  PartMesh part = builder.take();
+  return builder.take();
+}
+
+PartMesh unpack_part(std::span<Message> packets, const PartitionedMesh& mesh) {
+  PartMesh part = merge_packets(packets, mesh);
   connect_cells(part);
   return part;
 }

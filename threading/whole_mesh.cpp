@@ -1,8 +1,12 @@
 #include "threading/whole_mesh.hpp"
 
+#include <numeric>
+
 #include "core/part/convert.hpp"
 #include "threading/agreement.hpp"
+#include "threading/exchange.hpp"
 #include "threading/migration.hpp"
+#include "threading/packet_detail.hpp"
 
 namespace tetloom {
 namespace {
@@ -32,6 +36,16 @@ void share_fields(PartitionedMesh& mesh) {
   }
 }
 
+// All of a part, for the only one.
+Message pack_whole(const Part& part, PartId sender) {
+  std::vector<std::uint32_t> cells(part.mesh.cell_count());
+  std::iota(cells.begin(), cells.end(), 0u);
+  detail::CellPacker::Scratch scratch;
+  MessageWriter writer;
+  detail::CellPacker(part).pack(cells, scratch, writer);
+  return {sender, PartId(0), 0, writer.take()};
+}
+
 }  // namespace
 
 PartitionedMesh distribute_mesh(const Mesh& mesh, Communicator& communicator) {
@@ -48,9 +62,16 @@ void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
 }
 
 Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner) {
-  PartitionedMesh copy = mesh;
-  gather_in_one_part(copy, runner);
-  return copy.communicator->rank() == 0 ? make_mesh(copy.parts.at(PartId(0)).mesh) : Mesh{};
+  Communicator& communicator = *mesh.communicator;
+  const auto local = mesh.local();
+  std::vector<Message> packets(local.size());
+  run_on_all(communicator, [&] {
+    runner.for_each(local.size(), [&](std::size_t i) { packets[i] = pack_whole(mesh.parts.at(local[i]), local[i]); });
+  });
+  packets = exchange(communicator, std::move(packets), [](PartId) { return 0; });
+  Mesh whole;
+  run_on_first(communicator, [&] { whole = make_mesh(detail::merge_packets(packets, mesh)); });
+  return whole;
 }
 
 }  // namespace tetloom
