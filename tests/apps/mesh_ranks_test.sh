@@ -52,3 +52,37 @@ for output in parts.pvtu whole2.vtu; do
     [ "$status" = 6 ] || fail "status $status where nothing can be written"
 done
 [ ! -e parts ] && [ ! -e parts.pvtu ] && [ ! -e whole2.vtu ] || fail "a run that failed left something behind"
+
+# Begins a long run and sends a signal to one of its two ranks. Sets status and left, the files that are left behind.
+signal_one_rank() {
+    signal=$1 rank=$2
+    rm -f pid.*
+    # shellcheck disable=SC2016
+    timeout 100 "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" 2 \
+        sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
+        "$tetloom" mesh model.step -o signal.pvtu --curvature 300 --proximity 9 --relative-size 0.01 --threads 1 --quiet \
+        2> errors &
+    launcher=$!
+    tries=0
+    until [ -s pid.0 ] && [ -s pid.1 ]; do
+        tries=$((tries + 1))
+        [ "$tries" -lt 300 ] || fail "the ranks do not start"
+        sleep 0.1
+    done
+    sleep 1
+    kill "-$signal" "$(cat "pid.$rank")" || fail "the run was over before signal $signal"
+    status=0
+    wait "$launcher" || status=$?
+    left=$(find . -name '*signal*')
+}
+
+# A rank that is killed or stopped ends the run on all of them, soon, with an error and with nothing left behind.
+for rank in 0 1; do
+    signal_one_rank KILL "$rank"
+    [ "$status" != 0 ] && [ "$status" != 124 ] || fail "status $status after rank $rank was killed"
+    [ -z "$left" ] || fail "a run of which rank $rank was killed left $left"
+    signal_one_rank TERM "$rank"
+    [ "$status" = 5 ] || fail "status $status after rank $rank was asked to stop"
+    [ -z "$left" ] || fail "a run of which rank $rank was asked to stop left $left"
+    grep -q '^tetloom: cancelled' errors || fail "nobody says that the run was cancelled"
+done
