@@ -56,17 +56,18 @@ done
 # Begins a long run and sends a signal to one of its two ranks. Sets status and left, the files that are left behind.
 signal_one_rank() {
     signal=$1 rank=$2
-    rm -f pid.*
+    rm -f pid.* errors
+    touch errors
     # shellcheck disable=SC2016
     timeout 100 "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" 2 \
         sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
-        "$tetloom" mesh model.step -o signal.pvtu --curvature 300 --proximity 9 --relative-size 0.01 --threads 1 --quiet \
+        "$tetloom" mesh model.step -o signal.pvtu --curvature 300 --proximity 9 --relative-size 0.01 --threads 1 \
         2> errors &
     launcher=$!
     tries=0
-    until [ -s pid.0 ] && [ -s pid.1 ]; do
+    until grep -q '^read' errors; do  # said when both ranks listen to signals
         tries=$((tries + 1))
-        [ "$tries" -lt 300 ] || fail "the ranks do not start"
+        [ "$tries" -lt 600 ] || fail "the ranks do not start"
         sleep 0.1
     done
     sleep 1
