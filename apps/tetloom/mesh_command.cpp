@@ -61,7 +61,10 @@ void mesh_model(const MeshCommand& command, const Sized& sized, Run& run) {
 void write_in_one_piece(const PartitionedMesh& mesh, std::optional<Mesh> known, const MeshCommand& command,
                         const TaskRunner& runner, Run& run) {
   const Mesh whole = known ? std::move(*known) : gather_mesh(mesh, runner);
-  run_on_first(*mesh.communicator, [&] { write_mesh(whole, command.output, &run.cancel(), runner); });
+  run_on_first(*mesh.communicator, [&] {
+    const TaskRunner wide = runner.with_idle_threads(mesh.communicator->ranks_on_machine());
+    write_mesh(whole, command.output, &run.cancel(), wide);
+  });
 }
 
 // By all ranks.
@@ -81,8 +84,9 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   report.counts.regions = document.model->topology().region_count();
   report.seconds.check = timed([&] {
     figures = measure_parts(*result.mesh);
-    whole = note_whole(*result.mesh, figures, runner, report,
-                       [&](const Mesh& mesh) { report.quality = compute_quality(mesh, &result.run.sizes, runner); });
+    whole = note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
+      report.quality = compute_quality(mesh, &result.run.sizes, wide);
+    });
     if (command.in_parts) whole.reset();
   });
   report.extra["partition"] = parts_json(figures);

@@ -15,7 +15,7 @@ constexpr std::int64_t kMostGathered = 20'000'000;
 }  // namespace
 
 std::optional<Mesh> note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner,
-                               RunReport& report, const std::function<void(const Mesh&)>& look) {
+                               RunReport& report, const std::function<void(const Mesh&, const TaskRunner&)>& look) {
   std::array<std::int64_t, 1> tets{};
   for (const PartId part : mesh.local())
     tets[0] += static_cast<std::int64_t>(mesh.parts.at(part).mesh.block(CellKind::Tet).size());
@@ -25,9 +25,10 @@ std::optional<Mesh> note_whole(const PartitionedMesh& mesh, const PartsFigures& 
   if (figures.elements > kMostGathered) return std::nullopt;
   Mesh whole = gather_mesh(mesh, runner);
   run_on_first(*mesh.communicator, [&] {
-    report.digest = mesh_digest(whole, runner);
+    const TaskRunner wide = runner.with_idle_threads(mesh.communicator->ranks_on_machine());
+    report.digest = mesh_digest(whole, wide);
     report.counts.triangles = whole.tri_to_vert.size();
-    if (look) look(whole);
+    if (look) look(whole, wide);
   });
   return whole;
 }

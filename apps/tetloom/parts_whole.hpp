@@ -10,9 +10,10 @@
 namespace tetloom::app {
 
 /// Notes counts and digest of the whole mesh, on the first rank; without triangles and digest where it is too large to
-/// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too. Returns the whole mesh,
-/// which is empty on the other ranks, or none where it is too large. A collective call.
+/// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too, and has the threads of
+/// all ranks beside it, which wait. Returns the whole mesh, which is empty on the other ranks, or none where it is too
+/// large. A collective call.
 std::optional<Mesh> note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner,
-                               RunReport& report, const std::function<void(const Mesh&)>& look = {});
+                               RunReport& report, const std::function<void(const Mesh&, const TaskRunner&)>& look = {});
 
 }  // namespace tetloom::app
