@@ -1,6 +1,7 @@
-# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading and ::mesher.
+# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading, ::mesher and
+# ::adapt.
 # Headers lie under include/tetloom and are included as in the checkout: "mesher/mesher.hpp". Private headers
-# (detail/, *_detail.hpp and everything of threading and mesher but their public headers) stay behind.
+# (detail/, *_detail.hpp and everything of threading, mesher and adapt but their public headers) stay behind.
 include(CMakePackageConfigHelpers)
 
 get_property(tetloom_libraries GLOBAL PROPERTY TETLOOM_LIBRARIES)
@@ -24,6 +25,7 @@ install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
         DESTINATION ${tetloom_include_dir}/mesher/tets)
+install(FILES adapt/metric/tensor.hpp DESTINATION ${tetloom_include_dir}/adapt/metric)
 if(TETLOOM_CAD)
   install(FILES core/cad/read_model.hpp DESTINATION ${tetloom_include_dir}/core/cad)
 endif()
