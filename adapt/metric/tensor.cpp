@@ -45,6 +45,36 @@ void sort_ascending(EigenSystem& e) {
   swap_if(0, 1), swap_if(1, 2), swap_if(0, 1);
 }
 
+/// a + b B + c B² for a tensor B without trace, whose powers all have this form: B³ = p B + q by the theorem of Cayley
+/// and Hamilton, with p = trace(B²) / 2 and q = det(B).
+struct Quadratic {
+  double a, b, c;
+};
+
+/// exp(B) by its Taylor series. Pre: the norm of B is at most 1/4.
+Quadratic exp_series(double p, double q) {
+  Quadratic sum{1, 1, 0.5};
+  Quadratic term = {0, 0, 0.5};  // Bⁿ / n!
+  for (int n = 3; n <= 11; ++n) {
+    const double f = 1.0 / n;
+    term = {f * term.c * q, f * (term.a + term.c * p), f * term.b};
+    sum.a += term.a, sum.b += term.b, sum.c += term.c;
+  }
+  return sum;
+}
+
+Quadratic squared(const Quadratic& x, double p, double q) {
+  const double bc = 2 * x.b * x.c, cc = x.c * x.c;
+  return {x.a * x.a + bc * q, 2 * x.a * x.b + bc * p + cc * q, x.b * x.b + 2 * x.a * x.c + cc * p};
+}
+
+/// The square of a tensor.
+Tensor squared(const Tensor& m) {
+  return {m.xx * m.xx + m.xy * m.xy + m.xz * m.xz, m.xx * m.xy + m.xy * m.yy + m.xz * m.yz,
+          m.xy * m.xy + m.yy * m.yy + m.yz * m.yz, m.xx * m.xz + m.xy * m.yz + m.xz * m.zz,
+          m.xy * m.xz + m.yy * m.yz + m.yz * m.zz, m.xz * m.xz + m.yz * m.yz + m.zz * m.zz};
+}
+
 }  // namespace
 
 EigenSystem eigen(const Tensor& m) {
@@ -70,7 +100,24 @@ Tensor log(const Tensor& m) {
 }
 
 Tensor exp(const Tensor& logarithm) {
-  return map_eigenvalues(logarithm, [](double value) { return std::exp(value); });
+  // The mean of the logarithms is a factor; the rest B is halved until the series converges fast, and squared again.
+  // Every squaring doubles the error, so strong anisotropy takes the longer way.
+  constexpr double kLargest = 8;
+  const double mean = trace(logarithm) / 3;
+  const Tensor rest = logarithm - diagonal(mean, mean, mean);
+  Tensor square = squared(rest);
+  const double norm2 = trace(square);
+  if (!(norm2 < kLargest * kLargest)) return map_eigenvalues(logarithm, [](double value) { return std::exp(value); });
+  int halvings = 0;
+  double scale = 1;
+  while (norm2 * scale * scale > 0.0625) scale *= 0.5, ++halvings;
+  const double p = norm2 / 2 * scale * scale, q = det(rest) * scale * scale * scale;
+  Quadratic sum = exp_series(p, q);
+  for (int i = 0; i < halvings; ++i) sum = squared(sum, p, q);
+  const double factor = std::exp(mean);
+  square *= factor * sum.c * scale * scale;
+  const double a = factor * sum.a;
+  return diagonal(a, a, a) + (factor * sum.b * scale) * rest + square;
 }
 
 Tensor intersection(const Tensor& a, const Tensor& b) {

@@ -107,7 +107,26 @@ TEST_CASE("exponential and logarithm undo each other", "[tensor]") {
     const EigenSystem kept = eigen(compose(e));
     CHECK(std::abs(kept.values[0]) < 1e-13);
     CHECK(kept.values[2] == Approx(e.values[0]).epsilon(1e-14));
-    CHECK(exp(compose(e)) == exp(compose(e)));
+  }
+}
+
+TEST_CASE("the exponential is that of the eigenvalues, however anisotropic", "[tensor]") {
+  const unsigned seed = 10;
+  CAPTURE(seed);
+  RandomTensors random(seed);
+  for (int i = 0; i < 3000; ++i) {
+    const double range = random.uniform(0, 1) * (i % 3 == 0 ? 0.1 : i % 3 == 1 ? 12 : 60);
+    const double mean = random.uniform(-20, 20);
+    EigenSystem e;
+    e.vectors = random.basis();
+    for (double& value : e.values) value = mean + random.uniform(-0.5, 0.5) * range;
+    if (i % 4 == 0) e.values[1] = e.values[2];
+    const Tensor logarithm = compose(e);
+    for (double& value : e.values) value = std::exp(value);
+    const Tensor expected = compose(e);
+    CAPTURE(range);
+    CHECK(largest_entry(exp(logarithm) - expected) <= 1e-13 * largest_entry(expected));
+    if (range < 30) CHECK(is_positive_definite(exp(logarithm)));
   }
 }
 
