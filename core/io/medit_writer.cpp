@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <limits>
 #include <tuple>
 #include <type_traits>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/medit_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
@@ -108,8 +108,7 @@ int binary_version(const Mesh& mesh, std::size_t corner_count, const BlockLoop& 
     if (!elements.empty()) integers += (elements[0].size() + 1) * elements.size();
   });
   const std::uint64_t bytes = 24 * mesh.points.size() + 4 * integers + 1000;
-  constexpr std::uint64_t kLargest32 = std::numeric_limits<std::int32_t>::max();
-  return largest > kLargest32 ? 4 : bytes > kLargest32 ? 3 : 2;
+  return medit_version(bytes, largest);
 }
 
 /// Writes the records of a binary file. `Integer` is as wide as those of its version.

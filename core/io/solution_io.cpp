@@ -1,0 +1,169 @@
+#include "core/io/solution_io.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <new>
+
+#include "core/io/medit_detail.hpp"
+
+namespace tetloom {
+namespace detail {
+namespace {
+
+/// What is there for one carrier: its fields, and how many items the mesh has.
+struct Carrier {
+  const char* items;
+  std::size_t expected;
+  std::vector<MeshField>& fields;
+};
+
+/// MEDIT's kinds of values: 1 scalar, 2 vector, 3 symmetric tensor, 4 matrix.
+int components_of(const InputFile& file, std::int64_t kind, int dimension) {
+  switch (kind) {
+    case 1: return 1;
+    case 2: return dimension;
+    case 3: return dimension * (dimension + 1) / 2;
+    case 4: return dimension * dimension;
+    default:
+      file.fail(ErrorCode::InputUnsuitable, "values of the kind " + std::to_string(kind) +
+                                                " are unknown; 1 is a scalar, 2 a vector, 3 a symmetric tensor and 4 "
+                                                "a matrix");
+  }
+}
+
+class SolutionContent {
+ public:
+  SolutionContent(const InputFile& file, const SolutionSize& size) : file_(file), size_(size) {}
+
+  Carrier points() { return {"vertices", size_.points, solution_.point_fields}; }
+  Carrier tets() { return {"tetrahedra", size_.tets, solution_.tet_fields}; }
+
+  /// Adds fields of those components for `count` items, whose values are next(), item by item.
+  template <class Next>
+  void add(const Carrier& carrier, std::uint64_t count, const std::vector<int>& components, const Next& next) {
+    if (count != carrier.expected)
+      file_.fail(ErrorCode::InputUnsuitable, "the file has values at " + std::to_string(count) + " " + carrier.items +
+                                                 ", but the mesh has " + std::to_string(carrier.expected));
+    const std::size_t first = carrier.fields.size();
+    for (const int each : components) {
+      MeshField field{"solution_" + std::to_string(carrier.fields.size() + 1), each, {}};
+      field.values.reserve(count * static_cast<std::size_t>(each));
+      carrier.fields.push_back(std::move(field));
+    }
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
+      for (std::size_t f = 0; f < components.size(); ++f)
+        for (int c = 0; c < components[f]; ++c) carrier.fields[first + f].values.push_back(next());
+    }
+  }
+
+  Solution finish() {
+    if (solution_.point_fields.empty() && solution_.tet_fields.empty())
+      file_.fail(ErrorCode::InputUnsuitable, "the file has no values at vertices or tetrahedra");
+    return std::move(solution_);
+  }
+
+ private:
+  const InputFile& file_;
+  SolutionSize size_;
+  Solution solution_;
+};
+
+class SolutionText {
+ public:
+  SolutionText(const InputFile& file, const SolutionSize& size) : file_(file), words_(file), content_(file, size) {}
+
+  Solution read() {
+    for (;;) {
+      const std::string_view keyword = words_.next_keyword();
+      if (keyword == "End") return content_.finish();
+      if (keyword == "MeshVersionFormatted") static_cast<void>(words_.parse<int>());
+      if (keyword == "Dimension") dimension_ = words_.read_dimension();
+      if (keyword == "SolAtVertices") read_values(content_.points());
+      if (keyword == "SolAtTetrahedra") read_values(content_.tets());
+    }
+  }
+
+ private:
+  void read_values(const Carrier& carrier) {
+    const std::uint64_t count = words_.read_count(2);
+    const std::uint64_t kinds = words_.read_count(2);
+    std::vector<int> components;
+    for (std::uint64_t k = 0; k < kinds; ++k)
+      components.push_back(components_of(file_, words_.parse<std::int64_t>(), dimension_));
+    std::size_t reals = 0;
+    for (const int each : components) reals += static_cast<std::size_t>(each);
+    // The last number may end at the end of the file, without a separator.
+    if (reals == 0 || count > words_.left() / (2 * reals) + 1)
+      file_.fail_at_line("a count of " + std::to_string(count) + " exceeds the file", words_.at());
+    content_.add(carrier, count, components, [&] { return words_.parse<double>(); });
+  }
+
+  const InputFile& file_;
+  MeditWords words_;
+  SolutionContent content_;
+  int dimension_ = 3;
+};
+
+class SolutionBinary {
+ public:
+  SolutionBinary(const InputFile& file, const SolutionSize& size)
+      : file_(file), sections_(file), content_(file, size) {}
+
+  Solution read() {
+    for (;;) {
+      const std::int32_t code = sections_.next_section();
+      if (code == kMeditEnd) return content_.finish();
+      if (code == kMeditDimension) dimension_ = sections_.read_dimension();
+      if (code == kSolAtVertices) read_values(content_.points());
+      if (code == kSolAtTetrahedra) read_values(content_.tets());
+    }
+  }
+
+ private:
+  void read_values(const Carrier& carrier) {
+    const std::uint64_t count = sections_.read_count();
+    const auto kinds = static_cast<std::uint32_t>(sections_.read_word());
+    sections_.cursor().expect(kinds, sizeof(std::int32_t));
+    std::vector<int> components;
+    for (std::uint32_t k = 0; k < kinds; ++k)
+      components.push_back(components_of(file_, sections_.read_word(), dimension_));
+    std::size_t reals = 0;
+    for (const int each : components) reals += static_cast<std::size_t>(each);
+    if (reals == 0) file_.fail("there are no kinds of values", sections_.cursor().at());
+    sections_.expect(count, 0, reals);
+    content_.add(carrier, count, components, [&] { return sections_.read_real(); });
+  }
+
+  const InputFile& file_;
+  MeditSections sections_;
+  SolutionContent content_;
+  int dimension_ = 3;
+};
+
+}  // namespace
+
+bool is_binary_solution(const std::filesystem::path& path) {
+  if (!is_solution_extension(path))
+    throw Error(ErrorCode::InvalidArgument,
+                "'" + path.string() + "' is no file of solutions by its extension; known are .sol and .solb");
+  return path.extension().string().size() == 5;
+}
+
+}  // namespace detail
+
+bool is_solution_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".sol" || extension == ".solb";
+}
+
+Solution read_solution(const std::filesystem::path& path, const SolutionSize& size, const CancelToken* cancel) try {
+  const bool binary = detail::is_binary_solution(path);
+  const detail::InputFile file(path, cancel);
+  return binary ? detail::SolutionBinary(file, size).read() : detail::SolutionText(file, size).read();
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+}  // namespace tetloom
