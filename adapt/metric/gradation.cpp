@@ -1,0 +1,149 @@
+// How fast sizes may grow from vertex to vertex.
+#include <algorithm>
+#include <string>
+
+#include "adapt/metric/metric_field.hpp"
+#include "core/base/error.hpp"
+
+namespace tetloom::adapt {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 10;
+constexpr double kIsotropic = 0.125;  // exponent of growth towards isotropy
+constexpr double kTolerance = 2e-3;   // of eigenvalues: 1e-3 of sizes
+
+/// A metric with what growing it needs.
+struct Source {
+  Tensor metric;
+  EigenSystem eigen_of_log;
+};
+
+Source source_of(const Tensor& logarithm) { return {exp(logarithm), eigen(logarithm)}; }
+
+/// The metric as it has grown at the other end of the edge `e`.
+Tensor grown(const Source& source, const Vec3& e, double log_growth) {
+  const double along = std::sqrt(std::max(0.0, dot(source.metric, e)));
+  const double kept = std::pow(1 + along * log_growth, 1 - kIsotropic);
+  const double length = norm(e);
+  EigenSystem result = source.eigen_of_log;
+  for (double& value : result.values) {
+    const double size_inverse = std::exp(0.5 * value);
+    const double factor = kept * std::pow(1 + size_inverse * length * log_growth, kIsotropic);
+    value = size_inverse * size_inverse / (factor * factor);
+  }
+  return compose(result);
+}
+
+/// Whether `m` has only positive eigenvalues, by the signs of its pivots.
+bool has_positive_pivots(const Tensor& m) {
+  if (!(m.xx > 0)) return false;
+  const double l1 = m.xy / m.xx, l2 = m.xz / m.xx;
+  const double yy = m.yy - l1 * m.xy, yz = m.yz - l1 * m.xz;
+  return yy > 0 && m.zz - l2 * m.xz - yz * yz / yy > 0;
+}
+
+class Gradation {
+ public:
+  Gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph, double growth,
+            const BlockLoop& loop)
+      : metric_(metric), points_(points), graph_(graph), loop_(loop), log_growth_(std::log(growth)) {}
+
+  GradationResult run() {
+    const std::size_t count = points_.size();
+    sources_.resize(count);
+    loop_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) sources_[v] = source_of(metric_.logs[v]);
+    });
+    GradationResult result;
+    std::vector<char> ever(count, 0);
+    std::vector<std::uint32_t> active(count);  // vertices whose neighbours' metrics have changed
+    for (std::size_t v = 0; v < count; ++v) active[v] = static_cast<std::uint32_t>(v);
+    changed_.assign(count, 1);
+    while (!active.empty()) {
+      ++result.rounds;
+      const std::vector<std::uint32_t> reduced = limit(active);
+      for (const std::uint32_t v : reduced) ever[v] = 1;
+      active = neighbors_of(reduced);
+    }
+    result.changed = static_cast<std::size_t>(std::count(ever.begin(), ever.end(), 1));
+    return result;
+  }
+
+ private:
+  struct Limited {
+    std::vector<std::uint32_t> verts;
+    std::vector<Tensor> metrics;
+  };
+
+  /// Intersects the metrics of `active` with those of their neighbours that have changed. Returns the vertices whose
+  /// metric has changed now, ascending.
+  std::vector<std::uint32_t> limit(const std::vector<std::uint32_t>& active) {
+    const auto blocks =
+        map_blocks(loop_, active.size(), kGrain, Limited(), [&](std::size_t begin, std::size_t end, Limited& limited) {
+          for (std::size_t i = begin; i < end; ++i) {
+            Tensor m = sources_[active[i]].metric;
+            if (!limit(active[i], m)) continue;
+            limited.verts.push_back(active[i]);
+            limited.metrics.push_back(log(m));
+          }
+        });
+    std::fill(changed_.begin(), changed_.end(), char{0});
+    std::vector<std::uint32_t> verts;
+    for (const Limited& limited : blocks)
+      for (std::size_t i = 0; i < limited.verts.size(); ++i) {
+        verts.push_back(limited.verts[i]);
+        changed_[limited.verts[i]] = 1;
+        metric_.logs[limited.verts[i]] = limited.metrics[i];
+      }
+    loop_.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) sources_[verts[i]] = source_of(metric_.logs[verts[i]]);
+    });
+    return verts;
+  }
+
+  bool limit(std::uint32_t vert, Tensor& m) const {
+    bool changes = false;
+    for (const std::uint32_t from : graph_.neighbors(vert)) {
+      if (!changed_[from]) continue;
+      // Most neighbours ask for nothing new, which is seen before their growth is known in full.
+      const Source& source = sources_[from];
+      const Tensor most = (1 + kTolerance) * m;
+      if (has_positive_pivots(most - source.metric)) continue;
+      const Tensor limiting = grown(source, points_[vert] - points_[from], log_growth_);
+      if (has_positive_pivots(most - limiting)) continue;
+      const Tensor both = intersection(m, limiting);
+      changes = changes || both != m;
+      m = both;
+    }
+    return changes;
+  }
+
+  std::vector<std::uint32_t> neighbors_of(const std::vector<std::uint32_t>& verts) const {
+    std::vector<char> is_neighbor(points_.size(), 0);
+    for (const std::uint32_t v : verts)
+      for (const std::uint32_t w : graph_.neighbors(v)) is_neighbor[w] = 1;
+    std::vector<std::uint32_t> found;
+    for (std::size_t v = 0; v < is_neighbor.size(); ++v)
+      if (is_neighbor[v]) found.push_back(static_cast<std::uint32_t>(v));
+    return found;
+  }
+
+  MetricField& metric_;
+  std::span<const Vec3> points_;
+  const VertexGraph& graph_;
+  const BlockLoop& loop_;
+  double log_growth_;
+  std::vector<Source> sources_;
+  std::vector<char> changed_;  ///< in the round before
+};
+
+}  // namespace
+
+GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
+                                double growth, const BlockLoop& loop) {
+  if (!(growth > 1) || !std::isfinite(growth))
+    throw Error(ErrorCode::InvalidArgument, "the gradation must be larger than 1, not " + std::to_string(growth));
+  return Gradation(metric, points, graph, growth, loop).run();
+}
+
+}  // namespace tetloom::adapt
