@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kGrain = 1 << 10;
 constexpr double kIsotropic = 0.125;  // exponent of growth towards isotropy
 constexpr double kTolerance = 2e-3;   // of eigenvalues: 1e-3 of sizes
+constexpr double kBand = 1.5;         // of logarithms of determinants: sizes of a round, within a factor of 1.28
 
 /// A metric with what growing it needs.
 struct Source {
@@ -20,11 +21,14 @@ struct Source {
 
 Source source_of(const Tensor& logarithm) { return {exp(logarithm), eigen(logarithm)}; }
 
-/// The metric as it has grown at the other end of the edge `e`.
-Tensor grown(const Source& source, const Vec3& e, double log_growth) {
-  const double along = std::sqrt(std::max(0.0, dot(source.metric, e)));
-  const double kept = std::pow(1 + along * log_growth, 1 - kIsotropic);
-  const double length = norm(e);
+/// By what all sizes grow along the edge `e`.
+double kept_growth(const Tensor& metric, const Vec3& e, double log_growth) {
+  return std::pow(1 + std::sqrt(std::max(0.0, dot(metric, e))) * log_growth, 1 - kIsotropic);
+}
+
+/// The metric as it has grown at the other end of an edge: by `kept` and, small sizes more than large ones, towards
+/// isotropy.
+Tensor grown(const Source& source, double kept, double length, double log_growth) {
   EigenSystem result = source.eigen_of_log;
   for (double& value : result.values) {
     const double size_inverse = std::exp(0.5 * value);
@@ -56,14 +60,10 @@ class Gradation {
     });
     GradationResult result;
     std::vector<char> ever(count, 0);
-    std::vector<std::uint32_t> active(count);  // vertices whose neighbours' metrics have changed
-    for (std::size_t v = 0; v < count; ++v) active[v] = static_cast<std::uint32_t>(v);
-    changed_.assign(count, 1);
-    while (!active.empty()) {
+    pending_.assign(count, 1);
+    while (take_smallest()) {
       ++result.rounds;
-      const std::vector<std::uint32_t> reduced = limit(active);
-      for (const std::uint32_t v : reduced) ever[v] = 1;
-      active = neighbors_of(reduced);
+      for (const std::uint32_t v : limit(targets())) ever[v] = pending_[v] = 1;
     }
     result.changed = static_cast<std::size_t>(std::count(ever.begin(), ever.end(), 1));
     return result;
@@ -75,24 +75,34 @@ class Gradation {
     std::vector<Tensor> metrics;
   };
 
-  /// Intersects the metrics of `active` with those of their neighbours that have changed. Returns the vertices whose
-  /// metric has changed now, ascending.
-  std::vector<std::uint32_t> limit(const std::vector<std::uint32_t>& active) {
+  /// Makes those of the pending vertices that ask for the smallest elements the sources of a round, so that few are
+  /// sources twice: small sizes reach far, and are not changed by larger ones. False when none is pending.
+  bool take_smallest() {
+    double largest = -HUGE_VAL;
+    for (std::size_t v = 0; v < pending_.size(); ++v)
+      if (pending_[v]) largest = std::max(largest, trace(metric_.logs[v]));
+    is_source_.assign(pending_.size(), 0);
+    for (std::size_t v = 0; v < pending_.size(); ++v)
+      if (pending_[v] && trace(metric_.logs[v]) >= largest - kBand) is_source_[v] = 1, pending_[v] = 0;
+    return largest > -HUGE_VAL;
+  }
+
+  /// Intersects the metrics of `targets` with those of their neighbours that are sources. Returns the vertices whose
+  /// metric has changed, ascending.
+  std::vector<std::uint32_t> limit(const std::vector<std::uint32_t>& targets) {
     const auto blocks =
-        map_blocks(loop_, active.size(), kGrain, Limited(), [&](std::size_t begin, std::size_t end, Limited& limited) {
+        map_blocks(loop_, targets.size(), kGrain, Limited(), [&](std::size_t begin, std::size_t end, Limited& limited) {
           for (std::size_t i = begin; i < end; ++i) {
-            Tensor m = sources_[active[i]].metric;
-            if (!limit(active[i], m)) continue;
-            limited.verts.push_back(active[i]);
+            Tensor m = sources_[targets[i]].metric;
+            if (!limit(targets[i], m)) continue;
+            limited.verts.push_back(targets[i]);
             limited.metrics.push_back(log(m));
           }
         });
-    std::fill(changed_.begin(), changed_.end(), char{0});
     std::vector<std::uint32_t> verts;
     for (const Limited& limited : blocks)
       for (std::size_t i = 0; i < limited.verts.size(); ++i) {
         verts.push_back(limited.verts[i]);
-        changed_[limited.verts[i]] = 1;
         metric_.logs[limited.verts[i]] = limited.metrics[i];
       }
     loop_.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -104,12 +114,15 @@ class Gradation {
   bool limit(std::uint32_t vert, Tensor& m) const {
     bool changes = false;
     for (const std::uint32_t from : graph_.neighbors(vert)) {
-      if (!changed_[from]) continue;
+      if (!is_source_[from]) continue;
       // Most neighbours ask for nothing new, which is seen before their growth is known in full.
       const Source& source = sources_[from];
       const Tensor most = (1 + kTolerance) * m;
       if (has_positive_pivots(most - source.metric)) continue;
-      const Tensor limiting = grown(source, points_[vert] - points_[from], log_growth_);
+      const Vec3 e = points_[vert] - points_[from];
+      const double kept = kept_growth(source.metric, e, log_growth_);
+      if (has_positive_pivots(kept * kept * most - source.metric)) continue;
+      const Tensor limiting = grown(source, kept, norm(e), log_growth_);
       if (has_positive_pivots(most - limiting)) continue;
       const Tensor both = intersection(m, limiting);
       changes = changes || both != m;
@@ -118,13 +131,15 @@ class Gradation {
     return changes;
   }
 
-  std::vector<std::uint32_t> neighbors_of(const std::vector<std::uint32_t>& verts) const {
-    std::vector<char> is_neighbor(points_.size(), 0);
-    for (const std::uint32_t v : verts)
-      for (const std::uint32_t w : graph_.neighbors(v)) is_neighbor[w] = 1;
+  /// The neighbours of sources, ascending.
+  std::vector<std::uint32_t> targets() const {
+    std::vector<char> is_target(points_.size(), 0);
+    for (std::size_t v = 0; v < is_source_.size(); ++v)
+      if (is_source_[v])
+        for (const std::uint32_t w : graph_.neighbors(v)) is_target[w] = 1;
     std::vector<std::uint32_t> found;
-    for (std::size_t v = 0; v < is_neighbor.size(); ++v)
-      if (is_neighbor[v]) found.push_back(static_cast<std::uint32_t>(v));
+    for (std::size_t v = 0; v < is_target.size(); ++v)
+      if (is_target[v]) found.push_back(static_cast<std::uint32_t>(v));
     return found;
   }
 
@@ -134,7 +149,8 @@ class Gradation {
   const BlockLoop& loop_;
   double log_growth_;
   std::vector<Source> sources_;
-  std::vector<char> changed_;  ///< in the round before
+  std::vector<char> pending_;    ///< changed since the vertex was a source
+  std::vector<char> is_source_;  ///< of this round
 };
 
 }  // namespace

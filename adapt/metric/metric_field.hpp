@@ -82,10 +82,11 @@ struct GradationResult {
 };
 /// Limits how fast sizes grow along edges: by a factor `growth` over an edge of unit length. The metric of each vertex
 /// is intersected with those of its neighbours as they have grown on the way, until no size changes by more than 1 in
-/// 1000: a fixed point, reached in the same order whoever carries out the loop. After Alauzet 2010 ("Size gradation
-/// control of anisotropic meshes"), the mixed space with the exponent 1/8: nearly the growth that keeps a metric's
-/// shape, with some towards isotropy. We depart from the paper in that all vertices of a round see the metrics of the
-/// round before. Errors: InvalidArgument unless growth > 1. Pre: the graph is that of the mesh with those points.
+/// 1000. After Alauzet 2010 ("Size gradation control of anisotropic meshes"), the mixed space with the exponent 1/8:
+/// nearly the growth that keeps a metric's shape, with some towards isotropy. We depart from the paper in the order:
+/// vertices of the smallest elements first, all of about the same size together, each seeing the metrics of the round
+/// before; so the result does not depend on who carries out the loop.
+/// Errors: InvalidArgument unless growth > 1. Pre: the graph is that of the mesh with those points.
 GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
                                 double growth, const BlockLoop& loop = serial_loop());
 
