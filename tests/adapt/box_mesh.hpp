@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "adapt/metric/vertex_graph.hpp"
@@ -44,9 +45,11 @@ inline BoxMesh make_box_mesh(int n, double shake = 0, unsigned seed = 1,
             ++at[static_cast<std::size_t>(axes[s])];
             tet[s + 1] = index(at[0], at[1], at[2]);
           }
+          const int inversions = (axes[0] > axes[1]) + (axes[0] > axes[2]) + (axes[1] > axes[2]);
+          if (inversions % 2 == 1) std::swap(tet[2], tet[3]);  // even permutations make positive tets
           const Vec3 a = mesh.points[tet[0]];
-          if (dot(cross(mesh.points[tet[1]] - a, mesh.points[tet[2]] - a), mesh.points[tet[3]] - a) < 0)
-            std::swap(tet[2], tet[3]);
+          if (dot(cross(mesh.points[tet[1]] - a, mesh.points[tet[2]] - a), mesh.points[tet[3]] - a) <= 0)
+            throw std::logic_error("shaken too much");
           mesh.tets.push_back(tet);
         } while (std::next_permutation(axes.begin(), axes.end()));
       }

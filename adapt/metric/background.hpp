@@ -1,0 +1,88 @@
+#pragma once
+// The mesh that adaptation starts from, kept as it was: where the metric and the solution are looked up while the mesh
+// changes.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adapt/metric/boundary_tree.hpp"
+#include "adapt/metric/metric_field.hpp"
+#include "adapt/metric/tet_links.hpp"
+#include "core/mesh/mesh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::adapt {
+
+/// A place in a background mesh: a tet and barycentric coordinates in it.
+struct BackgroundPlace {
+  std::uint32_t tet = kNone;
+  std::array<double, 4> weights{};  ///< not negative, sum 1 up to round-off
+};
+
+/// A copy of the tets, points and metrics of a mesh. Immutable after construction, so any number of threads may ask.
+///
+/// A point outside of the mesh, such as one on a curved surface of which the mesh has the chords, stands for the
+/// nearest point of the boundary. About 90 bytes per tet.
+class BackgroundMesh {
+ public:
+  /// Pre: at least one tet, all of positive volume; indices in range; one metric per point, or none, and fewer than
+  /// 2^30 tets. Errors: Cancelled.
+  BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner);
+
+  TetView mesh() const { return {points_, tets_}; }
+  const MetricField& metric() const { return metric_; }
+
+  /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNone. A good hint
+  /// is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the mesh
+  /// 1 or 2 more. Where x lies on a face or outside, the hint may decide between tets that all hold the nearest point.
+  /// Always returns a place. Pre: x is finite, hint is kNone or a tet.
+  BackgroundPlace locate(const Vec3& x, std::uint32_t hint = kNone) const;
+  /// Places of many points, each with that of the point before as its hint, block by block.
+  std::vector<BackgroundPlace> locate(std::span<const Vec3> points, const BlockLoop& loop = serial_loop()) const;
+
+  /// The logarithm of the metric there: the mean of those of the corners. Pre: there is a metric.
+  Tensor log_metric_at(const BackgroundPlace& place) const {
+    const TetVerts& tet = tets_[place.tet];
+    Tensor sum = place.weights[0] * metric_.logs[tet[0]];
+    for (std::size_t i = 1; i < 4; ++i) sum += place.weights[i] * metric_.logs[tet[i]];
+    return sum;
+  }
+  Tensor metric_at(const Vec3& x, std::uint32_t hint = kNone) const { return exp(log_metric_at(locate(x, hint))); }
+
+  /// The value of component `c` of a point field there. Linear fields are exact inside the mesh.
+  double value_at(const MeshField& field, int c, const BackgroundPlace& place) const {
+    const auto n = static_cast<std::size_t>(field.components);
+    const TetVerts& tet = tets_[place.tet];
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      sum += place.weights[i] * field.values[tet[i] * n + static_cast<std::size_t>(c)];
+    return sum;
+  }
+  /// The field at those places, under its name. Pre: one tuple per point of this mesh.
+  MeshField interpolate(const MeshField& field, std::span<const BackgroundPlace> places,
+                        const BlockLoop& loop = serial_loop()) const;
+
+ private:
+  using Weights = std::array<double, 4>;
+
+  Weights weights_in(std::uint32_t tet, const Vec3& x) const;
+  std::uint32_t start_near(const Vec3& x) const;
+  bool walk(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const;
+  bool search_around(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const;
+  BackgroundPlace on_boundary(const BoundaryTree::Nearest& nearest) const;
+  BackgroundPlace locate_from_boundary(const Vec3& x, std::uint32_t last) const;
+  void build_grid();
+  std::size_t cell_of(const Vec3& x) const;
+
+  std::vector<Vec3> points_;
+  std::vector<TetVerts> tets_;
+  std::vector<std::uint32_t> links_;  ///< see link_tets
+  MetricField metric_;
+  BoundaryTree boundary_;
+  Box3 box_;
+  std::array<std::size_t, 3> cells_{1, 1, 1};  ///< of the grid, along each axis
+  std::vector<std::uint32_t> cell_to_tet_;     ///< a tet in or near each cell
+};
+
+}  // namespace tetloom::adapt

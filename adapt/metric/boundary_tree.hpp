@@ -1,0 +1,42 @@
+#pragma once
+// The triangles that bound a mesh of tetrahedra, and which of them is nearest to a point.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adapt/metric/vertex_graph.hpp"
+#include "mesher/sizing/bvh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::adapt {
+
+/// The point of a triangle that is nearest to some other point, by its barycentric coordinates.
+struct TrianglePoint {
+  std::array<double, 3> weights{};  ///< not negative, sum 1
+  double distance2 = HUGE_VAL;      ///< squared
+};
+
+/// After Ericson, "Real-time collision detection" (2005), 5.1.5.
+TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Immutable, and thread-safe therefore.
+class BoundaryTree {
+ public:
+  BoundaryTree() = default;
+  /// `faces` are tet · 4 + face.
+  BoundaryTree(const TetView& mesh, std::vector<std::uint32_t> faces, const TaskRunner& runner);
+
+  struct Nearest {
+    std::uint32_t face = kNone;  ///< kNone: nothing within the limit
+    TrianglePoint point;
+  };
+  /// The face nearest to x that is nearer than sqrt(limit2); the lowest of equals. `mesh` is that of the constructor.
+  Nearest find_nearest(const TetView& mesh, const Vec3& x, double limit2) const;
+
+ private:
+  std::vector<std::uint32_t> faces_;  ///< in the order of the hierarchy
+  Bvh bvh_;
+};
+
+}  // namespace tetloom::adapt
