@@ -25,7 +25,9 @@ install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
         DESTINATION ${tetloom_include_dir}/mesher/tets)
-install(FILES adapt/metric/tensor.hpp DESTINATION ${tetloom_include_dir}/adapt/metric)
+install(FILES adapt/metric/curvature_limits.hpp adapt/metric/hessian.hpp adapt/metric/metric_field.hpp adapt/metric/tensor.hpp
+              adapt/metric/vertex_graph.hpp
+        DESTINATION ${tetloom_include_dir}/adapt/metric)
 if(TETLOOM_CAD)
   install(FILES core/cad/read_model.hpp DESTINATION ${tetloom_include_dir}/core/cad)
 endif()

@@ -1,5 +1,6 @@
 #pragma once
-// A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting. Private to mesher/sizing.
+// A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting, and behind the boundary of
+// a background mesh (adapt/metric).
 #include <algorithm>
 #include <cstdint>
 #include <span>

@@ -1,0 +1,175 @@
+#include "adapt/metric/curvature_limits.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "mesher/sizing/curvature_size.hpp"
+#include "mesher/sizing/model_facets.hpp"
+
+namespace tetloom::adapt {
+namespace {
+
+/// The sizes that one entity of the model asks for at a vertex: none along the directions that are not named.
+struct VertexLimit {
+  std::uint32_t vert = 0;
+  std::array<Vec3, 2> directions{};  ///< orthonormal
+  std::array<double, 2> sizes{HUGE_VAL, HUGE_VAL};
+};
+
+/// The vertices of the elements of each entity of one dimension, ascending.
+template <class Element>
+std::vector<std::vector<std::uint32_t>> verts_by_entity(const std::vector<Element>& elements,
+                                                        const std::vector<std::uint32_t>& entities, std::size_t count,
+                                                        const char* kind) {
+  std::vector<std::vector<std::uint32_t>> verts(count);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    if (entities[e] == kNone) continue;
+    if (entities[e] >= count)
+      throw Error(ErrorCode::InputUnsuitable, "the mesh has a " + std::string(kind) + " " +
+                                                  std::to_string(std::uint64_t{entities[e]} + 1) +
+                                                  ", but the model has only " + std::to_string(count));
+    verts[entities[e]].insert(verts[entities[e]].end(), elements[e].begin(), elements[e].end());
+  }
+  for (std::vector<std::uint32_t>& each : verts) {
+    std::sort(each.begin(), each.end());
+    each.erase(std::unique(each.begin(), each.end()), each.end());
+  }
+  return verts;
+}
+
+/// The unit tangent in which the surface curves most, by differences of normals; none where they do not tell, or tell
+/// of another curvature than the face does.
+std::optional<Vec3> principal_direction(FaceGeometry& face, const Vec2& uv, const Vec3& normal,
+                                        const PrincipalCurvatures& k) {
+  if (face.parametrization() != Parametrization::Smooth) return {};
+  const SurfaceDerivatives d = face.derivatives(uv);
+  const double lu = norm(d.du), lv = norm(d.dv);
+  if (!(norm(cross(d.du, d.dv)) > 1e-6 * lu * lv) || !(lu > 0) || !(lv > 0)) return {};
+  const ParameterBox box = face.parameter_box();
+  constexpr double kStep = 1e-4;  // of the parameter range
+  const double su = kStep * (box.hi.u - box.lo.u), sv = kStep * (box.hi.v - box.lo.v);
+  const auto difference = [&](const Vec2& step, double length) {
+    return (face.normal(uv + step) - face.normal(uv - step)) / (2 * length);
+  };
+  const Vec3 nu = difference({su, 0}, su), nv = difference({0, sv}, sv);
+  // An orthonormal frame a, b of the tangent plane, in which du = lu a and dv = p a + q b.
+  const Vec3 a = d.du / lu, b = cross(normal, a);
+  const double p = dot(d.dv, a), q = dot(d.dv, b);
+  const Vec3 along_a = nu / lu, along_b = (nv - p * along_a) / q;  // derivatives of the normal
+  const double aa = dot(along_a, a), ab = 0.5 * (dot(along_a, b) + dot(along_b, a)), bb = dot(along_b, b);
+  // The two principal directions; of those the one with the larger curvature.
+  const double angle = 0.5 * std::atan2(2 * ab, aa - bb);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double first = aa * c * c + 2 * ab * c * s + bb * s * s, second = aa + bb - first;
+  const double largest = std::max(std::abs(first), std::abs(second));
+  constexpr double kAgreement = 0.1;
+  if (!(std::abs(largest - std::abs(k.largest)) <= kAgreement * std::abs(k.largest))) return {};
+  return std::abs(first) >= std::abs(second) ? c * a + s * b : c * b - s * a;
+}
+
+std::optional<VertexLimit> limit_on_face(FaceGeometry& face, const Vec2& uv, const CurvatureLimits& limits) {
+  const PrincipalCurvatures k = face.curvature(uv);
+  const Vec3 normal = face.normal(uv);
+  const double h = std::max(limits.h_min, size_from_curvature(k, limits.edges_per_turn));
+  if (!(h > 0) || !std::isfinite(h) || !(norm2(normal) > 0.5)) return {};
+  const std::optional<Vec3> found = principal_direction(face, uv, normal, k);
+  const Vec3 helper = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  VertexLimit limit;
+  limit.directions[0] = normalized(cross(cross(normal, found ? *found : helper), normal));
+  limit.directions[1] = cross(normal, limit.directions[0]);
+  const double stretch = found && std::abs(k.largest) > 0 ? std::abs(k.largest / k.smallest) : 1;
+  limit.sizes = {h, stretch > 1 ? h * stretch : h};  // infinite where the other curvature is 0
+  return limit;
+}
+
+std::vector<VertexLimit> limits_of_face(const GeometricModel& model, ModelFaceId id,
+                                        const std::vector<std::uint32_t>& verts, std::span<const Vec3> points,
+                                        const CurvatureLimits& limits) {
+  std::vector<VertexLimit> found;
+  if (verts.empty()) return found;
+  const std::unique_ptr<FaceGeometry> face = model.face_geometry(id);
+  std::optional<Vec2> guess;
+  for (const std::uint32_t v : verts) {
+    const SurfacePoint at = face->closest_point(points[v], guess);
+    guess = at.uv;
+    if (std::optional<VertexLimit> limit = limit_on_face(*face, at.uv, limits)) {
+      limit->vert = v;
+      found.push_back(*limit);
+    }
+  }
+  return found;
+}
+
+std::vector<VertexLimit> limits_of_edge(const GeometricModel& model, ModelEdgeId id,
+                                        const std::vector<std::uint32_t>& verts, std::span<const Vec3> points,
+                                        const CurvatureLimits& limits) {
+  std::vector<VertexLimit> found;
+  if (verts.empty() || model.topology().edges[id.value].degenerate) return found;
+  const std::unique_ptr<EdgeGeometry> edge = model.edge_geometry(id);
+  for (const std::uint32_t v : verts) {
+    const double t = edge->closest_point(points[v]).t;
+    const double h = std::max(limits.h_min, size_from_edge_curvature(edge->curvature(t), limits.edges_per_turn));
+    const Vec3 tangent = normalized(edge->derivative(t));
+    if (!(h > 0) || !std::isfinite(h) || !(norm2(tangent) > 0.5)) continue;
+    const Vec3 helper = std::abs(tangent.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    found.push_back({v, {tangent, normalized(cross(tangent, helper))}, {h, HUGE_VAL}});
+  }
+  return found;
+}
+
+/// The metric with those sizes, and along the directions without one as large a size as nothing else needs.
+Tensor tensor_of(const VertexLimit& limit, double smallest_eigenvalue) {
+  const Vec3 normal = cross(limit.directions[0], limit.directions[1]);
+  Tensor m = outer(normal, smallest_eigenvalue);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double asked = 1 / (limit.sizes[i] * limit.sizes[i]);
+    m += outer(limit.directions[i], std::max(asked, smallest_eigenvalue));
+  }
+  return m;
+}
+
+bool apply(MetricField& metric, const VertexLimit& limit) {
+  const Tensor m = metric.at(limit.vert);
+  const double smallest = std::exp(eigen(metric.logs[limit.vert]).values[0]);
+  const Tensor both = intersection(m, tensor_of(limit, smallest));
+  if (both == m) return false;
+  metric.logs[limit.vert] = log(both);
+  return true;
+}
+
+}  // namespace
+
+std::size_t limit_by_curvature(MetricField& metric, const Mesh& mesh, const GeometricModel& model,
+                               const CurvatureLimits& limits, const TaskRunner& runner) {
+  if (!(limits.edges_per_turn > 0) || !std::isfinite(limits.edges_per_turn) || !(limits.h_min >= 0))
+    throw Error(ErrorCode::InvalidArgument,
+                "curvature limits need a positive number of edges per turn, and no "
+                "negative size");
+  if (metric.size() != mesh.points.size())
+    throw Error(ErrorCode::InvalidArgument, "a metric at " + std::to_string(metric.size()) + " vertices does not fit " +
+                                                std::to_string(mesh.points.size()));
+  const ModelTopology& topology = model.topology();
+  const auto face_verts = verts_by_entity(mesh.tri_to_vert, mesh.tri_to_entity, topology.face_count(), "face");
+  const auto edge_verts = verts_by_entity(mesh.edge_to_vert, mesh.edge_to_entity, topology.edge_count(), "edge");
+  std::vector<std::vector<VertexLimit>> found(face_verts.size() + edge_verts.size());
+  std::vector<double> work;
+  for (const auto& verts : face_verts) work.push_back(static_cast<double>(verts.size()));
+  for (const auto& verts : edge_verts) work.push_back(static_cast<double>(verts.size()));
+  runner.for_each_largest_first(work, [&](std::size_t i) {
+    const std::size_t faces = face_verts.size();
+    tolerate_bad_geometry([&] {
+      found[i] = i < faces ? limits_of_face(model, ModelFaceId(i), face_verts[i], mesh.points, limits)
+                           : limits_of_edge(model, ModelEdgeId(i - faces), edge_verts[i - faces], mesh.points, limits);
+    });
+  });
+  std::vector<std::uint32_t> changed;
+  for (const std::vector<VertexLimit>& of_entity : found)
+    for (const VertexLimit& limit : of_entity)
+      if (apply(metric, limit)) changed.push_back(limit.vert);
+  std::sort(changed.begin(), changed.end());
+  return static_cast<std::size_t>(std::unique(changed.begin(), changed.end()) - changed.begin());
+}
+
+}  // namespace tetloom::adapt
