@@ -7,6 +7,7 @@
 
 #include "core/base/block_loop.hpp"
 #include "core/base/vec.hpp"
+#include "core/mesh/mesh.hpp"
 
 namespace tetloom::adapt {
 
@@ -17,6 +18,8 @@ struct TetView {
   std::span<const Vec3> points;
   std::span<const TetVerts> tets;
 };
+
+inline TetView tets_of(const Mesh& mesh) { return {mesh.points, mesh.tet_to_vert}; }
 
 /// Neighbours of vertices across edges, ascending.
 class VertexGraph {

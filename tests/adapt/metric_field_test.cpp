@@ -128,6 +128,10 @@ TEST_CASE("the complexity counts unit cubes", "[metric_field]") {
   const std::vector<double> sizes(mesh.points.size(), 0.1);
   MetricField metric = metric_from_sizes(sizes, mesh.points);
   CHECK(complexity(metric, mesh.view()) == Approx(1000).epsilon(1e-12));
+  Mesh whole;
+  whole.points = mesh.points;
+  whole.tet_to_vert = mesh.tets;
+  CHECK(complexity(metric, tets_of(whole)) == complexity(metric, mesh.view()));
   CHECK(expected_tets(1000) == Approx(8485).epsilon(1e-3));
   CHECK(scale_to_complexity(metric, mesh.view(), 8000) == Approx(8000).epsilon(1e-9));
   CHECK(largest_entry(metric.at(0) - isotropic(0.05)) < 1e-8);
