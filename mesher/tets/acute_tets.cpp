@@ -141,18 +141,22 @@ void count(const AcuteTet& tet, DihedralSummary& summary) {
 
 DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted) {
   DihedralSummary summary;
-  summary.least = kRegularAngle;
-  const auto bound_of = [&] { return largest_quality_with_dihedral(std::max(summary.least, least_wanted)) * kGain; };
+  double bound = 0, cosine = 0;
+  const auto look_below = [&](double angle) {
+    summary.least = angle;
+    bound = largest_quality_with_dihedral(std::max(angle, least_wanted)) * kGain;
+    cosine = std::cos(std::max(angle, least_wanted));
+  };
+  look_below(kRegularAngle);
   // The worst tet tells most of the others that their angles are larger.
   const std::span<const float> qualities = mesh.qualities();
   const auto worst = std::min_element(qualities.begin(), qualities.end());
   if (worst != qualities.end() && *worst != WorkingMesh::kDeadQuality)
-    summary.least = smallest_dihedral(mesh.mesh(), static_cast<std::uint32_t>(worst - qualities.begin())).angle;
-  double bound = bound_of();
+    look_below(smallest_dihedral(mesh.mesh(), static_cast<std::uint32_t>(worst - qualities.begin())).angle);
   for (std::uint32_t tet = 0; tet < mesh.qualities().size(); ++tet) {
-    if (mesh.quality(tet) > bound || mesh.mesh().is_dead(tet)) continue;
+    if (mesh.quality(tet) > bound || mesh.mesh().is_dead(tet) || !may_be_below(mesh.mesh(), tet, cosine)) continue;
     const Dihedral dihedral = smallest_dihedral(mesh.mesh(), tet);
-    if (dihedral.angle < summary.least) summary.least = dihedral.angle, bound = bound_of();
+    if (dihedral.angle < summary.least) look_below(dihedral.angle);
     if (dihedral.angle >= least_wanted) continue;
     summary.worst.push_back(CauseFinder(mesh, tet, dihedral, least_wanted).find());
     count(summary.worst.back(), summary);

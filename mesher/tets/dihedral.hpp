@@ -17,6 +17,10 @@ double dihedral_between(const TetMesh& mesh, std::uint32_t tet, std::uint32_t fa
 
 Dihedral smallest_dihedral(const TetMesh& mesh, std::uint32_t tet);
 
+/// False only where smallest_dihedral is at least the angle of this cosine: a quick look at tets most of which have
+/// larger angles.
+bool may_be_below(const TetMesh& mesh, std::uint32_t tet, double cosine);
+
 /// No tet whose smallest dihedral angle is `angle` (radians, at most that of the regular tet) has a larger cubed
 /// quality than this: 2 sin^2(angle), found numerically. The best ones have two nearly equilateral faces at that angle;
 /// over sin^2 their cubed quality falls from 2 for flat ones to 9/8 for the regular tet.

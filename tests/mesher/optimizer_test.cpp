@@ -246,6 +246,22 @@ TEST_CASE("no tet of good quality has a small dihedral angle") {
   }
 }
 
+TEST_CASE("a quick look finds all tets with a dihedral angle below one") {
+  std::mt19937 random(12);
+  const auto coordinate = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  std::size_t told_apart = 0;
+  for (int i = 0; i < 5000; ++i) {
+    std::vector<Vec3> points(4);
+    for (Vec3& p : points) p = {coordinate(), coordinate(), i % 5 == 0 ? 0.0 : coordinate()};
+    const TetMesh mesh = make_tets(points, {{0, 1, 2, 3}});
+    const double angle = tets::smallest_dihedral(mesh, 0).angle;
+    CAPTURE(i, angle);
+    if (!tets::may_be_below(mesh, 0, std::cos(angle + 1e-6))) FAIL("a smaller angle is overlooked");
+    told_apart += !tets::may_be_below(mesh, 0, std::cos(angle * 0.999));
+  }
+  CHECK(told_apart > 3900);
+}
+
 TEST_CASE("small angles are told from those that the surface forces") {
   TetMesh mesh = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, std::cos(0.1), std::sin(0.1)}}, {{0, 1, 2, 3}});
   WorkingMesh working(mesh, 4);
