@@ -6,6 +6,7 @@
 // the work, the longest axis first (recursive coordinate bisection; Berger & Bokhari 1987). A plane runs between two
 // planes of lattice sites: which side a site is on follows from its index.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -78,6 +79,13 @@ inline double distance_outside(const Vec3& x, const Box3& box) {
   double distance = 0;
   for (int axis = 0; axis < 3; ++axis) distance = std::max({distance, box.lo[axis] - x[axis], x[axis] - box.hi[axis]});
   return distance;
+}
+
+/// How far x lies from the nearest of the box's sides: no other part's box is nearer. Less than 0 outside.
+inline double depth_inside(const Vec3& x, const Box3& box) {
+  double depth = HUGE_VAL;
+  for (int axis = 0; axis < 3; ++axis) depth = std::min({depth, x[axis] - box.lo[axis], box.hi[axis] - x[axis]});
+  return depth;
 }
 
 }  // namespace tetloom::parts

@@ -34,20 +34,42 @@ double cube_of(const SharedInput& input, const LevelPoints& level) {
   return level.lattice.size() * (input.is_graded() ? shape.graded_cube_per_size() : shape.cube_per_size());
 }
 
+// A site that lies near some side of the part's box.
+struct BorderSite {
+  Vec3 point;
+  std::size_t index;  // of its level
+};
+
+// Per level: the sites within `margins` of any other part's box.
+std::vector<std::vector<BorderSite>> find_border_sites(const PartState& state, const Box3& box,
+                                                       std::span<const double> margins) {
+  std::vector<std::vector<BorderSite>> level_to_border(state.levels.size());
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    const LevelPoints& level = state.levels[l];
+    for (std::size_t i = 0; i < level.sites.size(); ++i) {
+      const Vec3 x = level.lattice.point(level.sites[i]);
+      if (depth_inside(x, box) <= margins[l]) level_to_border[l].push_back({x, i});
+    }
+  }
+  return level_to_border;
+}
+
 // Per level: its sites within so many cubes of the other part's box, and whether each is near the surface.
 void send_sites(const SharedInput& input, const PartState& state, double reach, PartTask& task) {
+  std::vector<double> margins;
+  for (const LevelPoints& level : state.levels) margins.push_back(reach * cube_of(input, level));
+  const auto level_to_border = find_border_sites(state, input.decomposition.box(task.part()), margins);
   for (const PartId other : input.decomposition.neighbors(task.part())) {
     const Box3& box = input.decomposition.box(other);
     MessageWriter writer;
     for (std::size_t l = 0; l < state.levels.size(); ++l) {
       const LevelPoints& level = state.levels[l];
-      const double margin = reach * cube_of(input, level);
       std::vector<SentSite> sites;
       std::vector<char> near;
-      for (std::size_t i = 0; i < level.sites.size(); ++i) {
-        if (distance_outside(level.lattice.point(level.sites[i]), box) > margin) continue;
-        sites.push_back({level.sites[i], state.own_first[l] + static_cast<std::uint32_t>(i)});
-        near.push_back(level.near_surface[i]);
+      for (const BorderSite& site : level_to_border[l]) {
+        if (distance_outside(site.point, box) > margins[l]) continue;
+        sites.push_back({level.sites[site.index], state.own_first[l] + static_cast<std::uint32_t>(site.index)});
+        near.push_back(level.near_surface[site.index]);
       }
       writer.put_array<SentSite>(sites);
       writer.put_array<char>(near);
@@ -87,6 +109,32 @@ std::vector<LevelPoints> empty_levels(const SharedInput& input) {
 
 void append_points(const LevelPoints& level, std::vector<Vec3>& points) {
   for (const Site& site : level.sites) points.push_back(level.lattice.point(site));
+}
+
+void send_shell_points(const SharedInput& input, const PartState& state, PartTask& task) {
+  struct BorderPoint {
+    SentShellPoint sent;
+    double margin;
+  };
+  std::vector<BorderPoint> border;
+  std::size_t l = 0;
+  for (const std::uint32_t vert : state.core.shell_verts) {
+    while (vert >= state.core.level_to_vert[l + 1]) ++l;
+    const Vec3& x = state.mesh.points[vert];
+    const double margin = kShellReach * state.levels[l].lattice.size();
+    if (depth_inside(x, input.decomposition.box(task.part())) <= margin)
+      border.push_back({{x, static_cast<std::uint32_t>(state.keys[vert]), state.pure_around[vert] != 0}, margin});
+  }
+  for (const PartId other : input.decomposition.neighbors(task.part())) {
+    std::vector<SentShellPoint> sent;
+    for (const BorderPoint& point : border)
+      if (distance_outside(point.sent.point, input.decomposition.box(other)) <= point.margin)
+        sent.push_back(point.sent);
+    if (sent.empty()) continue;
+    MessageWriter writer;
+    writer.put_array<SentShellPoint>(sent);
+    task.send(other, writer.take());
+  }
 }
 
 }  // namespace
@@ -160,16 +208,7 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
   for (std::size_t i = 0; i < state.core.shell_verts.size(); ++i)
     state.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
   state.figures.core_tets = state.mesh.size();
-
-  send_found<SentShellPoint>(input, task, [&](PartId, const Box3& box, std::vector<SentShellPoint>& sent) {
-    std::size_t l = 0;
-    for (const std::uint32_t vert : state.core.shell_verts) {
-      while (vert >= state.core.level_to_vert[l + 1]) ++l;
-      const Vec3& x = state.mesh.points[vert];
-      if (distance_outside(x, box) > kShellReach * state.levels[l].lattice.size()) continue;
-      sent.push_back({x, static_cast<std::uint32_t>(state.keys[vert]), state.pure_around[vert] != 0});
-    }
-  });
+  send_shell_points(input, state, task);
   state.figures.seconds.core += watch.lap();
 }
 
