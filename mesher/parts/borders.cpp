@@ -4,6 +4,7 @@
 
 #include "core/base/mix_bits.hpp"
 #include "mesher/parts/improve_part.hpp"
+#include "mesher/parts/near_box.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
@@ -23,25 +24,18 @@ std::uint64_t name_of(std::array<VertKey, 3> keys) {
 }
 
 // In the order of `open_faces`.
-void name_open_faces(PartState& state) {
+std::vector<Placed<std::uint64_t>> name_open_faces(PartState& state) {
   const TetMesh& mesh = state.mesh;
   state.open_names.clear();
+  std::vector<Placed<std::uint64_t>> names;
+  names.reserve(state.open_faces.size());
   for (const FaceCode face : state.open_faces) {
     const auto [a, b, c] = verts_of(mesh, face);
-    state.open_names.push_back(name_of({state.keys[a], state.keys[b], state.keys[c]}));
+    const std::uint64_t name = name_of({state.keys[a], state.keys[b], state.keys[c]});
+    state.open_names.push_back(name);
+    names.push_back({mesh.points[a], reach_of(mesh, face), name});
   }
-}
-
-// Those of the names that a part of this box may have.
-std::vector<std::uint64_t> open_faces_near(const PartState& state, const Box3& box) {
-  const TetMesh& mesh = state.mesh;
-  std::vector<std::uint64_t> near;
-  for (std::size_t i = 0; i < state.open_faces.size(); ++i) {
-    const FaceCode face = state.open_faces[i];
-    const Vec3& x = mesh.points[verts_of(mesh, face)[0]];
-    if (distance_outside(x, box) <= reach_of(mesh, face)) near.push_back(state.open_names[i]);
-  }
-  return near;
+  return names;
 }
 
 void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told) {
@@ -70,13 +64,13 @@ double reach_of(const TetMesh& mesh, FaceCode open_face) {
 }
 
 void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
-  name_open_faces(state);
-  const std::vector<std::uint32_t> points = find_surface_points(state);
+  const std::vector<Placed<std::uint64_t>> names = name_open_faces(state);
+  const std::vector<Placed<std::uint32_t>> points = find_border_points(input, state, task.part());
   for (const PartId other : input.decomposition.neighbors(task.part())) {
     const Box3& box = input.decomposition.box(other);
     MessageWriter writer;
-    writer.put_array<std::uint64_t>(open_faces_near(state, box));
-    writer.put_array<std::uint32_t>(surface_points_near(input, points, box));
+    writer.put_array<std::uint64_t>(near_box(names, box));
+    writer.put_array<std::uint32_t>(near_box(points, box));
     task.send(other, writer.take());
   }
 }

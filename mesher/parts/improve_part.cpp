@@ -1,6 +1,7 @@
 #include "mesher/parts/improve_part.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/quality_summary.hpp"
@@ -152,28 +153,25 @@ void improve_part(const SharedInput& input, PartState& state, PartId part, const
   Improvement(input, state, part).run(runner);
 }
 
-std::vector<std::uint32_t> find_surface_points(const PartState& state) {
+std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const PartState& state, PartId part) {
+  std::vector<char> seen(state.keys.size(), 0);
   std::vector<std::uint32_t> used;
   for (std::uint32_t tet = 0; tet < state.mesh.size(); ++tet) {
     if (state.mesh.to_fixed[tet] == 0 || state.mesh.is_dead(tet)) continue;
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
       if (!state.mesh.is_fixed(face)) continue;
       for (const std::uint32_t v : verts_of(state.mesh, face))
-        used.push_back(static_cast<std::uint32_t>(state.keys[v]));
+        if (!std::exchange(seen[v], 1)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));
     }
   }
   sort_unique(used);
-  return used;
-}
-
-std::vector<std::uint32_t> surface_points_near(const SharedInput& input, std::span<const std::uint32_t> points,
-                                               const Box3& box) {
-  std::vector<std::uint32_t> near;
-  for (const std::uint32_t point : points) {
+  std::vector<Placed<std::uint32_t>> border;
+  for (const std::uint32_t point : used) {
     const Vec3& x = input.filling.complex.points[point];
-    if (distance_outside(x, box) <= Decomposition::kNeighborhood * input.size_at(x)) near.push_back(point);
+    const double reach = Decomposition::kNeighborhood * input.size_at(x);
+    if (depth_inside(x, input.decomposition.box(part)) <= reach) border.push_back({x, reach, point});
   }
-  return near;
+  return border;
 }
 
 }  // namespace tetloom::parts

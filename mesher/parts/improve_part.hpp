@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "mesher/parts/near_box.hpp"
 #include "mesher/parts/part_state.hpp"
 
 namespace tetloom::parts {
@@ -12,11 +13,7 @@ namespace tetloom::parts {
 /// size of their boxes, where another part may change what lies across a gap. Vertices get new numbers.
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
 
-/// The points of the surface that the part's tets have faces at, ascending.
-std::vector<std::uint32_t> find_surface_points(const PartState& state);
-
-/// Those of them that tets of a part of this box may have, too.
-std::vector<std::uint32_t> surface_points_near(const SharedInput& input, std::span<const std::uint32_t> points,
-                                               const Box3& box);
+/// The points of the surface that the part's tets have faces at, ascending, and those of any other part may have, too.
+std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const PartState& state, PartId part);
 
 }  // namespace tetloom::parts

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "mesher/parts/send_found.hpp"
+#include "mesher/parts/near_box.hpp"
 
 namespace tetloom::parts {
 
@@ -112,24 +112,18 @@ void append_points(const LevelPoints& level, std::vector<Vec3>& points) {
 }
 
 void send_shell_points(const SharedInput& input, const PartState& state, PartTask& task) {
-  struct BorderPoint {
-    SentShellPoint sent;
-    double margin;
-  };
-  std::vector<BorderPoint> border;
+  std::vector<Placed<SentShellPoint>> border;
   std::size_t l = 0;
   for (const std::uint32_t vert : state.core.shell_verts) {
     while (vert >= state.core.level_to_vert[l + 1]) ++l;
     const Vec3& x = state.mesh.points[vert];
-    const double margin = kShellReach * state.levels[l].lattice.size();
-    if (depth_inside(x, input.decomposition.box(task.part())) <= margin)
-      border.push_back({{x, static_cast<std::uint32_t>(state.keys[vert]), state.pure_around[vert] != 0}, margin});
+    const double reach = kShellReach * state.levels[l].lattice.size();
+    if (depth_inside(x, input.decomposition.box(task.part())) > reach) continue;
+    const auto index = static_cast<std::uint32_t>(state.keys[vert]);
+    border.push_back({x, reach, {x, index, state.pure_around[vert] != 0}});
   }
   for (const PartId other : input.decomposition.neighbors(task.part())) {
-    std::vector<SentShellPoint> sent;
-    for (const BorderPoint& point : border)
-      if (distance_outside(point.sent.point, input.decomposition.box(other)) <= point.margin)
-        sent.push_back(point.sent);
+    const std::vector<SentShellPoint> sent = near_box(border, input.decomposition.box(other));
     if (sent.empty()) continue;
     MessageWriter writer;
     writer.put_array<SentShellPoint>(sent);
