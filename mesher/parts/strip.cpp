@@ -33,7 +33,7 @@ struct Side {
 };
 
 // Links sides in pairs, those of `mesh`; the others stay as they are.
-void link_pairs(TetMesh& mesh, std::vector<Side>& sides) {
+void link_pairs(TetMesh& mesh, std::span<Side> sides) {
   std::sort(sides.begin(), sides.end());
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     if (sides[i].verts != sides[i + 1].verts) continue;
@@ -45,26 +45,29 @@ void link_pairs(TetMesh& mesh, std::vector<Side>& sides) {
 
 }  // namespace
 
-Bytes pack_tets(const PartState& state, std::span<const std::uint32_t> tets) {
-  const TetMesh& mesh = state.mesh;
+Bytes TetPacker::pack(std::span<const std::uint32_t> tets) {
+  const TetMesh& mesh = state_.mesh;
+  to_packed_.resize(mesh.points.size(), kNone);
   std::vector<std::uint32_t> verts;
-  for (const std::uint32_t tet : tets)
-    for (std::size_t i = 0; i < 4; ++i) verts.push_back(mesh.to_vert[std::size_t{tet} * 4 + i]);
+  for (const std::uint32_t tet : tets) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
+      if (std::exchange(to_packed_[v], 0) == kNone) verts.push_back(v);
+    }
+  }
   std::sort(verts.begin(), verts.end());
-  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  for (std::uint32_t i = 0; i < verts.size(); ++i) to_packed_[verts[i]] = i;
   MessageWriter writer;
   const std::span<PackedVert> packed = writer.put_room<PackedVert>(verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i)
-    packed[i] = {mesh.points[verts[i]], state.keys[verts[i]], state.waits[verts[i]]};
+    packed[i] = {mesh.points[verts[i]], state_.keys[verts[i]], state_.waits[verts[i]]};
   const std::span<PackedTet> packed_tets = writer.put_room<PackedTet>(tets.size());
   for (std::size_t t = 0; t < tets.size(); ++t) {
     PackedTet& to = packed_tets[t];
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t v = mesh.to_vert[std::size_t{tets[t]} * 4 + i];
-      to.verts[i] = static_cast<std::uint32_t>(std::lower_bound(verts.begin(), verts.end(), v) - verts.begin());
-    }
+    for (std::size_t i = 0; i < 4; ++i) to.verts[i] = to_packed_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
     to.region = mesh.to_region[tets[t]], to.fixed = mesh.to_fixed[tets[t]];
   }
+  for (const std::uint32_t v : verts) to_packed_[v] = kNone;
   return writer.take();
 }
 
@@ -129,10 +132,19 @@ void link_strip(Strip& strip) {
   TetMesh& mesh = strip.mesh;
   mesh.to_neighbor.clear();
   mesh.to_neighbor.resize(mesh.to_vert.size(), kNone);
-  std::vector<Side> sides;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
-    sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
-  link_pairs(mesh, sides);
+  // By lowest vertex first: there are few at each.
+  std::vector<Side> sides(mesh.to_neighbor.size());
+  std::vector<std::uint32_t> end(mesh.points.size() + 1, 0);
+  const auto side_of = [&](FaceCode face) { return Side{tets::sorted(verts_of(mesh, face)).verts, face}; };
+  for (FaceCode face = 0; face < sides.size(); ++face) ++end[side_of(face).verts[0] + 1];
+  for (std::size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
+  for (FaceCode face = 0; face < sides.size(); ++face) {
+    const Side side = side_of(face);
+    sides[end[side.verts[0]]++] = side;
+  }
+  std::uint32_t begin = 0;
+  for (std::size_t v = 0; v < mesh.points.size(); begin = end[v++])
+    link_pairs(mesh, std::span(sides).subspan(begin, end[v] - begin));
 }
 
 void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>& open) {

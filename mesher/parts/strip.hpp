@@ -17,8 +17,18 @@ struct Strip {
   std::uint32_t surface_count = 0;   ///< points of the surface
 };
 
-/// The given tets as bytes, the part's mesh without them, and which of its faces lie open for that.
-Bytes pack_tets(const PartState& state, std::span<const std::uint32_t> tets);
+/// Some of a part's tets as bytes, several times.
+class TetPacker {
+ public:
+  explicit TetPacker(const PartState& state) : state_(state) {}
+  Bytes pack(std::span<const std::uint32_t> tets);
+
+ private:
+  const PartState& state_;
+  std::vector<std::uint32_t> to_packed_;  // working memory, per vertex of the part: kNone
+};
+
+/// Takes the given tets out of the part's mesh; appends the faces that lie open for that.
 void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<tets::FaceCode>& opened);
 
 /// One strip of the pieces that parts have packed, in this order, linked where they meet. Pre: they do not overlap.

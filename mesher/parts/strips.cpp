@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_set>
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
@@ -93,6 +92,7 @@ class Extraction {
       : state_(state),
         mesh_(state.mesh),
         tet_to_claim_(state.mesh.size()),
+        corner_is_walked_(state.mesh.size(), 0),
         vert_is_shared_(state.mesh.points.size(), 0),
         vert_is_done_(state.mesh.points.size(), 0) {
     for (const FaceCode face : state.open_faces)
@@ -136,10 +136,9 @@ class Extraction {
   void claim_star(FaceCode code, PartId part) {
     const std::uint32_t vert = mesh_.to_vert[code];
     // Stars that are no part's border hang together: one walk is enough.
-    const bool is_shared = vert_is_shared_[vert] != 0;
-    if (is_shared ? visited_.contains(vert, code / 4) : std::exchange(vert_is_done_[vert], 1) != 0) return;
+    if (vert_is_shared_[vert] ? is_walked(code) : std::exchange(vert_is_done_[vert], 1) != 0) return;
     stack_.assign(1, code / 4);
-    star_.assign(1, code / 4);
+    walk(code);
     while (!stack_.empty()) {
       const std::uint32_t tet = stack_.back();
       stack_.pop_back();
@@ -151,33 +150,24 @@ class Extraction {
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
         if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
-        if (std::find(star_.begin(), star_.end(), behind / 4) != star_.end()) continue;
-        star_.push_back(behind / 4);
+        const FaceCode next = behind / 4 * 4 + corner_of(behind / 4, vert);
+        if (is_walked(next)) continue;
+        walk(next);
         stack_.push_back(behind / 4);
       }
     }
-    if (!is_shared) return;
-    for (const std::uint32_t tet : star_) visited_.insert(vert, tet);
   }
 
-  // Stars that were walked, as pairs of vertex and tet.
-  class Visits {
-   public:
-    void insert(std::uint32_t vert, std::uint32_t tet) { pairs_.insert(std::uint64_t{vert} << 32 | tet); }
-    bool contains(std::uint32_t vert, std::uint32_t tet) const {
-      return pairs_.contains(std::uint64_t{vert} << 32 | tet);
-    }
-
-   private:
-    std::unordered_set<std::uint64_t> pairs_;
-  };
+  // Whether the star of the vertex at this corner was walked through the tet.
+  bool is_walked(FaceCode code) const { return (corner_is_walked_[code / 4] >> code % 4 & 1) != 0; }
+  void walk(FaceCode code) { corner_is_walked_[code / 4] |= static_cast<std::uint8_t>(1u << code % 4); }
 
   const PartState& state_;
   const TetMesh& mesh_;
   std::vector<PartId> tet_to_claim_;
-  std::vector<std::uint32_t> claimed_, stack_, star_;
+  std::vector<std::uint8_t> corner_is_walked_;  // a bit per corner of a tet
+  std::vector<std::uint32_t> claimed_, stack_;
   std::vector<char> vert_is_shared_, vert_is_done_;
-  Visits visited_;
 };
 
 struct Heard {
@@ -269,8 +259,9 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
   state.opened.clear();
   if (claims.empty()) return;
   std::sort(claims.begin(), claims.end());
+  TetPacker packer(state);
   for (const auto& [part, tets] : Extraction(state).run(claims)) {
-    Bytes bytes = pack_tets(state, tets);
+    Bytes bytes = packer.pack(tets);
     take_out(state, tets, state.opened);
     state.figures.parts.strips[round].tets += tets.size();
     state.figures.parts.strips[round].moved += part == task.part() ? 0 : tets.size();
