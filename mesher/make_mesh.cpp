@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "mesher/mesh_run_detail.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom {
 namespace {
@@ -30,6 +31,7 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
                   [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
                     VolumeMesh volume = fill_volume(input, how, runner);
                     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
+                    const TraceSpan span(how.trace, "mesh");
                     if (report.errors.empty()) add_volume(model, std::move(volume), mesh);
                     return report;
                   });

@@ -63,6 +63,8 @@ double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const V
       std::min({distance_to_segment2(x, a, b), distance_to_segment2(x, b, c), distance_to_segment2(x, c, a)}));
 }
 
+std::size_t TriangleTree::pieces(std::size_t triangles) { return (triangles + kBlock - 1) / kBlock; }
+
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
                            const TaskRunner& runner)
     : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {

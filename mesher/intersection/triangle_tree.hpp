@@ -20,6 +20,8 @@ class TriangleTree {
   /// Pre: the indices are valid and the coordinates finite. Errors: Cancelled.
   TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
                const TaskRunner& runner);
+  /// Into how many pieces the work of making a tree of so many triangles is cut.
+  static std::size_t pieces(std::size_t triangles);
 
   /// Calls visit(triangle) for every triangle whose box overlaps `box` (closed), in the tree's own order.
   template <class Visit>

@@ -189,14 +189,24 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
   std::optional<PartSurface> surface;
   std::optional<tets::TriangleIndex> triangles;
   run_on_all(communicator, [&] {
-    cells.emplace(lattice, runner);
+    {
+      const TraceSpan span(request.trace, "cells");
+      cells.emplace(lattice, runner);
+    }
     const double parts = std::round(estimate_tets(*cells) / request.tets_per_part);
     if (!(parts >= 2)) return;
+    const TraceSpan span(request.trace, "boxes");
     decomposition.emplace(*cells, static_cast<std::size_t>(std::min(parts, 1e5)));
-    surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
-    triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
   });
   if (!decomposition) return std::nullopt;
+  run_on_all(communicator, [&] {
+    const TraceSpan span(request.trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
+    surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
+  });
+  run_on_all(communicator, [&] {
+    const TraceSpan span(request.trace, "index of triangles");
+    triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
+  });
   const SharedInput shared{
       input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
   return Filler(shared, communicator, runner, request.trace).run(request.keep_parts || request.communicator);

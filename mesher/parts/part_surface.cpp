@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 
 namespace tetloom::parts {
 
@@ -14,34 +15,37 @@ constexpr std::size_t kBlock = 4096;
 struct PartSurface::Pair {
   PartId part;
   std::uint32_t item;
+  friend auto operator<=>(const Pair&, const Pair&) = default;
 };
 
-// In the order of the items, once each.
-PartSurface::Lists PartSurface::deal(std::span<const std::vector<Pair>> block_to_pairs, std::size_t part_count) const {
-  std::vector<std::vector<std::uint32_t>> part_to_items(part_count);
-  for (const auto& pairs : block_to_pairs)
-    for (const Pair& pair : pairs) part_to_items[pair.part.value].push_back(pair.item);
-  Lists lists;
-  lists.first.push_back(0);
-  for (auto& items : part_to_items) {
-    if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
-    lists.items.insert(lists.items.end(), items.begin(), std::unique(items.begin(), items.end()));
-    lists.first.push_back(static_cast<std::uint32_t>(lists.items.size()));
-    items = {};
-  }
-  return lists;
+std::size_t PartSurface::pieces(const volume::Complex& complex) {
+  return (complex.tri_to_vert.size() + kBlock - 1) / kBlock;
 }
 
 PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
                          double reach, const TaskRunner& runner) {
-  // Blocks find their pairs side by side; they are dealt to the parts in the order of the blocks.
+  // Blocks find their pairs side by side, by part; then each part picks its own from the blocks.
   std::vector<std::vector<Pair>> block_to_pairs;
   const auto collect = [&](std::size_t count, const auto& find) {
     const std::size_t before = block_to_pairs.size();
     block_to_pairs.resize(before + (count + kBlock - 1) / kBlock);
     runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        find(static_cast<std::uint32_t>(i), block_to_pairs[before + begin / kBlock]);
+      std::vector<Pair>& pairs = block_to_pairs[before + begin / kBlock];
+      for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(i), pairs);
+      std::sort(pairs.begin(), pairs.end());
+      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    });
+  };
+  const auto deal = [&](std::vector<std::vector<std::uint32_t>>& part_to_items) {
+    part_to_items.resize(decomposition.part_count());
+    runner.for_each(part_to_items.size(), [&](std::size_t p) {
+      std::vector<std::uint32_t>& items = part_to_items[p];
+      for (const auto& pairs : block_to_pairs) {
+        auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{PartId(p), 0});
+        for (; at != pairs.end() && at->part == PartId(p); ++at) items.push_back(at->item);
+      }
+      if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
+      items.erase(std::unique(items.begin(), items.end()), items.end());
     });
   };
   const auto find_parts = [&](std::uint32_t point, auto&& visit) {
@@ -61,7 +65,7 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
       for (const std::uint32_t other : verts)
         if (owner_of(other) != owner_of(v)) pairs.push_back({owner_of(v), other});
   });
-  points_ = deal(block_to_pairs, decomposition.part_count());
+  deal(part_to_points_);
   block_to_pairs.clear();
   collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, std::vector<Pair>& pairs) {
     const auto& [a, b, c] = complex.tri_to_vert[triangle];
@@ -71,10 +75,15 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
         if (!std::binary_search(known.begin(), known.end(), v)) return;
       pairs.push_back({part, triangle});
     };
-    find_parts(a, add);
-    add(owner_of(b)), add(owner_of(c));  // where that of the first is farther away
+    bool added_b = false, added_c = false;
+    find_parts(a, [&](PartId part) {
+      add(part);
+      added_b |= part == owner_of(b), added_c |= part == owner_of(c);
+    });
+    if (!added_b) add(owner_of(b));  // where that of the first is farther away
+    if (!added_c) add(owner_of(c));
   });
-  triangles_ = deal(block_to_pairs, decomposition.part_count());
+  deal(part_to_triangles_);
 }
 
 }  // namespace tetloom::parts

@@ -18,23 +18,20 @@ class PartSurface {
   PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition, double reach,
               const TaskRunner& runner);
 
-  std::span<const std::uint32_t> points_of(PartId part) const { return slice(points_, part); }        ///< ascending
-  std::span<const std::uint32_t> triangles_of(PartId part) const { return slice(triangles_, part); }  ///< ascending
+  /// Into how many pieces the work on most of the surface is cut.
+  static std::size_t pieces(const volume::Complex& complex);
+
+  std::span<const std::uint32_t> points_of(PartId part) const { return part_to_points_[part.value]; }  ///< ascending
+  std::span<const std::uint32_t> triangles_of(PartId part) const {
+    return part_to_triangles_[part.value];
+  }  ///< ascending
   PartId owner_of(std::uint32_t point) const { return point_to_owner_[point]; }
 
  private:
-  struct Lists {
-    std::vector<std::uint32_t> items, first;  // first: per part, and one past the last
-  };
   struct Pair;
-  Lists deal(std::span<const std::vector<Pair>> block_to_pairs, std::size_t part_count) const;
-  static std::span<const std::uint32_t> slice(const Lists& lists, PartId part) {
-    return std::span(lists.items)
-        .subspan(lists.first[part.value], lists.first[part.value + 1] - lists.first[part.value]);
-  }
 
   std::vector<PartId> point_to_owner_;
-  Lists points_, triangles_;
+  std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
 };
 
 }  // namespace tetloom::parts

@@ -14,6 +14,7 @@
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "threading/agreement.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom::volume {
 
@@ -269,7 +270,11 @@ class ComplexFiller {
 
 FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
                            FillingProgress& progress, const TaskRunner& runner) {
-  return ComplexFiller(input, complex, options, progress, runner).run();
+  std::optional<TraceSpan> span(std::in_place, options.trace, "tree of triangles", runner.threads(),
+                                intersection::TriangleTree::pieces(complex.tri_to_vert.size()));
+  ComplexFiller filler(input, complex, options, progress, runner);
+  span.reset();
+  return filler.run();
 }
 
 FilledComplex fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,

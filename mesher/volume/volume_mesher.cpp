@@ -15,6 +15,7 @@
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "threading/agreement.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom {
 
@@ -217,14 +218,17 @@ void FillingFigures::add(const FillingFigures& other) {
 }
 
 VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  std::optional<TraceSpan> serial(std::in_place, options.trace, "plan");
   check(input, options);
   VolumeMesh mesh;
   try {
     Plan plan;
     make_plan(input, options, runner, plan, mesh);
+    serial.reset();
     take_filled(plan.complexes, fill_here(input, plan, runner), mesh,
                 [&](const Complex& complex, FilledComplex& filled) {
                   if (!filled.filling) return;
+                  const TraceSpan span(options.trace, "numbers of the whole");
                   append_changes(complex, filled, mesh);
                   append(input, complex, std::move(*filled.filling), mesh, runner);
                 });
