@@ -1,6 +1,8 @@
 #include "mesher/parts/borders.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 #include "core/base/mix_bits.hpp"
 #include "mesher/parts/improve_part.hpp"
@@ -38,15 +40,36 @@ std::vector<Placed<std::uint64_t>> name_open_faces(PartState& state) {
   return names;
 }
 
+// Where names stand in a sorted list. Names are hashes: about one of them begins with each number of bits.
+class NamePlaces {
+ public:
+  explicit NamePlaces(const std::vector<std::uint64_t>& names)
+      : names_(names), shift_(64 - std::bit_width(names.size() | 1)), first_((std::size_t{2} << (63 - shift_)) + 1, 0) {
+    for (const std::uint64_t name : names) ++first_[(name >> shift_) + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  }
+
+  // The first place of the name; the number of names where it is not there.
+  std::size_t find(std::uint64_t name) const {
+    const auto begin = names_.begin() + first_[name >> shift_], end = names_.begin() + first_[(name >> shift_) + 1];
+    const auto at = std::find(begin, end, name);
+    return at == end ? names_.size() : static_cast<std::size_t>(at - names_.begin());
+  }
+
+ private:
+  const std::vector<std::uint64_t>& names_;
+  int shift_;
+  std::vector<std::uint32_t> first_;  // of those that begin with so many bits
+};
+
 void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told) {
   std::sort(state.open_names.begin(), state.open_names.end());
+  const NamePlaces places(state.open_names);
   std::vector<std::uint8_t> met(state.open_names.size(), 0);
   for (const auto& names : told) {
     for (const std::uint64_t name : names) {
-      const auto at = std::lower_bound(state.open_names.begin(), state.open_names.end(), name);
-      if (at == state.open_names.end() || *at != name) continue;
-      std::uint8_t& count = met[static_cast<std::size_t>(at - state.open_names.begin())];
-      count = static_cast<std::uint8_t>(std::min(2, count + 1));
+      const std::size_t at = places.find(name);
+      if (at < met.size()) met[at] = static_cast<std::uint8_t>(std::min(2, met[at] + 1));
     }
   }
   for (std::size_t i = 0; i < met.size(); ++i) {
