@@ -130,7 +130,10 @@ class Simulation {
 double divided_seconds(const TaskRecord& record, int workers) {
   if (record.kind == TaskKind::Serial) return record.seconds();
   double sharers = workers;
-  if (record.pieces > 0) sharers = std::min(sharers, static_cast<double>(record.pieces));
+  if (record.pieces > 0) {
+    const auto pieces = static_cast<double>(record.pieces);
+    sharers = pieces / std::ceil(pieces / workers);  // pieces are alike: some workers have one more than others
+  }
   return record.seconds() * record.threads / sharers;
 }
 

@@ -25,7 +25,7 @@ struct Replay {
 /// begins the longest of the steps that wait for nothing any more (of equal ones the earliest step and lowest part). A
 /// message to another part costs `costs`, wherever that part runs. Runs and work outside of schedules follow each
 /// other by their numbers, with a barrier between them. Divisible work takes what all its threads spent on it over
-/// min(workers, pieces). Steps whose sender has no record, as after an error, do not wait for it.
+/// pieces / ceil(pieces / workers). Steps whose sender has no record, as after an error, do not wait for it.
 ///
 /// Where messages cost nothing the result is no longer than work / workers plus the longest chain. Threads that share
 /// caches and memory slow each other down, which is no part of it: traces of one thread give what a machine could do

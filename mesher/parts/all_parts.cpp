@@ -6,6 +6,12 @@
 
 namespace tetloom::parts {
 
+void AllParts::for_each_local(const char* name, const std::function<void(std::size_t)>& body) const {
+  const std::size_t count = states.local().size();
+  const TraceSpan span(trace, name, runner.threads(), count);
+  runner.for_each(count, body);
+}
+
 bool AllParts::any_fault() const {
   std::uint64_t count = 0;
   for (const PartId part : states.local()) count += states.at(part).fault.any();

@@ -1,12 +1,14 @@
 #pragma once
 // All parts at once, between schedules: what the ranks do together.
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mesher/parts/part_state.hpp"
 #include "threading/communicator.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom::parts {
 
@@ -16,7 +18,10 @@ struct AllParts {
   PerPart<PartState>& states;  ///< those of this rank
   Communicator& communicator;
   const TaskRunner& runner;
+  Trace* trace = nullptr;  ///< may be null
 
+  /// Calls body(i) for each part of this rank, side by side; recorded as one loop of this name. Not a collective call.
+  void for_each_local(const char* name, const std::function<void(std::size_t)>& body) const;
   bool any_fault() const;
   std::uint64_t sum(std::uint64_t of_this_rank) const;
   /// As tetloom::exchange.

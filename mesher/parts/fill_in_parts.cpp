@@ -26,7 +26,7 @@ class Filler {
         runner_(runner),
         schedule_(communicator, runner, input.decomposition.part_count(), trace),
         states_(input.decomposition.part_count(), schedule_.local_parts()),
-        parts_{input, states_, communicator, runner} {
+        parts_{input, states_, communicator, runner, trace} {
     for (std::size_t p = 0; p < states_.part_count(); ++p) all_work_ += input.decomposition.work(PartId(p));
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
@@ -44,7 +44,7 @@ class Filler {
     const HandsOn what = keep_parts ? HandsOn::TetsAndTriangles : HandsOn::Tets;
     HandedOn handed_on = hand_on_parts(parts_, what);
     if (!keep_parts) {
-      result.filling = put_together(input_.filling.complex.points, std::move(handed_on), runner_);
+      result.filling = put_together(parts_, std::move(handed_on));
       return result;
     }
     result.parts = std::move(handed_on.parts);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "core/base/page_size.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 #include "threading/agreement.hpp"
 
@@ -59,8 +60,7 @@ class Numberer {
       begin = end;
     }
     run_on_all(all_.communicator, [&] {
-      all_.runner.for_each(part_to_answers.size(),
-                           [&](std::size_t i) { take_numbers(parts_.local()[i], part_to_answers[i]); });
+      all_.for_each_local("take numbers", [&](std::size_t i) { take_numbers(parts_.local()[i], part_to_answers[i]); });
     });
   }
 
@@ -73,7 +73,7 @@ class Numberer {
   std::vector<Message> find_used() {
     const auto local = parts_.local();
     std::vector<std::vector<Message>> part_to_messages(local.size());
-    all_.runner.for_each(local.size(), [&](std::size_t i) { part_to_messages[i] = find_used_by(local[i]); });
+    all_.for_each_local("find used", [&](std::size_t i) { part_to_messages[i] = find_used_by(local[i]); });
     std::vector<Message> messages;
     for (auto& list : part_to_messages) std::move(list.begin(), list.end(), std::back_inserter(messages));
     return messages;
@@ -110,19 +110,23 @@ class Numberer {
 
   // By maker, then in the order in which they were made; behind the points of the complex.
   void number_made() {
-    std::vector<std::uint64_t> counts;
-    for (const PartId part : parts_.local()) {
-      const auto& made = numberings_.at(part).made;
-      counts.push_back(
-          static_cast<std::uint64_t>(std::ranges::count_if(made, [](auto number) { return number != kUnused; })));
-    }
+    const auto local = parts_.local();
+    std::vector<std::uint64_t> counts(local.size());
+    run_on_all(all_.communicator, [&] {
+      all_.for_each_local("count points", [&](std::size_t i) {
+        counts[i] = static_cast<std::uint64_t>(
+            std::ranges::count_if(numberings_.at(local[i]).made, [](auto number) { return number != kUnused; }));
+      });
+    });
     first_.assign(1, given_);
     for (const std::uint64_t count : all_.gather<std::uint64_t>(counts)) first_.push_back(first_.back() + count);
-    for (const PartId part : parts_.local()) {
-      std::uint64_t next = first_[part.value];
-      for (std::uint64_t& number : numberings_.at(part).made)
-        if (number != kUnused) number = next++;
-    }
+    run_on_all(all_.communicator, [&] {
+      all_.for_each_local("number points", [&](std::size_t i) {
+        std::uint64_t next = first_[local[i].value];
+        for (std::uint64_t& number : numberings_.at(local[i]).made)
+          if (number != kUnused) number = next++;
+      });
+    });
   }
 
   // The question becomes its answer.
@@ -273,7 +277,7 @@ VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
 }
 
 // A part writes the points that it made itself; then come those that others have, and the surface's.
-void write_points(const HandedOn& handed_on, std::span<Vec3> points, const TaskRunner& runner) {
+void write_points(const AllParts& all, const HandedOn& handed_on, std::span<Vec3> points) {
   const auto write = [&](std::size_t i, bool own) {
     const VolumePart& part = handed_on.parts[i];
     const std::uint64_t begin = handed_on.first_new[i];
@@ -283,7 +287,7 @@ void write_points(const HandedOn& handed_on, std::span<Vec3> points, const TaskR
       if ((begin <= number && number < end) == own) points[number] = part.points[v];
     }
   };
-  runner.for_each(handed_on.parts.size(), [&](std::size_t i) { write(i, true); });
+  all.for_each_local("write points", [&](std::size_t i) { write(i, true); });
   for (std::size_t i = 0; i < handed_on.parts.size(); ++i) write(i, false);
 }
 
@@ -293,9 +297,8 @@ HandedOn hand_on_parts(const AllParts& all, HandsOn what) {
   const auto local = all.states.local();
   PerPart<Leaving> leaving(all.states.part_count(), local);
   run_on_all(all.communicator, [&] {
-    all.runner.for_each(local.size(), [&](std::size_t i) {
-      leaving.at(local[i]) = take_leave(all.input, all.states.at(local[i]), what);
-    });
+    all.for_each_local(
+        "leave", [&](std::size_t i) { leaving.at(local[i]) = take_leave(all.input, all.states.at(local[i]), what); });
   });
   Numberer numberer(all, leaving);
   numberer.run();
@@ -304,34 +307,41 @@ HandedOn hand_on_parts(const AllParts& all, HandsOn what) {
   for (const PartId part : local) result.first_new.push_back(numberer.first_of(part.value));
   result.parts.resize(local.size());
   run_on_all(all.communicator, [&] {
-    all.runner.for_each(local.size(),
-                        [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
+    all.for_each_local("hand on",
+                       [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
   });
   return result;
 }
 
-volume::Filling put_together(std::span<const Vec3> given, HandedOn&& handed_on, const TaskRunner& runner) {
+volume::Filling put_together(const AllParts& all, HandedOn&& handed_on) {
+  const std::span<const Vec3> given = all.input.filling.complex.points;
   if (given.size() + handed_on.new_points >= kNone) throw std::bad_alloc();
   volume::Filling filling;
   filling.points.reserve(given.size() + handed_on.new_points);
+  want_huge_pages(std::span(filling.points.data(), filling.points.capacity()));
   filling.points.assign(given.begin(), given.end());
   filling.points.resize(given.size() + handed_on.new_points);
-  write_points(handed_on, filling.points, runner);
+  write_points(all, handed_on, filling.points);
   std::size_t tets = 0;
   for (const VolumePart& part : handed_on.parts) tets += part.tet_to_region.size();
   filling.tet_to_vert.reserve(tets);
   filling.tet_to_region.reserve(tets);
+  want_huge_pages(std::span(filling.tet_to_vert.data(), tets));
+  want_huge_pages(std::span(filling.tet_to_region.data(), tets));
   for (VolumePart& part : handed_on.parts) {
     part.points.release();
     const std::size_t first = filling.tet_to_vert.size(), count = part.tet_to_region.size();
     filling.tet_to_vert.resize(first + count);
-    runner.for_blocks(count, kTetsPerTask, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tet = begin; tet < end; ++tet)
+    filling.tet_to_region.resize(first + count);
+    const TraceSpan span(all.trace, "put together", all.runner.threads(), (count + kTetsPerTask - 1) / kTetsPerTask);
+    all.runner.for_blocks(count, kTetsPerTask, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tet = begin; tet < end; ++tet) {
         for (std::size_t i = 0; i < 4; ++i)
           filling.tet_to_vert[first + tet][i] =
               static_cast<std::uint32_t>(part.vert_to_number[part.tet_to_vert[4 * tet + i]]);
+        filling.tet_to_region[first + tet] = part.tet_to_region[tet];
+      }
     });
-    filling.tet_to_region.insert(filling.tet_to_region.end(), part.tet_to_region.begin(), part.tet_to_region.end());
     part = VolumePart();
   }
   return filling;

@@ -19,6 +19,6 @@ HandedOn hand_on_parts(const AllParts& all, HandsOn what);
 
 /// All tets, those of each part together, over the given points and then the new ones. The parts are freed one by one
 /// while the whole grows. Pre: these are all parts. Errors: OutOfMemory; Cancelled.
-volume::Filling put_together(std::span<const Vec3> given, HandedOn&& handed_on, const TaskRunner& runner);
+volume::Filling put_together(const AllParts& all, HandedOn&& handed_on);
 
 }  // namespace tetloom::parts

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <numeric>
 #include <random>
+#include <span>
 #include <vector>
+
+#include "core/base/page_size.hpp"
 
 using namespace tetloom;
 
@@ -130,4 +133,13 @@ TEST_CASE("appending grows by a half at least, so that many appends are cheap") 
     if (std::exchange(capacity, array.capacity()) != array.capacity()) ++moves;
   }
   CHECK(moves < 40);
+}
+
+TEST_CASE("a wish for huge pages leaves the storage as it is") {
+  std::vector<std::uint32_t> values(3 << 20);
+  std::iota(values.begin(), values.end(), 7u);
+  for (const std::size_t count : {std::size_t{0}, std::size_t{5}, std::size_t{1} << 19, values.size() - 3})
+    want_huge_pages(std::span(values).subspan(3, count));
+  for (std::uint32_t i = 0; i < values.size(); ++i)
+    if (values[i] != i + 7) FAIL("it has changed");
 }

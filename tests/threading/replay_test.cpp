@@ -112,6 +112,7 @@ TEST_CASE("runs follow each other, and work between them is serial or divided") 
   CHECK(seconds_of(records, 64) == Approx(8 + 12.0 / 64));
   records.back().pieces = 3;
   CHECK(seconds_of(records, 64) == Approx(8 + 4));
+  CHECK(seconds_of(records, 2) == Approx(8 + 8));  // one of the two has two pieces
   CHECK(replay_tasks(records, 64).work == Approx(8 + 2 + 12));
 }
 
