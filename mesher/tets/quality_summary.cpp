@@ -32,6 +32,7 @@ QualitySummary summarize(WorkingMesh& mesh, double goal) {
   summary.least = std::cbrt(double{least});
   double count = 0;
   for (std::size_t bin = 0; bin <= kBins; ++bin) {
+    if (histogram[bin] == 0) continue;
     summary.mean += histogram[bin] * std::cbrt((static_cast<double>(bin) + 0.5) / kBins);
     count += histogram[bin];
   }
