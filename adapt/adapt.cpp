@@ -1,0 +1,252 @@
+#include "adapt/adapt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "adapt/metric/background.hpp"
+#include "adapt/parts/whole_mesh.hpp"
+#include "core/base/stopwatch.hpp"
+#include "mesher/volume/model_projector.hpp"
+
+namespace tetloom {
+
+namespace {
+
+using namespace adapt;
+
+constexpr double kTetsPerPart = 1e5;
+constexpr double kTetsPerComplexity = 10;
+constexpr std::size_t kGrain = std::size_t{1} << 12;
+constexpr std::size_t kMostStages = 40;
+constexpr std::size_t kMostRounds = 12;  // at the metric itself
+constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
+
+// What is done to each part in one round.
+using Work = std::function<void(Passes&)>;
+
+void follow(Passes& passes) {
+  passes.split_edges(1.8), passes.swap(0.6), passes.smooth(0.95);
+  passes.split_edges(1.6), passes.collapse_edges(0.6), passes.swap(0.6), passes.smooth(0.95);
+}
+
+void approach(Passes& passes) {
+  passes.split_edges(1.6), passes.swap(0.7), passes.smooth(0.95);
+  passes.collapse_edges(kShortest), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(0.95);
+}
+
+void finish(Passes& passes) {
+  passes.collapse_edges(kShortest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(0.95);
+}
+
+class Adapter {
+ public:
+  Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function, const AdaptOptions& options,
+          const TaskRunner& runner)
+      : mesh_(mesh), function_(function), options_(options), runner_(runner), whole_(make_whole_mesh(mesh, runner)) {
+    // Tets may have been turned when they were linked.
+    tets_.resize(whole_.size());
+    for (std::size_t tet = 0; tet < tets_.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets_[tet].begin());
+    const TetView view{whole_.points.span(), tets_};
+    implied_ = implied_metric(view, runner);
+    background_.emplace(view, metric, runner);
+  }
+
+  void run(AdaptResult& result) {
+    double ratio = 2;
+    for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
+      if (refinement() <= ratio) break;
+      round(ratio, follow);
+    }
+    round(HUGE_VAL, approach);
+    double best = 0;
+    for (std::size_t i = 0; i < kMostRounds; ++i) {
+      round(HUGE_VAL, finish);
+      const double unit = unit_share();
+      if (i >= 3 && unit < best + 5e-4) break;
+      best = std::max(best, unit);
+    }
+    result.mesh = make_mesh_of(whole_, mesh_);
+    transfer(result.mesh);
+    result.report.operations = counts_;
+    result.report.rounds = rounds_;
+    result.report.most_parts = most_parts_;
+  }
+
+  MetricField metric_of_result() const {
+    MetricField metric;
+    for (const VertexMetric& m : whole_.to_metric) metric.logs.push_back(log(m.tensor));
+    return metric;
+  }
+
+ private:
+  // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
+  double refinement() {
+    const MetricStage stage(*background_, implied_, function_, 1);
+    const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
+    std::vector<double> most(blocks, 0);
+    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        std::uint32_t hint = whole_.to_hint[v];
+        most[begin / kGrain] = std::max(most[begin / kGrain], stage.refinement_at(whole_.points[v], hint));
+        whole_.to_hint[v] = hint;
+      }
+    });
+    return *std::max_element(most.begin(), most.end());
+  }
+
+  // One round at a stage of the metric.
+  void round(double ratio, const Work& work) {
+    const MetricStage stage(*background_, implied_, function_, ratio);
+    runner_.for_blocks(whole_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        std::uint32_t hint = whole_.to_hint[v];
+        const Tensor tensor = stage.at(whole_.points[v], hint);
+        whole_.to_metric[v] = {tensor, det(tensor)};
+        whole_.to_hint[v] = hint;
+      }
+    });
+    const std::vector<float> to_work = work_per_tet();
+    double all = 0;
+    for (const float one : to_work) all += double{one};
+    const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part : kTetsPerPart;
+    const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
+    most_parts_ = std::max(most_parts_, parts);
+    const auto to_part = deal_tets(whole_, to_work, parts, rounds_++, runner_);
+    std::mutex mutex;  // of the counts
+    const PassOptions pass_options{options_.quality_floor};
+    const auto adapt_part = [&](CavityMesh& part) {
+      const tets::SurfaceProjector project =
+          options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
+      Passes passes(part, stage, project, pass_options, runner_);
+      work(passes);
+      const std::lock_guard lock(mutex);
+      counts_.add(passes.counts());
+    };
+    adapt_in_parts(whole_, to_part, to_work, parts, adapt_part, runner_);
+  }
+
+  // About how many tets it will become.
+  std::vector<float> work_per_tet() const {
+    std::vector<float> to_work(whole_.size());
+    runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        const std::uint32_t* v = &whole_.to_vert[tet * 4];
+        const Vec3& x = whole_.points[v[0]];
+        const double volume = dot(cross(whole_.points[v[1]] - x, whole_.points[v[2]] - x), whole_.points[v[3]] - x) / 6;
+        double density = 0;
+        for (int i = 0; i < 4; ++i) density += 0.25 * std::sqrt(whole_.to_metric[v[i]].det);
+        to_work[tet] = static_cast<float>(0.3 + kTetsPerComplexity * volume * density);
+      }
+    });
+    return to_work;
+  }
+
+  double unit_share() const {
+    const std::size_t blocks = (whole_.size() + kGrain - 1) / kGrain;
+    std::vector<std::array<std::size_t, 2>> counts(blocks, {0, 0});
+    runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      auto& [unit, all] = counts[begin / kGrain];
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        for (int i = 0; i < 4; ++i) {
+          for (int j = 0; j < i; ++j) {
+            const std::uint32_t a = whole_.to_vert[tet * 4 + i], b = whole_.to_vert[tet * 4 + j];
+            const double length = edge_length(whole_.to_metric[a].tensor, whole_.to_metric[b].tensor,
+                                              whole_.points[b] - whole_.points[a]);
+            unit += length >= kShortest && length <= kLongest;
+            ++all;
+          }
+        }
+      }
+    });
+    std::array<std::size_t, 2> sum{};
+    for (const auto& [unit, all] : counts) sum[0] += unit, sum[1] += all;
+    return static_cast<double>(sum[0]) / static_cast<double>(std::max<std::size_t>(1, sum[1]));
+  }
+
+  void transfer(Mesh& mesh) const {
+    if (options_.transfer.empty()) return;
+    const auto places = background_->locate(mesh.points, runner_);
+    for (const std::string& name : options_.transfer) {
+      const auto at = std::find_if(mesh_.point_fields.begin(), mesh_.point_fields.end(),
+                                   [&](const MeshField& field) { return field.name == name; });
+      mesh.point_fields.push_back(background_->interpolate(*at, places, runner_));
+    }
+  }
+
+  const Mesh& mesh_;
+  const MetricFunction& function_;
+  const AdaptOptions& options_;
+  const TaskRunner& runner_;
+  WholeMesh whole_;
+  std::vector<TetVerts> tets_;
+  std::vector<Tensor> implied_;
+  std::optional<BackgroundMesh> background_;
+  PassCounts counts_;
+  std::size_t rounds_ = 0, most_parts_ = 0;
+};
+
+void check_options(const Mesh& mesh, const AdaptOptions& options) {
+  const auto refuse = [](const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); };
+  if (!(options.quality_floor >= 0 && options.quality_floor < 1)) refuse("the quality floor must be in [0, 1)");
+  if (options.gradation != 0 && !(options.gradation > 1)) refuse("the gradation must be above 1, or 0 for none");
+  if (options.threads < 0) refuse("the number of threads must not be negative");
+  if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
+  for (const std::string& name : options.transfer) {
+    const bool known = std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(),
+                                   [&](const MeshField& field) { return field.name == name; });
+    if (!known) refuse("the mesh has no point field \"" + name + "\" to transfer");
+  }
+}
+
+template <class Run>
+AdaptResult guarded(const Run& run) {
+  AdaptResult result;
+  Stopwatch watch;
+  try {
+    run(result);
+    result.status = AdaptStatus::Ok;
+  } catch (const Error& error) {
+    result.errors.push_back(error.diagnostic());
+    result.status = error.code() == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
+    result.mesh = Mesh();
+  } catch (const std::bad_alloc&) {
+    result.errors.push_back(Diagnostic{ErrorCode::OutOfMemory, "not enough memory to adapt the mesh", {}, {}, {}});
+    result.mesh = Mesh();
+  }
+  result.report.seconds = watch.lap();
+  return result;
+}
+
+AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
+                     const AdaptOptions& options, const Host& host) {
+  return guarded([&](AdaptResult& result) {
+    check_options(mesh, options);
+    const TaskRunner runner(options.threads, host);
+    MetricField metric = given ? *given : metric_from_function(function, mesh.points, runner);
+    if (metric.size() != mesh.points.size())
+      throw Error(ErrorCode::InvalidArgument, "the metric has " + std::to_string(metric.size()) + " values for " +
+                                                  std::to_string(mesh.points.size()) + " points");
+    if (options.gradation > 0 && given) {
+      const TetView view{mesh.points, mesh.tet_to_vert};
+      limit_gradation(metric, mesh.points, VertexGraph(view, runner), options.gradation, runner);
+    }
+    result.report.before = measure_conformity(mesh, metric, runner);
+    Adapter adapter(mesh, metric, function, options, runner);
+    adapter.run(result);
+    result.report.after = measure_conformity(result.mesh, adapter.metric_of_result(), runner);
+  });
+}
+
+}  // namespace
+
+AdaptResult adapt_mesh(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options, const Host& host) {
+  return adapt_to(mesh, &metric, {}, options, host);
+}
+
+AdaptResult adapt_mesh(const Mesh& mesh, const std::function<Tensor(const Vec3&)>& metric, const AdaptOptions& options,
+                       const Host& host) {
+  return adapt_to(mesh, nullptr, metric, options, host);
+}
+
+}  // namespace tetloom

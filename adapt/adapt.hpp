@@ -1,0 +1,81 @@
+#pragma once
+// From a mesh and a metric to a mesh whose edges have length 1 in that metric: the one header that a host includes.
+//
+// Coarsening, refinement, swaps and motion, each iterated (Li, Shephard & Beall 2005), all of them made of one operator
+// on cavities (adapt/kernel). The mesh is led to the metric in stages, and dealt to parts anew for every round, each of
+// which is changed by its own task but for what it shares with others; the sides of parts lie elsewhere in every round.
+//
+// Contract: as for mesher.hpp. The mesh depends on the input and the options, and not on the number of threads.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "adapt/kernel/passes.hpp"
+#include "adapt/metric/metric_field.hpp"
+#include "core/base/error.hpp"
+#include "core/geometry/model.hpp"
+#include "core/mesh/mesh.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom {
+
+struct AdaptOptions {
+  double quality_floor = 0.1;  ///< mean ratio in the metric; no collapse, swap or motion makes a tet worse than this,
+                               ///< unless it replaces worse ones
+  double gradation = 0;        ///< > 1: sizes grow by at most this factor over an edge of unit length; 0: as given
+  const GeometricModel* model = nullptr;  ///< new vertices of the boundary are led to it; null: boundaries stay as they
+                                          ///< are, and only what lies in planes and on straight edges is changed
+  std::vector<std::string> transfer;      ///< point fields to be carried over
+  int threads = 0;                        ///< 0: all cores that the process may use
+  double tets_per_part = 0;               ///< 0: as it sees fit
+};
+
+/// How well a mesh fits a metric. Lengths and mean ratios in the metric (UGAWG's definitions: a tet's metric is that of
+/// the corner where its determinant is largest).
+struct MetricConformity {
+  std::size_t edges = 0;
+  double unit = 0;         ///< share of edges with a length in [1/sqrt 2, sqrt 2]
+  double half_to_two = 0;  ///< share of those in [1/2, 2]
+  double shortest = 0, longest = 0;
+  double least_quality = 0, mean_quality = 0;
+  std::array<std::size_t, 10> quality_histogram{};  ///< by tenths
+  double complexity = 0;                            ///< the integral of sqrt(det M)
+};
+
+struct AdaptReport {
+  MetricConformity before, after;
+  adapt::PassCounts operations;
+  std::size_t rounds = 0;
+  std::size_t most_parts = 0;  ///< of any round
+  double seconds = 0;
+};
+
+enum class AdaptStatus { Ok, Failed, Cancelled };
+
+struct AdaptResult {
+  AdaptStatus status = AdaptStatus::Failed;
+  Mesh mesh;  ///< empty unless Ok
+  AdaptReport report;
+  std::vector<Diagnostic> errors;
+};
+
+/// Adapts `mesh`, of tets alone, which stays as it is, to `metric`, one per point. Every face of its boundary, and
+/// between its regions, must be a triangle that names a model face.
+///
+/// Errors are in the result: InvalidArgument for options out of range and a metric of another length; InputUnsuitable
+/// with a place for meshes that cannot be adapted; Cancelled; OutOfMemory.
+/// Thread safety: may be called from any thread, several calls at once.
+AdaptResult adapt_mesh(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
+                       const Host& host = {});
+
+/// The same with the metric at any place, called from many threads at once. It must be symmetric positive definite.
+AdaptResult adapt_mesh(const Mesh& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
+                       const AdaptOptions& options, const Host& host = {});
+
+/// How well `mesh` fits `metric`, one per point. Pre: sizes fit.
+MetricConformity measure_conformity(const Mesh& mesh, const adapt::MetricField& metric,
+                                    const BlockLoop& loop = serial_loop());
+
+}  // namespace tetloom

@@ -1,0 +1,442 @@
+#include "adapt/kernel/cavity_mesh.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "core/base/hilbert.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+constexpr float kDead = 2;
+
+}  // namespace
+
+double CavityMesh::quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+  const Vec3 &x = point(a), p = point(b) - x, q = point(c) - x, r = point(d) - x;
+  const double volume = dot(cross(p, q), r);
+  if (!(volume > 0)) return 0;
+  const VertexMetric* metric = &to_metric[a];
+  if (to_metric[b].det > metric->det) metric = &to_metric[b];
+  if (to_metric[c].det > metric->det) metric = &to_metric[c];
+  if (to_metric[d].det > metric->det) metric = &to_metric[d];
+  const Tensor& m = metric->tensor;
+  // Over all pairs of four points, |xi - xj|^2 sums up to 4 sum |xi - x0|^2 - |sum (xi - x0)|^2.
+  const double squares = 4 * (dot(m, p) + dot(m, q) + dot(m, r)) - dot(m, p + q + r);
+  return 432 * volume * volume * metric->det / tets::cube(squares);
+}
+
+double CavityMesh::length_of(std::uint32_t a, std::uint32_t b) const {
+  return edge_length(to_metric[a].tensor, to_metric[b].tensor, point(b) - point(a));
+}
+
+void CavityMesh::add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const {
+  cavity.tets.push_back(tet);
+  cavity.corners.push_back(corners);
+  cavity.least = std::min(cavity.least, double{to_quality[tet]});
+}
+
+bool CavityMesh::collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const {
+  cavity.core_size = static_cast<std::uint32_t>(core.size());
+  std::copy(core.begin(), core.end(), cavity.core.begin());
+  cavity.tets.clear(), cavity.corners.clear(), cavity.surface.clear();
+  cavity.least = kDead;
+  if (slot_.size() < mesh.size()) slot_.resize(std::max(mesh.size(), slot_.size() + slot_.size() / 8), 0);
+  return core.size() == 1   ? collect_ball(tet, cavity)
+         : core.size() == 2 ? collect_shell(tet, cavity)
+                            : collect_few(tet, cavity);
+}
+
+bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
+  const auto has = [&](std::uint32_t t) {
+    const std::uint32_t slot = slot_[t];
+    return slot < cavity.tets.size() && cavity.tets[slot] == t;
+  };
+  const auto add = [&](std::uint32_t t) {
+    slot_[t] = static_cast<std::uint32_t>(cavity.tets.size());
+    cavity.tets.push_back(t);
+    __builtin_prefetch(&mesh.to_vert[std::size_t{t} * 4]);
+    __builtin_prefetch(&mesh.to_neighbor[std::size_t{t} * 4]);
+    __builtin_prefetch(&to_quality[t]);
+  };
+  add(tet);
+  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
+    if (cavity.tets.size() > Cavity::kMostTets) return false;
+    const std::uint32_t here = cavity.tets[i];
+    const std::uint32_t own = corner_of(here, cavity.core[0]);
+    cavity.corners.push_back({static_cast<std::uint8_t>(own)});
+    cavity.least = std::min(cavity.least, double{to_quality[here]});
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      if (j == own) continue;
+      const FaceCode face = here * 4 + j, behind = mesh.to_neighbor[face];
+      if (mesh.is_fixed(face) && (behind == kNone || face < behind)) cavity.surface.push_back(face);
+      if (behind != kNone && !has(behind / 4)) add(behind / 4);
+    }
+  }
+  return true;
+}
+
+// Turns around the edge, and from the start the other way round where something lies at it.
+bool CavityMesh::collect_shell(std::uint32_t tet, Cavity& cavity) const {
+  const auto [a, b] = std::pair(cavity.core[0], cavity.core[1]);
+  std::array<std::uint32_t, 2> start{};  // the corners beside those of the edge
+  for (std::uint32_t j = 0, n = 0; j < 4; ++j) {
+    const std::uint32_t v = verts(tet)[j];
+    if (v != a && v != b) start[n++] = j;
+  }
+  const auto corners_in = [&](std::uint32_t t) {
+    return std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(corner_of(t, a)),
+                                       static_cast<std::uint8_t>(corner_of(t, b))};
+  };
+  add_to(cavity, tet, corners_in(tet));
+  for (int way = 0; way < 2; ++way) {
+    std::uint32_t here = tet, leaving = start[way], staying = start[1 - way];
+    for (;;) {
+      const FaceCode face = here * 4 + leaving, behind = mesh.to_neighbor[face];
+      if (mesh.is_fixed(face)) cavity.surface.push_back(behind == kNone ? face : std::min(face, behind));
+      if (behind == kNone) break;
+      const std::uint32_t next = behind / 4;
+      if (next == tet) return true;
+      if (cavity.tets.size() == Cavity::kMostTets) return false;
+      const std::uint32_t kept = verts(here)[staying];
+      add_to(cavity, next, corners_in(next));
+      here = next;
+      // Out through the face opposite to the vertex that both tets have beside the edge.
+      leaving = corner_of(next, kept);
+      staying = behind % 4;
+    }
+  }
+  return true;
+}
+
+bool CavityMesh::collect_few(std::uint32_t tet, Cavity& cavity) const {
+  const auto corners_in = [&](std::uint32_t t) {
+    std::array<std::uint8_t, 4> corners{4, 4, 4, 4};
+    for (std::uint32_t k = 0; k < cavity.core_size; ++k)
+      corners[k] = static_cast<std::uint8_t>(corner_of(t, cavity.core[k]));
+    return corners;
+  };
+  add_to(cavity, tet, corners_in(tet));
+  if (cavity.core_size == 4) return true;
+  for (std::uint32_t j = 0; j < 4; ++j) {
+    if (cavity.is_core(verts(tet)[j])) continue;
+    const FaceCode face = tet * 4 + j, behind = mesh.to_neighbor[face];
+    if (mesh.is_fixed(face)) cavity.surface.push_back(behind == kNone ? face : std::min(face, behind));
+    if (behind != kNone) add_to(cavity, behind / 4, corners_in(behind / 4));
+  }
+  return true;
+}
+
+std::uint32_t CavityMesh::find_edge(std::uint32_t a, std::uint32_t b, Cavity& scratch) const {
+  const std::uint32_t tet = vert_to_tet[a];
+  if (tet == kNone) return kNone;
+  if (corner_of(tet, b) < 4) return tet;
+  if (!collect(std::span(&a, 1), tet, scratch)) return kNone;
+  for (const std::uint32_t t : scratch.tets)
+    if (corner_of(t, b) < 4) return t;
+  return kNone;
+}
+
+double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const {
+  double least = kDead;
+  made.assign(cavity.tets.size() * cavity.core_size, kDead);
+  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
+    const std::uint32_t* old = verts(cavity.tets[i]);
+    const bool is_core = cavity.is_core(p);
+    if (!is_core && (old[0] == p || old[1] == p || old[2] == p || old[3] == p)) continue;
+    for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+      std::array<std::uint32_t, 4> v{old[0], old[1], old[2], old[3]};
+      v[cavity.corners[i][k]] = p;
+      const double quality = quality_of(v[0], v[1], v[2], v[3]);
+      made[i * cavity.core_size + k] = static_cast<float>(quality);
+      least = std::min(least, quality);
+      if (!(least > goal)) return least;
+    }
+  }
+  return least;
+}
+
+void CavityMesh::stamp(const Cavity& cavity) const {
+  for (std::uint32_t i = 0; i < cavity.tets.size(); ++i) slot_[cavity.tets[i]] = i;
+}
+
+bool CavityMesh::is_sound(const Cavity& cavity, std::uint32_t p) const {
+  stamp(cavity);
+  // A triangle must not come to lie on another one.
+  for (const FaceCode face : cavity.surface) {
+    const auto corners = tets::verts_of(mesh, face);
+    if (std::find(corners.begin(), corners.end(), p) != corners.end()) continue;
+    for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+      Triangle verts = corners;
+      std::replace(verts.begin(), verts.end(), cavity.core[k], p);
+      if (surface.find(verts)) return false;
+    }
+    // Nothing but a triangle where a tet vanishes: there must be a tet to have it.
+    for (const FaceCode side : {face, mesh.to_neighbor[face]}) {
+      if (side == kNone) continue;
+      const std::uint32_t tet = side / 4;
+      if (corner_of(tet, p) == 4) continue;
+      for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+        const FaceCode outer = tet * 4 + cavity.corners[slot_[tet]][k];
+        if (mesh.is_fixed(outer) || mesh.to_neighbor[outer] == kNone) return false;
+      }
+    }
+  }
+  return true;
+}
+
+void CavityMesh::change_surface(const Cavity& cavity, std::uint32_t p) {
+  std::vector<SurfaceTriangle> made;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  // of model edges at a core of one
+  for (const FaceCode face : cavity.surface) {
+    const auto corners = tets::verts_of(mesh, face);
+    const SurfaceTriangle* found = surface.find(corners);
+    const SurfaceTriangle old = *found;
+    if (cavity.core_size == 1) {
+      for (const std::uint32_t v : corners) {
+        if (v == cavity.core[0]) continue;
+        const std::uint32_t edge = surface.find_edge(cavity.core[0], v);
+        if (edge == kNone) continue;
+        surface.remove_edge(cavity.core[0], v);
+        if (v != p) ends.emplace_back(v, edge);
+      }
+    }
+    surface.remove(corners);
+    if (std::find(corners.begin(), corners.end(), p) != corners.end()) continue;
+    for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+      SurfaceTriangle triangle = old;
+      std::replace(triangle.verts.begin(), triangle.verts.end(), cavity.core[k], p);
+      made.push_back(triangle);
+    }
+  }
+  for (const SurfaceTriangle& triangle : made) surface.add(triangle);
+  for (const auto& [v, edge] : ends) surface.add_edge(p, v, edge);
+  if (cavity.core_size != 2) return;
+  const std::uint32_t edge = surface.find_edge(cavity.core[0], cavity.core[1]);
+  if (edge == kNone) return;
+  surface.remove_edge(cavity.core[0], cavity.core[1]);
+  surface.add_edge(cavity.core[0], p, edge);
+  surface.add_edge(cavity.core[1], p, edge);
+}
+
+void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made) {
+  const std::size_t count = cavity.tets.size();
+  const std::uint32_t size = cavity.core_size;
+  stamp(cavity);
+  if (!cavity.surface.empty()) change_surface(cavity, p);
+  old_verts_.resize(count), old_behind_.resize(count), ids_.resize(count), old_fixed_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t tet = cavity.tets[i];
+    for (std::size_t j = 0; j < 4; ++j) {
+      old_verts_[i][j] = mesh.to_vert[tet * 4 + j];
+      old_behind_[i][j] = mesh.to_neighbor[tet * 4 + j];
+    }
+    old_fixed_[i] = mesh.to_fixed[tet];
+  }
+  const auto corner_in = [&](std::size_t i, std::uint32_t v) {
+    const auto& verts = old_verts_[i];
+    return verts[0] == v ? 0u : verts[1] == v ? 1u : verts[2] == v ? 2u : verts[3] == v ? 3u : 4u;
+  };
+  // Those that stay take the places of their tets, further ones those of tets that vanish, then new places.
+  std::vector<std::uint32_t>& free = free_;
+  free.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (corner_in(i, p) < 4) {
+      free.push_back(cavity.tets[i]);
+      ids_[i][0] = kNone;
+    }
+  }
+  std::size_t next_free = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (corner_in(i, p) < 4) continue;
+    ids_[i][0] = cavity.tets[i];
+    for (std::uint32_t k = 1; k < size; ++k) ids_[i][k] = next_free < free.size() ? free[next_free++] : take_tet();
+  }
+  const auto set_fixed = [&](FaceCode face) { mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4); };
+  const auto link = [&](FaceCode face, FaceCode behind, bool fixed) {
+    mesh.to_neighbor[face] = behind;
+    if (behind != kNone) mesh.to_neighbor[behind] = face;
+    if (fixed) {
+      set_fixed(face);
+      if (behind != kNone) set_fixed(behind);
+    }
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ids_[i][0] == kNone) continue;
+    for (std::uint32_t k = 0; k < size; ++k) {
+      const std::uint32_t tet = ids_[i][k];
+      for (std::size_t j = 0; j < 4; ++j) mesh.to_vert[std::size_t{tet} * 4 + j] = old_verts_[i][j];
+      mesh.to_vert[std::size_t{tet} * 4 + cavity.corners[i][k]] = p;
+      mesh.to_region[tet] = mesh.to_region[cavity.tets[i]];
+      mesh.to_fixed[tet] = 0;
+      to_quality[tet] = made[i * size + k];
+      for (std::size_t j = 0; j < 4; ++j) {
+        const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + j];
+        vert_to_tet[v] = tet, to_settled[v] = 0;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool vanishes = ids_[i][0] == kNone;
+    unsigned in_core = 0;
+    for (std::uint32_t k = 0; k < size; ++k) in_core |= 1u << cavity.corners[i][k];
+    if (vanishes) {
+      // A triangle behind which nothing lies passes to what was behind the tet.
+      const std::uint32_t apex = corner_in(i, p);
+      if (old_behind_[i][apex] == kNone) {
+        for (std::uint32_t k = 0; k < size; ++k) {
+          const FaceCode outer = old_behind_[i][cavity.corners[i][k]];
+          link(outer, kNone, true);
+          for (const std::uint8_t c : tets::kFaceVerts[outer % 4]) vert_to_tet[verts(outer / 4)[c]] = outer / 4;
+        }
+      }
+      continue;
+    }
+    for (std::uint32_t k = 0; k < size; ++k) {
+      const std::uint32_t base = ids_[i][k] * 4, own = cavity.corners[i][k];
+      link(base + own, old_behind_[i][own], (old_fixed_[i] >> own & 1) != 0);
+      for (std::uint32_t other = 0; other < size; ++other)
+        if (other != k) mesh.to_neighbor[base + cavity.corners[i][other]] = ids_[i][other] * 4 + own;
+      for (std::uint32_t j = 0; j < 4; ++j) {
+        if (in_core >> j & 1) continue;
+        const bool fixed = (old_fixed_[i] >> j & 1) != 0;
+        const FaceCode behind = old_behind_[i][j];
+        if (behind == kNone) {
+          link(base + j, kNone, fixed);
+          continue;
+        }
+        const std::uint32_t slot = slot_[behind / 4];
+        if (ids_[slot][0] != kNone) {
+          mesh.to_neighbor[base + j] = ids_[slot][k] * 4 + behind % 4;
+          if (fixed) set_fixed(base + j);
+          continue;
+        }
+        const std::uint32_t outer = cavity.corners[slot][k];
+        link(base + j, old_behind_[slot][outer], fixed || (old_fixed_[slot] >> outer & 1) != 0);
+      }
+    }
+  }
+  for (; next_free < free.size(); ++next_free) drop_tet(free[next_free]);
+  if (size == 1 && cavity.core[0] != p) vert_to_tet[cavity.core[0]] = kNone;
+}
+
+void CavityMesh::start() {
+  vert_to_tet.resize(mesh.points.size());
+  to_quality.resize_for_overwrite(mesh.size());
+  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
+    const std::uint32_t* v = verts(tet);
+    for (std::size_t j = 0; j < 4; ++j) vert_to_tet[v[j]] = tet;
+    to_quality[tet] = static_cast<float>(quality_of(v[0], v[1], v[2], v[3]));
+  }
+}
+
+std::uint32_t CavityMesh::take_tet() {
+  if (first_dead_ != kNone) {
+    const std::uint32_t tet = first_dead_;
+    first_dead_ = mesh.to_neighbor[std::size_t{tet} * 4];
+    return tet;
+  }
+  const std::size_t tet = mesh.size();
+  mesh.to_vert.resize_for_overwrite((tet + 1) * 4);
+  mesh.to_neighbor.resize_for_overwrite((tet + 1) * 4);
+  mesh.to_region.push_back(kNone);
+  mesh.to_fixed.push_back(0);
+  to_quality.push_back(kDead);
+  return static_cast<std::uint32_t>(tet);
+}
+
+void CavityMesh::drop_tet(std::uint32_t tet) {
+  mesh.to_vert[std::size_t{tet} * 4] = kNone;
+  mesh.to_neighbor[std::size_t{tet} * 4] = first_dead_;
+  mesh.to_fixed[tet] = 0;
+  to_quality[tet] = kDead;
+  first_dead_ = tet;
+}
+
+std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint) {
+  mesh.points.push_back(x);
+  to_metric.push_back({metric, det(metric)});
+  to_entity.push_back(entity);
+  vert_to_tet.push_back(kNone);
+  to_hint.push_back(hint);
+  to_frozen.push_back(0);
+  to_settled.push_back(0);
+  return static_cast<std::uint32_t>(mesh.points.size() - 1);
+}
+
+std::vector<std::uint32_t> CavityMesh::renumber() {
+  Box3 box;
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+    if (vert_to_tet[v] != kNone) box.add(mesh.points[v]);
+  const Vec3 extent = box.hi - box.lo;
+  const double scale = ((1 << kHilbertBits) - 1) / std::max({extent.x, extent.y, extent.z, 1e-300});
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+    if (vert_to_tet[v] == kNone) continue;
+    const Vec3 x = scale * (mesh.points[v] - box.lo);
+    order.emplace_back(
+        hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)), v);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> to_new(mesh.points.size(), kNone), from;
+  from.reserve(order.size());
+  for (const auto& [key, v] : order) to_new[v] = static_cast<std::uint32_t>(from.size()), from.push_back(v);
+  const auto permute = [](auto& array, std::span<const std::uint32_t> sources) {
+    auto result = std::remove_reference_t<decltype(array)>();
+    result.reserve(sources.size() + sources.size() / 4);
+    for (const std::uint32_t source : sources) result.push_back(array[source]);
+    array = std::move(result);
+  };
+  permute(mesh.points, from), permute(to_metric, from), permute(to_entity, from), permute(to_hint, from);
+  permute(to_frozen, from), permute(to_settled, from);
+  vert_to_tet.resize(from.size());
+  surface.renumber(to_new);
+  const std::vector<std::uint32_t> vert_sources = from;
+  // Tets stand by their lowest vertices.
+  order.clear();
+  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
+    if (mesh.is_dead(tet)) continue;
+    std::array<std::uint32_t, 4> v;
+    for (std::size_t j = 0; j < 4; ++j) v[j] = mesh.to_vert[std::size_t{tet} * 4 + j] = to_new[verts(tet)[j]];
+    std::sort(v.begin(), v.end());
+    order.emplace_back(std::uint64_t{v[0]} << 32 | v[1], tet);
+  }
+  std::sort(order.begin(), order.end());
+  from.clear();
+  to_new.assign(mesh.size(), kNone);
+  for (const auto& [key, tet] : order) to_new[tet] = static_cast<std::uint32_t>(from.size()), from.push_back(tet);
+  GrowingArray<std::uint32_t> to_vert, to_neighbor;
+  to_vert.reserve(from.size() * 5), to_neighbor.reserve(from.size() * 5);
+  for (const std::uint32_t tet : from) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + j];
+      to_vert.push_back(verts(tet)[j]);
+      to_neighbor.push_back(behind == kNone ? kNone : to_new[behind / 4] * 4 + behind % 4);
+    }
+  }
+  mesh.to_vert = std::move(to_vert), mesh.to_neighbor = std::move(to_neighbor);
+  permute(mesh.to_region, from), permute(mesh.to_fixed, from), permute(to_quality, from);
+  first_dead_ = kNone;
+  slot_.clear();
+  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet)
+    for (std::size_t j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
+  return vert_sources;
+}
+
+void CavityMesh::set_metric(std::uint32_t v, const Tensor& metric) { to_metric[v] = {metric, det(metric)}; }
+
+void CavityMesh::drop_last_vertex() {
+  const std::size_t count = mesh.points.size() - 1;
+  mesh.points.resize(count), to_metric.resize(count), to_entity.resize(count);
+  vert_to_tet.resize(count), to_hint.resize(count), to_frozen.resize(count), to_settled.resize(count);
+}
+
+void CavityMesh::refresh_qualities(std::span<const std::uint32_t> list) {
+  for (const std::uint32_t tet : list) {
+    const std::uint32_t* v = verts(tet);
+    to_quality[tet] = static_cast<float>(quality_of(v[0], v[1], v[2], v[3]));
+  }
+}
+
+}  // namespace tetloom::adapt

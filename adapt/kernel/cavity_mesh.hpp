@@ -1,0 +1,125 @@
+#pragma once
+// The mesh of one part while it is adapted, and the one operation that changes its topology.
+//
+// An operation is a *core* of one to four vertices that a simplex of the mesh has, the *cavity* of all tets that have
+// it, and a point p. Each tet of the cavity gives one tet for each vertex of the core, with p in that vertex's place;
+// those that would have p twice vanish. With core and p as below this is
+//   {a}           b a neighbour   collapse of a into b        {a}        p = a, elsewhere   motion
+//   {a, b}        new             split of an edge            {a, b}     c on its ring      edge swap
+//   {a, b, c}     new             a point in a face           {a, b, c}  an apex            face swap 2-3
+//   {a, b, c, d}  new             a point in a tet
+// Triangles of the surface and pieces of model edges that have the core change in the same way. So all of them are one
+// piece of code: what fills the cavity anew is the star of p (the cavity operator of Loseille & Lohner 2010, here with
+// cavities that follow from the core, so that links follow by counting, without a search).
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adapt/kernel/metric_stage.hpp"
+#include "adapt/kernel/surface_map.hpp"
+#include "core/part/part_mesh.hpp"
+#include "mesher/tets/tet_mesh.hpp"
+#include "mesher/tets/tet_quality.hpp"
+
+namespace tetloom::adapt {
+
+using tets::FaceCode;
+using tets::TetMesh;
+
+struct VertexMetric {
+  Tensor tensor;
+  double det = 0;
+};
+
+/// The tets that have a core.
+struct Cavity {
+  static constexpr std::size_t kMostTets = 256;
+
+  std::array<std::uint32_t, 4> core;
+  std::uint32_t core_size = 0;
+  std::vector<std::uint32_t> tets;
+  std::vector<std::array<std::uint8_t, 4>> corners;  ///< of each tet, where the vertices of the core are in it
+  std::vector<FaceCode> surface;  ///< fixed faces that have the core, of those with tets on both sides the lower code
+  double least = 2;               ///< cubed quality of the worst tet
+
+  bool is_core(std::uint32_t vert) const {
+    for (std::uint32_t k = 0; k < core_size; ++k)
+      if (core[k] == vert) return true;
+    return false;
+  }
+};
+
+/// Cubed qualities of what an operation would make, in the order tet · core vertex; 2 for what vanishes.
+using MadeQualities = std::vector<float>;
+
+class CavityMesh {
+ public:
+  TetMesh mesh;
+  GrowingArray<float> to_quality;           ///< cubed quality of each tet in the metric; 2 for dead ones
+  GrowingArray<VertexMetric> to_metric;     ///< per vertex
+  GrowingArray<PackedEntity> to_entity;     ///< per vertex: what it is classified on
+  GrowingArray<std::uint32_t> vert_to_tet;  ///< a tet that has the vertex; kNone: none has
+  GrowingArray<std::uint32_t> to_hint;      ///< per vertex: for the metric's source
+  GrowingArray<std::uint8_t> to_frozen;     ///< per vertex: it stays, and so do all triangles and edges it has
+  GrowingArray<std::uint8_t> to_settled;    ///< per vertex: motion has found its place, and nothing beside changed
+  SurfaceMap surface;
+
+  const Vec3& point(std::uint32_t v) const { return mesh.points[v]; }
+  const std::uint32_t* verts(std::uint32_t tet) const { return &mesh.to_vert[std::size_t{tet} * 4]; }
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vert) const {
+    const std::uint32_t* v = verts(tet);
+    return v[0] == vert ? 0 : v[1] == vert ? 1 : v[2] == vert ? 2 : v[3] == vert ? 3 : 4;
+  }
+  int dim_of(std::uint32_t v) const {
+    const ModelEntity entity = to_entity[v].unpack();
+    return entity.valid() ? entity.dim : 3;
+  }
+
+  /// Cubed mean ratio in the metric of the vertex at which the metric's determinant is largest; 0 where inverted.
+  double quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const;
+  double length_of(std::uint32_t a, std::uint32_t b) const;
+
+  /// Fills `cavity` with the tets that have `core`. False where it has too many. Pre: `tet` has the core.
+  bool collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const;
+  /// A tet that has the edge; kNone where the mesh has no such edge.
+  std::uint32_t find_edge(std::uint32_t a, std::uint32_t b, Cavity& scratch) const;
+
+  /// The worst cubed quality of what `p` in the place of the core would make; something not above `goal` as soon as
+  /// that is certain. `made` is filled as far as it got.
+  double evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const;
+  /// Whether surface and mesh would remain manifold where p takes the place of the core.
+  bool is_sound(const Cavity& cavity, std::uint32_t p) const;
+  /// Carries it out. Pre: evaluate > 0 with these `made`, is_sound. The core loses p's cavity: vertices of a core of
+  /// one have no tets any more.
+  void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made);
+
+  std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);
+  void set_metric(std::uint32_t v, const Tensor& metric);
+  void drop_last_vertex();
+  /// Vertices along a Hilbert curve, tets by their lowest vertices; what is dead is dropped. Returns, of each vertex,
+  /// the number that it had.
+  std::vector<std::uint32_t> renumber();
+  /// Computes `to_quality` and `vert_to_tet`, when all else is there.
+  void start();
+  void refresh_qualities(std::span<const std::uint32_t> tets);
+
+ private:
+  bool collect_ball(std::uint32_t tet, Cavity& cavity) const;
+  bool collect_shell(std::uint32_t tet, Cavity& cavity) const;
+  bool collect_few(std::uint32_t tet, Cavity& cavity) const;
+  void add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const;
+  void stamp(const Cavity& cavity) const;
+  std::uint32_t take_tet();
+  void drop_tet(std::uint32_t tet);
+  void change_surface(const Cavity& cavity, std::uint32_t p);
+
+  std::uint32_t first_dead_ = kNone;
+  mutable std::vector<std::uint32_t> slot_;  // of a tet in the last cavity
+  // Scratch of reconnect.
+  std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
+  std::vector<std::uint8_t> old_fixed_;
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace tetloom::adapt

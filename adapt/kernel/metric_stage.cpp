@@ -1,0 +1,75 @@
+#include "adapt/kernel/metric_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetloom::adapt {
+
+namespace {
+
+// B = S T S with S symmetric.
+Tensor between(const Tensor& s, const Tensor& t) {
+  const Vec3 x = t * Vec3{s.xx, s.xy, s.xz}, y = t * Vec3{s.xy, s.yy, s.yz}, z = t * Vec3{s.xz, s.yz, s.zz};
+  const auto row = [&](const Vec3& v) { return s * v; };
+  const Vec3 a = row(x), b = row(y), c = row(z);
+  return {a.x, 0.5 * (a.y + b.x), b.y, 0.5 * (a.z + c.x), 0.5 * (b.z + c.y), c.z};
+}
+
+// The metric in which the tet is regular with edges of length 1: with the edges e1, e2, e3 from one corner and those of
+// such a tet in the columns of R, M = transpose(R inverse(E)) (R inverse(E)).
+Tensor implied_by(const Vec3& e1, const Vec3& e2, const Vec3& e3) {
+  const double det = dot(cross(e1, e2), e3);
+  const Vec3 g1 = cross(e2, e3) / det, g2 = cross(e3, e1) / det, g3 = cross(e1, e2) / det;
+  // transpose(R) R has 1 on its diagonal and 1/2 beside it.
+  const Vec3 sum = g1 + g2 + g3;
+  return 0.5 * (outer(g1) + outer(g2) + outer(g3) + outer(sum));
+}
+
+}  // namespace
+
+Tensor MetricStage::asked_at(const Vec3& x, const BackgroundPlace& place) const {
+  return function_ ? function_(x) : exp(background_.log_metric_at(place));
+}
+
+Tensor MetricStage::implied_log_at(const BackgroundPlace& place) const {
+  const TetVerts& tet = background_.mesh().tets[place.tet];
+  Tensor sum;
+  for (std::size_t i = 0; i < 4; ++i) sum += place.weights[i] * implied_[tet[i]];
+  return sum;
+}
+
+Tensor MetricStage::at(const Vec3& x, std::uint32_t& hint) const {
+  if (function_ && !std::isfinite(ratio_)) return function_(x);
+  const BackgroundPlace place = background_.locate(x, hint);
+  hint = place.tet;
+  const Tensor asked = asked_at(x, place);
+  if (!std::isfinite(ratio_)) return asked;
+  const Tensor half = 0.5 * implied_log_at(place);
+  const double most = ratio_ * ratio_;
+  const Tensor ratios = between(exp(-1 * half), asked);
+  if (trace(ratios) <= most) return asked;
+  return between(exp(half), map_eigenvalues(ratios, [&](double value) { return std::min(value, most); }));
+}
+
+double MetricStage::refinement_at(const Vec3& x, std::uint32_t& hint) const {
+  const BackgroundPlace place = background_.locate(x, hint);
+  hint = place.tet;
+  return std::sqrt(eigen(between(exp(-0.5 * implied_log_at(place)), asked_at(x, place))).values[2]);
+}
+
+std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop&) {
+  std::vector<Tensor> logs(mesh.points.size());
+  std::vector<double> volumes(mesh.points.size(), 0);
+  for (const TetVerts& v : mesh.tets) {
+    const Vec3 &x = mesh.points[v[0]], e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x,
+               e3 = mesh.points[v[3]] - x;
+    const double volume = std::abs(dot(cross(e1, e2), e3));
+    const Tensor logarithm = log(implied_by(e1, e2, e3));
+    for (const std::uint32_t vert : v) logs[vert] += volume * logarithm, volumes[vert] += volume;
+  }
+  for (std::size_t v = 0; v < logs.size(); ++v)
+    if (volumes[v] > 0) logs[v] *= 1 / volumes[v];
+  return logs;
+}
+
+}  // namespace tetloom::adapt

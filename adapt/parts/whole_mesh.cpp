@@ -1,0 +1,194 @@
+#include "adapt/parts/whole_mesh.hpp"
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "mesher/tets/find_triangles.hpp"
+#include "mesher/tets/link_tets.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& message, const Vec3& point, std::uint64_t element) {
+  throw Error(Diagnostic{ErrorCode::InputUnsuitable, message, {}, point, {element}});
+}
+
+void check_cells(const Mesh& mesh) {
+  if (!mesh.pyramid_to_vert.empty() || !mesh.prism_to_vert.empty() || !mesh.hex_to_vert.empty())
+    throw Error(ErrorCode::InputUnsuitable, "only meshes of tetrahedra are adapted; this one has other cells as well");
+  if (!mesh.quad_to_vert.empty())
+    throw Error(ErrorCode::InputUnsuitable,
+                "only triangles may bound a mesh that is adapted; this one has quadrilaterals");
+  if (mesh.tet_to_vert.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
+  if (mesh.tet_to_vert.size() >= CellPlace::kMaxTets)
+    throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
+}
+
+class Builder {
+ public:
+  Builder(const Mesh& mesh, const TaskRunner& runner) : mesh_(mesh), runner_(runner) {}
+
+  WholeMesh run() {
+    check_cells(mesh_);
+    link();
+    find_triangles();
+    find_edges();
+    classify();
+    WholeMesh whole;
+    whole.to_hint.resize(tets_.points.size(), kNone);
+    whole.to_metric.resize(tets_.points.size());
+    whole.points = std::move(tets_.points);
+    whole.to_entity = std::move(to_entity_);
+    whole.to_vert = std::move(tets_.to_vert), whole.to_neighbor = std::move(tets_.to_neighbor);
+    whole.to_region = std::move(tets_.to_region);
+    whole.triangles = std::move(triangles_), whole.edges = std::move(edges_);
+    return whole;
+  }
+
+ private:
+  void link() {
+    tets_.points = GrowingArray<Vec3>(std::span<const Vec3>(mesh_.points));
+    const tets::Fault fault = tets::link_tets(tets_, mesh_.tet_to_vert, mesh_.tri_to_vert, runner_);
+    if (fault.any()) {
+      Diagnostic diagnostic{ErrorCode::InputUnsuitable, fault.message, {}, fault.point, {}};
+      diagnostic.elements.assign(fault.triangles.begin(), fault.triangles.end());
+      throw Error(std::move(diagnostic));
+    }
+    for (std::size_t tet = 0; tet < tets_.size(); ++tet) tets_.to_region[tet] = mesh_.tet_to_entity[tet];
+  }
+
+  // Every triangle with its tets; every face of the hull, and between regions, must be a triangle.
+  void find_triangles() {
+    const tets::TriangleIndex index(mesh_.tri_to_vert, mesh_.points.size());
+    triangles_.resize(mesh_.tri_to_vert.size());
+    for (FaceCode face = 0; face < tets_.to_neighbor.size(); ++face) {
+      const FaceCode behind = tets_.to_neighbor[face];
+      const std::uint32_t tet = face / 4;
+      const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
+      if (!between && !tets_.is_fixed(face)) continue;
+      if (behind != kNone && behind < face) continue;
+      const Triangle verts = tets::verts_of(tets_, face);
+      const auto* found = index.find(tets::sorted(verts));
+      if (!found || mesh_.tri_to_entity[found->triangle] == kNone)
+        refuse(behind == kNone ? "a face of the mesh's boundary has no triangle that names its model face"
+                               : "two regions meet in a face without a triangle that names its model face",
+               tets_.points[verts[0]], tet);
+      triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
+                                     {tet, behind == kNone ? kNone : behind / 4}};
+    }
+    std::erase_if(triangles_, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
+  }
+
+  // Pieces of model edges: those that the mesh has, and edges where two model faces meet without one.
+  void find_edges() {
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < mesh_.edge_to_vert.size(); ++i) {
+      const auto [a, b] = mesh_.edge_to_vert[i];
+      edges_.push_back({{std::min(a, b), std::max(a, b)}, mesh_.edge_to_entity[i]});
+      if (edges_.back().edge != kNone) next = std::max(next, edges_.back().edge + 1);
+    }
+    next = std::max<std::uint32_t>(next, static_cast<std::uint32_t>(mesh_.entities[1].size()));
+    std::sort(edges_.begin(), edges_.end());
+    struct Use {
+      std::array<std::uint32_t, 2> verts;
+      std::uint32_t face;
+      auto operator<=>(const Use&) const = default;
+    };
+    std::vector<Use> uses;
+    for (const LinkedTriangle& t : triangles_) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = t.triangle.verts[i], b = t.triangle.verts[(i + 1) % 3];
+        uses.push_back({{std::min(a, b), std::max(a, b)}, t.triangle.face});
+      }
+    }
+    std::sort(uses.begin(), uses.end());
+    std::map<std::vector<std::uint32_t>, std::uint32_t> names;  // of edges by the faces that meet there
+    std::vector<ModelEdgePiece> found;
+    for (std::size_t i = 0; i < uses.size();) {
+      std::size_t end = i;
+      std::vector<std::uint32_t> faces;
+      for (; end < uses.size() && uses[end].verts == uses[i].verts; ++end) faces.push_back(uses[end].face);
+      const bool is_edge = faces.size() != 2 || faces[0] != faces[1];
+      const auto at = std::lower_bound(edges_.begin(), edges_.end(), ModelEdgePiece{uses[i].verts, 0});
+      const bool known = at != edges_.end() && at->verts == uses[i].verts && at->edge != kNone;
+      if (known) {
+        found.push_back(*at);
+      } else if (is_edge) {
+        const auto [name, is_new] = names.emplace(faces, next);
+        next += is_new;
+        found.push_back({uses[i].verts, name->second});
+      }
+      i = end;
+    }
+    edges_ = std::move(found);
+  }
+
+  // What every point lies on: corners where model edges end or meet, then edges, faces and regions.
+  void classify() {
+    to_entity_.resize(tets_.points.size());
+    for (std::size_t tet = 0; tet < tets_.size(); ++tet)
+      for (std::size_t i = 0; i < 4; ++i)
+        to_entity_[tets_.to_vert[tet * 4 + i]] = PackedEntity(ModelEntity(3, tets_.to_region[tet]));
+    for (const LinkedTriangle& t : triangles_)
+      for (const std::uint32_t v : t.triangle.verts) to_entity_[v] = PackedEntity(ModelEntity(2, t.triangle.face));
+    std::vector<std::uint8_t> pieces(tets_.points.size(), 0);
+    std::vector<std::uint8_t> corner(tets_.points.size(), 0);
+    for (const ModelEdgePiece& piece : edges_) {
+      for (const std::uint32_t v : piece.verts) {
+        const PackedEntity edge(ModelEntity(1, piece.edge));
+        if (pieces[v] > 0 && to_entity_[v] != edge) corner[v] = 1;
+        pieces[v] = static_cast<std::uint8_t>(std::min(3, pieces[v] + 1));
+        to_entity_[v] = edge;
+      }
+    }
+    std::uint32_t next = static_cast<std::uint32_t>(mesh_.entities[0].size());
+    for (const ModelEntity& entity : mesh_.point_to_entity)
+      if (entity.valid() && entity.dim == 0) next = std::max(next, entity.index + 1);
+    for (std::uint32_t v = 0; v < pieces.size(); ++v) {
+      const ModelEntity given = v < mesh_.point_to_entity.size() ? mesh_.point_to_entity[v] : ModelEntity();
+      if (given.valid() && given.dim == 0) {
+        to_entity_[v] = PackedEntity(given);
+      } else if (corner[v] != 0 || pieces[v] == 1 || pieces[v] > 2) {
+        to_entity_[v] = PackedEntity(ModelEntity(0, next++));
+      }
+    }
+  }
+
+  const Mesh& mesh_;
+  const TaskRunner& runner_;
+  TetMesh tets_;
+  std::vector<LinkedTriangle> triangles_;
+  std::vector<ModelEdgePiece> edges_;
+  GrowingArray<PackedEntity> to_entity_;
+};
+
+}  // namespace
+
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
+
+Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
+  Mesh mesh;
+  mesh.points.assign(whole.points.begin(), whole.points.end());
+  mesh.point_to_entity.reserve(whole.points.size());
+  for (const PackedEntity entity : whole.to_entity) mesh.point_to_entity.push_back(entity.unpack());
+  for (const ModelEdgePiece& piece : whole.edges) {
+    mesh.edge_to_vert.push_back(piece.verts);
+    mesh.edge_to_entity.push_back(piece.edge);
+  }
+  for (const LinkedTriangle& t : whole.triangles) {
+    mesh.tri_to_vert.push_back(t.triangle.verts);
+    mesh.tri_to_entity.push_back(t.triangle.face);
+  }
+  mesh.tet_to_vert.resize(whole.size());
+  for (std::size_t tet = 0; tet < whole.size(); ++tet)
+    std::copy_n(&whole.to_vert[tet * 4], 4, mesh.tet_to_vert[tet].begin());
+  mesh.tet_to_entity.assign(whole.to_region.begin(), whole.to_region.end());
+  mesh.face_to_sides = source.face_to_sides;
+  mesh.entities = source.entities;
+  return mesh;
+}
+
+}  // namespace tetloom::adapt
