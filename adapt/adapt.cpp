@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/whole_mesh.hpp"
@@ -20,23 +19,25 @@ constexpr double kTetsPerComplexity = 10;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
+constexpr double kWorthARound = 0.003;   // of the share of unit edges
+constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
 constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
 
 // What is done to each part in one round.
 using Work = std::function<void(Passes&)>;
 
 void follow(Passes& passes) {
-  passes.split_edges(1.8), passes.swap(0.6), passes.smooth(0.95);
-  passes.split_edges(1.6), passes.collapse_edges(0.6), passes.swap(0.6), passes.smooth(0.95);
+  passes.split_edges(1.8), passes.swap(0.6), passes.smooth(kMovable);
+  passes.split_edges(1.6), passes.collapse_edges(0.6), passes.swap(0.6), passes.smooth(kMovable);
 }
 
 void approach(Passes& passes) {
-  passes.split_edges(1.6), passes.swap(0.7), passes.smooth(0.95);
-  passes.collapse_edges(kShortest), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(0.95);
+  passes.split_edges(1.6), passes.swap(0.7), passes.smooth(kMovable);
+  passes.collapse_edges(kShortest), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(kMovable);
 }
 
 void finish(Passes& passes) {
-  passes.collapse_edges(kShortest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(0.95);
+  passes.collapse_edges(kShortest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
 }
 
 class Adapter {
@@ -63,7 +64,7 @@ class Adapter {
     for (std::size_t i = 0; i < kMostRounds; ++i) {
       round(HUGE_VAL, finish);
       const double unit = unit_share();
-      if (i >= 3 && unit < best + 5e-4) break;
+      if (i >= 2 && unit < best + kWorthARound) break;
       best = std::max(best, unit);
     }
     result.mesh = make_mesh_of(whole_, mesh_);
@@ -102,6 +103,10 @@ class Adapter {
       for (std::size_t v = begin; v < end; ++v) {
         std::uint32_t hint = whole_.to_hint[v];
         const Tensor tensor = stage.at(whole_.points[v], hint);
+        // Where the stage asks for something else than the last one, everything is looked at again.
+        if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
+        // Where the stage asks for something else than the last one, everything is looked at again.
+        if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
         whole_.to_metric[v] = {tensor, det(tensor)};
         whole_.to_hint[v] = hint;
       }
@@ -113,17 +118,17 @@ class Adapter {
     const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
     most_parts_ = std::max(most_parts_, parts);
     const auto to_part = deal_tets(whole_, to_work, parts, rounds_++, runner_);
-    std::mutex mutex;  // of the counts
+    std::vector<PassCounts> counts(parts);
     const PassOptions pass_options{options_.quality_floor};
-    const auto adapt_part = [&](CavityMesh& part) {
+    const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
       const tets::SurfaceProjector project =
           options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
       Passes passes(part, stage, project, pass_options, runner_);
       work(passes);
-      const std::lock_guard lock(mutex);
-      counts_.add(passes.counts());
+      counts[number] = passes.counts();
     };
     adapt_in_parts(whole_, to_part, to_work, parts, adapt_part, runner_);
+    for (const PassCounts& part : counts) counts_.add(part);
   }
 
   // About how many tets it will become.
@@ -136,7 +141,7 @@ class Adapter {
         const double volume = dot(cross(whole_.points[v[1]] - x, whole_.points[v[2]] - x), whole_.points[v[3]] - x) / 6;
         double density = 0;
         for (int i = 0; i < 4; ++i) density += 0.25 * std::sqrt(whole_.to_metric[v[i]].det);
-        to_work[tet] = static_cast<float>(0.3 + kTetsPerComplexity * volume * density);
+        to_work[tet] = static_cast<float>(0.7 + kTetsPerComplexity * volume * density);
       }
     });
     return to_work;

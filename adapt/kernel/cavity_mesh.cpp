@@ -140,10 +140,10 @@ std::uint32_t CavityMesh::find_edge(std::uint32_t a, std::uint32_t b, Cavity& sc
 
 double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const {
   double least = kDead;
-  made.assign(cavity.tets.size() * cavity.core_size, kDead);
+  made.resize(cavity.tets.size() * cavity.core_size);
+  const bool is_core = cavity.is_core(p);
   for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
     const std::uint32_t* old = verts(cavity.tets[i]);
-    const bool is_core = cavity.is_core(p);
     if (!is_core && (old[0] == p || old[1] == p || old[2] == p || old[3] == p)) continue;
     for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
       std::array<std::uint32_t, 4> v{old[0], old[1], old[2], old[3]};
@@ -273,7 +273,7 @@ void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQual
       to_quality[tet] = made[i * size + k];
       for (std::size_t j = 0; j < 4; ++j) {
         const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + j];
-        vert_to_tet[v] = tet, to_settled[v] = 0;
+        vert_to_tet[v] = tet, to_state[v] |= kChanged | kUnsettled;
       }
     }
   }
@@ -361,11 +361,11 @@ std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, Packed
   vert_to_tet.push_back(kNone);
   to_hint.push_back(hint);
   to_frozen.push_back(0);
-  to_settled.push_back(0);
+  to_state.push_back(kChanged | kUnsettled);
   return static_cast<std::uint32_t>(mesh.points.size() - 1);
 }
 
-std::vector<std::uint32_t> CavityMesh::renumber() {
+std::vector<std::uint32_t> CavityMesh::renumber(bool along_curve) {
   Box3 box;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
     if (vert_to_tet[v] != kNone) box.add(mesh.points[v]);
@@ -374,11 +374,15 @@ std::vector<std::uint32_t> CavityMesh::renumber() {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
     if (vert_to_tet[v] == kNone) continue;
+    if (!along_curve) {
+      order.emplace_back(v, v);
+      continue;
+    }
     const Vec3 x = scale * (mesh.points[v] - box.lo);
     order.emplace_back(
         hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)), v);
   }
-  std::sort(order.begin(), order.end());
+  if (along_curve) std::sort(order.begin(), order.end());
   std::vector<std::uint32_t> to_new(mesh.points.size(), kNone), from;
   from.reserve(order.size());
   for (const auto& [key, v] : order) to_new[v] = static_cast<std::uint32_t>(from.size()), from.push_back(v);
@@ -389,7 +393,7 @@ std::vector<std::uint32_t> CavityMesh::renumber() {
     array = std::move(result);
   };
   permute(mesh.points, from), permute(to_metric, from), permute(to_entity, from), permute(to_hint, from);
-  permute(to_frozen, from), permute(to_settled, from);
+  permute(to_frozen, from), permute(to_state, from);
   vert_to_tet.resize(from.size());
   surface.renumber(to_new);
   const std::vector<std::uint32_t> vert_sources = from;
@@ -400,9 +404,9 @@ std::vector<std::uint32_t> CavityMesh::renumber() {
     std::array<std::uint32_t, 4> v;
     for (std::size_t j = 0; j < 4; ++j) v[j] = mesh.to_vert[std::size_t{tet} * 4 + j] = to_new[verts(tet)[j]];
     std::sort(v.begin(), v.end());
-    order.emplace_back(std::uint64_t{v[0]} << 32 | v[1], tet);
+    order.emplace_back(along_curve ? std::uint64_t{v[0]} << 32 | v[1] : tet, tet);
   }
-  std::sort(order.begin(), order.end());
+  if (along_curve) std::sort(order.begin(), order.end());
   from.clear();
   to_new.assign(mesh.size(), kNone);
   for (const auto& [key, tet] : order) to_new[tet] = static_cast<std::uint32_t>(from.size()), from.push_back(tet);
@@ -429,7 +433,7 @@ void CavityMesh::set_metric(std::uint32_t v, const Tensor& metric) { to_metric[v
 void CavityMesh::drop_last_vertex() {
   const std::size_t count = mesh.points.size() - 1;
   mesh.points.resize(count), to_metric.resize(count), to_entity.resize(count);
-  vert_to_tet.resize(count), to_hint.resize(count), to_frozen.resize(count), to_settled.resize(count);
+  vert_to_tet.resize(count), to_hint.resize(count), to_frozen.resize(count), to_state.resize(count);
 }
 
 void CavityMesh::refresh_qualities(std::span<const std::uint32_t> list) {

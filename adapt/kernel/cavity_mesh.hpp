@@ -32,6 +32,13 @@ struct VertexMetric {
   double det = 0;
 };
 
+/// Bits of a vertex's state. Where nothing has changed, what was refused before is not asked again.
+enum VertexState : std::uint8_t {
+  kChanged = 1,     ///< in this round, a tet at it was replaced, or it moved far
+  kHasChanged = 2,  ///< the same in the round before
+  kUnsettled = 4    ///< it may move: a tet at it was replaced, or another vertex of one moved far
+};
+
 /// The tets that have a core.
 struct Cavity {
   static constexpr std::size_t kMostTets = 256;
@@ -62,7 +69,7 @@ class CavityMesh {
   GrowingArray<std::uint32_t> vert_to_tet;  ///< a tet that has the vertex; kNone: none has
   GrowingArray<std::uint32_t> to_hint;      ///< per vertex: for the metric's source
   GrowingArray<std::uint8_t> to_frozen;     ///< per vertex: it stays, and so do all triangles and edges it has
-  GrowingArray<std::uint8_t> to_settled;    ///< per vertex: motion has found its place, and nothing beside changed
+  GrowingArray<std::uint8_t> to_state;      ///< per vertex: what has changed at it, as VertexState
   SurfaceMap surface;
 
   const Vec3& point(std::uint32_t v) const { return mesh.points[v]; }
@@ -79,6 +86,11 @@ class CavityMesh {
   /// Cubed mean ratio in the metric of the vertex at which the metric's determinant is largest; 0 where inverted.
   double quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const;
   double length_of(std::uint32_t a, std::uint32_t b) const;
+  /// Whether anything has changed at a vertex of the tet, in this round or the one before.
+  bool is_active(std::uint32_t tet) const {
+    const std::uint32_t* v = verts(tet);
+    return ((to_state[v[0]] | to_state[v[1]] | to_state[v[2]] | to_state[v[3]]) & (kChanged | kHasChanged)) != 0;
+  }
 
   /// Fills `cavity` with the tets that have `core`. False where it has too many. Pre: `tet` has the core.
   bool collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const;
@@ -97,9 +109,10 @@ class CavityMesh {
   std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);
   void set_metric(std::uint32_t v, const Tensor& metric);
   void drop_last_vertex();
-  /// Vertices along a Hilbert curve, tets by their lowest vertices; what is dead is dropped. Returns, of each vertex,
+  /// Drops what is dead; `along_curve`: vertices then stand along a Hilbert curve, tets by their lowest vertices,
+  /// otherwise all stay in their order. Returns, of each vertex,
   /// the number that it had.
-  std::vector<std::uint32_t> renumber();
+  std::vector<std::uint32_t> renumber(bool along_curve);
   /// Computes `to_quality` and `vert_to_tet`, when all else is there.
   void start();
   void refresh_qualities(std::span<const std::uint32_t> tets);

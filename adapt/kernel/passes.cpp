@@ -14,7 +14,7 @@ using tets::cube;
 using tets::verts_of;
 
 constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-constexpr double kMoved = 0.03;  // unsettles what is beside
+constexpr double kMoved = 0.1;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125;
 constexpr double kGain = 1.0001;
 constexpr double kFlat = 1 - 1e-10;
@@ -114,7 +114,7 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
     const double least = mesh_.evaluate(cavity_, p, floor, made_);
     if (least > floor) {
       mesh_.set_metric(p, metric);
-      mesh_.evaluate(cavity_, p, 0, made_);
+      mesh_.evaluate(cavity_, p, -1, made_);
       mesh_.reconnect(cavity_, p, made_);
       return Verdict::Done;
     }
@@ -130,6 +130,7 @@ std::size_t Passes::split_edges(double longest) {
   const auto size = static_cast<std::uint32_t>(mesh_.mesh.size());
   for (std::uint32_t tet = 0; tet < size; ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
+    if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
     for (int attempt = 0; attempt < 4 && !mesh_.mesh.is_dead(tet); ++attempt) {
       Edge edge{};
       if (!longest_edge(tet, limit, edge)) break;
@@ -258,7 +259,7 @@ Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
   if (target == kNone) return verdict;
   const std::uint32_t from = target == b ? a : b;
   mesh_.collect(std::span(&from, 1), mesh_.vert_to_tet[from], cavity_);
-  mesh_.evaluate(cavity_, target, 0, made_);
+  mesh_.evaluate(cavity_, target, -1, made_);
   mesh_.reconnect(cavity_, target, made_);
   return Verdict::Done;
 }
@@ -266,7 +267,7 @@ Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
 std::size_t Passes::collapse_edges(double shortest) {
   std::vector<Edge> edges;
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
-    if (mesh_.mesh.is_dead(tet)) continue;
+    if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
     const std::uint32_t* v = mesh_.verts(tet);
     for (const auto& [i, j] : kEdgeCorners) {
       const std::uint32_t a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
@@ -347,7 +348,7 @@ Verdict Passes::swap_at(std::uint32_t tet) {
   }
   if (target == kNone) return Verdict::NoGain;
   mesh_.collect(std::span(core).first(core_size), tet, cavity_);
-  mesh_.evaluate(cavity_, target, 0, made_);
+  mesh_.evaluate(cavity_, target, -1, made_);
   mesh_.reconnect(cavity_, target, made_);
   return Verdict::Done;
 }
@@ -358,7 +359,7 @@ std::size_t Passes::swap(double limit) {
   const auto size = static_cast<std::uint32_t>(mesh_.mesh.size());
   for (std::uint32_t tet = 0; tet < size; ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
-    if (!(mesh_.to_quality[tet] < bound)) continue;
+    if (!(mesh_.to_quality[tet] < bound) || !mesh_.is_active(tet)) continue;
     const Verdict verdict = swap_at(tet);
     count(counts_.swaps, verdict);
     done += verdict == Verdict::Done;
@@ -386,7 +387,7 @@ Verdict Passes::move(std::uint32_t v) {
     sum_before += 1 / double{mesh_.to_quality[tet]};
   }
   Vec3 step = root.solve(tets::find_newton_step(std::span(star).first(size), {}, tets::kSurelyPositive));
-  mesh_.to_settled[v] = 1;
+  mesh_.to_state[v] &= static_cast<std::uint8_t>(~kUnsettled);
   if (step == Vec3{}) return Verdict::NoGain;
   if (dim < 3) {
     if (cavity_.surface.empty()) return Verdict::Classification;
@@ -434,9 +435,10 @@ Verdict Passes::move(std::uint32_t v) {
         mesh_.to_hint[v] = hint;
         if (dot(old_metric.tensor, place - x) > kMoved * kMoved) {
           for (const std::uint32_t tet : cavity_.tets)
-            for (int j = 0; j < 4; ++j) mesh_.to_settled[mesh_.verts(tet)[j]] = 0;
+            for (int j = 0; j < 4; ++j) mesh_.to_state[mesh_.verts(tet)[j]] |= kUnsettled;
+          mesh_.to_state[v] |= kChanged;
         }
-        mesh_.to_settled[v] = 1;
+        mesh_.to_state[v] &= static_cast<std::uint8_t>(~kUnsettled);
         return Verdict::Done;
       }
     }
@@ -457,7 +459,7 @@ std::size_t Passes::smooth(double limit) {
       const std::uint32_t v = mesh_.verts(tet)[i];
       if (visited[v] != 0) continue;
       visited[v] = 1;
-      if (mesh_.to_settled[v] != 0) continue;
+      if ((mesh_.to_state[v] & kUnsettled) == 0) continue;
       const Verdict verdict = move(v);
       count(counts_.moves, verdict);
       done += verdict == Verdict::Done;

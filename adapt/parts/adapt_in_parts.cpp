@@ -92,7 +92,7 @@ class Cutter {
       mesh.to_entity.push_back(whole_.to_entity[v]);
       mesh.to_hint.push_back(whole_.to_hint[v]);
       mesh.to_frozen.push_back(static_cast<std::uint8_t>(owner_[v] == kShared));
-      mesh.to_settled.push_back(0);
+      mesh.to_state.push_back(whole_.to_state[v]);
     }
     part.given = static_cast<std::uint32_t>(part.to_whole.size());
     const auto find_local = [&](std::uint32_t v) {
@@ -142,6 +142,7 @@ class Joiner {
     WholeMesh whole;
     whole.points.resize_for_overwrite(vert_count_), whole.to_metric.resize_for_overwrite(vert_count_);
     whole.to_entity.resize_for_overwrite(vert_count_), whole.to_hint.resize_for_overwrite(vert_count_);
+    whole.to_state.resize_for_overwrite(vert_count_);
     whole.to_vert.resize_for_overwrite(tet_count_ * 4), whole.to_neighbor.resize_for_overwrite(tet_count_ * 4);
     whole.to_region.resize_for_overwrite(tet_count_);
     triangles_.resize(parts_.size()), edges_.resize(parts_.size()), open_.resize(parts_.size());
@@ -187,6 +188,12 @@ class Joiner {
       if (to_new[v] < first_vert_[p]) continue;
       whole.points[to_new[v]] = mesh.point(v), whole.to_metric[to_new[v]] = mesh.to_metric[v];
       whole.to_entity[to_new[v]] = mesh.to_entity[v], whole.to_hint[to_new[v]] = mesh.to_hint[v];
+      // What could not be changed at the sides of parts is asked again.
+      const std::uint8_t state = mesh.to_state[v];
+      whole.to_state[to_new[v]] =
+          mesh.to_frozen[v] != 0
+              ? std::uint8_t{kHasChanged | kUnsettled}
+              : static_cast<std::uint8_t>((state & kUnsettled) | ((state & kChanged) != 0 ? kHasChanged : 0));
     }
     for (std::uint32_t tet = 0; tet < mesh.mesh.size(); ++tet) {
       whole.to_region[base + tet] = mesh.mesh.to_region[tet];
@@ -268,7 +275,8 @@ class Joiner {
 }  // namespace
 
 void adapt_in_parts(WholeMesh& whole, std::span<const std::uint32_t> to_part, std::span<const float> to_work,
-                    std::size_t part_count, const std::function<void(CavityMesh&)>& adapt, const TaskRunner& runner) {
+                    std::size_t part_count, const std::function<void(std::size_t, CavityMesh&)>& adapt,
+                    const TaskRunner& runner) {
   Cutter cutter(whole, to_part, part_count, runner);
   cutter.sort();
   std::vector<double> work(part_count, 0);
@@ -277,9 +285,10 @@ void adapt_in_parts(WholeMesh& whole, std::span<const std::uint32_t> to_part, st
   runner.for_each_largest_first(work, [&](std::size_t p) {
     PartOfWhole& part = parts[p];
     cutter.build(static_cast<std::uint32_t>(p), part);
-    adapt(part.mesh);
+    adapt(p, part.mesh);
     part.to_whole.resize(part.mesh.mesh.points.size(), kNone);
-    const std::vector<std::uint32_t> from = part.mesh.renumber();
+    const bool has_grown = part.mesh.mesh.points.size() > part.given + part.given / 8;
+    const std::vector<std::uint32_t> from = part.mesh.renumber(has_grown);
     std::vector<std::uint32_t> to_whole;
     to_whole.reserve(from.size());
     for (const std::uint32_t v : from) to_whole.push_back(part.to_whole[v]);

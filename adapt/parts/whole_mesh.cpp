@@ -39,6 +39,7 @@ class Builder {
     classify();
     WholeMesh whole;
     whole.to_hint.resize(tets_.points.size(), kNone);
+    whole.to_state.resize(tets_.points.size(), kHasChanged | kUnsettled);
     whole.to_metric.resize(tets_.points.size());
     whole.points = std::move(tets_.points);
     whole.to_entity = std::move(to_entity_);

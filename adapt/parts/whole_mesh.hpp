@@ -31,6 +31,7 @@ struct WholeMesh {
   GrowingArray<VertexMetric> to_metric;
   GrowingArray<PackedEntity> to_entity;
   GrowingArray<std::uint32_t> to_hint;
+  GrowingArray<std::uint8_t> to_state;  ///< as in CavityMesh, for the next round
   GrowingArray<std::uint32_t> to_vert;  ///< 4 per tet
   GrowingArray<FaceCode> to_neighbor;   ///< 4 per tet
   GrowingArray<std::uint32_t> to_region;
@@ -66,6 +67,7 @@ struct PartOfWhole {
 /// Cuts, calls `adapt` for every part, the one of most work first, and puts together what has become of them. The
 /// result depends on the parts alone. Strong guarantee: when `adapt` throws, `whole` is as it was.
 void adapt_in_parts(WholeMesh& whole, std::span<const std::uint32_t> to_part, std::span<const float> to_work,
-                    std::size_t part_count, const std::function<void(CavityMesh&)>& adapt, const TaskRunner& runner);
+                    std::size_t part_count, const std::function<void(std::size_t, CavityMesh&)>& adapt,
+                    const TaskRunner& runner);
 
 }  // namespace tetloom::adapt
