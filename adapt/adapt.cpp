@@ -19,7 +19,8 @@ constexpr double kTetsPerComplexity = 10;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
-constexpr double kWorthARound = 0.003;   // of the share of unit edges
+constexpr double kWorthARound = 0.001;   // of the share of unit edges
+constexpr double kEnough = 0.985;        // of it
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
 constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
 
@@ -37,7 +38,8 @@ void approach(Passes& passes) {
 }
 
 void finish(Passes& passes) {
-  passes.collapse_edges(kShortest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
+  // A little above the shortest and the longest, so that what is collapsed and split does not alternate.
+  passes.collapse_edges(0.75), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
 }
 
 class Adapter {
@@ -64,7 +66,7 @@ class Adapter {
     for (std::size_t i = 0; i < kMostRounds; ++i) {
       round(HUGE_VAL, finish);
       const double unit = unit_share();
-      if (i >= 2 && unit < best + kWorthARound) break;
+      if (i >= 2 && (unit < best + kWorthARound || unit > kEnough)) break;
       best = std::max(best, unit);
     }
     result.mesh = make_mesh_of(whole_, mesh_);

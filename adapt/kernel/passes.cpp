@@ -243,7 +243,8 @@ Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
       verdict = std::max(verdict, Verdict::Length);
       continue;
     }
-    const double goal = std::max(best, std::max(cube(options_.floor), std::min(cavity_.least, cube(0.35))));
+    const double goal =
+        std::max(best, std::max(cube(options_.floor), std::min(cavity_.least, cube(options_.collapsible))));
     const double least = mesh_.evaluate(cavity_, to, goal, made_);
     if (!(least > goal)) {
       verdict = std::max(verdict, Verdict::Quality);

@@ -35,9 +35,9 @@ struct PassCounts {
 };
 
 struct PassOptions {
-  double floor = 0.1;  ///< mean ratio that no operation may go below, unless it was below before
-  double longest = 1.4142135623730951;
-  double shortest = 0.7071067811865476;
+  double floor = 0.1;        ///< mean ratio that no operation may go below, unless it was below before
+  double longest = 1.45;     ///< that a collapse may make an edge
+  double collapsible = 0.2;  ///< mean ratio from which on a collapse may make tets worse than those it replaces
 };
 
 class Passes {
