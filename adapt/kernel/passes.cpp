@@ -374,20 +374,20 @@ Verdict Passes::move(std::uint32_t v) {
   if (dim == 0) return Verdict::Classification;
   if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], cavity_)) return Verdict::TooLarge;
   const std::size_t size = cavity_.tets.size();
+  if (star_.size() < size) star_.resize(size);
   const Vec3 x = mesh_.point(v);
   const VertexMetric old_metric = mesh_.to_metric[v];
   const Root root(old_metric.tensor);
-  std::array<tets::StarTet, Cavity::kMostTets + 64> star;
   double sum_before = 0;
   for (std::size_t i = 0; i < size; ++i) {
     const std::uint32_t tet = cavity_.tets[i];
     const std::uint32_t* verts = mesh_.verts(tet);
     const auto& [a, c, b] = tets::kFaceVerts[cavity_.corners[i][0]];
-    star[i] = tets::star_tet(root.apply(mesh_.point(verts[a]) - x), root.apply(mesh_.point(verts[b]) - x),
+    star_[i] = tets::star_tet(root.apply(mesh_.point(verts[a]) - x), root.apply(mesh_.point(verts[b]) - x),
                              root.apply(mesh_.point(verts[c]) - x));
     sum_before += 1 / double{mesh_.to_quality[tet]};
   }
-  Vec3 step = root.solve(tets::find_newton_step(std::span(star).first(size), {}, tets::kSurelyPositive));
+  Vec3 step = root.solve(tets::find_newton_step(std::span(star_).first(size), {}, tets::kSurelyPositive));
   mesh_.to_state[v] &= static_cast<std::uint8_t>(~kUnsettled);
   if (step == Vec3{}) return Verdict::NoGain;
   if (dim < 3) {

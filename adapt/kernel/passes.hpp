@@ -6,6 +6,7 @@
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "mesher/tets/surface_geometry.hpp"
+#include "mesher/tets/vertex_star.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::adapt {
@@ -84,6 +85,7 @@ class Passes {
   PassCounts counts_;
   Cavity cavity_, scratch_;
   MadeQualities made_;
+  std::vector<tets::StarTet> star_;
   std::vector<std::uint32_t> marks_;
   std::uint32_t mark_ = 0;
 };
