@@ -5,35 +5,12 @@
 #include <cstdint>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "adapt/kernel/pass_counts.hpp"
 #include "mesher/tets/surface_geometry.hpp"
 #include "mesher/tets/vertex_star.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::adapt {
-
-/// What became of an attempt, in the order in which it is asked.
-enum class Verdict : std::uint8_t {
-  Done,
-  Frozen,          ///< a vertex, edge or face that has to stay
-  Classification,  ///< the model does not allow it
-  TooLarge,        ///< more than Cavity::kMostTets tets
-  Inverted,        ///< a tet would have no volume
-  Quality,         ///< a tet would be worse than bearable
-  Length,          ///< an edge would become too long or too short
-  Surface,         ///< the surface would fold, leave the model or meet itself
-  NoGain,
-  Count
-};
-using Verdicts = std::array<std::size_t, static_cast<std::size_t>(Verdict::Count)>;
-
-struct PassCounts {
-  Verdicts splits{}, collapses{}, swaps{}, moves{};
-
-  void add(const PassCounts& other) {
-    for (const auto counts : {&PassCounts::splits, &PassCounts::collapses, &PassCounts::swaps, &PassCounts::moves})
-      for (std::size_t i = 0; i < splits.size(); ++i) (this->*counts)[i] += (other.*counts)[i];
-  }
-};
 
 struct PassOptions {
   double floor = 0.1;        ///< mean ratio that no operation may go below, unless it was below before

@@ -11,6 +11,7 @@ std::string_view to_string(Stage stage) {
     case Stage::Intersections: return "intersections";
     case Stage::Volume: return "volume";
     case Stage::Partition: return "partition";
+    case Stage::Adapt: return "adapt";
     case Stage::Check: return "check";
     case Stage::Write: return "write";
   }

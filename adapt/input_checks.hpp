@@ -1,0 +1,18 @@
+#pragma once
+// What has to be true of the input of adapt_mesh before anything is done with it.
+#include "adapt/adapt.hpp"
+
+namespace tetloom::adapt {
+
+/// Throws Error(InvalidArgument) where arrays and indices of `mesh` do not fit, and InputUnsuitable for points that are
+/// not finite and for a mesh without tets.
+void check_mesh(const Mesh& mesh, const BlockLoop& loop);
+
+/// Throws Error(InvalidArgument) unless there is one metric per point, and InputUnsuitable where one is not finite.
+void check_metric(const MetricField& metric, const Mesh& mesh);
+
+/// Throws Error(OutOfMemory) where a unit mesh of that complexity would have more tets than can be counted or than fit
+/// in the memory that is free.
+void check_complexity(double complexity);
+
+}  // namespace tetloom::adapt
