@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapt/input_checks.hpp"
+#include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
+#include "adapt/parts/model_fit.hpp"
 #include "adapt/parts/whole_mesh.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/volume/model_projector.hpp"
@@ -47,6 +50,7 @@ class Adapter {
   Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function, const AdaptOptions& options,
           const TaskRunner& runner)
       : mesh_(mesh), function_(function), options_(options), runner_(runner), whole_(make_whole_mesh(mesh, runner)) {
+    if (options.model) require_model_fits(whole_, mesh, *options.model, runner);
     // Tets may have been turned when they were linked.
     tets_.resize(whole_.size());
     for (std::size_t tet = 0; tet < tets_.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets_[tet].begin());
@@ -56,6 +60,7 @@ class Adapter {
   }
 
   void run(AdaptResult& result) {
+    runner_.begin_stage(Stage::Adapt, 0);
     double ratio = 2;
     for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
       if (refinement() <= ratio) break;
@@ -131,6 +136,7 @@ class Adapter {
     };
     adapt_in_parts(whole_, to_part, to_work, parts, adapt_part, runner_);
     for (const PassCounts& part : counts) counts_.add(part);
+    runner_.advance();
   }
 
   // About how many tets it will become.
@@ -230,15 +236,15 @@ AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFun
   return guarded([&](AdaptResult& result) {
     check_options(mesh, options);
     const TaskRunner runner(options.threads, host);
+    check_mesh(mesh, runner);
     MetricField metric = given ? *given : metric_from_function(function, mesh.points, runner);
-    if (metric.size() != mesh.points.size())
-      throw Error(ErrorCode::InvalidArgument, "the metric has " + std::to_string(metric.size()) + " values for " +
-                                                  std::to_string(mesh.points.size()) + " points");
+    check_metric(metric, mesh);
     if (options.gradation > 0 && given) {
       const TetView view{mesh.points, mesh.tet_to_vert};
       limit_gradation(metric, mesh.points, VertexGraph(view, runner), options.gradation, runner);
     }
     result.report.before = measure_conformity(mesh, metric, runner);
+    check_complexity(result.report.before.complexity);
     Adapter adapter(mesh, metric, function, options, runner);
     adapter.run(result);
     result.report.after = measure_conformity(result.mesh, adapter.metric_of_result(), runner);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "adapt/kernel/passes.hpp"
+#include "adapt/kernel/pass_counts.hpp"
 #include "adapt/metric/metric_field.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/model.hpp"

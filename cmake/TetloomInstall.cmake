@@ -25,6 +25,8 @@ install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp
         DESTINATION ${tetloom_include_dir}/mesher/tets)
+install(FILES adapt/adapt.hpp DESTINATION ${tetloom_include_dir}/adapt)
+install(FILES adapt/kernel/pass_counts.hpp DESTINATION ${tetloom_include_dir}/adapt/kernel)
 install(FILES adapt/metric/curvature_limits.hpp adapt/metric/hessian.hpp adapt/metric/metric_field.hpp adapt/metric/tensor.hpp
               adapt/metric/vertex_graph.hpp
         DESTINATION ${tetloom_include_dir}/adapt/metric)
