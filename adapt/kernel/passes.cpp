@@ -16,6 +16,8 @@ using tets::verts_of;
 constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 constexpr double kMoved = 0.1;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125;
+constexpr double kOnModel = 1e-6;  // of an edge: nearer than that is on the model
+constexpr double kLeastLed = 0.02;
 constexpr double kGain = 1.0001;
 constexpr double kFlat = 1 - 1e-10;
 
@@ -368,11 +370,44 @@ std::size_t Passes::swap(double limit) {
   return done;
 }
 
+// Leads a vertex of the surface that does not lie on the model there, or as far as its tets bear: it was made beside
+// the model because they would have been inverted. NoGain: it does lie there. Pre: cavity_ is the ball of v.
+Verdict Passes::lead_to_model(std::uint32_t v) {
+  const Vec3 x = mesh_.point(v);
+  const auto spot = project_(mesh_.to_entity[v].unpack(), x);
+  if (!spot) return Verdict::NoGain;
+  const Vec3 way = spot->point - x;
+  const std::uint32_t* beside = mesh_.verts(cavity_.tets[0]);
+  if (norm2(way) <= kOnModel * kOnModel * norm2(mesh_.point(beside[beside[0] == v ? 1 : 0]) - x))
+    return Verdict::NoGain;
+  const VertexMetric old_metric = mesh_.to_metric[v];
+  const double bearable = std::max(cube(kLeastLed), std::min(cube(options_.floor), kSplitLoss * cavity_.least));
+  for (double share = 1; share > 0.1; share *= 0.5) {
+    std::uint32_t hint = mesh_.to_hint[v];
+    mesh_.mesh.points[v] = x + share * way;
+    mesh_.set_metric(v, source_.at(mesh_.point(v), hint));
+    if (!(mesh_.evaluate(cavity_, v, bearable, made_) > bearable)) continue;
+    for (std::size_t i = 0; i < cavity_.tets.size(); ++i) {
+      mesh_.to_quality[cavity_.tets[i]] = made_[i];
+      for (int j = 0; j < 4; ++j) mesh_.to_settled[mesh_.verts(cavity_.tets[i])[j]] = 0;
+    }
+    mesh_.to_hint[v] = hint;
+    return Verdict::Done;
+  }
+  mesh_.mesh.points[v] = x;
+  mesh_.to_metric[v] = old_metric;
+  return Verdict::Surface;
+}
+
 Verdict Passes::move(std::uint32_t v) {
   if (mesh_.to_frozen[v]) return Verdict::Frozen;
   const int dim = mesh_.dim_of(v);
   if (dim == 0) return Verdict::Classification;
   if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], cavity_)) return Verdict::TooLarge;
+  if (dim < 3 && project_) {
+    const Verdict led = lead_to_model(v);
+    if (led != Verdict::NoGain) return led;
+  }
   const std::size_t size = cavity_.tets.size();
   if (star_.size() < size) star_.resize(size);
   const Vec3 x = mesh_.point(v);

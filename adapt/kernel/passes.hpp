@@ -45,6 +45,7 @@ class Passes {
   Verdict collapse(std::uint32_t a, std::uint32_t b, double longest);
   Verdict swap_at(std::uint32_t tet);
   Verdict move(std::uint32_t v);
+  Verdict lead_to_model(std::uint32_t v);
   bool can_collapse(std::uint32_t a, std::uint32_t b) const;
   bool pinches(std::uint32_t p, std::uint32_t);
   bool is_flat_enough(const Cavity& cavity, std::uint32_t p) const;
