@@ -166,6 +166,16 @@ class Builder {
   GrowingArray<PackedEntity> to_entity_;
 };
 
+// Corners and edges that the source did not name are beyond its tables, where it has some.
+void name_the_new(Mesh& mesh) {
+  std::array<std::size_t, 2> counts{};
+  for (const ModelEntity& entity : mesh.point_to_entity)
+    if (entity.dim == 0) counts[0] = std::max(counts[0], std::size_t{entity.index} + 1);
+  for (const std::uint32_t edge : mesh.edge_to_entity) counts[1] = std::max(counts[1], std::size_t{edge} + 1);
+  for (std::size_t dim = 0; dim < 2; ++dim)
+    if (!mesh.entities[dim].empty() && mesh.entities[dim].size() < counts[dim]) mesh.entities[dim].resize(counts[dim]);
+}
+
 }  // namespace
 
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
@@ -189,6 +199,7 @@ Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
   mesh.tet_to_entity.assign(whole.to_region.begin(), whole.to_region.end());
   mesh.face_to_sides = source.face_to_sides;
   mesh.entities = source.entities;
+  name_the_new(mesh);
   return mesh;
 }
 

@@ -346,6 +346,21 @@ TEST_CASE("the mesh of one tet, and one that has no edges named", "[adapt]") {
   CHECK(volume == Approx(1.0 / 6).epsilon(1e-12));
 }
 
+TEST_CASE("edges and corners that a mesh with names does not name get a place in its tables", "[adapt]") {
+  Mesh cube = unit_cube(3);
+  cube.edge_to_vert.clear(), cube.edge_to_entity.clear();
+  for (ModelEntity& entity : cube.point_to_entity)
+    if (entity.dim < 2) entity = ModelEntity();
+  cube.entities[1].resize(2), cube.entities[2].resize(6), cube.entities[3].resize(1);
+  cube.entities[0].resize(1), cube.entities[2][4].name = "top";
+  const AdaptResult result = adapted(cube, sizes(cube, 0.2));
+  const ValidationReport validation = validate_mesh(result.mesh);
+  for (const MeshProblem& problem : validation.problems) FAIL_CHECK(problem.message);
+  CHECK(result.mesh.entities[0].size() == 9);
+  CHECK(result.mesh.entities[1].size() == 14);
+  CHECK(result.mesh.entities[2][4].name == "top");
+}
+
 TEST_CASE("cancelled at any moment, the mesh that went in is as it was", "[adapt]") {
   const Mesh cube = unit_cube(5);
   const Mesh copy = cube;
