@@ -190,6 +190,19 @@ bool Passes::is_flat_enough(const Cavity& cavity, std::uint32_t p) const {
   return true;
 }
 
+// Whether the triangles of the cavity lie in one plane for each model face.
+bool Passes::lies_in_planes(const Cavity& cavity) const {
+  for (std::size_t i = 0; i < cavity.surface.size(); ++i) {
+    const SurfaceTriangle* one = mesh_.surface.find(verts_of(mesh_.mesh, cavity.surface[i]));
+    for (std::size_t j = 0; j < i; ++j) {
+      const SurfaceTriangle* other = mesh_.surface.find(verts_of(mesh_.mesh, cavity.surface[j]));
+      if (one->face == other->face && !(dot(normal_of(mesh_, one->verts), normal_of(mesh_, other->verts)) > kFlat))
+        return false;
+    }
+  }
+  return true;
+}
+
 // Whether an edge from p would be on the surface twice. Pre: cavity_ is that of the core.
 bool Passes::pinches(std::uint32_t p, std::uint32_t) {
   std::vector<std::uint32_t> near, beside;
@@ -448,7 +461,8 @@ Verdict Passes::move(std::uint32_t v) {
         }
       if (found != 2) return Verdict::Classification;
       const Vec3 along = normalized(ends[1] - ends[0]);
-      if (!project_ && dot(normalized(x - ends[0]), normalized(ends[1] - x)) < kFlat) return Verdict::Surface;
+      const bool bends = dot(normalized(x - ends[0]), normalized(ends[1] - x)) < kFlat;
+      if (!project_ && (bends || !lies_in_planes(cavity_))) return Verdict::Surface;
       step = dot(step, along) * along;
     }
   }

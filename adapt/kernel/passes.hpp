@@ -48,6 +48,7 @@ class Passes {
   Verdict lead_to_model(std::uint32_t v);
   bool can_collapse(std::uint32_t a, std::uint32_t b) const;
   bool pinches(std::uint32_t p, std::uint32_t);
+  bool lies_in_planes(const Cavity& cavity) const;
   bool is_flat_enough(const Cavity& cavity, std::uint32_t p) const;
   PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;
   double bound_of(std::uint32_t a, std::uint32_t b) const;

@@ -139,6 +139,15 @@ TEST_CASE("interfaces and faces inside of a region stay where they are", "[adapt
   check_conforms(result.report.after);
 }
 
+TEST_CASE("without a model a bumpy face keeps its shape, beside straight edges too", "[adapt]") {
+  const double h = GENERATE(0.11, 0.4);
+  Mesh cube = unit_cube(5);
+  for (Vec3& x : cube.points)
+    if (x.z == 1 && x.x > 0 && x.x < 1 && x.y > 0 && x.y < 1) x.z += 0.04 * std::sin(9 * x.x + 5 * x.y);
+  const AdaptResult result = adapted(cube, sizes(cube, h));
+  check_kept(cube, result.mesh);
+}
+
 TEST_CASE("layers of a hundredth of their length", "[adapt]") {
   const Mesh cube = unit_cube(8);
   const auto metric = [](const Vec3& x) {
