@@ -402,7 +402,7 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
     if (!(mesh_.evaluate(cavity_, v, bearable, made_) > bearable)) continue;
     for (std::size_t i = 0; i < cavity_.tets.size(); ++i) {
       mesh_.to_quality[cavity_.tets[i]] = made_[i];
-      for (int j = 0; j < 4; ++j) mesh_.to_settled[mesh_.verts(cavity_.tets[i])[j]] = 0;
+      for (int j = 0; j < 4; ++j) mesh_.to_state[mesh_.verts(cavity_.tets[i])[j]] |= kChanged | kUnsettled;
     }
     mesh_.to_hint[v] = hint;
     return Verdict::Done;
@@ -432,7 +432,7 @@ Verdict Passes::move(std::uint32_t v) {
     const std::uint32_t* verts = mesh_.verts(tet);
     const auto& [a, c, b] = tets::kFaceVerts[cavity_.corners[i][0]];
     star_[i] = tets::star_tet(root.apply(mesh_.point(verts[a]) - x), root.apply(mesh_.point(verts[b]) - x),
-                             root.apply(mesh_.point(verts[c]) - x));
+                              root.apply(mesh_.point(verts[c]) - x));
     sum_before += 1 / double{mesh_.to_quality[tet]};
   }
   Vec3 step = root.solve(tets::find_newton_step(std::span(star_).first(size), {}, tets::kSurelyPositive));
