@@ -5,10 +5,10 @@
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "apps/tetloom/run.hpp"
+#include "apps/tetloom/validation_report.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/mesh/validate.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::app {
@@ -17,32 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json point_json(const std::optional<Vec3>& point) { return point ? Json{point->x, point->y, point->z} : Json(nullptr); }
-
-Json problem_json(const MeshProblem& problem) {
-  return {{"kind", to_string(problem.kind)}, {"element_kind", to_string(problem.element)},
-          {"message", problem.message},      {"count", problem.count},
-          {"elements", problem.elements},    {"point", point_json(problem.point)}};
-}
-
-Json validation_json(const ValidationReport& validation) {
-  Json problems = Json::array();
-  for (const MeshProblem& problem : validation.problems) problems.push_back(problem_json(problem));
-  return {{"valid", validation.valid()},
-          {"problems", std::move(problems)},
-          {"unused_points", validation.unused_points},
-          {"unclassified_points", validation.unclassified_points},
-          {"boundary_faces", validation.boundary_faces},
-          {"interface_faces", validation.interface_faces},
-          {"open_edges", validation.open_edges},
-          {"nonmanifold_edges", validation.nonmanifold_edges}};
-}
-
-/// A problem of the mesh as an error of the run: exit status 4.
-Diagnostic as_error(const MeshProblem& problem) {
-  const bool boundary = problem.kind == ProblemKind::OpenBoundary;
-  return {
-      boundary ? ErrorCode::OpenShell : ErrorCode::VolumeFailed, problem.message, {}, problem.point, problem.elements};
-}
 
 /// Whether the arrays are sound enough to measure anything.
 bool is_measurable(const ValidationReport& validation) {
@@ -73,9 +47,7 @@ void check_whole(const Mesh& mesh, const std::string& parts_text, const TaskRunn
 
   run.begin(Stage::Check);
   ValidationReport validation;
-  report.seconds.check = timed([&] { validation = validate_mesh(mesh, runner); });
-  report.extra["validation"] = validation_json(validation);
-  for (const MeshProblem& problem : validation.problems) add_failure(report, as_error(problem));
+  report.seconds.check = timed([&] { validation = note_validation(mesh, runner, report); });
   if (is_measurable(validation)) {
     run.begin(Stage::Check);
     report.seconds.check += timed([&] {

@@ -11,5 +11,6 @@ ExitStatus run_mesh(const MeshCommand& command, Communicator& communicator);
 ExitStatus run_info(const InfoCommand& command, Communicator& communicator);
 ExitStatus run_check(const CheckCommand& command, Communicator& communicator);
 ExitStatus run_partition(const PartitionCommand& command, Communicator& communicator);
+ExitStatus run_adapt(const AdaptCommand& command, Communicator& communicator);
 
 }  // namespace tetloom::app

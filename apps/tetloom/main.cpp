@@ -44,6 +44,9 @@ struct Dispatch {
   ExitStatus operator()(const PartitionCommand& command) const {
     return run_partition(command, Ranks(argc, argv).communicator());
   }
+  ExitStatus operator()(const AdaptCommand& command) const {
+    return run_adapt(command, Ranks(argc, argv).communicator());
+  }
   ExitStatus operator()(const Printout& printout) const {
     if (is_first_process()) print(stdout, printout.text);
     return ExitStatus::Done;

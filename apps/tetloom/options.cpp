@@ -6,6 +6,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "apps/tetloom/adapt_options.hpp"
+#include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "core/io/mesh_io.hpp"
 #include "threading/parts_io.hpp"
@@ -13,7 +15,6 @@
 namespace tetloom::app {
 namespace {
 
-constexpr int kMostThreads = 4096;
 constexpr double kFewestTetsPerPart = 1000;
 constexpr int kMostParts = 1 << 20;
 constexpr double kDefaultCurvature = 24;
@@ -41,6 +42,7 @@ Examples:
   tetloom mesh part.step -o part.vtu
   tetloom check part.vtu
   tetloom partition part.vtu --parts 64 -o part64.pvtu
+  tetloom adapt part.vtu -o adapted.vtu --hessian temperature --complexity 1e5 --model part.step
 'tetloom mesh --help' tells more.)";
 
 /// Values of `mesh` as they come from the command line, before they are judged.
@@ -65,31 +67,6 @@ struct RawInspection {
   std::optional<double> feature_angle;
   bool imprint = false, no_heal = false, quiet = false;
 };
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw UsageError(message);
-}
-
-double positive(const char* option, std::optional<double> value, double otherwise) {
-  if (!value) return otherwise;
-  require(std::isfinite(*value) && *value > 0,
-          std::string(option) + " must be a positive number, not " + format_number(*value));
-  return *value;
-}
-
-double not_negative(const char* option, std::optional<double> value, double otherwise) {
-  if (!value) return otherwise;
-  require(std::isfinite(*value) && *value >= 0,
-          std::string(option) + " must be 0 (off) or a positive number, not " + format_number(*value));
-  return *value;
-}
-
-int count_between(const char* option, std::optional<int> value, int most) {
-  if (!value) return 0;
-  require(*value >= 1 && *value <= most, std::string(option) + " must lie between 1 and " + std::to_string(most) +
-                                             ", not be " + std::to_string(*value));
-  return *value;
-}
 
 QualityGoals make_goals(const RawMeshOptions& raw) {
   QualityGoals goals;
@@ -123,19 +100,6 @@ SizeOptions make_size_options(const RawMeshOptions& raw) {
   sizes.proximity = not_negative("--proximity", raw.proximity, 0);
   sizes.gradation = positive("--gradation", raw.gradation, sizes.gradation);
   return sizes;
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  if (a.empty() || b.empty()) return false;
-  std::error_code error;
-  if (std::filesystem::equivalent(a, b, error)) return true;
-  return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
 }
 
 /// Whether `path` lies in the folder of pieces that belongs to the list `output`.
@@ -380,6 +344,8 @@ Command parse_command_line(int argc, const char* const* argv) {
   add_inspection(app, "check", "Validate any mesh and measure its quality; exit status 4 when it is not valid",
                  raw_check);
   const CLI::App* partition = add_partition_command(app, raw_partition);
+  RawAdapt raw_adapt;
+  const CLI::App* adapt = add_adapt_command(app, raw_adapt);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
   try {
     app.parse(argc, argv);
@@ -390,6 +356,7 @@ Command parse_command_line(int argc, const char* const* argv) {
   }
   if (mesh->parsed()) return make_mesh_command(raw_mesh);
   if (partition->parsed()) return make_partition_command(raw_partition);
+  if (adapt->parsed()) return make_adapt_command(raw_adapt);
   if (info->parsed()) {
     check_inspection(raw_info);
     const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle)};

@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "adapt/adapt.hpp"
+#include "adapt/metric/hessian.hpp"
 #include "core/cad/read_model.hpp"
 #include "mesher/mesher.hpp"
 #include "threading/balance/balance.hpp"
@@ -47,12 +49,28 @@ struct PartitionCommand {
   bool quiet = false;
 };
 
+struct AdaptCommand {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::filesystem::path report;  ///< empty: none
+  std::filesystem::path model;   ///< empty: none
+  ReadOptions read;              ///< of the model
+  // Where the metric comes from: one of these is not empty.
+  std::filesystem::path metric_file;
+  std::string metric_field;
+  std::string hessian_field;
+  adapt::HessianOptions hessian;  ///< the bounds and the gradation hold for other metrics too
+  double curvature = 0;           ///< edges per turn on the model's faces and edges; 0: sizes are not limited so
+  AdaptOptions options;
+  bool quiet = false;
+};
+
 /// Text for standard output and nothing else to do: help or the version.
 struct Printout {
   std::string text;
 };
 
-using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, PartitionCommand, Printout>;
+using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, PartitionCommand, AdaptCommand, Printout>;
 
 /// A command line that cannot be carried out; what() is for a person.
 class UsageError : public std::runtime_error {

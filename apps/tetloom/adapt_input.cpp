@@ -1,0 +1,102 @@
+#include "apps/tetloom/adapt_input.hpp"
+
+#include <algorithm>
+
+#include "adapt/metric/curvature_limits.hpp"
+#include "apps/tetloom/option_values.hpp"
+#include "core/io/mesh_io.hpp"
+#include "core/io/solution_io.hpp"
+#include "core/mesh/mesh_access.hpp"
+
+namespace tetloom::app {
+namespace {
+
+bool needs_fields(const AdaptCommand& command) {
+  return !command.metric_field.empty() || !command.hessian_field.empty() || !command.options.transfer.empty();
+}
+
+std::string names_of(const std::vector<MeshField>& fields) {
+  if (fields.empty()) return "there are none";
+  std::string text = "there are";
+  for (const MeshField& field : fields) text += (&field == &fields.front() ? " \"" : ", \"") + field.name + '"';
+  return text;
+}
+
+const MeshField& field_named(const Mesh& mesh, const std::string& name) {
+  for (const MeshField& field : mesh.point_fields)
+    if (field.name == name) return field;
+  throw Error(ErrorCode::InputUnsuitable,
+              "the mesh has no field \"" + name + "\" on its points; " + names_of(mesh.point_fields));
+}
+
+// The file of that name in text or in binary, whichever there is.
+void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const CancelToken& cancel) {
+  std::filesystem::path file = fields_beside(path);
+  if (!std::filesystem::exists(file)) file.replace_extension(file.extension() == ".sol" ? ".solb" : ".sol");
+  if (!std::filesystem::exists(file))
+    throw Error(ErrorCode::InputUnsuitable, "fields of '" + path.string() + "' are asked for, but '" +
+                                                fields_beside(path).string() + "' is not there");
+  mesh.point_fields = read_solution(file, solution_size(mesh), &cancel).point_fields;
+}
+
+MeshField read_metric_file(const std::filesystem::path& path, const Mesh& mesh, const CancelToken& cancel) {
+  Solution solution = read_solution(path, solution_size(mesh), &cancel);
+  if (solution.point_fields.size() != 1)
+    throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' must hold one metric at the points, but holds " +
+                                                std::to_string(solution.point_fields.size()) + " solutions there");
+  return std::move(solution.point_fields[0]);
+}
+
+adapt::MetricField from_solution(const AdaptCommand& command, const Mesh& mesh, const TaskRunner& runner) {
+  const MeshField& field = field_named(mesh, command.hessian_field);
+  if (field.components != 1)
+    throw Error(ErrorCode::InputUnsuitable, "--hessian wants a field of one component, and \"" + field.name +
+                                                "\" has " + std::to_string(field.components));
+  require_consistent(mesh, runner);
+  return adapt::metric_from_solution(field.values, {mesh.points, mesh.tet_to_vert}, command.hessian, runner).metric;
+}
+
+}  // namespace
+
+bool has_fields_beside(const std::filesystem::path& mesh) {
+  const std::string extension = lower_extension(mesh);
+  return extension == ".mesh" || extension == ".meshb";
+}
+
+std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
+  std::filesystem::path path = mesh;
+  return path.replace_extension(lower_extension(mesh) == ".meshb" ? ".solb" : ".sol");
+}
+
+AdaptInput read_adapt_input(const AdaptCommand& command, const CancelToken& cancel) {
+  AdaptInput input;
+  input.mesh = read_mesh(command.input, &cancel);
+  if (has_fields_beside(command.input)) {
+    if (needs_fields(command)) read_fields_beside(command.input, input.mesh, cancel);
+    input.order = adapt::TensorOrder::Medit;
+  }
+  for (const std::string& name : command.options.transfer) static_cast<void>(field_named(input.mesh, name));
+  if (!command.hessian_field.empty()) static_cast<void>(field_named(input.mesh, command.hessian_field));
+  if (!command.metric_field.empty()) input.metric = field_named(input.mesh, command.metric_field);
+  if (!command.metric_file.empty()) {
+    input.metric = read_metric_file(command.metric_file, input.mesh, cancel);
+    input.order = adapt::TensorOrder::Medit;
+  }
+  if (!command.model.empty()) input.document = read_model(command.model, command.read, &cancel);
+  return input;
+}
+
+adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner) {
+  const bool from_values = command.hessian_field.empty();
+  adapt::MetricField metric = from_values
+                                  ? adapt::metric_from_field(input.metric, input.order, input.mesh.points, runner)
+                                  : from_solution(command, input.mesh, runner);
+  input.metric = MeshField();
+  if (from_values) adapt::apply_bounds(metric, command.hessian.bounds, runner);
+  if (command.curvature > 0)
+    adapt::limit_by_curvature(metric, input.mesh, *input.document.model,
+                              {command.curvature, command.hessian.bounds.h_min}, runner);
+  return metric;
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,30 @@
+#pragma once
+// What `adapt` starts from: the mesh, the model and the metric.
+#include <memory>
+
+#include "adapt/metric/metric_field.hpp"
+#include "apps/tetloom/options.hpp"
+#include "core/base/progress.hpp"
+#include "threading/task_runner.hpp"
+
+namespace tetloom::app {
+
+struct AdaptInput {
+  Mesh mesh;               ///< with the fields that the command names
+  ModelDocument document;  ///< without a model where none is asked for
+  MeshField metric;        ///< values from a file or a field; without any: to be made from a solution
+  adapt::TensorOrder order = adapt::TensorOrder::Vtk;
+};
+
+/// Whether fields of a mesh in that format lie in a file of their own beside it.
+bool has_fields_beside(const std::filesystem::path& mesh);
+/// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
+std::filesystem::path fields_beside(const std::filesystem::path& mesh);
+
+/// Reads what the command names. Errors: as those of the readers; InputUnsuitable for fields that are not there.
+AdaptInput read_adapt_input(const AdaptCommand& command, const CancelToken& cancel);
+
+/// Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
+adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner);
+
+}  // namespace tetloom::app

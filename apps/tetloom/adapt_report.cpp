@@ -1,0 +1,121 @@
+#include "apps/tetloom/adapt_report.hpp"
+
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "apps/tetloom/console.hpp"
+#include "apps/tetloom/quantities.hpp"
+#include "apps/tetloom/text_table.hpp"
+
+namespace tetloom::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using adapt::Verdict;
+using adapt::Verdicts;
+
+constexpr std::size_t kMostRows = 30;
+constexpr std::array<std::pair<const char*, Verdicts adapt::PassCounts::*>, 4> kOperations{
+    {{"splits", &adapt::PassCounts::splits},
+     {"collapses", &adapt::PassCounts::collapses},
+     {"swaps", &adapt::PassCounts::swaps},
+     {"moves", &adapt::PassCounts::moves}}};
+
+std::size_t done(const Verdicts& verdicts) { return verdicts[static_cast<std::size_t>(Verdict::Done)]; }
+
+std::size_t refused(const Verdicts& verdicts) {
+  return std::accumulate(verdicts.begin(), verdicts.end(), std::size_t{0}) - done(verdicts);
+}
+
+/// Calls visit(name, count) for every reason to refuse.
+template <class Visit>
+void for_each_reason(const Verdicts& verdicts, const Visit& visit) {
+  for (std::size_t i = 0; i < verdicts.size(); ++i)
+    if (static_cast<Verdict>(i) != Verdict::Done) visit(std::string(to_string(static_cast<Verdict>(i))), verdicts[i]);
+}
+
+Json operation_json(const Verdicts& verdicts) {
+  Json reasons = Json::object();
+  for_each_reason(verdicts, [&](const std::string& name, std::size_t count) { reasons[name] = count; });
+  return {{"done", done(verdicts)}, {"refused", refused(verdicts)}, {"refused_by", std::move(reasons)}};
+}
+
+Json conformity_json(const MetricConformity& conformity) {
+  if (conformity.edges == 0) return nullptr;
+  return {{"edges", conformity.edges},
+          {"unit_edges", conformity.unit},
+          {"half_to_two", conformity.half_to_two},
+          {"shortest", conformity.shortest},
+          {"longest", conformity.longest},
+          {"quality_min", conformity.least_quality},
+          {"quality_mean", conformity.mean_quality},
+          {"quality_histogram", conformity.quality_histogram},
+          {"complexity", conformity.complexity}};
+}
+
+std::string rounded(double value) { return format_number(std::round(1e3 * value) / 1e3); }
+
+std::string conformity_table(const MetricConformity& before, const MetricConformity& after) {
+  const auto row = [&](const std::string& label, const auto& text) {
+    return std::vector<std::string>{label, text(before), text(after)};
+  };
+  using C = MetricConformity;
+  return render_table({"in the metric", "before", "after"},
+                      {row("edges", [](const C& c) { return format_count(c.edges); }),
+                       row("in [0.707, 1.414]", [](const C& c) { return format_share(c.unit); }),
+                       row("in [0.5, 2]", [](const C& c) { return format_share(c.half_to_two); }),
+                       row("shortest", [](const C& c) { return rounded(c.shortest); }),
+                       row("longest", [](const C& c) { return rounded(c.longest); }),
+                       row("mean ratio, mean", [](const C& c) { return rounded(c.mean_quality); }),
+                       row("mean ratio, least", [](const C& c) { return rounded(c.least_quality); }),
+                       row("complexity", [](const C& c) { return format_number(c.complexity); })},
+                      kMostRows);
+}
+
+std::string operation_table(const adapt::PassCounts& operations) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, verdicts] : kOperations) {
+    std::string reasons;
+    for_each_reason(operations.*verdicts, [&](const std::string& reason, std::size_t count) {
+      if (count > 0) reasons += (reasons.empty() ? "" : ", ") + reason + " " + format_count(count);
+    });
+    rows.push_back({name, format_count(done(operations.*verdicts)), format_count(refused(operations.*verdicts)),
+                    std::move(reasons)});
+  }
+  return render_table({"operations", "done", "refused", "because of"}, rows, kMostRows);
+}
+
+}  // namespace
+
+nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double metric_seconds) {
+  Json operations = Json::object();
+  for (const auto& [name, verdicts] : kOperations) operations[name] = operation_json(adaptation.operations.*verdicts);
+  return {{"before", conformity_json(adaptation.before)},
+          {"after", conformity_json(adaptation.after)},
+          {"operations", std::move(operations)},
+          {"rounds", adaptation.rounds},
+          {"most_parts", adaptation.most_parts},
+          {"seconds", {{"metric", metric_seconds}, {"adapt", adaptation.seconds}}}};
+}
+
+std::string render_adaptation(const AdaptReport& adaptation, const RunReport& report, const std::string& output,
+                              const std::string& report_file) {
+  std::string text = format_count(report.counts.points) + " points, " + format_count(report.counts.triangles) +
+                     " triangles, " + format_count(report.counts.tets) + " tets\n";
+  text += conformity_table(adaptation.before, adaptation.after);
+  text += "  tets by mean ratio in the metric (1 is regular):\n";
+  text += render_histogram(adaptation.after.quality_histogram.data(), adaptation.after.quality_histogram.size(), 0, 1);
+  text += operation_table(adaptation.operations);
+  text += "  digest     " + report.digest + "\n";
+  text += "  time       " + format_seconds(report.total_seconds()) + " in all: read " +
+          format_seconds(report.seconds.read) + ", adapt " + format_seconds(adaptation.seconds) + " (" +
+          std::to_string(adaptation.rounds) + " rounds), check " + format_seconds(report.seconds.check) + ", write " +
+          format_seconds(report.seconds.write) + "\n";
+  text += "  memory     " + format_bytes(static_cast<double>(peak_bytes())) + " at most, " +
+          std::to_string(report.threads) + (report.threads == 1 ? " thread\n" : " threads\n");
+  return text + "  written    " + output + (report_file.empty() ? "" : ", " + report_file) + "\n";
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,21 @@
+#pragma once
+// What the report and a person are told of a run of `adapt`.
+#include <string>
+
+#include "adapt/adapt.hpp"
+#include "apps/tetloom/report.hpp"
+
+namespace tetloom::app {
+
+/// {"before": {…}, "after": {…}, "operations": {"splits": {"done", "refused", "refused_by": {reason: count, …}}, …},
+/// "rounds", "most_parts", "seconds": {"metric", "adapt"}}; before and after have {"edges", "unit_edges",
+/// "half_to_two", "shortest", "longest", "quality_min", "quality_mean", "quality_histogram", "complexity"}, where
+/// "unit_edges" is the share of edges with a length in [0.707, 1.414] and "half_to_two" that in [0.5, 2], and qualities
+/// are mean ratios in the metric.
+nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double metric_seconds);
+
+/// The mesh before and after beside each other, the histogram of qualities, operations, time and files.
+std::string render_adaptation(const AdaptReport& adaptation, const RunReport& report, const std::string& output,
+                              const std::string& report_file);
+
+}  // namespace tetloom::app

@@ -1,0 +1,47 @@
+#include "apps/tetloom/option_values.hpp"
+
+#include <cmath>
+
+#include "apps/tetloom/quantities.hpp"
+
+namespace tetloom::app {
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw UsageError(message);
+}
+
+double positive(const char* option, std::optional<double> value, double otherwise) {
+  if (!value) return otherwise;
+  require(std::isfinite(*value) && *value > 0,
+          std::string(option) + " must be a positive number, not " + format_number(*value));
+  return *value;
+}
+
+double not_negative(const char* option, std::optional<double> value, double otherwise) {
+  if (!value) return otherwise;
+  require(std::isfinite(*value) && *value >= 0,
+          std::string(option) + " must be 0 (off) or a positive number, not " + format_number(*value));
+  return *value;
+}
+
+int count_between(const char* option, std::optional<int> value, int most) {
+  if (!value) return 0;
+  require(*value >= 1 && *value <= most, std::string(option) + " must lie between 1 and " + std::to_string(most) +
+                                             ", not be " + std::to_string(*value));
+  return *value;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code error;
+  if (std::filesystem::equivalent(a, b, error)) return true;
+  return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
+}
+
+}  // namespace tetloom::app

@@ -1,0 +1,24 @@
+#pragma once
+// Values from the command line, judged one by one. All functions throw UsageError, which names the option.
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/tetloom/options.hpp"
+
+namespace tetloom::app {
+
+inline constexpr int kMostThreads = 4096;
+
+void require(bool condition, const std::string& message);
+
+double positive(const char* option, std::optional<double> value, double otherwise);
+double not_negative(const char* option, std::optional<double> value, double otherwise);
+/// Between 1 and `most`; 0 where there is none.
+int count_between(const char* option, std::optional<int> value, int most);
+
+std::string lower_extension(const std::filesystem::path& path);
+/// Whether both name the same file, which need not be there. Two empty paths do not.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+}  // namespace tetloom::app
