@@ -15,7 +15,7 @@ using tets::verts_of;
 
 constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 constexpr double kMoved = 0.1;  // in the metric: what is beside may then have another place
-constexpr double kSplitLoss = 0.125;
+constexpr double kSplitLoss = 0.125, kLeastSplit = 0.03, kNoWorse = 0.99;
 constexpr double kOnModel = 1e-6;  // of an edge: nearer than that is on the model
 constexpr double kLeastLed = 0.02;
 constexpr double kGain = 1.0001;
@@ -100,7 +100,9 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
   const double share = std::floor(pieces / 2) / pieces;
   const PackedEntity entity = entity_of_edge(a, b);
   const bool on_surface = !cavity_.surface.empty();
-  const double floor = std::min(cube(options_.floor), kSplitLoss * cavity_.least);
+  // Tets far from the metric become worse before they become better, but not without an end.
+  const double floor = std::max(std::min(cube(options_.floor), kSplitLoss * cavity_.least),
+                                std::min(cube(kLeastSplit), kNoWorse * cavity_.least));
   const Vec3 on_edge = mesh_.point(a) + place_of(la, lb, share) * e;
   std::array<Vec3, 2> places{on_edge, on_edge};
   int first = 1;

@@ -8,8 +8,10 @@
 #include <map>
 #include <random>
 
+#include "adapt/metric/metric_field.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/validate.hpp"
+#include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
@@ -158,6 +160,23 @@ TEST_CASE("layers of a hundredth of their length", "[adapt]") {
   REQUIRE(result.status == AdaptStatus::Ok);
   check_kept(cube, result.mesh);
   check_conforms(result.report.after);
+}
+
+TEST_CASE("any metric leaves a valid mesh", "[adapt]") {
+  const auto [seed, aspect, h] =
+      GENERATE(std::tuple(1u, 10.0, 0.5), std::tuple(2u, 1e2, 2.0), std::tuple(3u, 1e4, 90.0));
+  CAPTURE(seed, aspect);
+  const Mesh cube = unit_cube(6, true);
+  adapt::RandomTensors random(seed);
+  std::vector<Tensor> tensors;
+  for (std::size_t v = 0; v < cube.points.size(); ++v)
+    tensors.push_back(compose(random.metric(h / aspect * random.uniform(0.3, 2), aspect)));
+  const adapt::MetricField metric = adapt::metric_from_tensors(tensors, cube.points);
+  REQUIRE(adapt::complexity(metric, {cube.points, cube.tet_to_vert}) < 1e4);
+  const AdaptResult result = adapted(cube, metric);
+  check_kept(cube, result.mesh);
+  CHECK(result.report.after.least_quality > 1e-3);
+  CHECK(result.report.after.unit > result.report.before.unit);
 }
 
 TEST_CASE("the mesh does not depend on threads, in any number of parts", "[adapt]") {
