@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 
 #include "core/base/mix_bits.hpp"
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/parts/near_box.hpp"
+#include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
@@ -44,7 +46,9 @@ std::vector<Placed<std::uint64_t>> name_open_faces(PartState& state) {
 class NamePlaces {
  public:
   explicit NamePlaces(const std::vector<std::uint64_t>& names)
-      : names_(names), shift_(64 - std::bit_width(names.size() | 1)), first_((std::size_t{2} << (63 - shift_)) + 1, 0) {
+      : names_(names),
+        shift_(static_cast<int>(64 - std::bit_width(names.size() | 1))),
+        first_((std::size_t{2} << (63 - shift_)) + 1, 0) {
     for (const std::uint64_t name : names) ++first_[(name >> shift_) + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
   }
@@ -89,9 +93,14 @@ double reach_of(const TetMesh& mesh, FaceCode open_face) {
 void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
   const std::vector<Placed<std::uint64_t>> names = name_open_faces(state);
   const std::vector<Placed<std::uint32_t>> points = find_border_points(input, state, task.part());
+  const std::span<const float> qualities = state.qualities.span();
+  state.known_least_angle = tets::dihedral_of_worst(state.mesh, qualities);
+  const bool stays = qualities.empty() || !wants_improvement(input, std::ranges::min(qualities));
+  const double told_angle = stays ? state.known_least_angle : HUGE_VAL;
   for (const PartId other : input.decomposition.neighbors(task.part())) {
     const Box3& box = input.decomposition.box(other);
     MessageWriter writer;
+    writer.put(told_angle);
     writer.put_array<std::uint64_t>(near_box(names, box));
     writer.put_array<std::uint32_t>(near_box(points, box));
     task.send(other, writer.take());
@@ -102,6 +111,7 @@ void take_borders(PartState& state, PartTask& task) {
   std::vector<std::span<const std::uint64_t>> names;
   for (const Message& message : task.inbox()) {
     MessageReader reader(message.bytes);
+    state.known_least_angle = std::min(state.known_least_angle, reader.get<double>());
     names.push_back(reader.get_view<std::uint64_t>());
     const auto points = reader.get_view<std::uint32_t>();
     state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());

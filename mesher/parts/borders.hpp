@@ -8,11 +8,12 @@ namespace tetloom::parts {
 /// How far from an open face the boxes of parts are looked for that may have it, too.
 double reach_of(const tets::TetMesh& mesh, tets::FaceCode open_face);
 
-/// Tells the neighbours of the part's open faces and of its points of the surface.
+/// Tells the neighbours of the part's open faces, of its points of the surface, and of the angle of its worst tet where
+/// that will stay.
 void send_borders(const SharedInput& input, PartState& state, PartTask& task);
 
-/// Notes what the neighbours have told: points of the surface elsewhere, and which open faces none of them has; a fault
-/// where several have the same.
+/// Notes what the neighbours have told: points of the surface elsewhere, the least angle, and which open faces none of
+/// them has; a fault where several have the same.
 void take_borders(PartState& state, PartTask& task);
 
 /// Whether every open face is one of two parts. Strips may have brought together parts that do not tell each other of

@@ -148,8 +148,11 @@ class Improvement {
 
 }  // namespace
 
+bool wants_improvement(const SharedInput& input, double least_cubed) {
+  return input.filling.freedom && least_cubed < tets::poor_quality(input.filling.goals);
+}
+
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
-  if (tets::cube(state.figures.optimizer.least) >= tets::poor_quality(input.filling.goals)) return;
   Improvement(input, state, part).run(runner);
 }
 

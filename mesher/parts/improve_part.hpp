@@ -12,6 +12,8 @@ namespace tetloom::parts {
 /// As volume::improve, for the surface inside of the part: points stay that other parts have, too, or that lie within a
 /// size of their boxes, where another part may change what lies across a gap. Vertices get new numbers.
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
+/// Whether the surface of a part whose tets have at least this quality is looked at.
+bool wants_improvement(const SharedInput& input, double least_cubed);
 
 /// The points of the surface that the part's tets have faces at, ascending, and those of any other part may have, too.
 std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const PartState& state, PartId part);

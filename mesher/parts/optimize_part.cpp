@@ -5,6 +5,7 @@
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/tets/quality_summary.hpp"
+#include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
@@ -59,12 +60,13 @@ void finish_part(const SharedInput& input, PartState& state, PartId part, const 
   tets::OptimizeReport& report = state.figures.optimizer;
   {
     tets::WorkingMesh working(state.mesh, std::move(state.qualities));
-    tets::summarize_result(working, input.filling.goals, report);
-    working.finish(true);
-    report.tets = state.mesh.size();
+    tets::summarize_result(working, input.filling.goals, state.known_least_angle, report);
   }
+  if (state.has_dead) compact(state.mesh);
+  report.tets = state.mesh.size();
   state.figures.seconds.optimize += watch.lap();
-  if (input.filling.freedom) improve_part(input, state, part, runner);
+  const bool improved = wants_improvement(input, tets::cube(report.least));
+  if (improved) improve_part(input, state, part, runner);
   state.figures.seconds.surface += watch.lap();
   // By their vertices in the complex.
   const auto to_complex = [&](std::uint32_t& v) { v = static_cast<std::uint32_t>(state.keys[v]); };
@@ -72,7 +74,9 @@ void finish_part(const SharedInput& input, PartState& state, PartId part, const 
     for (auto& triangle : tet.triangles) std::for_each(triangle.begin(), triangle.end(), to_complex);
     std::for_each(tet.points.begin(), tet.points.end(), to_complex);
   }
-  state.fault = volume::check_volumes(state.mesh, runner);
+  // The qualities have proved it of all others. Those of the lattice are written down, not computed.
+  if (improved || tets::cube(report.least) <= tets::kSurelyPositive)
+    state.fault = volume::check_volumes(state.mesh, runner);
 }
 
 }  // namespace tetloom::parts

@@ -59,7 +59,9 @@ struct PartState {
 
   std::vector<std::uint32_t> patches;  ///< clusters of missing triangles that this part has recovered
 
-  GrowingArray<float> qualities;  ///< cubed, per tet, once optimised
+  GrowingArray<float> qualities;  ///< cubed, per tet, once optimised; of dead ones as in a WorkingMesh
+  bool has_dead = false;          ///< tets, once optimised
+  double known_least_angle = 0;   ///< radians: of this part's tets and of what neighbours tell of theirs
 
   // Between parts.
   bool knows_waits = false;  ///< whether `waits` says all it has to

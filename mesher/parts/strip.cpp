@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mesher/tets/triangle_verts.hpp"
+#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom::parts {
 
@@ -73,7 +74,11 @@ Bytes TetPacker::pack(std::span<const std::uint32_t> tets) {
 
 void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<FaceCode>& opened) {
   TetMesh& mesh = state.mesh;
-  for (const std::uint32_t tet : tets) mesh.to_vert[std::size_t{tet} * 4] = kNone;
+  for (const std::uint32_t tet : tets) {
+    mesh.to_vert[std::size_t{tet} * 4] = kNone;
+    state.qualities[tet] = tets::WorkingMesh::kDeadQuality;
+  }
+  state.has_dead |= !tets.empty();
   for (const std::uint32_t tet : tets) {
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
       const FaceCode behind = mesh.to_neighbor[face];

@@ -139,7 +139,17 @@ void count(const AcuteTet& tet, DihedralSummary& summary) {
 
 }  // namespace
 
+double dihedral_of_worst(const TetMesh& mesh, std::span<const float> qualities) {
+  const auto worst = std::min_element(qualities.begin(), qualities.end());
+  if (worst == qualities.end() || *worst == WorkingMesh::kDeadQuality) return kRegularAngle;
+  return std::min(kRegularAngle, smallest_dihedral(mesh, static_cast<std::uint32_t>(worst - qualities.begin())).angle);
+}
+
 DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted) {
+  return summarize_dihedrals(mesh, least_wanted, dihedral_of_worst(mesh.mesh(), mesh.qualities()));
+}
+
+DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted, double known_least) {
   DihedralSummary summary;
   double bound = 0, cosine = 0;
   const auto look_below = [&](double angle) {
@@ -147,17 +157,13 @@ DihedralSummary summarize_dihedrals(WorkingMesh& mesh, double least_wanted) {
     bound = largest_quality_with_dihedral(std::max(angle, least_wanted)) * kGain;
     cosine = std::cos(std::max(angle, least_wanted));
   };
-  look_below(kRegularAngle);
-  // The worst tet tells most of the others that their angles are larger.
-  const std::span<const float> qualities = mesh.qualities();
-  const auto worst = std::min_element(qualities.begin(), qualities.end());
-  if (worst != qualities.end() && *worst != WorkingMesh::kDeadQuality)
-    look_below(smallest_dihedral(mesh.mesh(), static_cast<std::uint32_t>(worst - qualities.begin())).angle);
+  look_below(known_least);
   for (std::uint32_t tet = 0; tet < mesh.qualities().size(); ++tet) {
     if (mesh.quality(tet) > bound || mesh.mesh().is_dead(tet) || !may_be_below(mesh.mesh(), tet, cosine)) continue;
     const Dihedral dihedral = smallest_dihedral(mesh.mesh(), tet);
     if (dihedral.angle < summary.least) look_below(dihedral.angle);
     if (dihedral.angle >= least_wanted) continue;
+    mesh.find_fixed_points();
     summary.worst.push_back(CauseFinder(mesh, tet, dihedral, least_wanted).find());
     count(summary.worst.back(), summary);
     if (summary.worst.size() == 10 * kMostAcuteTets) keep_worst(summary.worst);

@@ -45,9 +45,13 @@ double poor_quality(const QualityGoals& goals) {
 }
 
 void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, OptimizeReport& report) {
+  summarize_result(mesh, goals, dihedral_of_worst(mesh.mesh(), mesh.qualities()), report);
+}
+
+void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, double known_least, OptimizeReport& report) {
   const QualitySummary after = summarize(mesh, goals.mean_ratio);
   report.least = after.least, report.mean = after.mean, report.below_goal = after.below;
-  DihedralSummary angles = summarize_dihedrals(mesh, radians(goals.dihedral));
+  DihedralSummary angles = summarize_dihedrals(mesh, radians(goals.dihedral), known_least);
   report.least_dihedral = angles.least / radians(1);
   report.below_dihedral = angles.below, report.forced = angles.forced();
   report.forced_by_angles = angles.angles, report.forced_by_triangles = angles.triangles;

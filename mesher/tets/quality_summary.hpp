@@ -18,5 +18,7 @@ double poor_quality(const QualityGoals& goals);
 
 /// Writes down how good the mesh has become; the counts of what was done stay.
 void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, OptimizeReport& report);
+/// The same for one of several meshes that are summarised together: `known_least` as for summarize_dihedrals.
+void summarize_result(WorkingMesh& mesh, const QualityGoals& goals, double known_least, OptimizeReport& report);
 
 }  // namespace tetloom::tets

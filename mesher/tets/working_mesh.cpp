@@ -118,14 +118,13 @@ WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_
 WorkingMesh::WorkingMesh(TetMesh& mesh, GrowingArray<float>&& qualities)
     : mesh_(mesh), to_quality_(std::move(qualities)) {
   TETLOOM_DEBUG_ASSERT(to_quality_.size() == mesh.size());
-  fixed_.resize(mesh.points.size() / 64 + 1);
-  for (std::uint32_t tet = 0; tet < to_quality_.size(); ++tet) {
-    if (mesh.is_dead(tet)) {
-      drop_tet(tet);
-    } else {
-      fix_points_of(tet);
-    }
-  }
+}
+
+void WorkingMesh::find_fixed_points() {
+  if (!fixed_.empty()) return;
+  fixed_.resize(mesh_.points.size() / 64 + 1);
+  for (std::uint32_t tet = 0; tet < to_quality_.size(); ++tet)
+    if (!mesh_.is_dead(tet)) fix_points_of(tet);
 }
 
 void WorkingMesh::read_tet(std::uint32_t tet) {

@@ -39,8 +39,10 @@ class WorkingMesh {
   WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike = 0,
               std::span<const FaceCode> open_faces = {});
 
-  /// A mesh whose qualities are known; those of dead tets may be anything.
+  /// A mesh to be looked at only, whose qualities are known: kDeadQuality for dead tets.
   WorkingMesh(TetMesh& mesh, GrowingArray<float>&& qualities);
+  /// For a mesh to be looked at only: no point counts as fixed before.
+  void find_fixed_points();
 
   TetMesh& mesh() { return mesh_; }
   const TetMesh& mesh() const { return mesh_; }

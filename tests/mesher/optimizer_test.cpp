@@ -318,6 +318,17 @@ TEST_CASE("the cause of a small angle is found: an angle of the surface, a poor 
   CHECK(at_points.worst.at(0).points == std::vector<std::uint32_t>{0, 3});
 }
 
+TEST_CASE("angles above the least of another mesh and above those asked for are not looked at") {
+  ShakenGrid grid = make_shaken_grid(4, 1, 0.5, 5);
+  WorkingMesh working(grid.mesh, grid.fixed_points);
+  const tets::DihedralSummary alone = tets::summarize_dihedrals(working, 0.01);
+  CHECK(tets::summarize_dihedrals(working, 0.01, alone.least + 0.1).least == alone.least);
+  CHECK(tets::summarize_dihedrals(working, 0.01, alone.least / 2).least == alone.least / 2);
+  const tets::DihedralSummary told = tets::summarize_dihedrals(working, 0.9, alone.least / 2);
+  CHECK(told.below == tets::summarize_dihedrals(working, 0.9).below);
+  CHECK(told.below > 0);
+}
+
 TEST_CASE("of many small angles the worst are told, in order") {
   const ShakenGrid grid = make_shaken_grid(6, 1, 0.9, 5);
   TetMesh mesh = grid.mesh;
