@@ -1,16 +1,19 @@
 #include <algorithm>
 
+#include "core/base/page_size.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "threading/trace.hpp"
 
 namespace tetloom {
 namespace {
 
-void add_volume(const GeometricModel& model, VolumeMesh&& volume, Mesh& mesh) {
+void add_volume(const GeometricModel& model, VolumeMesh&& volume, const TaskRunner& runner, Mesh& mesh) {
   const std::size_t given = mesh.points.size();
   for (const MovedPoint& moved : volume.moved_points) mesh.points[moved.point] = moved.to;
   for (const ChangedTriangle& changed : volume.changed_triangles) mesh.tri_to_vert[changed.triangle] = changed.verts;
-  mesh.points.insert(mesh.points.end(), volume.new_points.begin(), volume.new_points.end());
+  volume.new_points.insert(volume.new_points.begin(), mesh.points.begin(), mesh.points.end());
+  mesh.points = std::move(volume.new_points);
+  reserve_touched(mesh.point_to_entity, mesh.points.size(), runner);
   mesh.point_to_entity.resize(mesh.points.size());
   mesh.tet_to_vert = std::move(volume.tet_to_vert);
   mesh.tet_to_entity = std::move(volume.tet_to_region);
@@ -32,7 +35,7 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
                     VolumeMesh volume = fill_volume(input, how, runner);
                     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
                     const TraceSpan span(how.trace, "mesh");
-                    if (report.errors.empty()) add_volume(model, std::move(volume), mesh);
+                    if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);
                     return report;
                   });
 }

@@ -21,4 +21,11 @@ void want_huge_pages(std::span<std::byte> storage) noexcept {
 #endif
 }
 
+void touch_pages(std::span<std::byte> raw_storage, const BlockLoop& loop) {
+  constexpr std::size_t kPage = 1 << 12, kBlock = 1 << 22;
+  loop.for_blocks(raw_storage.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t at = begin; at < end; at += kPage) raw_storage[at] = std::byte{0};
+  });
+}
+
 }  // namespace tetloom

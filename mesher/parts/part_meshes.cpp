@@ -15,7 +15,6 @@ using tets::FaceCode;
 using tets::TetMesh;
 using tets::TriangleVerts;
 
-constexpr std::size_t kTetsPerTask = 1 << 14;
 constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
 // What is kept of a part's state: all of them are numbered before any of them is handed on.
@@ -278,17 +277,35 @@ VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
 
 // A part writes the points that it made itself; then come those that others have, and the surface's.
 void write_points(const AllParts& all, const HandedOn& handed_on, std::span<Vec3> points) {
-  const auto write = [&](std::size_t i, bool own) {
+  const std::size_t count = handed_on.parts.size();
+  std::vector<std::vector<std::uint32_t>> part_to_others(count);
+  all.for_each_local("write points", [&](std::size_t i) {
     const VolumePart& part = handed_on.parts[i];
     const std::uint64_t begin = handed_on.first_new[i];
-    const std::uint64_t end = i + 1 < handed_on.parts.size() ? handed_on.first_new[i + 1] : points.size();
-    for (std::size_t v = 0; v < part.points.size(); ++v) {
+    const std::uint64_t end = i + 1 < count ? handed_on.first_new[i + 1] : points.size();
+    for (std::uint32_t v = 0; v < part.points.size(); ++v) {
       const std::uint64_t number = part.vert_to_number[v];
-      if ((begin <= number && number < end) == own) points[number] = part.points[v];
+      if (begin <= number && number < end) {
+        points[number] = part.points[v];
+      } else {
+        part_to_others[i].push_back(v);
+      }
     }
-  };
-  all.for_each_local("write points", [&](std::size_t i) { write(i, true); });
-  for (std::size_t i = 0; i < handed_on.parts.size(); ++i) write(i, false);
+  });
+  for (std::size_t i = 0; i < count; ++i)
+    for (const std::uint32_t v : part_to_others[i])
+      points[handed_on.parts[i].vert_to_number[v]] = handed_on.parts[i].points[v];
+}
+
+// The part's tets, which begin at tet `first` of the whole; the part is gone then.
+void write_tets(VolumePart& part, std::size_t first, volume::Filling& filling) {
+  for (std::size_t tet = 0; tet < part.tet_to_region.size(); ++tet) {
+    for (std::size_t i = 0; i < 4; ++i)
+      filling.tet_to_vert[first + tet][i] =
+          static_cast<std::uint32_t>(part.vert_to_number[part.tet_to_vert[4 * tet + i]]);
+    filling.tet_to_region[first + tet] = part.tet_to_region[tet];
+  }
+  part = VolumePart();
 }
 
 }  // namespace
@@ -317,33 +334,25 @@ volume::Filling put_together(const AllParts& all, HandedOn&& handed_on) {
   const std::span<const Vec3> given = all.input.filling.complex.points;
   if (given.size() + handed_on.new_points >= kNone) throw std::bad_alloc();
   volume::Filling filling;
-  filling.points.reserve(given.size() + handed_on.new_points);
-  want_huge_pages(std::span(filling.points.data(), filling.points.capacity()));
+  const std::size_t point_count = given.size() + handed_on.new_points;
+  const auto make_room = [&](auto& items, std::size_t count) {
+    const std::size_t pieces = touched_blocks(count * sizeof(items[0]));
+    const TraceSpan span(all.trace, "make room", all.runner.threads(), pieces);
+    reserve_touched(items, count, all.runner);
+  };
+  make_room(filling.points, point_count);
   filling.points.assign(given.begin(), given.end());
-  filling.points.resize(given.size() + handed_on.new_points);
+  filling.points.resize(point_count);
   write_points(all, handed_on, filling.points);
-  std::size_t tets = 0;
-  for (const VolumePart& part : handed_on.parts) tets += part.tet_to_region.size();
-  filling.tet_to_vert.reserve(tets);
-  filling.tet_to_region.reserve(tets);
-  want_huge_pages(std::span(filling.tet_to_vert.data(), tets));
-  want_huge_pages(std::span(filling.tet_to_region.data(), tets));
-  for (VolumePart& part : handed_on.parts) {
-    part.points.release();
-    const std::size_t first = filling.tet_to_vert.size(), count = part.tet_to_region.size();
-    filling.tet_to_vert.resize(first + count);
-    filling.tet_to_region.resize(first + count);
-    const TraceSpan span(all.trace, "put together", all.runner.threads(), (count + kTetsPerTask - 1) / kTetsPerTask);
-    all.runner.for_blocks(count, kTetsPerTask, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tet = begin; tet < end; ++tet) {
-        for (std::size_t i = 0; i < 4; ++i)
-          filling.tet_to_vert[first + tet][i] =
-              static_cast<std::uint32_t>(part.vert_to_number[part.tet_to_vert[4 * tet + i]]);
-        filling.tet_to_region[first + tet] = part.tet_to_region[tet];
-      }
-    });
-    part = VolumePart();
-  }
+  all.for_each_local("drop points", [&](std::size_t i) { handed_on.parts[i].points.release(); });
+  std::vector<std::size_t> part_to_first(1, 0);
+  for (const VolumePart& part : handed_on.parts)
+    part_to_first.push_back(part_to_first.back() + part.tet_to_region.size());
+  make_room(filling.tet_to_vert, part_to_first.back());
+  filling.tet_to_vert.resize(part_to_first.back());
+  make_room(filling.tet_to_region, part_to_first.back());
+  filling.tet_to_region.resize(part_to_first.back());
+  all.for_each_local("put together", [&](std::size_t i) { write_tets(handed_on.parts[i], part_to_first[i], filling); });
   return filling;
 }
 

@@ -104,8 +104,13 @@ void append(const VolumeInput& input, const Complex& complex, volume::Filling&& 
             const TaskRunner& runner) {
   const std::size_t given = complex.points.size(), offset = input.points.size() + mesh.new_points.size();
   if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
-  mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
-                         filling.points.end());
+  if (mesh.new_points.empty()) {  // with room for the given ones, which may come back
+    mesh.new_points = std::move(filling.points);
+    mesh.new_points.erase(mesh.new_points.begin(), mesh.new_points.begin() + static_cast<std::ptrdiff_t>(given));
+  } else {
+    mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
+                           filling.points.end());
+  }
   const std::size_t first = mesh.tet_to_vert.size();
   if (first == 0 && offset == given) {  // all numbers are the input's
     mesh.tet_to_vert = std::move(filling.tet_to_vert);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/page_size.hpp"
+#include "threading/task_runner.hpp"
 
 using namespace tetloom;
 
@@ -142,4 +143,22 @@ TEST_CASE("a wish for huge pages leaves the storage as it is") {
     want_huge_pages(std::span(values).subspan(3, count));
   for (std::uint32_t i = 0; i < values.size(); ++i)
     if (values[i] != i + 7) FAIL("it has changed");
+}
+
+TEST_CASE("room made by several threads leaves the items as they are and is not moved from") {
+  const TaskRunner runner(2);
+  std::vector<std::uint32_t> values(5);
+  std::iota(values.begin(), values.end(), 7u);
+  const std::size_t count = (3 << 20) + 1;
+  reserve_touched(values, count, runner);
+  REQUIRE(values.capacity() >= count);
+  const std::uint32_t* const begin = values.data();
+  values.resize(count);
+  reserve_touched(values, 3, runner);  // is there
+  CHECK(values.data() == begin);
+  CHECK(std::vector<std::uint32_t>(values.begin(), values.begin() + 6) ==
+        std::vector<std::uint32_t>{7, 8, 9, 10, 11, 0});
+  std::vector<std::uint32_t> none;
+  reserve_touched(none, 0, runner);
+  CHECK(none.empty());
 }
