@@ -8,9 +8,10 @@ namespace tetloom::parts {
 
 namespace {
 
-// What it takes, measured, in microseconds: per size^3 of the core, per size^3 where sizes vary, and per size^2 of
-// surface. A cell that meets the surface holds about its own width squared of that.
-constexpr double kCoreWork = 1, kVaryingWork = 15, kSurfaceWork = 26;
+// What it takes, measured over all steps, in microseconds: per size^3 of the core, per size^3 where sizes vary, and per
+// size^2 of surface. A cell that meets the surface is taken to hold its own width squared of that, and its whole
+// volume.
+constexpr double kCoreWork = 3, kVaryingWork = 15, kSurfaceWork = 10;
 constexpr double kVaries = 1.1;  // ratio of the sizes in a cell from which on it is taken to vary
 constexpr double kTetsPerCube = 9.5;
 
