@@ -8,8 +8,9 @@
 //   {a, b}        new             split of an edge            {a, b}     c on its ring      edge swap
 //   {a, b, c}     new             a point in a face           {a, b, c}  an apex            face swap 2-3
 //   {a, b, c, d}  new             a point in a tet
+// Motion changes no links: it is evaluated alone, with a as both core and p, and never carried out.
 // Triangles of the surface and pieces of model edges that have the core change in the same way. So all of them are one
-// piece of code: what fills the cavity anew is the star of p (the cavity operator of Loseille & Lohner 2010, here with
+// piece of code: what fills the cavity anew is the star of p (the cavity operator of Loseille & Löhner 2013, here with
 // cavities that follow from the core, so that links follow by counting, without a search).
 #include <array>
 #include <cstdint>
