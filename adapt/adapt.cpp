@@ -68,10 +68,12 @@ class Adapter {
     }
     round(HUGE_VAL, approach);
     double best = 0;
-    for (std::size_t i = 0; i < kMostRounds; ++i) {
+    std::size_t idle = 0;
+    for (std::size_t i = 0; i < kMostRounds && idle < 2; ++i) {
       round(HUGE_VAL, finish);
       const double unit = unit_share();
-      if (i >= 2 && (unit < best + kWorthARound || unit > kEnough)) break;
+      if (i >= 2 && unit > kEnough) break;
+      idle = unit < best + kWorthARound ? idle + 1 : 0;
       best = std::max(best, unit);
     }
     result.mesh = make_mesh_of(whole_, mesh_);

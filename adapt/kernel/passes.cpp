@@ -18,6 +18,7 @@ constexpr double kMoved = 0.1;  // in the metric: what is beside may then have a
 constexpr double kSplitLoss = 0.125, kLeastSplit = 0.03, kNoWorse = 0.99;
 constexpr double kOnModel = 1e-6;  // of an edge: nearer than that is on the model
 constexpr double kLeastLed = 0.02;
+constexpr float kPoor = 0.03f;  // cubed quality: below, everything is tried again and again
 constexpr double kGain = 1.0001;
 constexpr double kFlat = 1 - 1e-10;
 
@@ -377,7 +378,8 @@ std::size_t Passes::swap(double limit) {
   const auto size = static_cast<std::uint32_t>(mesh_.mesh.size());
   for (std::uint32_t tet = 0; tet < size; ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
-    if (!(mesh_.to_quality[tet] < bound) || !mesh_.is_active(tet)) continue;
+    const float quality = mesh_.to_quality[tet];
+    if (!(quality < bound) || (quality > kPoor && !mesh_.is_active(tet))) continue;
     const Verdict verdict = swap_at(tet);
     count(counts_.swaps, verdict);
     done += verdict == Verdict::Done;
@@ -510,8 +512,8 @@ std::size_t Passes::smooth(double limit) {
     for (std::uint32_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh_.verts(tet)[i];
       if (visited[v] != 0) continue;
+      if (mesh_.to_quality[tet] > kPoor && (mesh_.to_state[v] & kUnsettled) == 0) continue;
       visited[v] = 1;
-      if ((mesh_.to_state[v] & kUnsettled) == 0) continue;
       const Verdict verdict = move(v);
       count(counts_.moves, verdict);
       done += verdict == Verdict::Done;
