@@ -114,8 +114,6 @@ class Adapter {
         const Tensor tensor = stage.at(whole_.points[v], hint);
         // Where the stage asks for something else than the last one, everything is looked at again.
         if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
-        // Where the stage asks for something else than the last one, everything is looked at again.
-        if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
         whole_.to_metric[v] = {tensor, det(tensor)};
         whole_.to_hint[v] = hint;
       }

@@ -33,12 +33,13 @@ struct VertexMetric {
   double det = 0;
 };
 
-/// Bits of a vertex's state. Where nothing has changed, what was refused before is not asked again.
-enum VertexState : std::uint8_t {
-  kChanged = 1,     ///< in this round, a tet at it was replaced, or it moved far
-  kHasChanged = 2,  ///< the same in the round before
-  kUnsettled = 4    ///< it may move: a tet at it was replaced, or another vertex of one moved far
-};
+// Bits of a vertex's state. Where nothing has changed, what was refused before is not asked again.
+/// In this round, a tet at the vertex was replaced, or it moved far.
+inline constexpr std::uint8_t kChanged = 1;
+/// The same in the round before.
+inline constexpr std::uint8_t kHasChanged = 2;
+/// The vertex may move: a tet at it was replaced, or another vertex of one moved far.
+inline constexpr std::uint8_t kUnsettled = 4;
 
 /// The tets that have a core.
 struct Cavity {
@@ -70,7 +71,7 @@ class CavityMesh {
   GrowingArray<std::uint32_t> vert_to_tet;  ///< a tet that has the vertex; kNone: none has
   GrowingArray<std::uint32_t> to_hint;      ///< per vertex: for the metric's source
   GrowingArray<std::uint8_t> to_frozen;     ///< per vertex: it stays, and so do all triangles and edges it has
-  GrowingArray<std::uint8_t> to_state;      ///< per vertex: what has changed at it, as VertexState
+  GrowingArray<std::uint8_t> to_state;      ///< per vertex: what has changed at it: kChanged, kHasChanged, kUnsettled
   SurfaceMap surface;
 
   const Vec3& point(std::uint32_t v) const { return mesh.points[v]; }
