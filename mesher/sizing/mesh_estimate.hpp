@@ -13,7 +13,7 @@ namespace tetloom {
 class FacetTree;
 
 /// Triangles from the faces' areas and the sizes on them (4/√3 per size²), tetrahedra from the regions' volumes and
-/// the sizes in them (kTetsPerCube per size³), bytes from 800 per triangle and 90 per tetrahedron. Within a few
+/// the sizes in them (kTetsPerCube per size³), bytes from 800 per triangle and 65 per tetrahedron. Within a few
 /// percent for uniform sizes; graded sizes are integrated over samples, which is good to about a tenth.
 MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, const SharedWork& work);
 

@@ -97,7 +97,7 @@ TEST_CASE("the estimate counts what a mesh of one size holds") {
   const MeshEstimate estimate = estimate_mesh(*sphere, SizeField::uniform(h), TaskRunner(2));
   CHECK(estimate.triangles == Approx(4 * pi * 2.3094 / (h * h)).epsilon(0.001));
   CHECK(estimate.tets == Approx(4 * pi / 3 * 9.3 / (h * h * h)).epsilon(0.001));
-  CHECK(estimate.bytes == Approx(800 * estimate.triangles + 90 * estimate.tets));
+  CHECK(estimate.bytes == Approx(800 * estimate.triangles + 65 * estimate.tets));
   CHECK(surface_part(estimate).tets == 0);
   CHECK(surface_part(estimate).bytes == Approx(800 * estimate.triangles));
   CHECK(estimate_mesh(*test_models::make_plate(1, 2), SizeField::uniform(h), TaskRunner(1)).tets == 0);
