@@ -22,9 +22,11 @@ constexpr double kTetsPerComplexity = 10;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
+constexpr int kPolishing = 3;            // rounds in the end
 constexpr double kWorthARound = 0.001;   // of the share of unit edges
 constexpr double kEnough = 0.985;        // of it
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
+constexpr double kBearable = 1.45;         // length that a collapse may make an edge, on the way
 constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
 
 // What is done to each part in one round.
@@ -32,17 +34,22 @@ using Work = std::function<void(Passes&)>;
 
 void follow(Passes& passes) {
   passes.split_edges(1.8), passes.swap(0.6), passes.smooth(kMovable);
-  passes.split_edges(1.6), passes.collapse_edges(0.6), passes.swap(0.6), passes.smooth(kMovable);
+  passes.split_edges(1.6), passes.collapse_edges(0.6, kBearable), passes.swap(0.6), passes.smooth(kMovable);
 }
 
 void approach(Passes& passes) {
   passes.split_edges(1.6), passes.swap(0.7), passes.smooth(kMovable);
-  passes.collapse_edges(kShortest), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(kMovable);
+  passes.collapse_edges(kShortest, kBearable), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(kMovable);
 }
 
 void finish(Passes& passes) {
   // A little above the shortest and the longest, so that what is collapsed and split does not alternate.
-  passes.collapse_edges(0.75), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
+  passes.collapse_edges(0.75, kBearable), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
+}
+
+// Leaves no edge behind that the next round would have to split.
+void polish(Passes& passes) {
+  passes.collapse_edges(kShortest, kLongest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
 }
 
 class Adapter {
@@ -76,6 +83,7 @@ class Adapter {
       idle = unit < best + kWorthARound ? idle + 1 : 0;
       best = std::max(best, unit);
     }
+    for (int i = 0; i < kPolishing; ++i) round(HUGE_VAL, polish);
     result.mesh = make_mesh_of(whole_, mesh_);
     transfer(result.mesh);
     result.report.operations = counts_;

@@ -283,7 +283,7 @@ Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
   return Verdict::Done;
 }
 
-std::size_t Passes::collapse_edges(double shortest) {
+std::size_t Passes::collapse_edges(double shortest, double longest) {
   std::vector<Edge> edges;
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
     if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
@@ -309,7 +309,7 @@ std::size_t Passes::collapse_edges(double shortest) {
     if (mesh_.vert_to_tet[a] == kNone || mesh_.vert_to_tet[b] == kNone) continue;
     if (mesh_.find_edge(a, b, scratch_) == kNone) continue;
     if (mesh_.length_of(a, b) >= shortest) continue;
-    const Verdict verdict = collapse(a, b, options_.longest);
+    const Verdict verdict = collapse(a, b, longest);
     count(counts_.collapses, verdict);
     done += verdict == Verdict::Done;
   }

@@ -14,7 +14,6 @@ namespace tetloom::adapt {
 
 struct PassOptions {
   double floor = 0.1;        ///< mean ratio that no operation may go below, unless it was below before
-  double longest = 1.45;     ///< that a collapse may make an edge
   double collapsible = 0.2;  ///< mean ratio from which on a collapse may make tets worse than those it replaces
 };
 
@@ -26,8 +25,8 @@ class Passes {
 
   /// Splits edges longer than `longest`, the longest of their neighbourhood first. Returns how many.
   std::size_t split_edges(double longest);
-  /// Collapses edges shorter than `shortest`, the shortest first.
-  std::size_t collapse_edges(double shortest);
+  /// Collapses edges shorter than `shortest`, the shortest first, where that makes none longer than `longest`.
+  std::size_t collapse_edges(double shortest, double longest);
   /// Edge and face swaps at tets of a mean ratio below `limit`.
   std::size_t swap(double limit);
   /// Moves vertices of tets of a mean ratio below `limit`, once each.

@@ -89,9 +89,9 @@ void check_kept(const Mesh& before, const Mesh& after) {
   for (const auto& [face, normal] : old_normals) CHECK(distance(new_normals.at(face), normal) < 1e-12);
 }
 
-void check_conforms(const MetricConformity& conformity, double least_unit = 0.95) {
-  CHECK(conformity.unit > least_unit);
-  CHECK(conformity.half_to_two > 0.998);
+void check_conforms(const MetricConformity& conformity) {
+  CHECK(conformity.unit > 0.95);
+  CHECK(conformity.half_to_two > 0.999);
   CHECK(conformity.mean_quality > 0.85);
   CHECK(conformity.least_quality > 0.2);
 }
@@ -138,8 +138,7 @@ TEST_CASE("interfaces and faces inside of a region stay where they are", "[adapt
   REQUIRE(validate_mesh(cube).valid());
   const AdaptResult result = adapted(cube, sizes(cube, h));
   check_kept(cube, result.mesh);
-  // Two edges across each region leave little choice.
-  check_conforms(result.report.after, h > 0.2 ? 0.93 : 0.95);
+  check_conforms(result.report.after);
 }
 
 TEST_CASE("without a model a bumpy face keeps its shape, beside straight edges too", "[adapt]") {
