@@ -22,35 +22,28 @@ constexpr double kTetsPerComplexity = 10;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
-constexpr int kPolishing = 3;            // rounds in the end
 constexpr double kWorthARound = 0.001;   // of the share of unit edges
 constexpr double kEnough = 0.985;        // of it
+constexpr double kNearlyAll = 0.9999;    // of edges of lengths in [1/2, 2]
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
-constexpr double kBearable = 1.45;         // length that a collapse may make an edge, on the way
+constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
 constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
 
 // What is done to each part in one round.
 using Work = std::function<void(Passes&)>;
 
-void follow(Passes& passes) {
-  passes.split_edges(1.8), passes.swap(0.6), passes.smooth(kMovable);
-  passes.split_edges(1.6), passes.collapse_edges(0.6, kBearable), passes.swap(0.6), passes.smooth(kMovable);
+// Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
+void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6), passes.smooth(0.8); }
+
+void settle(Passes& passes) {
+  passes.split_edges(1.6), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
 
-void approach(Passes& passes) {
-  passes.split_edges(1.6), passes.swap(0.7), passes.smooth(kMovable);
-  passes.collapse_edges(kShortest, kBearable), passes.split_edges(1.5), passes.swap(0.7), passes.smooth(kMovable);
-}
+void refine(Passes& passes) { passes.split_edges(kLongest), passes.swap(0.75), passes.smooth(kMovable); }
 
-void finish(Passes& passes) {
-  // A little above the shortest and the longest, so that what is collapsed and split does not alternate.
-  passes.collapse_edges(0.75, kBearable), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
-}
+void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
-// Leaves no edge behind that the next round would have to split.
-void polish(Passes& passes) {
-  passes.collapse_edges(kShortest, kLongest), passes.split_edges(kLongest), passes.swap(0.8), passes.smooth(kMovable);
-}
+void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
 
 class Adapter {
  public:
@@ -71,19 +64,20 @@ class Adapter {
     double ratio = 2;
     for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
       if (refinement() <= ratio) break;
-      round(ratio, follow);
+      round(ratio, grow);
+      round(ratio, settle);
     }
-    round(HUGE_VAL, approach);
-    double best = 0;
-    std::size_t idle = 0;
-    for (std::size_t i = 0; i < kMostRounds && idle < 2; ++i) {
-      round(HUGE_VAL, finish);
-      const double unit = unit_share();
-      if (i >= 2 && unit > kEnough) break;
-      idle = unit < best + kWorthARound ? idle + 1 : 0;
-      best = std::max(best, unit);
+    round(HUGE_VAL, refine);
+    round(HUGE_VAL, finish);
+    Lengths best;
+    for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
+      const Lengths lengths = measure_lengths();
+      if (lengths.unit > kEnough && lengths.half_to_two > kNearlyAll) break;
+      idle = lengths.unit < best.unit + kWorthARound && lengths.half_to_two <= best.half_to_two ? idle + 1 : 0;
+      best = {std::max(best.unit, lengths.unit), std::max(best.half_to_two, lengths.half_to_two)};
+      round(HUGE_VAL, refine_and_finish);
     }
-    for (int i = 0; i < kPolishing; ++i) round(HUGE_VAL, polish);
+    round(HUGE_VAL, finish);
     result.mesh = make_mesh_of(whole_, mesh_);
     transfer(result.mesh);
     result.report.operations = counts_;
@@ -163,26 +157,30 @@ class Adapter {
     return to_work;
   }
 
-  double unit_share() const {
-    const std::size_t blocks = (whole_.size() + kGrain - 1) / kGrain;
-    std::vector<std::array<std::size_t, 2>> counts(blocks, {0, 0});
+  // Shares of edges with lengths in [1/sqrt 2, sqrt 2] and [1/2, 2], each counted by every tet that has it.
+  struct Lengths {
+    double unit = 0, half_to_two = 0;
+  };
+
+  Lengths measure_lengths() const {
+    using Counts = std::array<std::size_t, 2>;
+    std::vector<Counts> counts((whole_.size() + kGrain - 1) / kGrain, Counts{});
     runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      auto& [unit, all] = counts[begin / kGrain];
+      auto& [unit, half_to_two] = counts[begin / kGrain];
       for (std::size_t tet = begin; tet < end; ++tet) {
-        for (int i = 0; i < 4; ++i) {
-          for (int j = 0; j < i; ++j) {
-            const std::uint32_t a = whole_.to_vert[tet * 4 + i], b = whole_.to_vert[tet * 4 + j];
-            const double length = edge_length(whole_.to_metric[a].tensor, whole_.to_metric[b].tensor,
-                                              whole_.points[b] - whole_.points[a]);
-            unit += length >= kShortest && length <= kLongest;
-            ++all;
-          }
+        for (const auto& [i, j] : kEdgeCorners) {
+          const std::uint32_t a = whole_.to_vert[tet * 4 + i], b = whole_.to_vert[tet * 4 + j];
+          const double length =
+              edge_length(whole_.to_metric[a].tensor, whole_.to_metric[b].tensor, whole_.points[b] - whole_.points[a]);
+          unit += length >= kShortest && length <= kLongest;
+          half_to_two += length >= 0.5 && length <= 2;
         }
       }
     });
-    std::array<std::size_t, 2> sum{};
-    for (const auto& [unit, all] : counts) sum[0] += unit, sum[1] += all;
-    return static_cast<double>(sum[0]) / static_cast<double>(std::max<std::size_t>(1, sum[1]));
+    Counts sum{};
+    for (const Counts& block : counts) sum[0] += block[0], sum[1] += block[1];
+    const auto all = static_cast<double>(std::max<std::size_t>(1, whole_.size() * 6));
+    return {static_cast<double>(sum[0]) / all, static_cast<double>(sum[1]) / all};
   }
 
   void transfer(Mesh& mesh) const {

@@ -41,6 +41,9 @@ inline constexpr std::uint8_t kHasChanged = 2;
 /// The vertex may move: a tet at it was replaced, or another vertex of one moved far.
 inline constexpr std::uint8_t kUnsettled = 4;
 
+/// The corners of a tet's edges.
+inline constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
 /// The tets that have a core.
 struct Cavity {
   static constexpr std::size_t kMostTets = 256;
@@ -92,6 +95,11 @@ class CavityMesh {
   bool is_active(std::uint32_t tet) const {
     const std::uint32_t* v = verts(tet);
     return ((to_state[v[0]] | to_state[v[1]] | to_state[v[2]] | to_state[v[3]]) & (kChanged | kHasChanged)) != 0;
+  }
+
+  /// All vertices of the tet have changed.
+  void mark_changed(std::uint32_t tet) {
+    for (int j = 0; j < 4; ++j) to_state[verts(tet)[j]] |= kChanged | kUnsettled;
   }
 
   /// Fills `cavity` with the tets that have `core`. False where it has too many. Pre: `tet` has the core.

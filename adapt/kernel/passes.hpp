@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/kernel/pass_counts.hpp"
@@ -15,6 +16,7 @@ namespace tetloom::adapt {
 struct PassOptions {
   double floor = 0.1;        ///< mean ratio that no operation may go below, unless it was below before
   double collapsible = 0.2;  ///< mean ratio from which on a collapse may make tets worse than those it replaces
+  double size_weight = 1;    ///< of lengths near 1 against shapes, where vertices move; see find_newton_step
 };
 
 class Passes {
@@ -25,7 +27,8 @@ class Passes {
 
   /// Splits edges longer than `longest`, the longest of their neighbourhood first. Returns how many.
   std::size_t split_edges(double longest);
-  /// Collapses edges shorter than `shortest`, the shortest first, where that makes none longer than `longest`.
+  /// Collapses edges shorter than `shortest`, the shortest first, where that makes none longer than `longest`: one end
+  /// into the other, or where neither can be done, both into the middle.
   std::size_t collapse_edges(double shortest, double longest);
   /// Edge and face swaps at tets of a mean ratio below `limit`.
   std::size_t swap(double limit);
@@ -39,21 +42,50 @@ class Passes {
     std::uint32_t a, b;
     float length;
   };
+  // The best operation found so far.
+  struct Choice {
+    double least;  // quality of what it makes
+    std::array<std::uint32_t, 3> core{};
+    std::uint32_t core_size = 0, target = kNone;
+  };
+
+  bool longest_edge(std::uint32_t tet, float least, Edge& edge) const;
+  double bound_of(std::uint32_t a, std::uint32_t b) const;
+  std::vector<Edge> short_edges(double shortest) const;
 
   Verdict split(std::uint32_t a, std::uint32_t b, std::uint32_t tet);
+  PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;
+
   Verdict collapse(std::uint32_t a, std::uint32_t b, double longest);
+  Verdict collapse_into(std::uint32_t from, std::uint32_t to, double longest, double& best);
+  Verdict merge(std::uint32_t a, std::uint32_t b, double longest);
+  Verdict merge_at(std::uint32_t a, std::uint32_t b, const std::vector<Vec3>& normals, double longest);
+  bool can_collapse(std::uint32_t a, std::uint32_t b) const;
+  bool mark_new_ends(const Cavity& cavity, std::uint32_t to, double longest);
+  bool makes_long_edge(std::uint32_t from, std::uint32_t to, double longest);
+  double bearable_collapse(double least) const;
+
   Verdict swap_at(std::uint32_t tet);
+  void try_edge_swaps(std::uint32_t tet, const std::array<std::uint32_t, 2>& edge, Choice& best);
+  void try_face_swap(std::uint32_t tet, std::uint32_t corner, Choice& best);
+  bool find_ring(const std::array<std::uint32_t, 2>& edge);
+
   Verdict move(std::uint32_t v);
   Verdict lead_to_model(std::uint32_t v);
-  bool can_collapse(std::uint32_t a, std::uint32_t b) const;
-  bool pinches(std::uint32_t p, std::uint32_t);
-  bool lies_in_planes(const Cavity& cavity) const;
-  bool is_flat_enough(const Cavity& cavity, std::uint32_t p) const;
-  PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;
-  double bound_of(std::uint32_t a, std::uint32_t b) const;
-  bool longest_edge(std::uint32_t tet, float least, Edge& edge) const;
-  bool makes_long_edge(std::uint32_t from, std::uint32_t to, double longest);
+  Vec3 find_step(std::uint32_t v, double& badness);
+  bool keep_on_entity(std::uint32_t v, Vec3& step) const;
+  bool keep_on_face(Vec3& step) const;
+  bool keep_on_edge(std::uint32_t v, Vec3& step) const;
+  bool try_place(std::uint32_t v, const Vec3& place, double bearable, double badness);
+  void take_made_qualities();
+
   bool is_frozen(const Cavity& cavity) const;
+  bool keeps_surface(const Cavity& cavity, std::uint32_t p);
+  bool is_flat_enough(const Cavity& cavity, std::uint32_t p) const;
+  bool lies_in_planes(const Cavity& cavity) const;
+  bool pinches(std::uint32_t p);
+  std::vector<Vec3> normals_of(const Cavity& cavity) const;
+  bool turns_no_normal(const Cavity& cavity, const std::vector<Vec3>& normals) const;
 
   CavityMesh& mesh_;
   const MetricStage& source_;
@@ -63,7 +95,9 @@ class Passes {
   PassCounts counts_;
   Cavity cavity_, scratch_;
   MadeQualities made_;
-  std::vector<tets::StarTet> star_;
+  std::vector<float> beside_;        // qualities of tets that move with a merged edge
+  std::vector<std::uint32_t> ring_;  // vertices around an edge that may take its place
+  std::vector<tets::StarTet> star_;  // of a vertex that moves, in its metric
   std::vector<std::uint32_t> marks_;
   std::uint32_t mark_ = 0;
 };

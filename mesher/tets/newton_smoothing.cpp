@@ -28,6 +28,27 @@ struct Badness {
   double sum = 0, worst = 0;
 };
 
+// w (s / 6 - 1)^2, which is least where the squared edges of a tet have 1 as their mean, up to the same factor.
+class SizeTerm {
+ public:
+  explicit SizeTerm(double weight) : weight_(detail::pair_of(432 * weight)) {}
+
+  // Those of no tets count nothing.
+  Pair at(Pair squares) const {
+    const Pair t = squares * kPerSquare - 1;
+    return squares > Pair{} ? weight_ * t * t : Pair{};
+  }
+  // Derivatives by s.
+  Pair first(Pair squares) const {
+    return squares > Pair{} ? 2 * kPerSquare * weight_ * (squares * kPerSquare - 1) : Pair{};
+  }
+  Pair second(Pair squares) const { return squares > Pair{} ? 2 * kPerSquare * kPerSquare * weight_ : Pair{}; }
+
+ private:
+  static constexpr double kPerSquare = 1.0 / 6;
+  Pair weight_;
+};
+
 // Sums 1/q^3 of pairs of tets.
 struct BadnessSums {
   Pair sum{}, worst{};
@@ -40,7 +61,7 @@ struct BadnessSums {
 };
 
 // False when a tet is not surely positive at `d`.
-bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) {
+bool badness_at(std::span<const StarTet> star, const Vec3& d, const SizeTerm* size, Badness& badness) {
   const PairVec pair_d = detail::pair_of(d);
   const Pair squares_of_d = detail::pair_of(3 * norm2(d));
   BadnessSums sums;
@@ -51,6 +72,7 @@ bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) 
     least_volume = detail::min(least_volume, v);
     least_margin = detail::min(least_margin, 432 * v2 - kSurelyPositive * largest * largest * largest);
     sums.add(s * s * s / v2);
+    if (size) sums.sum += size->at(s);
   });
   badness = sums.badness();
   return least_volume[0] > 0 && least_volume[1] > 0 && least_margin[0] > 0 && least_margin[1] > 0;
@@ -59,12 +81,23 @@ bool badness_at(std::span<const StarTet> star, const Vec3& d, Badness& badness) 
 // Gradient and Hessian of the sum of f = s^3 / v^2, where ds = -2 middle, d2s = 6 and dv = normal.
 class Quadratic {
  public:
+  explicit Quadratic(const SizeTerm* size) : size_(size) {}
+
   void add(const TetPair& tet) {
     const Pair i = 1 / tet.volume, r = tet.squares * i, r2 = r * r, r3 = r2 * r;
     const PairVec &m = tet.middle, &n = tet.normal;
     sums_.add(tet.squares * r2);
     gradient_ = gradient_ + (-6 * r2) * m + (-2 * r3) * n;
-    const Pair identity = 18 * r2, mm = 24 * r * i, mn = 12 * r2 * i, nn = 6 * r3 * i;
+    const Pair mn = 12 * r2 * i, nn = 6 * r3 * i;
+    Pair identity = 18 * r2, mm = 24 * r * i;
+    if (size_) {
+      sums_.sum += size_->at(tet.squares);
+      const Pair first = size_->first(tet.squares);
+      gradient_ = gradient_ + (-2 * first) * m;
+      // Where lengths are below 1 the term is concave; what it takes must not outweigh the shape.
+      identity += detail::max(6 * first, -12 * r2);
+      mm += 4 * size_->second(tet.squares);
+    }
     const PairVec a = mm * m + mn * n, b = mn * m + nn * n;
     xx_ += identity + a.x * m.x + b.x * n.x;
     yy_ += identity + a.y * m.y + b.y * n.y;
@@ -90,6 +123,7 @@ class Quadratic {
   PairVec gradient_{};
   Pair xx_{}, yy_{}, zz_{}, xy_{}, xz_{}, yz_{};
   BadnessSums sums_;
+  const SizeTerm* size_;
 };
 
 // The points of the face opposite to a star's vertex, turned so that they are counter-clockwise seen from it.
@@ -114,8 +148,19 @@ void measure(const WorkingMesh& mesh, const VertexStar& star, std::span<StarTet>
 
 }  // namespace
 
-Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor) {
-  Quadratic quadratic;
+double size_badness(std::span<const StarTet> star, const Vec3& d, double size_weight) {
+  double sum = 0;
+  for (const StarTet& tet : star) {
+    const double t = tet.squares_at(d) / 6 - 1;
+    sum += t * t;
+  }
+  return size_weight * sum;
+}
+
+Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor, double size_weight) {
+  const SizeTerm term(size_weight);
+  const SizeTerm* size = size_weight > 0 ? &term : nullptr;
+  Quadratic quadratic(size);
   detail::for_each_pair(star, [&](const TetPair& tet) { quadratic.add(tet); });
   const Badness before = quadratic.badness();
   const double bearable = std::max(before.worst, 432 / floor);
@@ -124,7 +169,7 @@ Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor
   for (int i = 0; i <= kHalvings; ++i, step *= 0.5) {
     const Vec3 d = (x + step) - x;
     Badness after;
-    if (badness_at(star, d, after) && after.sum < before.sum && after.worst <= bearable) return d;
+    if (badness_at(star, d, size, after) && after.sum < before.sum && after.worst <= bearable) return d;
   }
   return {};
 }

@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+
+#include "adapt/kernel/passes.hpp"
+#include "mesher/tets/newton_smoothing.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+using tets::cube;
+
+constexpr double kMoved = 0.1;  // in the metric: what is beside may then have another place
+constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
+constexpr double kOnModel = 1e-6;    // of an edge: nearer than that is on the model
+constexpr double kBearable = 0.4;    // mean ratio that a tet may fall to for the good of its neighbours
+constexpr double kNoWorse = 0.9999;  // but for round-off
+constexpr int kAttempts = 3;
+
+// M = transpose(U) U, so that U e is as long in space as e in the metric.
+struct Root {
+  double xx, xy, xz, yy, yz, zz;
+  explicit Root(const Tensor& m) {
+    xx = std::sqrt(m.xx), xy = m.xy / xx, xz = m.xz / xx;
+    yy = std::sqrt(m.yy - xy * xy), yz = (m.yz - xy * xz) / yy;
+    zz = std::sqrt(m.zz - xz * xz - yz * yz);
+  }
+  Vec3 apply(const Vec3& e) const { return {xx * e.x + xy * e.y + xz * e.z, yy * e.y + yz * e.z, zz * e.z}; }
+  Vec3 solve(const Vec3& y) const {
+    Vec3 e;
+    e.z = y.z / zz, e.y = (y.y - yz * e.z) / yy, e.x = (y.x - xy * e.y - xz * e.z) / xx;
+    return e;
+  }
+};
+
+}  // namespace
+
+// Leads a vertex of the surface that does not lie on the model there, or as far as its tets bear: it was made beside
+// the model because they would have been inverted. NoGain: it does lie there. Pre: cavity_ is the ball of v.
+Verdict Passes::lead_to_model(std::uint32_t v) {
+  const Vec3 x = mesh_.point(v);
+  const auto spot = project_(mesh_.to_entity[v].unpack(), x);
+  if (!spot) return Verdict::NoGain;
+  const Vec3 way = spot->point - x;
+  const std::uint32_t* beside = mesh_.verts(cavity_.tets[0]);
+  if (norm2(way) <= kOnModel * kOnModel * norm2(mesh_.point(beside[beside[0] == v ? 1 : 0]) - x))
+    return Verdict::NoGain;
+  const VertexMetric old_metric = mesh_.to_metric[v];
+  const double bearable = std::max(cube(kLeastLed), std::min(cube(options_.floor), kSplitLoss * cavity_.least));
+  for (double share = 1; share > 0.1; share *= 0.5) {
+    std::uint32_t hint = mesh_.to_hint[v];
+    mesh_.mesh.points[v] = x + share * way;
+    mesh_.set_metric(v, source_.at(mesh_.point(v), hint));
+    if (!(mesh_.evaluate(cavity_, v, bearable, made_) > bearable)) continue;
+    take_made_qualities();
+    for (const std::uint32_t tet : cavity_.tets) mesh_.mark_changed(tet);
+    mesh_.to_hint[v] = hint;
+    return Verdict::Done;
+  }
+  mesh_.mesh.points[v] = x;
+  mesh_.to_metric[v] = old_metric;
+  return Verdict::Surface;
+}
+
+void Passes::take_made_qualities() {
+  for (std::size_t i = 0; i < cavity_.tets.size(); ++i) mesh_.to_quality[cavity_.tets[i]] = made_[i];
+}
+
+// A step of v that makes its tets better in the metric of where it is, in which star_ is measured then. `badness`: the
+// sum of what they are worth now. Pre: cavity_ is the ball of v.
+Vec3 Passes::find_step(std::uint32_t v, double& badness) {
+  const std::size_t size = cavity_.tets.size();
+  star_.resize(size);
+  const Vec3 x = mesh_.point(v);
+  const Root root(mesh_.to_metric[v].tensor);
+  badness = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::uint32_t* verts = mesh_.verts(cavity_.tets[i]);
+    const auto& [a, c, b] = tets::kFaceVerts[cavity_.corners[i][0]];
+    star_[i] = tets::star_tet(root.apply(mesh_.point(verts[a]) - x), root.apply(mesh_.point(verts[b]) - x),
+                              root.apply(mesh_.point(verts[c]) - x));
+    badness += 1 / double{mesh_.to_quality[cavity_.tets[i]]};
+  }
+  badness += tets::size_badness(star_, {}, options_.size_weight);
+  return root.solve(tets::find_newton_step(star_, {}, tets::kSurelyPositive, options_.size_weight));
+}
+
+// Moves v to `place` if that lowers the badness of its tets. Pre: star_ is measured at v.
+bool Passes::try_place(std::uint32_t v, const Vec3& place, double bearable, double badness) {
+  const Vec3 x = mesh_.point(v);
+  const VertexMetric old_metric = mesh_.to_metric[v];
+  std::uint32_t hint = mesh_.to_hint[v];
+  double sum = tets::size_badness(star_, Root(old_metric.tensor).apply(place - x), options_.size_weight);
+  mesh_.mesh.points[v] = place;
+  mesh_.set_metric(v, source_.at(place, hint));
+  bool better = mesh_.evaluate(cavity_, v, bearable, made_) > bearable;
+  if (better) {
+    for (const float quality : made_) sum += 1 / double{quality};
+    better = sum < badness;
+  }
+  if (!better) {
+    mesh_.mesh.points[v] = x;
+    mesh_.to_metric[v] = old_metric;
+    return false;
+  }
+  take_made_qualities();
+  mesh_.to_hint[v] = hint;
+  if (dot(old_metric.tensor, place - x) > kMoved * kMoved) {
+    for (const std::uint32_t tet : cavity_.tets)
+      for (int j = 0; j < 4; ++j) mesh_.to_state[mesh_.verts(tet)[j]] |= kUnsettled;
+    mesh_.to_state[v] |= kChanged;
+  }
+  mesh_.to_state[v] &= static_cast<std::uint8_t>(~kUnsettled);
+  return true;
+}
+
+Verdict Passes::move(std::uint32_t v) {
+  if (mesh_.to_frozen[v]) return Verdict::Frozen;
+  const int dim = mesh_.dim_of(v);
+  if (dim == 0) return Verdict::Classification;
+  if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], cavity_)) return Verdict::TooLarge;
+  if (dim < 3 && project_) {
+    const Verdict led = lead_to_model(v);
+    if (led != Verdict::NoGain) return led;
+  }
+  double badness = 0;
+  Vec3 step = find_step(v, badness);
+  mesh_.to_state[v] &= static_cast<std::uint8_t>(~kUnsettled);
+  if (step == Vec3{}) return Verdict::NoGain;
+  if (!keep_on_entity(v, step)) return Verdict::Surface;
+  const Vec3 x = mesh_.point(v);
+  const double bearable = kNoWorse * std::min(cavity_.least, cube(kBearable));
+  for (int attempt = 0; attempt < kAttempts; ++attempt, step *= 0.5) {
+    Vec3 place = x + step;
+    if (dim < 3 && project_) {
+      const auto spot = project_(mesh_.to_entity[v].unpack(), place);
+      if (!spot || norm2(spot->point - place) > norm2(step)) continue;
+      place = spot->point;
+    }
+    if (try_place(v, place, bearable, badness)) return Verdict::Done;
+  }
+  return Verdict::NoGain;
+}
+
+}  // namespace tetloom::adapt

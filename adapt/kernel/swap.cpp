@@ -1,0 +1,73 @@
+#include <algorithm>
+
+#include "adapt/kernel/passes.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+using tets::verts_of;
+
+constexpr double kGain = 1.0001;
+constexpr std::size_t kMostTets = 10;  // at an edge that is swapped
+
+}  // namespace
+
+// Fills ring_ with the vertices that may take the place of an edge. False: the edge has to stay. Pre: cavity_ is that
+// of the edge.
+bool Passes::find_ring(const std::array<std::uint32_t, 2>& edge) {
+  ring_.clear();
+  const auto add = [&](std::uint32_t v) {
+    if (v != edge[0] && v != edge[1] && std::find(ring_.begin(), ring_.end(), v) == ring_.end()) ring_.push_back(v);
+  };
+  if (cavity_.surface.empty()) {
+    for (const std::uint32_t tet : cavity_.tets)
+      for (std::uint32_t k = 0; k < 4; ++k) add(mesh_.verts(tet)[k]);
+    return true;
+  }
+  if (cavity_.surface.size() != 2 || is_frozen(cavity_) || mesh_.surface.find_edge(edge[0], edge[1]) != kNone)
+    return false;
+  const Triangle s = verts_of(mesh_.mesh, cavity_.surface[0]), t = verts_of(mesh_.mesh, cavity_.surface[1]);
+  if (mesh_.surface.find(s)->face != mesh_.surface.find(t)->face) return false;
+  for (const Triangle& triangle : {s, t})
+    for (const std::uint32_t v : triangle) add(v);
+  return true;
+}
+
+// Only where `tet` is the worst of those at the edge, which is where it will be asked.
+void Passes::try_edge_swaps(std::uint32_t tet, const std::array<std::uint32_t, 2>& edge, Choice& best) {
+  if (!mesh_.collect(edge, tet, cavity_) || cavity_.tets.size() > kMostTets) return;
+  if (cavity_.least < mesh_.to_quality[tet] || !find_ring(edge)) return;
+  for (const std::uint32_t v : ring_) {
+    const double least = mesh_.evaluate(cavity_, v, best.least, made_);
+    if (!(least > best.least) || !keeps_surface(cavity_, v)) continue;
+    best = {least, {edge[0], edge[1], kNone}, 2, v};
+  }
+}
+
+// The face opposite to `corner` gives way to an edge between the vertices on both sides.
+void Passes::try_face_swap(std::uint32_t tet, std::uint32_t corner, Choice& best) {
+  const FaceCode face = tet * 4 + corner, behind = mesh_.mesh.to_neighbor[face];
+  if (behind == kNone || mesh_.mesh.is_fixed(face)) return;
+  if (mesh_.to_quality[behind / 4] < mesh_.to_quality[tet]) return;
+  const Triangle core = verts_of(mesh_.mesh, face);
+  if (!mesh_.collect(core, tet, cavity_)) return;
+  const std::uint32_t apex = mesh_.mesh.to_vert[behind];
+  const double least = mesh_.evaluate(cavity_, apex, best.least, made_);
+  if (least > best.least) best = {least, core, 3, apex};
+}
+
+Verdict Passes::swap_at(std::uint32_t tet) {
+  Choice best{std::max(double{mesh_.to_quality[tet]} * kGain, tets::kSurelyPositive)};
+  std::array<std::uint32_t, 4> v;
+  std::copy_n(mesh_.verts(tet), 4, v.begin());
+  for (const auto& [i, j] : kEdgeCorners) try_edge_swaps(tet, {v[i], v[j]}, best);
+  for (std::uint32_t corner = 0; corner < 4; ++corner) try_face_swap(tet, corner, best);
+  if (best.target == kNone) return Verdict::NoGain;
+  mesh_.collect(std::span(best.core).first(best.core_size), tet, cavity_);
+  mesh_.evaluate(cavity_, best.target, -1, made_);
+  mesh_.reconnect(cavity_, best.target, made_);
+  return Verdict::Done;
+}
+
+}  // namespace tetloom::adapt
