@@ -33,13 +33,11 @@ constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
 using Work = std::function<void(Passes&)>;
 
 // Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
-void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6), passes.smooth(0.8); }
+void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
 
 void settle(Passes& passes) {
   passes.split_edges(1.6), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
-
-void refine(Passes& passes) { passes.split_edges(kLongest), passes.swap(0.75), passes.smooth(kMovable); }
 
 void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
@@ -67,8 +65,7 @@ class Adapter {
       round(ratio, grow);
       round(ratio, settle);
     }
-    round(HUGE_VAL, refine);
-    round(HUGE_VAL, finish);
+    round(HUGE_VAL, refine_and_finish);
     Lengths best;
     for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
       const Lengths lengths = measure_lengths();

@@ -10,7 +10,7 @@ namespace {
 
 using tets::cube;
 
-constexpr double kMoved = 0.1;  // in the metric: what is beside may then have another place
+constexpr double kMoved = 0.15;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
 constexpr double kOnModel = 1e-6;    // of an edge: nearer than that is on the model
 constexpr double kBearable = 0.4;    // mean ratio that a tet may fall to for the good of its neighbours
