@@ -11,20 +11,30 @@ namespace {
 
 constexpr float kDead = 2;
 
+// Of a tet with edges p, q, r from one vertex.
+inline double cubed_quality(const Vec3& p, const Vec3& q, const Vec3& r, const VertexMetric& metric) {
+  const double volume = dot(cross(p, q), r);
+  if (!(volume > 0)) return 0;
+  const Tensor& m = metric.tensor;
+  // Over all pairs of four points, |xi - xj|^2 sums up to 4 sum |xi - x0|^2 - |sum (xi - x0)|^2.
+  const Vec3 s = p + q + r;
+  const auto sum = [&](double Vec3::*i, double Vec3::*j) {
+    return 4 * (p.*i * p.*j + q.*i * q.*j + r.*i * r.*j) - s.*i * s.*j;
+  };
+  const double squares =
+      m.xx * sum(&Vec3::x, &Vec3::x) + m.yy * sum(&Vec3::y, &Vec3::y) + m.zz * sum(&Vec3::z, &Vec3::z) +
+      2 * (m.xy * sum(&Vec3::x, &Vec3::y) + m.xz * sum(&Vec3::x, &Vec3::z) + m.yz * sum(&Vec3::y, &Vec3::z));
+  return 432 * volume * volume * metric.det / tets::cube(squares);
+}
+
 }  // namespace
 
 double CavityMesh::quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-  const Vec3 &x = point(a), p = point(b) - x, q = point(c) - x, r = point(d) - x;
-  const double volume = dot(cross(p, q), r);
-  if (!(volume > 0)) return 0;
   const VertexMetric* metric = &to_metric[a];
-  if (to_metric[b].det > metric->det) metric = &to_metric[b];
-  if (to_metric[c].det > metric->det) metric = &to_metric[c];
-  if (to_metric[d].det > metric->det) metric = &to_metric[d];
-  const Tensor& m = metric->tensor;
-  // Over all pairs of four points, |xi - xj|^2 sums up to 4 sum |xi - x0|^2 - |sum (xi - x0)|^2.
-  const double squares = 4 * (dot(m, p) + dot(m, q) + dot(m, r)) - dot(m, p + q + r);
-  return 432 * volume * volume * metric->det / tets::cube(squares);
+  for (const std::uint32_t v : {b, c, d})
+    if (to_metric[v].det > metric->det) metric = &to_metric[v];
+  const Vec3& x = point(a);
+  return cubed_quality(point(b) - x, point(c) - x, point(d) - x, *metric);
 }
 
 double CavityMesh::length_of(std::uint32_t a, std::uint32_t b) const {
@@ -37,15 +47,25 @@ void CavityMesh::add_to(Cavity& cavity, std::uint32_t tet, const std::array<std:
   cavity.least = std::min(cavity.least, double{to_quality[tet]});
 }
 
-bool CavityMesh::collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const {
+void CavityMesh::start_cavity(std::span<const std::uint32_t> core, Cavity& cavity) const {
   cavity.core_size = static_cast<std::uint32_t>(core.size());
   std::copy(core.begin(), core.end(), cavity.core.begin());
   cavity.tets.clear(), cavity.corners.clear(), cavity.surface.clear();
   cavity.least = kDead;
   if (slot_.size() < mesh.size()) slot_.resize(std::max(mesh.size(), slot_.size() + slot_.size() / 8), 0);
+}
+
+bool CavityMesh::collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const {
+  start_cavity(core, cavity);
   return core.size() == 1   ? collect_ball(tet, cavity)
-         : core.size() == 2 ? collect_shell(tet, cavity)
+         : core.size() == 2 ? collect_shell(tet, Cavity::kMostTets, -1, cavity)
                             : collect_few(tet, cavity);
+}
+
+bool CavityMesh::collect_around_worst(const std::array<std::uint32_t, 2>& edge, std::uint32_t tet, std::size_t most,
+                                      Cavity& cavity) const {
+  start_cavity(edge, cavity);
+  return collect_shell(tet, most, double{to_quality[tet]}, cavity);
 }
 
 bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
@@ -78,7 +98,7 @@ bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
 }
 
 // Turns around the edge, and from the start the other way round where something lies at it.
-bool CavityMesh::collect_shell(std::uint32_t tet, Cavity& cavity) const {
+bool CavityMesh::collect_shell(std::uint32_t tet, std::size_t most, double least, Cavity& cavity) const {
   const auto [a, b] = std::pair(cavity.core[0], cavity.core[1]);
   std::array<std::uint32_t, 2> start{};  // the corners beside those of the edge
   for (std::uint32_t j = 0, n = 0; j < 4; ++j) {
@@ -98,7 +118,7 @@ bool CavityMesh::collect_shell(std::uint32_t tet, Cavity& cavity) const {
       if (behind == kNone) break;
       const std::uint32_t next = behind / 4;
       if (next == tet) return true;
-      if (cavity.tets.size() == Cavity::kMostTets) return false;
+      if (cavity.tets.size() == most || double{to_quality[next]} < least) return false;
       const std::uint32_t kept = verts(here)[staying];
       add_to(cavity, next, corners_in(next));
       here = next;
@@ -140,16 +160,23 @@ std::uint32_t CavityMesh::find_edge(std::uint32_t a, std::uint32_t b, Cavity& sc
 
 double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const {
   double least = kDead;
-  made.resize(cavity.tets.size() * cavity.core_size);
+  const std::uint32_t size = cavity.core_size;
+  made.resize(cavity.tets.size() * size);
   const bool is_core = cavity.is_core(p);
-  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
+  const Vec3 x = point(p);
+  const VertexMetric& metric = to_metric[p];
+  float* out = made.data();
+  for (std::size_t i = 0; i < cavity.tets.size(); ++i, out += size) {
     const std::uint32_t* old = verts(cavity.tets[i]);
     if (!is_core && (old[0] == p || old[1] == p || old[2] == p || old[3] == p)) continue;
-    for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
-      std::array<std::uint32_t, 4> v{old[0], old[1], old[2], old[3]};
-      v[cavity.corners[i][k]] = p;
-      const double quality = quality_of(v[0], v[1], v[2], v[3]);
-      made[i * cavity.core_size + k] = static_cast<float>(quality);
+    for (std::uint32_t k = 0; k < size; ++k) {
+      const auto& face = tets::kFaceVerts[cavity.corners[i][k]];
+      const std::array<std::uint32_t, 3> base{old[face[0]], old[face[1]], old[face[2]]};
+      const VertexMetric* most = &metric;
+      for (const std::uint32_t v : base)
+        if (to_metric[v].det > most->det) most = &to_metric[v];
+      const double quality = cubed_quality(point(base[0]) - x, point(base[1]) - x, point(base[2]) - x, *most);
+      out[k] = static_cast<float>(quality);
       least = std::min(least, quality);
       if (!(least > goal)) return least;
     }

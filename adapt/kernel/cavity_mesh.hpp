@@ -102,8 +102,13 @@ class CavityMesh {
     for (int j = 0; j < 4; ++j) to_state[verts(tet)[j]] |= kChanged | kUnsettled;
   }
 
-  /// Fills `cavity` with the tets that have `core`. False where it has too many. Pre: `tet` has the core.
+  /// Fills `cavity` with the tets that have `core`. False where it has too many; what is in it then is of no use. Pre:
+  /// `tet` has the core.
   bool collect(std::span<const std::uint32_t> core, std::uint32_t tet, Cavity& cavity) const;
+  /// The same for an edge that may be swapped: false as well as soon as a tet is worse than `tet`, or there are more
+  /// than `most`.
+  bool collect_around_worst(const std::array<std::uint32_t, 2>& edge, std::uint32_t tet, std::size_t most,
+                            Cavity& cavity) const;
   /// A tet that has the edge; kNone where the mesh has no such edge.
   std::uint32_t find_edge(std::uint32_t a, std::uint32_t b, Cavity& scratch) const;
 
@@ -129,7 +134,8 @@ class CavityMesh {
 
  private:
   bool collect_ball(std::uint32_t tet, Cavity& cavity) const;
-  bool collect_shell(std::uint32_t tet, Cavity& cavity) const;
+  bool collect_shell(std::uint32_t tet, std::size_t most, double least, Cavity& cavity) const;
+  void start_cavity(std::span<const std::uint32_t> core, Cavity& cavity) const;
   bool collect_few(std::uint32_t tet, Cavity& cavity) const;
   void add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const;
   void stamp(const Cavity& cavity) const;

@@ -10,6 +10,7 @@ namespace {
 
 using tets::cube;
 
+constexpr double kLengthGain = 0.9;
 constexpr float kPoor = 0.03f;  // cubed quality: below, everything is tried again and again
 
 void count(Verdicts& verdicts, Verdict verdict) { ++verdicts[static_cast<std::size_t>(verdict)]; }
@@ -100,7 +101,8 @@ std::size_t Passes::collapse_edges(double shortest, double longest) {
     if (++asked % 1024 == 0) runner_.check_cancelled();
     if (mesh_.vert_to_tet[a] == kNone || mesh_.vert_to_tet[b] == kNone) continue;
     if (mesh_.find_edge(a, b, scratch_) == kNone || mesh_.length_of(a, b) >= shortest) continue;
-    const Verdict verdict = collapse(a, b, longest);
+    // What is made must not be as much too long as what goes is too short.
+    const Verdict verdict = collapse(a, b, std::max(longest, kLengthGain / double{length}));
     count(counts_.collapses, verdict);
     done += verdict == Verdict::Done;
   }

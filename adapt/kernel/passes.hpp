@@ -27,8 +27,8 @@ class Passes {
 
   /// Splits edges longer than `longest`, the longest of their neighbourhood first. Returns how many.
   std::size_t split_edges(double longest);
-  /// Collapses edges shorter than `shortest`, the shortest first, where that makes none longer than `longest`: one end
-  /// into the other, or where neither can be done, both into the middle.
+  /// Collapses edges shorter than `shortest`, the shortest first, where that makes none longer than `longest`, or than
+  /// nearly the inverse of what they are: one end into the other, or where neither can be done, both into the middle.
   std::size_t collapse_edges(double shortest, double longest);
   /// Edge and face swaps at tets of a mean ratio below `limit`.
   std::size_t swap(double limit);

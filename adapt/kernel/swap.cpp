@@ -36,8 +36,7 @@ bool Passes::find_ring(const std::array<std::uint32_t, 2>& edge) {
 
 // Only where `tet` is the worst of those at the edge, which is where it will be asked.
 void Passes::try_edge_swaps(std::uint32_t tet, const std::array<std::uint32_t, 2>& edge, Choice& best) {
-  if (!mesh_.collect(edge, tet, cavity_) || cavity_.tets.size() > kMostTets) return;
-  if (cavity_.least < mesh_.to_quality[tet] || !find_ring(edge)) return;
+  if (!mesh_.collect_around_worst(edge, tet, kMostTets, cavity_) || !find_ring(edge)) return;
   for (const std::uint32_t v : ring_) {
     const double least = mesh_.evaluate(cavity_, v, best.least, made_);
     if (!(least > best.least) || !keeps_surface(cavity_, v)) continue;
