@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapt/adapt_on_ranks.hpp"
 #include "adapt/input_checks.hpp"
 #include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/model_fit.hpp"
-#include "adapt/parts/whole_mesh.hpp"
+#include "adapt/parts/rounds.hpp"
+#include "core/base/mix_bits.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/volume/model_projector.hpp"
 
@@ -46,15 +48,21 @@ void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(pa
 class Adapter {
  public:
   Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function, const AdaptOptions& options,
-          const TaskRunner& runner)
-      : mesh_(mesh), function_(function), options_(options), runner_(runner), whole_(make_whole_mesh(mesh, runner)) {
-    if (options.model) require_model_fits(whole_, mesh, *options.model, runner);
+          const SharedWork& work)
+      : mesh_(mesh),
+        function_(function),
+        options_(options),
+        work_(work),
+        runner_(work.runner()),
+        whole_(make_whole_mesh(mesh, runner_)) {
+    if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
     // Tets may have been turned when they were linked.
     tets_.resize(whole_.size());
     for (std::size_t tet = 0; tet < tets_.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets_[tet].begin());
     const TetView view{whole_.points.span(), tets_};
-    implied_ = implied_metric(view, runner);
-    background_.emplace(view, metric, runner);
+    implied_ = implied_metric(view, runner_);
+    background_.emplace(view, metric, runner_);
+    links_ = take_share(whole_, work_);
   }
 
   void run(AdaptResult& result) {
@@ -75,11 +83,16 @@ class Adapter {
       round(HUGE_VAL, refine_and_finish);
     }
     round(HUGE_VAL, finish);
-    result.mesh = make_mesh_of(whole_, mesh_);
-    transfer(result.mesh);
-    result.report.operations = counts_;
+    whole_ = gather_shares(whole_, links_, work_);
+    work_.each([&] {
+      if (work_.rank() != 0) return;
+      result.mesh = make_mesh_of(whole_, mesh_);
+      transfer(result.mesh);
+    });
+    result.report.operations = sum_of_counts();
     result.report.rounds = rounds_;
     result.report.most_parts = most_parts_;
+    result.report.last_parts = last_parts_;
   }
 
   MetricField metric_of_result() const {
@@ -89,6 +102,14 @@ class Adapter {
   }
 
  private:
+  // Of all ranks.
+  PassCounts sum_of_counts() const {
+    PassCounts sum;
+    for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(counts_); }))
+      sum.add(MessageReader(bytes).get<PassCounts>());
+    return sum;
+  }
+
   // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
   double refinement() {
     const MetricStage stage(*background_, implied_, function_, 1);
@@ -101,7 +122,10 @@ class Adapter {
         whole_.to_hint[v] = hint;
       }
     });
-    return *std::max_element(most.begin(), most.end());
+    std::array<double, 1> all{0};
+    for (const double one : most) all[0] = std::max(all[0], one);
+    work_.max(all);
+    return all[0];
   }
 
   // One round at a stage of the metric.
@@ -118,12 +142,10 @@ class Adapter {
       }
     });
     const std::vector<float> to_work = work_per_tet();
-    double all = 0;
-    for (const float one : to_work) all += double{one};
     const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part : kTetsPerPart;
-    const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
-    most_parts_ = std::max(most_parts_, parts);
-    const auto to_part = deal_tets(whole_, to_work, parts, rounds_++, runner_);
+    const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(sum_of_work(to_work, work_) / per_part)));
+    last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
+    Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
     std::vector<PassCounts> counts(parts);
     const PassOptions pass_options{options_.quality_floor};
     const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
@@ -133,7 +155,7 @@ class Adapter {
       work(passes);
       counts[number] = passes.counts();
     };
-    adapt_in_parts(whole_, to_part, to_work, parts, adapt_part, runner_);
+    adapt_in_parts(whole_, links_, std::move(dealing), adapt_part, work_);
     for (const PassCounts& part : counts) counts_.add(part);
     runner_.advance();
   }
@@ -160,10 +182,10 @@ class Adapter {
   };
 
   Lengths measure_lengths() const {
-    using Counts = std::array<std::size_t, 2>;
+    using Counts = std::array<std::int64_t, 3>;
     std::vector<Counts> counts((whole_.size() + kGrain - 1) / kGrain, Counts{});
     runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      auto& [unit, half_to_two] = counts[begin / kGrain];
+      auto& [unit, half_to_two, all] = counts[begin / kGrain];
       for (std::size_t tet = begin; tet < end; ++tet) {
         for (const auto& [i, j] : kEdgeCorners) {
           const std::uint32_t a = whole_.to_vert[tet * 4 + i], b = whole_.to_vert[tet * 4 + j];
@@ -174,9 +196,10 @@ class Adapter {
         }
       }
     });
-    Counts sum{};
+    Counts sum{0, 0, static_cast<std::int64_t>(whole_.size()) * 6};
     for (const Counts& block : counts) sum[0] += block[0], sum[1] += block[1];
-    const auto all = static_cast<double>(std::max<std::size_t>(1, whole_.size() * 6));
+    work_.sum(sum);
+    const auto all = static_cast<double>(std::max<std::int64_t>(1, sum[2]));
     return {static_cast<double>(sum[0]) / all, static_cast<double>(sum[1]) / all};
   }
 
@@ -193,13 +216,15 @@ class Adapter {
   const Mesh& mesh_;
   const MetricFunction& function_;
   const AdaptOptions& options_;
+  const SharedWork& work_;
   const TaskRunner& runner_;
-  WholeMesh whole_;
+  WholeMesh whole_;  // between rounds the share of it that this rank has
+  ShareLinks links_;
   std::vector<TetVerts> tets_;
   std::vector<Tensor> implied_;
   std::optional<BackgroundMesh> background_;
   PassCounts counts_;
-  std::size_t rounds_ = 0, most_parts_ = 0;
+  std::size_t rounds_ = 0, most_parts_ = 0, last_parts_ = 0;
 };
 
 void check_options(const Mesh& mesh, const AdaptOptions& options) {
@@ -208,6 +233,7 @@ void check_options(const Mesh& mesh, const AdaptOptions& options) {
   if (options.gradation != 0 && !(options.gradation > 1)) refuse("the gradation must be above 1, or 0 for none");
   if (options.threads < 0) refuse("the number of threads must not be negative");
   if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
+  if (options.parts < 0) refuse("the number of parts must not be negative");
   for (const std::string& name : options.transfer) {
     const bool known = std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(),
                                    [&](const MeshField& field) { return field.name == name; });
@@ -234,35 +260,101 @@ AdaptResult guarded(const Run& run) {
   return result;
 }
 
-AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
-                     const AdaptOptions& options, const Host& host) {
-  return guarded([&](AdaptResult& result) {
-    check_options(mesh, options);
-    const TaskRunner runner(options.threads, host);
-    check_mesh(mesh, runner);
-    MetricField metric = given ? *given : metric_from_function(function, mesh.points, runner);
-    check_metric(metric, mesh);
-    if (options.gradation > 0 && given) {
-      const TetView view{mesh.points, mesh.tet_to_vert};
-      limit_gradation(metric, mesh.points, VertexGraph(view, runner), options.gradation, runner);
+// What ranks give differs where they read different files, say; it would leave them waiting for each other.
+void require_same_input(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
+                        const SharedWork& work) {
+  if (work.rank_count() == 1) return;
+  std::uint64_t hash = 0;
+  const auto add = [&](const auto& values) {
+    hash = mix_bits(hash ^ values.size());
+    for (const std::byte byte : std::as_bytes(std::span(values)))
+      hash = hash * 0x100000001b3u ^ std::to_integer<std::uint64_t>(byte);
+  };
+  work.each([&] {
+    add(mesh.points), add(mesh.tet_to_vert), add(mesh.tri_to_vert), add(metric.logs);
+    add(std::array<double, 4>{options.quality_floor, options.gradation, options.tets_per_part, 1.0 * options.parts});
+    for (const std::string& name : options.transfer) add(name);
+  });
+  for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(hash); }))
+    if (MessageReader(bytes).get<std::uint64_t>() != hash)
+      throw Error(ErrorCode::InvalidArgument, "the ranks were not given the same mesh, metric and options");
+}
+
+// What rank 0 has measured.
+MetricConformity share_conformity(const MetricConformity& measured, const SharedWork& work) {
+  return MessageReader(work.all_gather([&](MessageWriter& writer) { writer.put(measured); })[0])
+      .get<MetricConformity>();
+}
+
+class AdaptRun {
+ public:
+  AdaptRun(const Mesh& mesh, const MetricField* given, const MetricFunction& function, const AdaptOptions& options,
+           const SharedWork& work)
+      : mesh_(mesh), given_(given), function_(function), options_(options), work_(work) {}
+
+  void run(AdaptResult& result) {
+    work_.each([&] { prepare(result); });
+    require_same_input(mesh_, metric_, options_, work_);
+    std::optional<Adapter> adapter;
+    work_.each([&] { adapter.emplace(mesh_, metric_, function_, options_, work_); });
+    adapter->run(result);
+    work_.each([&] {
+      if (work_.rank() == 0)
+        result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner());
+    });
+    result.report.after = share_conformity(result.report.after, work_);
+  }
+
+ private:
+  void prepare(AdaptResult& result) {
+    const TaskRunner& runner = work_.runner();
+    check_options(mesh_, options_);
+    check_mesh(mesh_, runner);
+    metric_ = given_ ? *given_ : metric_from_function(function_, mesh_.points, runner);
+    check_metric(metric_, mesh_);
+    if (options_.gradation > 0 && given_) {
+      const TetView view{mesh_.points, mesh_.tet_to_vert};
+      limit_gradation(metric_, mesh_.points, VertexGraph(view, runner), options_.gradation, runner);
     }
-    result.report.before = measure_conformity(mesh, metric, runner);
+    result.report.before = measure_conformity(mesh_, metric_, runner);
     check_complexity(result.report.before.complexity);
-    Adapter adapter(mesh, metric, function, options, runner);
-    adapter.run(result);
-    result.report.after = measure_conformity(result.mesh, adapter.metric_of_result(), runner);
+  }
+
+  const Mesh& mesh_;
+  const MetricField* given_;
+  const MetricFunction& function_;
+  const AdaptOptions& options_;
+  const SharedWork& work_;
+  MetricField metric_;
+};
+
+AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
+                     const AdaptOptions& options, Communicator* ranks, const Host& host) {
+  return guarded([&](AdaptResult& result) {
+    const SharedWork work(std::max(0, options.threads), host, ranks);
+    work.together([&] { AdaptRun(mesh, given, function, options, work).run(result); });
   });
 }
 
 }  // namespace
 
 AdaptResult adapt_mesh(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options, const Host& host) {
-  return adapt_to(mesh, &metric, {}, options, host);
+  return adapt_to(mesh, &metric, {}, options, nullptr, host);
 }
 
 AdaptResult adapt_mesh(const Mesh& mesh, const std::function<Tensor(const Vec3&)>& metric, const AdaptOptions& options,
                        const Host& host) {
-  return adapt_to(mesh, nullptr, metric, options, host);
+  return adapt_to(mesh, nullptr, metric, options, nullptr, host);
+}
+
+AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
+                                Communicator& ranks, const Host& host) {
+  return adapt_to(mesh, &metric, {}, options, &ranks, host);
+}
+
+AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const std::function<Tensor(const Vec3&)>& metric,
+                                const AdaptOptions& options, Communicator& ranks, const Host& host) {
+  return adapt_to(mesh, nullptr, metric, options, &ranks, host);
 }
 
 }  // namespace tetloom

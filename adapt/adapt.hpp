@@ -5,7 +5,8 @@
 // on cavities (adapt/kernel). The mesh is led to the metric in stages, and dealt to parts anew for every round, each of
 // which is changed by its own task but for what it shares with others; the sides of parts lie elsewhere in every round.
 //
-// Contract: as for mesher.hpp. The mesh depends on the input and the options, and not on the number of threads.
+// Contract: as for mesher.hpp. The mesh depends on the input and the options, and not on the numbers of threads and
+// ranks.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -30,6 +31,7 @@ struct AdaptOptions {
   std::vector<std::string> transfer;      ///< point fields to be carried over
   int threads = 0;                        ///< 0: all cores that the process may use
   double tets_per_part = 0;               ///< 0: as it sees fit
+  int parts = 0;  ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
 };
 
 /// How well a mesh fits a metric. Lengths and mean ratios in the metric (UGAWG's definitions: a tet's metric is that of
@@ -49,6 +51,7 @@ struct AdaptReport {
   adapt::PassCounts operations;
   std::size_t rounds = 0;
   std::size_t most_parts = 0;  ///< of any round
+  std::size_t last_parts = 0;  ///< of the last round
   double seconds = 0;
 };
 

@@ -7,7 +7,6 @@
 #include "mesher/mesh_run_detail.hpp"
 #include "threading/agreement.hpp"
 #include "threading/balance/balance.hpp"
-#include "threading/migration.hpp"
 
 namespace tetloom {
 namespace {
@@ -48,13 +47,6 @@ MeshInPartsResult refuse(const Diagnostic& diagnostic) {
   return result;
 }
 
-void deal(PartitionedMesh& mesh, std::size_t part_count, const TaskRunner& runner) {
-  BalanceOptions options;
-  options.part_count = part_count;
-  PerPart<Destinations> destinations = compute_destinations(mesh, options, runner);
-  migrate(mesh, std::move(destinations), part_count, runner);
-}
-
 }  // namespace
 
 MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,
@@ -73,7 +65,7 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
       runner.check_cancelled();
     });
     PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, communicator, runner);
-    if (options.parts > 0) deal(mesh, static_cast<std::size_t>(options.parts), runner);
+    if (options.parts > 0) deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
     result.partition_seconds = watch.lap();
     result.mesh = std::move(mesh);
     return report;

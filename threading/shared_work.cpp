@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "threading/agreement.hpp"
+#include "threading/exchange.hpp"
 
 namespace tetloom {
 
@@ -74,6 +75,13 @@ void SharedWork::meet(const std::function<void()>& work) const {
   agree(communicator, is_own || failures[0] == 0 ? failure : std::nullopt);
 }
 
+// A collective call right after a meeting: from here on all ranks fail together or none does.
+void SharedWork::agreed(const std::function<void(Communicator&)>& call) const {
+  ranks_->agreed = true;
+  call(ranks_->communicator);
+  ranks_->agreed = false;
+}
+
 // Largest first, each to the rank that has least; the same on all ranks.
 std::vector<std::size_t> SharedWork::own_items(std::span<const double> work, std::vector<int>& owners) const {
   const Communicator& communicator = ranks_->communicator;
@@ -110,17 +118,70 @@ void SharedWork::for_each(std::span<const double> work, const SharedItems& items
     for (std::size_t i = 0; i < work.size(); ++i)
       if (owners[i] == communicator.rank()) items.put(i, writer);
   });
-  ranks_->agreed = true;  // from here on all ranks fail together or none does
-  const std::vector<Bytes> given = communicator.all_gather(writer.take());
-  run_on_all(communicator, [&] {
-    for (int from = 0; from < communicator.rank_count(); ++from) {
-      if (from == communicator.rank()) continue;
-      MessageReader reader(given[static_cast<std::size_t>(from)]);
-      for (std::size_t i = 0; i < work.size(); ++i)
-        if (owners[i] == from) items.take(i, reader);
-    }
+  agreed([&](Communicator&) {
+    const std::vector<Bytes> given = communicator.all_gather(writer.take());
+    run_on_all(communicator, [&] {
+      for (int from = 0; from < communicator.rank_count(); ++from) {
+        if (from == communicator.rank()) continue;
+        MessageReader reader(given[static_cast<std::size_t>(from)]);
+        for (std::size_t i = 0; i < work.size(); ++i)
+          if (owners[i] == from) items.take(i, reader);
+      }
+    });
   });
-  ranks_->agreed = false;
+}
+
+int SharedWork::rank() const { return is_shared() ? ranks_->communicator.rank() : 0; }
+
+int SharedWork::rank_count() const { return is_shared() ? ranks_->communicator.rank_count() : 1; }
+
+void SharedWork::each(const std::function<void()>& work) const {
+  if (!is_shared()) return work();
+  meet(work);
+}
+
+void SharedWork::sum(std::span<std::int64_t> values) const {
+  if (!is_shared()) return;
+  meet([] {});
+  agreed([&](Communicator& communicator) { communicator.sum(values); });
+}
+
+void SharedWork::max(std::span<double> values) const {
+  if (!is_shared()) return;
+  meet([] {});
+  agreed([&](Communicator& communicator) { communicator.max(values); });
+}
+
+std::vector<Bytes> SharedWork::all_gather(const std::function<void(MessageWriter&)>& put) const {
+  MessageWriter writer;
+  each([&] { put(writer); });
+  std::vector<Bytes> given;
+  if (!is_shared()) {
+    given.push_back(writer.take());
+  } else {
+    agreed([&](Communicator& communicator) { given = communicator.all_gather(writer.take()); });
+  }
+  return given;
+}
+
+std::vector<Bytes> SharedWork::exchange(const std::function<void(std::span<MessageWriter>)>& put) const {
+  const auto ranks = static_cast<std::size_t>(rank_count());
+  std::vector<MessageWriter> writers(ranks);
+  std::vector<Message> messages;
+  std::vector<Bytes> given(ranks);
+  each([&] {
+    put(writers);
+    const PartId self(static_cast<std::uint32_t>(rank()));
+    for (std::uint32_t to = 0; to < ranks; ++to) messages.push_back({self, PartId(to), 0, writers[to].take()});
+  });
+  if (is_shared()) {
+    agreed([&](Communicator& communicator) {
+      messages = tetloom::exchange(communicator, std::move(messages),
+                                   [](PartId rank) { return static_cast<int>(rank.value); });
+    });
+  }
+  for (Message& message : messages) given[message.from.value] = std::move(message.bytes);
+  return given;
 }
 
 }  // namespace tetloom

@@ -2,6 +2,7 @@
 // One computation that ranks carry out together: loops whose items are dealt to the ranks, after which all know all.
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -52,11 +53,26 @@ class SharedWork {
   std::vector<std::vector<T>> make_lists(std::span<const double> work,
                                          const std::function<std::vector<T>(std::size_t)>& make) const;
 
+  // What follows is for ranks that have something of their own; in `together` only.
+
+  int rank() const;
+  int rank_count() const;  ///< 1 where nothing is shared
+  /// Each rank does `work` of its own, with nothing of this class in it. Afterwards all have done theirs.
+  void each(const std::function<void()>& work) const;
+  /// Of what the ranks give, value by value.
+  void sum(std::span<std::int64_t> values) const;
+  void max(std::span<double> values) const;
+  /// What each rank has put, by rank.
+  std::vector<Bytes> all_gather(const std::function<void(MessageWriter&)>& put) const;
+  /// Each rank puts something for every rank, this one among them; returns what was put for this one, by rank.
+  std::vector<Bytes> exchange(const std::function<void(std::span<MessageWriter>)>& put) const;
+
  private:
   struct Ranks;
 
   bool is_shared() const { return ranks_ != nullptr; }
   void meet(const std::function<void()>& work) const;
+  void agreed(const std::function<void(Communicator&)>& call) const;
   std::vector<std::size_t> own_items(std::span<const double> work, std::vector<int>& owners) const;
   void carry_out(std::span<const double> work, std::span<const std::size_t> own, const SharedItems& items) const;
 

@@ -1,9 +1,8 @@
 #pragma once
-// The mesh between two rounds of adaptation: dealt to parts anew for each round, and put together from them afterwards.
+// The mesh between two rounds of adaptation, or what one rank has of it.
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <functional>
-#include <span>
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
@@ -19,13 +18,21 @@ struct LinkedTriangle {
   std::array<std::uint32_t, 2> tets{kNone, kNone};
 };
 
+/// A piece of a model edge.
 struct ModelEdgePiece {
   std::array<std::uint32_t, 2> verts;  ///< ascending
   std::uint32_t edge = kNone;          ///< model edge
   friend auto operator<=>(const ModelEdgePiece&, const ModelEdgePiece&) = default;
 };
 
-/// Struct of arrays. Invariant: `to_neighbor` as in tets::TetMesh; kNone behind triangles of the outer surface alone.
+/// Sorts them, and drops what is there twice.
+inline void sort_pieces(std::vector<ModelEdgePiece>& pieces) {
+  std::sort(pieces.begin(), pieces.end());
+  pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+}
+
+/// Struct of arrays. Invariant: `to_neighbor` as in tets::TetMesh; kNone behind triangles of the outer surface alone,
+/// and where other ranks have what is behind. `edges` are sorted; all of them are sides of triangles.
 struct WholeMesh {
   GrowingArray<Vec3> points;
   GrowingArray<VertexMetric> to_metric;
@@ -39,7 +46,30 @@ struct WholeMesh {
   std::vector<ModelEdgePiece> edges;
 
   std::size_t size() const { return to_region.size(); }
+  /// Whether the vertex may be an end of a piece of a model edge.
+  bool is_on_edge(std::uint32_t vert) const {
+    const ModelEntity entity = to_entity[vert].unpack();
+    return entity.valid() && entity.dim <= 1;
+  }
 };
+
+/// Calls visit(piece) for every edge of the tet that is a piece of a model edge.
+template <class Visit>
+void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visit) {
+  std::array<std::uint32_t, 4> verts;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::uint32_t v = whole.to_vert[std::size_t{tet} * 4 + i];
+    if (whole.is_on_edge(v)) verts[count++] = v;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::array<std::uint32_t, 2> ends{std::min(verts[i], verts[j]), std::max(verts[i], verts[j])};
+      const auto at = std::lower_bound(whole.edges.begin(), whole.edges.end(), ModelEdgePiece{ends, 0});
+      if (at != whole.edges.end() && at->verts == ends) visit(*at);
+    }
+  }
+}
 
 /// From the tets, triangles and edges of `mesh`. Where it names no entities, faces of the hull without a triangle get
 /// one without an entity, and edges between triangles of different entities, or of other than two, become pieces of
@@ -50,24 +80,5 @@ WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
 
 /// The mesh as it is now, with the names, sides and entities of `source`; without fields.
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source);
-
-/// The part of every tet, below `part_count`: equal shares of the work along a Hilbert curve. The curve differs from
-/// round to round, and so do the sides of parts. `to_work`: positive, one per tet.
-std::vector<std::uint32_t> deal_tets(const WholeMesh& whole, std::span<const float> to_work, std::size_t part_count,
-                                     std::size_t round, const TaskRunner& runner);
-
-/// One part of the mesh, to be changed but for what it shares with others.
-struct PartOfWhole {
-  CavityMesh mesh;
-  std::uint32_t given = 0;              ///< its vertices before this one are those of `to_whole`
-  std::vector<std::uint32_t> to_whole;  ///< vertex of the whole mesh
-  double work = 0;
-};
-
-/// Cuts, calls `adapt` for every part, the one of most work first, and puts together what has become of them. The
-/// result depends on the parts alone. Strong guarantee: when `adapt` throws, `whole` is as it was.
-void adapt_in_parts(WholeMesh& whole, std::span<const std::uint32_t> to_part, std::span<const float> to_work,
-                    std::size_t part_count, const std::function<void(std::size_t, CavityMesh&)>& adapt,
-                    const TaskRunner& runner);
 
 }  // namespace tetloom::adapt

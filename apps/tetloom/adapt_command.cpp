@@ -1,12 +1,18 @@
+#include <algorithm>
+
+#include "adapt/adapt_on_ranks.hpp"
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/adapt_report.hpp"
 #include "apps/tetloom/commands.hpp"
+#include "apps/tetloom/parts_text.hpp"
+#include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
 #include "apps/tetloom/validation_report.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/io/solution_io.hpp"
 #include "core/mesh/digest.hpp"
 #include "threading/agreement.hpp"
+#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -26,27 +32,38 @@ void write_output(const AdaptCommand& command, Mesh& mesh, const CancelToken& ca
   write_mesh(mesh, command.output, &cancel, runner);
 }
 
-void adapt_input(const AdaptCommand& command, Run& run) {
+AdaptInput read_input_with_metric(const AdaptCommand& command, adapt::MetricField& metric, double& metric_seconds,
+                                  Run& run) {
+  const TaskRunner runner(command.options.threads, run.host());
   RunReport& report = run.report();
   run.begin(Stage::Read);
   AdaptInput input;
-  report.seconds.read = timed([&] { input = read_input([&] { return read_adapt_input(command, run.cancel()); }); });
+  report.seconds.read =
+      timed([&] { input = read_input([&] { return read_adapt_input(command, runner, run.cancel()); }); });
   report.warnings = input.document.warnings;
-
-  const TaskRunner runner(command.options.threads, run.host());
   run.begin(Stage::SizeField);
-  adapt::MetricField metric;
-  const double metric_seconds = timed([&] { metric = make_metric(command, input, runner); });
+  metric_seconds = timed([&] { metric = make_metric(command, input, runner); });
+  return input;
+}
+
+AdaptOptions options_of(const AdaptCommand& command, const AdaptInput& input) {
   AdaptOptions options = command.options;
   options.model = input.document.model.get();
   options.gradation = command.hessian.gradation;
-  AdaptResult result = adapt_mesh(input.mesh, metric, options, run.host());
-  input.mesh = Mesh();
+  return options;
+}
+
+// Whether there is a mesh; the same on all ranks.
+bool note_run(const AdaptResult& result, double metric_seconds, RunReport& report) {
   report.parts = static_cast<int>(std::max<std::size_t>(1, result.report.most_parts));
   report.extra["adaptation"] = adaptation_json(result.report, metric_seconds);
   for (const Diagnostic& error : result.errors) add_failure(report, error);
-  if (result.status != AdaptStatus::Ok) return;
+  return result.status == AdaptStatus::Ok;
+}
 
+// By the first rank.
+void finish_in_one_piece(const AdaptCommand& command, AdaptResult& result, const TaskRunner& runner, Run& run) {
+  RunReport& report = run.report();
   run.begin(Stage::Check);
   report.seconds.check = timed([&] {
     if (note_validation(result.mesh, runner, report).valid()) note_mesh(result.mesh, runner, report);
@@ -57,6 +74,56 @@ void adapt_input(const AdaptCommand& command, Run& run) {
   run.set_text(render_adaptation(result.report, report, command.output.string(), command.report.string()));
 }
 
+// What the first rank finds not to be valid, all know of.
+void share_status(Communicator& communicator, RunReport& report) {
+  report.status = static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(report.status)));
+}
+
+// By all ranks.
+void finish_in_parts(const AdaptCommand& command, const AdaptInPartsResult& result, const TaskRunner& runner,
+                     Run& run) {
+  RunReport& report = run.report();
+  run.begin_together(Stage::Check);
+  PartsFigures figures;
+  report.parts = static_cast<int>(result.mesh->part_count());
+  report.seconds.check = timed([&] {
+    figures = measure_parts(*result.mesh);
+    note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
+      if (note_validation(mesh, wide, report).valid()) note_mesh(mesh, wide, report);
+    });
+  });
+  report.extra["partition"] = parts_json(figures);
+  report.extra["partition"]["seconds"] = result.partition_seconds;
+  share_status(*result.mesh->communicator, report);
+  if (report.status != ExitStatus::Done) return;
+  run.begin_together(Stage::Write);
+  report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
+  run.set_text(render_adaptation(result.run.report, report, command.output.string(), command.report.string()) +
+               render_parts(figures));
+}
+
+void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& run) {
+  AdaptInput input;
+  adapt::MetricField metric;
+  double metric_seconds = 0;
+  run_on_all(communicator, [&] { input = read_input_with_metric(command, metric, metric_seconds, run); });
+  const AdaptOptions options = options_of(command, input);
+  const TaskRunner runner(options.threads, run.host());
+  if (command.in_parts) {
+    const AdaptInPartsResult result = adapt_mesh_in_parts(input.mesh, metric, options, communicator, run.host());
+    input.mesh = Mesh();
+    if (note_run(result.run, metric_seconds, run.report())) finish_in_parts(command, result, runner, run);
+    return;
+  }
+  AdaptResult result = adapt_mesh_on_ranks(input.mesh, metric, options, communicator, run.host());
+  input.mesh = Mesh();
+  if (!note_run(result, metric_seconds, run.report())) return;
+  run_on_first(communicator, [&] {
+    finish_in_one_piece(command, result, runner.with_idle_threads(communicator.ranks_on_machine()), run);
+  });
+  share_status(communicator, run.report());
+}
+
 }  // namespace
 
 ExitStatus run_adapt(const AdaptCommand& command, Communicator& communicator) {
@@ -65,13 +132,9 @@ ExitStatus run_adapt(const AdaptCommand& command, Communicator& communicator) {
            .report = command.report,
            .quiet = command.quiet,
            .threads = TaskRunner(command.options.threads).threads(),
+           .parts = std::max(1, command.options.parts),
            .ranks = &communicator});
-  return run.execute([&](Run& r) {
-    run_on_first(communicator, [&] { adapt_input(command, r); });
-    // What is found not to be valid is noticed by the first rank alone, and all end alike.
-    r.report().status =
-        static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(r.report().status)));
-  });
+  return run.execute([&](Run& r) { adapt_input(command, communicator, r); });
 }
 
 }  // namespace tetloom::app

@@ -7,6 +7,8 @@
 #include "core/io/mesh_io.hpp"
 #include "core/io/solution_io.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "threading/parts_io.hpp"
+#include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -27,6 +29,12 @@ const MeshField& field_named(const Mesh& mesh, const std::string& name) {
     if (field.name == name) return field;
   throw Error(ErrorCode::InputUnsuitable,
               "the mesh has no field \"" + name + "\" on its points; " + names_of(mesh.point_fields));
+}
+
+Mesh read_whole(const std::filesystem::path& path, const TaskRunner& runner, const CancelToken& cancel) {
+  if (!is_piece_list(path)) return read_mesh(path, &cancel);
+  const auto alone = make_thread_communicator();
+  return gather_mesh(read_parts(path, *alone, runner, &cancel), runner);
 }
 
 // The file of that name in text or in binary, whichever there is.
@@ -68,9 +76,9 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
   return path.replace_extension(lower_extension(mesh) == ".meshb" ? ".solb" : ".sol");
 }
 
-AdaptInput read_adapt_input(const AdaptCommand& command, const CancelToken& cancel) {
+AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel) {
   AdaptInput input;
-  input.mesh = read_mesh(command.input, &cancel);
+  input.mesh = read_whole(command.input, runner, cancel);
   if (has_fields_beside(command.input)) {
     if (needs_fields(command)) read_fields_beside(command.input, input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;

@@ -21,8 +21,9 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// Reads what the command names. Errors: as those of the readers; InputUnsuitable for fields that are not there.
-AdaptInput read_adapt_input(const AdaptCommand& command, const CancelToken& cancel);
+/// Reads what the command names; the pieces of a partitioned mesh are put together. Errors: as those of the readers;
+/// InputUnsuitable for fields that are not there.
+AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel);
 
 /// Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
 adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner);

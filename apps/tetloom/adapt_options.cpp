@@ -8,18 +8,20 @@
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "core/io/solution_io.hpp"
+#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {
 
 constexpr double kFewestTetsPerPart = 1000;
-constexpr const char* kFormats = ".mesh, .meshb, .msh, .vtu";
+constexpr const char* kFormats = ".mesh, .meshb, .msh, .vtu, .pvtu (in parts)";
 
 constexpr const char* kExamples = R"(
 Examples:
   tetloom adapt cube.meshb -o fine.meshb --metric metric.sol
   tetloom adapt flow.vtu -o next.vtu --hessian mach --complexity 1e5 --norm 2 --transfer mach,density
   tetloom adapt part.vtu -o next.vtu --metric-field size --model part.step --report report.json
+  mpirun --bind-to none -n 4 tetloom adapt flow.vtu -o next.pvtu --hessian mach --complexity 1e6 --parts 64
 
 A metric gives at every point of MESH a size, or a symmetric tensor M: an edge e has the length sqrt(e.Me), and 1 is
 what it shall be. Fields of a .mesh or .meshb lie beside it, in the .sol or .solb of the same name, as solution_1,
@@ -30,7 +32,8 @@ Exit status: 0 done, 2 wrong usage, 3 input unreadable or unsuitable, 4 the resu
 
 bool is_format(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
-  return extension == ".mesh" || extension == ".meshb" || extension == ".msh" || extension == ".vtu";
+  return extension == ".mesh" || extension == ".meshb" || extension == ".msh" || extension == ".vtu" ||
+         is_piece_list(path);
 }
 
 void check_files(const AdaptCommand& command) {
@@ -39,10 +42,10 @@ void check_files(const AdaptCommand& command) {
                                          "' from its extension; known are " + kFormats);
   for (const auto& [path, what] :
        {std::pair(&command.input, "input"), {&command.model, "model"}, {&command.metric_file, "metric"}}) {
-    require(!same_file(*path, command.output), std::string("the output would replace the ") + what);
+    require(!would_replace(command.output, *path), std::string("the output would replace the ") + what);
     require(!same_file(*path, command.report), std::string("the report would replace the ") + what);
   }
-  require(!same_file(command.output, command.report), "the report would replace the output");
+  require(!would_replace(command.output, command.report), "the report would replace the output");
   if (!has_fields_beside(command.output) || command.options.transfer.empty()) return;
   const std::filesystem::path fields = fields_beside(command.output);
   require(!same_file(fields, command.metric_file), "the fields beside the output would replace the metric");
@@ -87,6 +90,8 @@ void set_adaptation(const RawAdapt& raw, AdaptCommand& command) {
     require(std::count(raw.transfer.begin(), raw.transfer.end(), name) == 1,
             "--transfer names '" + name + "' more than once");
   options.threads = count_between("--threads", raw.threads, kMostThreads);
+  options.parts = count_between("--parts", raw.parts, kMostParts);
+  command.in_parts = is_in_parts(command.output, raw.parts);
   if (raw.tets_per_part) {
     require(*raw.tets_per_part >= kFewestTetsPerPart, "--tets-per-part must be at least 1000");
     options.tets_per_part = *raw.tets_per_part;
@@ -170,6 +175,12 @@ CLI::App* add_adapt_command(CLI::App& app, RawAdapt& raw) {
       ->group(group);
   adapt->add_option("--threads", raw.threads, "Default: all cores; the mesh does not depend on it")
       ->type_name("T")
+      ->group(group);
+  adapt
+      ->add_option("--parts", raw.parts,
+                   "Deal the mesh to P parts: .pvtu (a file per part) or .msh (one file); .pvtu without it: as many as "
+                   "it was adapted in")
+      ->type_name("P")
       ->group(group);
   adapt->add_option("--tets-per-part", raw.tets_per_part, "Adapted in parts of about so many tetrahedra")
       ->type_name("N")

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/tetloom/quantities.hpp"
+#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 
@@ -42,6 +43,18 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code error;
   if (std::filesystem::equivalent(a, b, error)) return true;
   return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
+}
+
+bool would_replace(const std::filesystem::path& output, const std::filesystem::path& path) {
+  if (same_file(output, path)) return true;
+  return !path.empty() && is_piece_list(output) && same_file(path.parent_path(), output.parent_path() / output.stem());
+}
+
+bool is_in_parts(const std::filesystem::path& output, std::optional<int> parts) {
+  if (!parts && !is_piece_list(output)) return false;
+  require(is_writable_parts_format(output),
+          "--parts goes with .pvtu and .msh, which hold parts, not with '" + output.string() + "'");
+  return true;
 }
 
 }  // namespace tetloom::app

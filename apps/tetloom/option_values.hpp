@@ -9,6 +9,7 @@
 namespace tetloom::app {
 
 inline constexpr int kMostThreads = 4096;
+inline constexpr int kMostParts = 1 << 20;
 
 void require(bool condition, const std::string& message);
 
@@ -20,5 +21,9 @@ int count_between(const char* option, std::optional<int> value, int most);
 std::string lower_extension(const std::filesystem::path& path);
 /// Whether both name the same file, which need not be there. Two empty paths do not.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Whether writing `output` replaces `path`: the same file, or one in the folder of pieces of a list.
+bool would_replace(const std::filesystem::path& output, const std::filesystem::path& path);
+/// Whether the output holds parts, which it does where it is a list of pieces or where `parts` are asked for.
+bool is_in_parts(const std::filesystem::path& output, std::optional<int> parts);
 
 }  // namespace tetloom::app

@@ -16,7 +16,6 @@ namespace tetloom::app {
 namespace {
 
 constexpr double kFewestTetsPerPart = 1000;
-constexpr int kMostParts = 1 << 20;
 constexpr double kDefaultCurvature = 24;
 
 constexpr const char* kMeshExamples = R"(
@@ -102,21 +101,14 @@ SizeOptions make_size_options(const RawMeshOptions& raw) {
   return sizes;
 }
 
-/// Whether `path` lies in the folder of pieces that belongs to the list `output`.
-bool lies_in_pieces(const std::filesystem::path& path, const std::filesystem::path& output) {
-  return is_piece_list(output) && same_file(path.parent_path(), output.parent_path() / output.stem());
-}
-
 void check_files(const MeshCommand& command) {
   require(!command.input.empty(), "INPUT must not be empty");
   require(is_writable_mesh_format(command.output) || is_piece_list(command.output),
           "cannot tell the format of the output '" + command.output.string() + "' from its extension; known are " +
               known_mesh_extensions() + ", .pvtu");
-  require(!same_file(command.input, command.output) && !lies_in_pieces(command.input, command.output),
-          "the output would replace the input");
+  require(!would_replace(command.output, command.input), "the output would replace the input");
   require(!same_file(command.input, command.report), "the report would replace the input");
-  require(!same_file(command.output, command.report) && !lies_in_pieces(command.report, command.output),
-          "the report would replace the output");
+  require(!would_replace(command.output, command.report), "the report would replace the output");
 }
 
 MeshCommand make_mesh_command(const RawMeshOptions& raw) {
@@ -141,9 +133,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   }
   command.options.threads = count_between("--threads", raw.threads, kMostThreads);
   command.options.parts = count_between("--parts", raw.parts, kMostParts);
-  command.in_parts = raw.parts || is_piece_list(command.output);
-  require(!command.in_parts || is_writable_parts_format(command.output),
-          "--parts goes with .pvtu and .msh, which hold parts, not with '" + command.output.string() + "'");
+  command.in_parts = is_in_parts(command.output, raw.parts);
   require(!command.in_parts || !command.options.surface_only,
           "only meshes of volumes can be dealt to parts, and --surface-only makes none");
   command.options.volume_worker = raw.worker;
@@ -271,11 +261,9 @@ PartitionCommand make_partition_command(const RawPartition& raw) {
   require(!command.input.empty(), "MESH must not be empty");
   require(is_writable_parts_format(command.output), "cannot tell the format of the output '" + command.output.string() +
                                                         "' from its extension; known are .msh, .pvtu");
-  require(!same_file(command.input, command.output) && !lies_in_pieces(command.input, command.output),
-          "the output would replace the input");
+  require(!would_replace(command.output, command.input), "the output would replace the input");
   require(!same_file(command.input, command.report), "the report would replace the input");
-  require(!same_file(command.output, command.report) && !lies_in_pieces(command.report, command.output),
-          "the report would replace the output");
+  require(!would_replace(command.output, command.report), "the report would replace the output");
   command.threads = count_between("--threads", raw.threads, kMostThreads);
   command.balance.part_count = static_cast<std::size_t>(count_between("--parts", raw.parts, kMostParts));
   command.balance.method = method_named(raw.method);

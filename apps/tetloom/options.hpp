@@ -62,6 +62,7 @@ struct AdaptCommand {
   adapt::HessianOptions hessian;  ///< the bounds and the gradation hold for other metrics too
   double curvature = 0;           ///< edges per turn on the model's faces and edges; 0: sizes are not limited so
   AdaptOptions options;
+  bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the last round had
   bool quiet = false;
 };
 

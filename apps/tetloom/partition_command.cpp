@@ -23,8 +23,7 @@ void deal(const PartitionCommand& command, PartitionedMesh& mesh, const TaskRunn
   require_finite_points(mesh);
   // In one part, Scotch cuts the mesh alike on any number of ranks.
   if (command.balance.method == PartitionMethod::Scotch && mesh.part_count() > 1) gather_in_one_part(mesh, runner);
-  PerPart<Destinations> destinations = compute_destinations(mesh, command.balance, runner);
-  migrate(mesh, std::move(destinations), command.balance.part_count, runner);
+  deal_cells(mesh, command.balance, runner);
 }
 
 std::string render_run(const PartitionCommand& command, const PartsFigures& figures, const RunReport& report) {

@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "adapt/parts/whole_mesh.hpp"
+#include "adapt/parts/rounds.hpp"
 #include "core/mesh/validate.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
@@ -310,10 +310,10 @@ void with_part(const Mesh& mesh, const std::function<void(CavityMesh&)>& visit, 
   const TaskRunner runner(1);
   WholeMesh whole = make_whole_mesh(mesh, runner);
   for (VertexMetric& metric : whole.to_metric) metric = {isotropic(1), 1};
-  const std::vector<std::uint32_t> to_part(whole.size(), 0);
-  const std::vector<float> to_work(whole.size(), 1);
+  ShareLinks links = take_share(whole, runner);
   adapt_in_parts(
-      whole, to_part, to_work, 1, [&](std::size_t, CavityMesh& part) { visit(part); }, runner);
+      whole, links, {std::vector<std::uint32_t>(whole.size(), 0), {1}},
+      [&](std::size_t, CavityMesh& part) { visit(part); }, runner);
   if (result) *result = std::move(whole);
 }
 

@@ -64,6 +64,28 @@ ProcessResult adapt_wrongly(const std::string& from, const std::string& to, cons
 
 }  // namespace
 
+TEST_CASE("adapt writes parts and reads them") {
+  const TestFolder folder;
+  const std::string cube = write_cube(folder, "cube.vtu");
+  const std::vector<std::string> options{"--metric-field", "size", "--transfer", "size,linear"};
+  const auto whole = adapt(folder, cube, "out.vtu", options);
+  auto with_parts = options;
+  with_parts.insert(with_parts.end(), {"--parts", "4"});
+  const auto parts = adapt(folder, cube, "out.pvtu", with_parts);
+  CHECK(parts["parts"] == 4);
+  CHECK(parts["digest"] == whole["digest"]);
+  CHECK(parts["counts"] == whole["counts"]);
+  CHECK(parts["validation"]["valid"] == true);
+  CHECK(parts["partition"]["table"].size() == 4);
+  CHECK(parts["partition"]["imbalance"]["elements"] < 0.1);
+  REQUIRE(run_tetloom({"check", folder / "out.pvtu", "--quiet", "--report", folder / "check.json"}).status == 0);
+  CHECK(read_json(folder / "check.json")["digest"] == whole["digest"]);
+  // The fields are in the pieces, and lead the next step.
+  const auto next = adapt(folder, folder / "out.pvtu", "next.vtu", options);
+  CHECK(next["adaptation"]["before"]["edges"] == whole["adaptation"]["after"]["edges"]);
+  CHECK(next["status"] == "ok");
+}
+
 TEST_CASE("adapt leads a mesh to a metric from a field, and reports") {
   const TestFolder folder;
   const std::string cube = write_cube(folder, "cube.vtu");

@@ -47,6 +47,21 @@ TEST_CASE("options of adapt are read") {
   CHECK(all.quiet);
 }
 
+TEST_CASE("adapt writes parts to a list of pieces, and where they are asked for") {
+  CHECK_FALSE(parse({"--metric", "a.sol"}).in_parts);
+  const AdaptCommand list = parse({"--metric", "a.sol"}, "in.pvtu", "out.pvtu");
+  CHECK(list.in_parts);
+  CHECK(list.options.parts == 0);
+  const AdaptCommand file = parse({"--metric", "a.sol", "--parts", "7"}, "in.mesh", "out.msh");
+  CHECK(file.in_parts);
+  CHECK(file.options.parts == 7);
+  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--parts", "7"}), UsageError);
+  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--parts", "0"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse({"--metric", "out/a.sol"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--report", "out/r.json"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse({"--metric", "a.sol"}, "out/in.mesh", "out.pvtu"), UsageError);
+}
+
 TEST_CASE("wrong options of adapt are refused") {
   const std::vector<std::vector<const char*>> wrong{
       {},

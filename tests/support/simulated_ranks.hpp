@@ -1,6 +1,7 @@
 #pragma once
 // Ranks as threads of this process, for tests of collective calls.
 #include <algorithm>
+#include <atomic>
 #include <barrier>
 #include <exception>
 #include <functional>
@@ -12,12 +13,14 @@
 
 namespace tetloom::test {
 
-/// Only the collectives work.
+/// Messages are handed over by the sender.
 class SimulatedRank : public Communicator {
  public:
   struct Board {
-    explicit Board(int ranks) : barrier(ranks), sums(ranks), maxima(ranks), given(ranks) {}
+    explicit Board(int ranks) : barrier(ranks), receivers(ranks), sums(ranks), maxima(ranks), given(ranks) {}
     std::barrier<> barrier;
+    std::vector<Receiver> receivers;  // written between barriers
+    std::atomic<bool> failed{false};  // raised by a rank that fails in a run, read by all others in it; carries no data
     std::vector<std::span<std::int64_t>> sums;
     std::vector<std::span<double>> maxima;
     std::vector<Bytes> given;
@@ -26,11 +29,22 @@ class SimulatedRank : public Communicator {
   SimulatedRank(Board& board, int rank) : board_(board), rank_(rank) {}
   int rank() const override { return rank_; }
   int rank_count() const override { return static_cast<int>(board_.given.size()); }
-  void open(Receiver) override {}
-  void send(Message&&, int) override {}
-  void close() override {}
-  void announce_failure() override {}
-  bool failed_elsewhere() const override { return false; }
+  void open(Receiver receiver) override {
+    board_.receivers[rank_] = std::move(receiver);
+    has_failed_ = false;
+    if (rank_ == 0) board_.failed = false;
+    board_.barrier.arrive_and_wait();
+  }
+  void send(Message&& message, int destination_rank) override {
+    board_.receivers[destination_rank](std::move(message));
+  }
+  void close() override {
+    board_.barrier.arrive_and_wait();
+    board_.receivers[rank_] = nullptr;
+    board_.barrier.arrive_and_wait();
+  }
+  void announce_failure() override { has_failed_ = true, board_.failed = true; }
+  bool failed_elsewhere() const override { return board_.failed && !has_failed_; }
 
   void sum(std::span<std::int64_t> values) override {
     combine(board_.sums, values, std::int64_t{0}, [](std::int64_t a, std::int64_t b) { return a + b; });
@@ -62,6 +76,7 @@ class SimulatedRank : public Communicator {
 
   Board& board_;
   int rank_;
+  std::atomic<bool> has_failed_{false};  // asked by any thread of the rank that sets it
 };
 
 /// Runs body once for each rank, all at the same time. Rethrows what the lowest rank threw that threw anything; all

@@ -97,6 +97,51 @@ TEST_CASE("loops are shared by any number of ranks") {
   }
 }
 
+namespace {
+
+void check_own(const SharedWork& work, int rank, int ranks) {
+  const auto require = [](bool holds) {
+    if (!holds) throw Error(ErrorCode::Internal, "not what the ranks gave");
+  };
+  require(work.rank() == rank && work.rank_count() == ranks);
+  std::int64_t sums[] = {rank, 1};
+  double most[] = {0.5 * rank, -1.0 * rank};
+  work.sum(sums), work.max(most);
+  require(sums[0] == ranks * (ranks - 1) / 2 && sums[1] == ranks);
+  require(most[0] == 0.5 * (ranks - 1) && most[1] == 0);
+  const std::vector<Bytes> all = work.all_gather([&](MessageWriter& writer) {
+    if (rank != 1) writer.put(10 + rank);
+  });
+  require(all.size() == static_cast<std::size_t>(ranks));
+  for (int from = 0; from < ranks; ++from)
+    require(from == 1 ? all[1].empty() : MessageReader(all[static_cast<std::size_t>(from)]).get<int>() == 10 + from);
+  const std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
+    for (int r = 0; r < ranks; ++r)
+      if (r != rank) to[static_cast<std::size_t>(r)].put(100 * rank + r);
+  });
+  require(given.size() == static_cast<std::size_t>(ranks));
+  for (int from = 0; from < ranks; ++from) {
+    const Bytes& bytes = given[static_cast<std::size_t>(from)];
+    require(from == rank ? bytes.empty() : MessageReader(bytes).get<int>() == 100 * from + rank);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("ranks tell each other what they have of their own") {
+  const auto communicator = make_communicator();
+  const SharedWork work(1, {}, communicator.get());
+  work.together([&] { check_own(work, communicator->rank(), communicator->rank_count()); });
+  const TaskRunner runner(1);
+  check_own(runner, 0, 1);
+  for (const int ranks : {1, 2, 3, 20}) {
+    test::on_simulated_ranks(ranks, [&](Communicator& simulated) {
+      const SharedWork shared(1, {}, &simulated);
+      shared.together([&] { check_own(shared, simulated.rank(), ranks); });
+    });
+  }
+}
+
 TEST_CASE("what fails on one rank fails on all, with entities and place, wherever it happens") {
   const auto communicator = make_communicator();
   const SharedWork work(2, {}, communicator.get());
@@ -114,6 +159,14 @@ TEST_CASE("what fails on one rank fails on all, with entities and place, whereve
     check_trouble(outcome(work, [&] { work.together([&] { run_loop(work), fail(), run_loop(work); }); }), failing);
     check_trouble(outcome(work, [&] { work.together([&] { run_loop(work); }), fail(), run_loop(work); }), failing);
     check_trouble(outcome(work, [&] { work.together([&] { run_loop(work, [&](std::size_t) { fail(); }); }); }),
+                  failing);
+    std::int64_t sum[] = {1};
+    const auto fail_writing = [&](MessageWriter&) { fail(); };
+    check_trouble(outcome(work, [&] { work.each(fail), run_loop(work); }), failing);
+    check_trouble(outcome(work, [&] { fail(), work.sum(sum); }), failing);
+    check_trouble(outcome(work, [&] { work.sum(sum), fail(), work.each([] {}); }), failing);
+    check_trouble(outcome(work, [&] { work.all_gather(fail_writing), work.sum(sum); }), failing);
+    check_trouble(outcome(work, [&] { work.exchange([&](std::span<MessageWriter> to) { fail_writing(to[0]); }); }),
                   failing);
     const auto fail_at = [&](bool put, bool take) {
       const std::vector<double> amounts(50, 1.0);

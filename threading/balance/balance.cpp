@@ -216,4 +216,9 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
   return destinations;
 }
 
+void deal_cells(PartitionedMesh& mesh, const BalanceOptions& options, const TaskRunner& runner) {
+  PerPart<Destinations> destinations = compute_destinations(mesh, options, runner);
+  migrate(mesh, std::move(destinations), options.part_count, runner);
+}
+
 }  // namespace tetloom

@@ -36,4 +36,7 @@ struct BalanceOptions {
 PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const BalanceOptions& options,
                                            const TaskRunner& runner);
 
+/// Computes the destinations and moves the cells there. A collective call; errors are those of both.
+void deal_cells(PartitionedMesh& mesh, const BalanceOptions& options, const TaskRunner& runner);
+
 }  // namespace tetloom

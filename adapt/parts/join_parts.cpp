@@ -1,0 +1,334 @@
+#include "adapt/parts/join_parts.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "threading/parallel_sort.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+// A face between two parts, by its vertices.
+struct OpenFace {
+  Triangle verts;  // ascending
+  std::uint32_t triangle = kNone;
+  FaceCode face = kNone;
+  friend bool operator<(const OpenFace& a, const OpenFace& b) {
+    return a.verts != b.verts ? a.verts < b.verts : a.face < b.face;
+  }
+};
+
+// The number that a vertex had before the round, and the one that it has now.
+struct Renumbered {
+  std::uint32_t old_number, number;
+};
+
+class Joiner {
+ public:
+  Joiner(const RoundShare& old, std::vector<PartOfWhole>& parts, const Cutter& cutter, ShareLinks& links,
+         const SharedWork& work)
+      : old_(old), parts_(parts), cutter_(cutter), links_(links), work_(work), runner_(work.runner()) {}
+
+  WholeMesh run() {
+    work_.each([&] { number(); });
+    number_shares();
+    number_foreign();
+    WholeMesh whole;
+    work_.each([&] {
+      write_parts(whole);
+      link(whole);
+    });
+    link_outside();
+    return whole;
+  }
+
+ private:
+  std::size_t rank() const { return static_cast<std::size_t>(work_.rank()); }
+
+  // Whether a vertex of the old share is numbered by a lower rank.
+  bool is_foreign(std::uint32_t old) const { return !is_foreign_.empty() && is_foreign_[old] != 0; }
+
+  // Vertices that parts share belong to the first part that has them.
+  void number() {
+    find_foreign();
+    old_to_new_.assign(old_.mesh.points.size(), kNone);
+    for (PartOfWhole& part : parts_) {
+      first_vert_.push_back(vert_count_), first_tet_.push_back(tet_count_);
+      tet_count_ += part.mesh.mesh.size();
+      auto& to_new = to_new_.emplace_back(part.mesh.mesh.points.size(), kNone);
+      for (std::uint32_t v = 0; v < to_new.size(); ++v) {
+        const std::uint32_t old = part.to_whole[v];
+        if (old != kNone && cutter_.is_shared(old)) {
+          if (is_foreign(old)) continue;
+          if (old_to_new_[old] == kNone) old_to_new_[old] = vert_count_++;
+          to_new[v] = old_to_new_[old];
+        } else {
+          to_new[v] = vert_count_++;
+        }
+      }
+    }
+  }
+
+  void find_foreign() {
+    if (work_.rank_count() == 1) return;
+    is_foreign_.assign(old_.mesh.points.size(), 0);
+    for (std::size_t i = 0; i < old_.outside_verts.size(); ++i)
+      is_foreign_[old_.outside_verts[i]] = old_.outside_ranks[old_.outside_first[i]] < rank();
+  }
+
+  // Where the numbers of each rank begin.
+  void number_shares() {
+    const std::array<std::uint64_t, 2> counts{tet_count_, vert_count_};
+    std::array<std::uint64_t, 2> sums{};
+    links_.first_tets.assign(1, 0), links_.first_verts.assign(1, 0);
+    for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(counts); })) {
+      const auto given = MessageReader(bytes).get<std::array<std::uint64_t, 2>>();
+      sums[0] += given[0], sums[1] += given[1];
+      if (sums[0] >= CellPlace::kMaxTets) throw std::bad_alloc();
+      links_.first_tets.push_back(static_cast<std::uint32_t>(sums[0]));
+      links_.first_verts.push_back(static_cast<std::uint32_t>(sums[1]));
+    }
+  }
+
+  // Those that lower ranks have numbered come after this rank's own, ascending.
+  void number_foreign() {
+    links_.to_number.clear();
+    if (work_.rank_count() == 1) return;
+    const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) { put_numbers(to); });
+    work_.each([&] {
+      std::vector<Renumbered> foreign;
+      for (const Bytes& bytes : given) {
+        const auto numbers = MessageReader(bytes).get_view<Renumbered>();
+        foreign.insert(foreign.end(), numbers.begin(), numbers.end());
+      }
+      std::ranges::sort(foreign, {}, &Renumbered::number);
+      links_.to_number.resize(vert_count_);
+      std::iota(links_.to_number.begin(), links_.to_number.end(), links_.first_verts[rank()]);
+      for (const Renumbered& vert : foreign) {
+        const auto old = std::ranges::lower_bound(old_.to_number, vert.old_number) - old_.to_number.begin();
+        old_to_new_[static_cast<std::size_t>(old)] = static_cast<std::uint32_t>(links_.to_number.size());
+        links_.to_number.push_back(vert.number);
+      }
+      for (std::size_t p = 0; p < parts_.size(); ++p)
+        for (std::uint32_t v = 0; v < to_new_[p].size(); ++v)
+          if (to_new_[p][v] == kNone) to_new_[p][v] = old_to_new_[parts_[p].to_whole[v]];
+    });
+  }
+
+  void put_numbers(std::span<MessageWriter> to) const {
+    std::vector<std::vector<Renumbered>> numbers(to.size());
+    for (std::size_t i = 0; i < old_.outside_verts.size(); ++i) {
+      const std::uint32_t old = old_.outside_verts[i];
+      if (is_foreign(old)) continue;
+      for (std::uint32_t k = old_.outside_first[i]; k < old_.outside_first[i + 1]; ++k)
+        numbers[old_.outside_ranks[k]].push_back({old_.to_number[old], links_.first_verts[rank()] + old_to_new_[old]});
+    }
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Renumbered>(numbers[r]));
+  }
+
+  void write_parts(WholeMesh& whole) {
+    const std::size_t verts = std::max<std::size_t>(vert_count_, links_.to_number.size());
+    whole.points.resize_for_overwrite(verts), whole.to_metric.resize_for_overwrite(verts);
+    whole.to_entity.resize_for_overwrite(verts), whole.to_hint.resize_for_overwrite(verts);
+    whole.to_state.resize_for_overwrite(verts);
+    write_foreign(whole);
+    whole.to_vert.resize_for_overwrite(tet_count_ * 4), whole.to_neighbor.resize_for_overwrite(tet_count_ * 4);
+    whole.to_region.resize_for_overwrite(tet_count_);
+    triangles_.resize(parts_.size()), edges_.resize(parts_.size()), open_.resize(parts_.size());
+    runner_.for_each(parts_.size(), [&](std::size_t p) {
+      write_verts(p, whole);
+      write_tets(p, whole);
+      parts_[p] = PartOfWhole();
+    });
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      first_triangle_.push_back(whole.triangles.size());
+      whole.triangles.insert(whole.triangles.end(), triangles_[p].begin(), triangles_[p].end());
+      whole.edges.insert(whole.edges.end(), edges_[p].begin(), edges_[p].end());
+    }
+    sort_pieces(whole.edges);
+  }
+
+  // No part has changed them.
+  void write_foreign(WholeMesh& whole) const {
+    for (const std::uint32_t old : old_.outside_verts)
+      if (is_foreign(old)) write_vert(old_to_new_[old], old, whole);
+  }
+
+  void write_vert(std::uint32_t v, std::uint32_t old, WholeMesh& whole) const {
+    whole.points[v] = old_.mesh.points[old], whole.to_metric[v] = old_.mesh.to_metric[old];
+    whole.to_entity[v] = old_.mesh.to_entity[old], whole.to_hint[v] = old_.mesh.to_hint[old];
+    whole.to_state[v] = kHasChanged | kUnsettled;
+  }
+
+  // Of each vertex the first part that has it writes what there is of it.
+  void write_verts(std::size_t p, WholeMesh& whole) const {
+    const CavityMesh& mesh = parts_[p].mesh;
+    for (std::uint32_t v = 0; v < to_new_[p].size(); ++v) {
+      const std::uint32_t to = to_new_[p][v];
+      if (to < first_vert_[p] || to >= vert_count_) continue;
+      whole.points[to] = mesh.point(v), whole.to_metric[to] = mesh.to_metric[v];
+      whole.to_entity[to] = mesh.to_entity[v], whole.to_hint[to] = mesh.to_hint[v];
+      // What could not be changed at the sides of parts is asked again.
+      const std::uint8_t state = mesh.to_state[v];
+      whole.to_state[to] =
+          mesh.to_frozen[v] != 0
+              ? std::uint8_t{kHasChanged | kUnsettled}
+              : static_cast<std::uint8_t>((state & kUnsettled) | ((state & kChanged) != 0 ? kHasChanged : 0));
+    }
+  }
+
+  void write_tets(std::size_t p, WholeMesh& whole) {
+    const CavityMesh& mesh = parts_[p].mesh;
+    const auto& to_new = to_new_[p];
+    const auto base = static_cast<std::uint32_t>(first_tet_[p]);
+    for (std::uint32_t tet = 0; tet < mesh.mesh.size(); ++tet) {
+      whole.to_region[base + tet] = mesh.mesh.to_region[tet];
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        const FaceCode face = tet * 4 + i, behind = mesh.mesh.to_neighbor[face];
+        whole.to_vert[std::size_t{base} * 4 + face] = to_new[mesh.mesh.to_vert[face]];
+        whole.to_neighbor[std::size_t{base} * 4 + face] = behind == kNone ? kNone : behind + base * 4;
+        if (mesh.mesh.is_fixed(face) && (behind == kNone || face < behind)) write_face(p, face);
+      }
+    }
+    mesh.surface.for_each_edge([&](std::uint32_t a, std::uint32_t b, std::uint32_t edge) {
+      edges_[p].push_back({{std::min(to_new[a], to_new[b]), std::max(to_new[a], to_new[b])}, edge});
+    });
+  }
+
+  // A triangle of the surface, a face that another part may have, or both.
+  void write_face(std::size_t p, FaceCode face) {
+    const CavityMesh& mesh = parts_[p].mesh;
+    const auto base = static_cast<std::uint32_t>(first_tet_[p]);
+    const FaceCode behind = mesh.mesh.to_neighbor[face];
+    Triangle verts = tets::verts_of(mesh.mesh, face);
+    const SurfaceTriangle* found = mesh.surface.find(verts);
+    const bool frozen = mesh.to_frozen[verts[0]] && mesh.to_frozen[verts[1]] && mesh.to_frozen[verts[2]];
+    OpenFace open;
+    if (found) {
+      LinkedTriangle triangle{*found, {base + face / 4, behind == kNone ? kNone : base + behind / 4}};
+      for (std::uint32_t& v : triangle.triangle.verts) v = to_new_[p][v];
+      open.triangle = static_cast<std::uint32_t>(triangles_[p].size());
+      triangles_[p].push_back(triangle);
+    }
+    if (behind != kNone || !frozen) return;
+    for (std::uint32_t& v : verts) v = to_new_[p][v];
+    std::ranges::sort(verts);
+    open.verts = verts, open.face = base * 4 + face;
+    open_[p].push_back(open);
+  }
+
+  // Faces that two parts of this rank have; of a triangle there, the second copy goes.
+  void link(WholeMesh& whole) {
+    std::vector<OpenFace> all;
+    for (std::size_t p = 0; p < open_.size(); ++p) {
+      for (OpenFace face : open_[p]) {
+        if (face.triangle != kNone) face.triangle += static_cast<std::uint32_t>(first_triangle_[p]);
+        all.push_back(face);
+      }
+    }
+    parallel_sort(all, runner_);
+    std::vector<std::uint32_t> twice;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const OpenFace& a = all[i];
+      if (i + 1 == all.size() || a.verts != all[i + 1].verts) {
+        alone_.push_back(a);
+        continue;
+      }
+      const OpenFace& b = all[++i];
+      whole.to_neighbor[a.face] = b.face, whole.to_neighbor[b.face] = a.face;
+      if (a.triangle != kNone) {
+        whole.triangles[a.triangle].tets[1] = b.face / 4;
+        twice.push_back(b.triangle);
+      }
+    }
+    std::ranges::sort(twice);
+    std::size_t kept = 0, next = 0;
+    for (std::size_t i = 0; i < whole.triangles.size(); ++i) {
+      if (next < twice.size() && twice[next] == i) {
+        ++next;
+        continue;
+      }
+      whole.triangles[kept++] = whole.triangles[i];
+    }
+    whole.triangles.resize(kept);
+  }
+
+  // Faces that other ranks may have meet at the rank that has numbered their lowest vertex.
+  void link_outside() {
+    links_.faces.clear();
+    if (work_.rank_count() == 1) return;
+    const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) { put_faces(to); });
+    const std::vector<Bytes> found = work_.exchange([&](std::span<MessageWriter> to) { match_faces(told, to); });
+    work_.each([&] {
+      for (const Bytes& bytes : found) {
+        const auto faces = MessageReader(bytes).get_view<FaceOutside>();
+        links_.faces.insert(links_.faces.end(), faces.begin(), faces.end());
+      }
+      for (FaceOutside& outside : links_.faces) outside.face -= links_.first_tets[rank()] * 4;
+      std::ranges::sort(links_.faces);
+    });
+  }
+
+  static std::size_t rank_in(const std::vector<std::uint32_t>& firsts, std::uint32_t number) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(firsts, number) - firsts.begin()) - 1;
+  }
+
+  void put_faces(std::span<MessageWriter> to) const {
+    std::vector<std::uint8_t> is_outside(links_.to_number.size(), 0);
+    for (const std::uint32_t old : old_.outside_verts) is_outside[old_to_new_[old]] = 1;
+    std::vector<std::vector<OpenFace>> faces(to.size());
+    for (OpenFace face : alone_) {
+      if (!is_outside[face.verts[0]] || !is_outside[face.verts[1]] || !is_outside[face.verts[2]]) continue;
+      for (std::uint32_t& v : face.verts) v = links_.to_number[v];
+      std::ranges::sort(face.verts);
+      face.face += links_.first_tets[rank()] * 4;
+      faces[rank_in(links_.first_verts, face.verts[0])].push_back(face);
+    }
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const OpenFace>(faces[r]));
+  }
+
+  void match_faces(const std::vector<Bytes>& told, std::span<MessageWriter> to) const {
+    std::vector<OpenFace> all;
+    for (const Bytes& bytes : told) {
+      const auto faces = MessageReader(bytes).get_view<OpenFace>();
+      all.insert(all.end(), faces.begin(), faces.end());
+    }
+    parallel_sort(all, runner_);
+    std::vector<std::vector<FaceOutside>> pairs(to.size());
+    for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+      const OpenFace &a = all[i], &b = all[i + 1];
+      if (a.verts != b.verts) continue;
+      pairs[rank_in(links_.first_tets, a.face / 4)].push_back({a.face, b.face});
+      pairs[rank_in(links_.first_tets, b.face / 4)].push_back({b.face, a.face});
+      ++i;
+    }
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceOutside>(pairs[r]));
+  }
+
+  const RoundShare& old_;
+  std::vector<PartOfWhole>& parts_;
+  const Cutter& cutter_;
+  ShareLinks& links_;
+  const SharedWork& work_;
+  const TaskRunner& runner_;
+  std::vector<std::uint8_t> is_foreign_;
+  std::vector<std::uint32_t> old_to_new_;           // of shared vertices
+  std::vector<std::vector<std::uint32_t>> to_new_;  // of the vertices of each part
+  std::vector<std::size_t> first_vert_, first_tet_, first_triangle_;
+  std::vector<std::vector<LinkedTriangle>> triangles_;
+  std::vector<std::vector<ModelEdgePiece>> edges_;
+  std::vector<std::vector<OpenFace>> open_;
+  std::vector<OpenFace> alone_;  // those with nothing behind them on this rank
+  std::uint32_t vert_count_ = 0;
+  std::size_t tet_count_ = 0;
+};
+
+}  // namespace
+
+WholeMesh join_parts(const RoundShare& old, std::vector<PartOfWhole>& parts, const Cutter& cutter, ShareLinks& links,
+                     const SharedWork& work) {
+  return Joiner(old, parts, cutter, links, work).run();
+}
+
+}  // namespace tetloom::adapt

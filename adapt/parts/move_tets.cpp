@@ -1,0 +1,371 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "adapt/parts/share.hpp"
+#include "threading/parallel_sort.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 14;
+// In messages: a neighbour is named by its number in the whole mesh, and not by its place in the message.
+constexpr FaceCode kByNumber = FaceCode{1} << 31;
+
+static_assert(CellPlace::kMaxTets <= kByNumber / 4);
+
+// One rank's tets for another, in one message. Vertices are named by their places in the list of those of the message.
+class Packer {
+ public:
+  struct Tets {
+    std::span<const std::uint32_t> to_part, to_rank;  // of all tets of the share
+    std::span<const std::uint32_t> to_place;          // of each among those for its rank
+    std::uint32_t first = 0;                          // number of the first one
+  };
+
+  Packer(const WholeMesh& share, const ShareLinks& links, const Tets& all, std::span<const std::uint32_t> tets,
+         std::uint32_t rank)
+      : share_(share), links_(links), all_(all), tets_(tets), rank_(rank), to_slot_(share.points.size(), kNone) {}
+
+  void run(MessageWriter& writer) {
+    for (const std::uint32_t tet : tets_)
+      for (std::size_t i = 0; i < 4; ++i) add_vert(share_.to_vert[std::size_t{tet} * 4 + i]);
+    find_pieces();
+    find_triangles();
+    writer.reserve(bytes());
+    put(writer, tets_, [&](std::uint32_t tet) { return all_.first + tet; });
+    put(writer, tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
+    put(writer, tets_, [&](std::uint32_t tet) { return share_.to_region[tet]; });
+    using Four = std::array<std::uint32_t, 4>;
+    put(writer, tets_, [&](std::uint32_t tet) { return of_corners<Four>(tet, [&](FaceCode c) { return slot(c); }); });
+    put(writer, tets_, [&](std::uint32_t tet) { return of_corners<Four>(tet, [&](FaceCode f) { return behind(f); }); });
+    put_verts(writer);
+    writer.put_array(std::span<const ModelEdgePiece>(pieces_));
+    writer.put_array(std::span<const LinkedTriangle>(triangles_));
+  }
+
+ private:
+  static constexpr std::size_t kBytesOfTet = 11 * sizeof(std::uint32_t);
+  static constexpr std::size_t kBytesOfVert =
+      sizeof(Vec3) + sizeof(VertexMetric) + 3 * sizeof(std::uint32_t) + sizeof(std::uint8_t);
+
+  // A little more than it takes.
+  std::size_t bytes() const {
+    constexpr std::size_t kLengths = 512;
+    return kLengths + tets_.size() * kBytesOfTet + verts_.size() * kBytesOfVert +
+           pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle);
+  }
+
+  void add_vert(std::uint32_t vert) {
+    if (to_slot_[vert] != kNone) return;
+    to_slot_[vert] = static_cast<std::uint32_t>(verts_.size());
+    verts_.push_back(vert);
+  }
+
+  std::uint32_t slot(FaceCode corner) const { return to_slot_[share_.to_vert[corner]]; }
+
+  FaceCode behind(FaceCode face) const {
+    const FaceCode behind = share_.to_neighbor[face];
+    if (behind == kNone) {
+      const FaceCode outside = links_.behind(face);
+      return outside == kNone ? kNone : outside | kByNumber;
+    }
+    const std::uint32_t tet = behind / 4;
+    return all_.to_rank[tet] == rank_ ? all_.to_place[tet] * 4 + behind % 4 : (behind + all_.first * 4) | kByNumber;
+  }
+
+  template <class Four, class Value>
+  static Four of_corners(std::uint32_t tet, const Value& value) {
+    return {value(tet * 4), value(tet * 4 + 1), value(tet * 4 + 2), value(tet * 4 + 3)};
+  }
+
+  template <class Value>
+  void put(MessageWriter& writer, std::span<const std::uint32_t> items, const Value& value) const {
+    const auto room = writer.put_room<std::decay_t<decltype(value(0))>>(items.size());
+    std::ranges::transform(items, room.begin(), value);
+  }
+
+  void put_verts(MessageWriter& writer) const {
+    put(writer, verts_, [&](std::uint32_t v) { return links_.number_of(v); });
+    put(writer, verts_, [&](std::uint32_t v) { return share_.points[v]; });
+    put(writer, verts_, [&](std::uint32_t v) { return share_.to_metric[v]; });
+    put(writer, verts_, [&](std::uint32_t v) { return share_.to_entity[v]; });
+    put(writer, verts_, [&](std::uint32_t v) { return share_.to_hint[v]; });
+    put(writer, verts_, [&](std::uint32_t v) { return share_.to_state[v]; });
+  }
+
+  void find_pieces() {
+    for (const std::uint32_t tet : tets_)
+      for_each_piece(share_, tet, [&](const ModelEdgePiece& piece) { pieces_.push_back(piece); });
+    sort_pieces(pieces_);
+    for (ModelEdgePiece& piece : pieces_)
+      for (std::uint32_t& v : piece.verts) v = to_slot_[v];
+  }
+
+  // With those of their tets that are in the message.
+  void find_triangles() {
+    for (LinkedTriangle t : share_.triangles) {
+      for (std::uint32_t& tet : t.tets) tet = tet != kNone && all_.to_rank[tet] == rank_ ? all_.to_place[tet] : kNone;
+      if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
+      if (t.tets[0] == kNone) continue;
+      for (std::uint32_t& v : t.triangle.verts) v = to_slot_[v];
+      triangles_.push_back(t);
+    }
+  }
+
+  const WholeMesh& share_;
+  const ShareLinks& links_;
+  const Tets& all_;
+  std::span<const std::uint32_t> tets_;
+  std::uint32_t rank_;
+  std::vector<std::uint32_t> to_slot_, verts_;
+  std::vector<ModelEdgePiece> pieces_;
+  std::vector<LinkedTriangle> triangles_;
+};
+
+// What came from one rank, where it lies.
+struct Packet {
+  explicit Packet(const Bytes& bytes) {
+    MessageReader reader(bytes);
+    numbers = reader.get_view<std::uint32_t>(), parts = reader.get_view<std::uint32_t>();
+    regions = reader.get_view<std::uint32_t>();
+    to_vert = reader.get_view<std::array<std::uint32_t, 4>>();
+    to_neighbor = reader.get_view<std::array<FaceCode, 4>>();
+    vert_numbers = reader.get_view<std::uint32_t>();
+    points = reader.get_view<Vec3>(), to_metric = reader.get_view<VertexMetric>();
+    to_entity = reader.get_view<PackedEntity>(), to_hint = reader.get_view<std::uint32_t>();
+    to_state = reader.get_view<std::uint8_t>();
+    edges = reader.get_view<ModelEdgePiece>(), triangles = reader.get_view<LinkedTriangle>();
+  }
+
+  std::span<const std::uint32_t> numbers, parts, regions, vert_numbers, to_hint;
+  std::span<const std::array<std::uint32_t, 4>> to_vert, to_neighbor;
+  std::span<const Vec3> points;
+  std::span<const VertexMetric> to_metric;
+  std::span<const PackedEntity> to_entity;
+  std::span<const std::uint8_t> to_state;
+  std::span<const ModelEdgePiece> edges;
+  std::span<const LinkedTriangle> triangles;
+  std::uint32_t first_tet = 0;          // place of its tets among all
+  std::vector<std::uint32_t> to_local;  // of its vertices
+};
+
+// The tets of all packets, which are ascending in number: so ranks have numbered them.
+class Unpacker {
+ public:
+  Unpacker(const std::vector<Bytes>& given, const TaskRunner& runner) : runner_(runner) {
+    std::size_t tets = 0;
+    for (const Bytes& bytes : given) {
+      Packet& packet = packets_.emplace_back(bytes);
+      packet.first_tet = static_cast<std::uint32_t>(tets);
+      tets += packet.numbers.size();
+    }
+    numbers_.reserve(tets);
+    for (const Packet& packet : packets_) numbers_.insert(numbers_.end(), packet.numbers.begin(), packet.numbers.end());
+  }
+
+  RoundShare run() {
+    take_verts();
+    take_tets();
+    take_edges();
+    take_triangles();
+    return std::move(share_);
+  }
+
+ private:
+  // Several packets may have a vertex, the same in all.
+  void take_verts() {
+    std::vector<std::array<std::uint32_t, 3>> all;  // number, packet, place in it
+    for (std::uint32_t p = 0; p < packets_.size(); ++p) {
+      packets_[p].to_local.resize(packets_[p].vert_numbers.size());
+      for (std::uint32_t i = 0; i < packets_[p].vert_numbers.size(); ++i)
+        all.push_back({packets_[p].vert_numbers[i], p, i});
+    }
+    parallel_sort(all, runner_);
+    WholeMesh& mesh = share_.mesh;
+    for (const auto& [number, p, i] : all) {
+      Packet& packet = packets_[p];
+      if (share_.to_number.empty() || share_.to_number.back() != number) {
+        share_.to_number.push_back(number);
+        mesh.points.push_back(packet.points[i]), mesh.to_metric.push_back(packet.to_metric[i]);
+        mesh.to_entity.push_back(packet.to_entity[i]), mesh.to_hint.push_back(packet.to_hint[i]);
+        mesh.to_state.push_back(packet.to_state[i]);
+      }
+      packet.to_local[i] = static_cast<std::uint32_t>(share_.to_number.size() - 1);
+    }
+  }
+
+  void take_tets() {
+    WholeMesh& mesh = share_.mesh;
+    mesh.to_vert.resize_for_overwrite(numbers_.size() * 4), mesh.to_neighbor.resize_for_overwrite(numbers_.size() * 4);
+    for (const Packet& packet : packets_) {
+      share_.to_part.insert(share_.to_part.end(), packet.parts.begin(), packet.parts.end());
+      mesh.to_region.append(packet.regions);
+      runner_.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tet = begin; tet < end; ++tet) {
+          const std::size_t first = (packet.first_tet + tet) * 4;
+          for (std::size_t i = 0; i < 4; ++i) {
+            mesh.to_vert[first + i] = packet.to_local[packet.to_vert[tet][i]];
+            mesh.to_neighbor[first + i] = neighbor_of(packet, packet.to_neighbor[tet][i]);
+          }
+        }
+      });
+    }
+  }
+
+  FaceCode neighbor_of(const Packet& packet, FaceCode named) const {
+    if (named == kNone) return kNone;
+    if ((named & kByNumber) == 0) return named + packet.first_tet * 4;
+    const FaceCode code = named & ~kByNumber;
+    const auto at = std::ranges::lower_bound(numbers_, code / 4);
+    if (at == numbers_.end() || *at != code / 4) return kNone;
+    return static_cast<FaceCode>(at - numbers_.begin()) * 4 + code % 4;
+  }
+
+  void take_edges() {
+    for (const Packet& packet : packets_) {
+      for (ModelEdgePiece piece : packet.edges) {
+        for (std::uint32_t& v : piece.verts) v = packet.to_local[v];
+        std::ranges::sort(piece.verts);
+        share_.mesh.edges.push_back(piece);
+      }
+    }
+    sort_pieces(share_.mesh.edges);
+  }
+
+  // Of a triangle that came with one tet from each of two ranks, one copy stays, with both.
+  void take_triangles() {
+    struct Half {
+      Triangle verts;
+      std::uint32_t triangle;
+      auto operator<=>(const Half&) const = default;
+    };
+    std::vector<LinkedTriangle>& triangles = share_.mesh.triangles;
+    std::vector<Half> halves;
+    for (const Packet& packet : packets_) {
+      for (LinkedTriangle t : packet.triangles) {
+        for (std::uint32_t& v : t.triangle.verts) v = packet.to_local[v];
+        for (std::uint32_t& tet : t.tets) tet = tet == kNone ? kNone : tet + packet.first_tet;
+        if (t.tets[1] == kNone)
+          halves.push_back({tets::sorted(t.triangle.verts).verts, static_cast<std::uint32_t>(triangles.size())});
+        triangles.push_back(t);
+      }
+    }
+    parallel_sort(halves, runner_);
+    for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
+      if (halves[i].verts != halves[i + 1].verts) continue;
+      LinkedTriangle &first = triangles[halves[i].triangle], &second = triangles[halves[i + 1].triangle];
+      first.tets[1] = std::exchange(second.tets[0], kNone);
+    }
+    std::erase_if(triangles, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
+  }
+
+  const TaskRunner& runner_;
+  std::vector<Packet> packets_;
+  std::vector<std::uint32_t> numbers_;
+  RoundShare share_;
+};
+
+std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t>& to_part,
+                             std::size_t part_count, const SharedWork& work) {
+  const int ranks = work.rank_count();
+  return work.exchange([&](std::span<MessageWriter> to) {
+    std::vector<std::uint32_t> to_place(share.size()), to_rank(share.size());
+    std::vector<std::vector<std::uint32_t>> tets(to.size());
+    for (std::uint32_t tet = 0; tet < share.size(); ++tet) {
+      to_rank[tet] = static_cast<std::uint32_t>(rank_of_part(to_part[tet], part_count, ranks));
+      to_place[tet] = static_cast<std::uint32_t>(tets[to_rank[tet]].size());
+      tets[to_rank[tet]].push_back(tet);
+    }
+    const Packer::Tets all{to_part, to_rank, to_place, links.first_tets[static_cast<std::size_t>(work.rank())]};
+    work.runner().for_each(to.size(), [&](std::size_t r) {
+      Packer(share, links, all, tets[r], static_cast<std::uint32_t>(r)).run(to[r]);
+    });
+    share = WholeMesh(), to_part.clear();
+  });
+}
+
+// Vertices that may be on other ranks: those of faces that this one has nothing behind. Tets at a vertex that all have
+// something behind them there are all that there are.
+std::vector<std::uint32_t> find_open_verts(const WholeMesh& mesh) {
+  std::vector<std::uint32_t> verts;
+  for (std::size_t i = 0; i < mesh.to_neighbor.size(); ++i) {
+    if (mesh.to_neighbor[i] != kNone) continue;
+    for (const std::uint8_t corner : tets::kFaceVerts[i % 4]) verts.push_back(mesh.to_vert[i / 4 * 4 + corner]);
+  }
+  std::ranges::sort(verts);
+  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  return verts;
+}
+
+// The ranks tell each vertex to a rank that follows from its number, which tells them who else has it.
+void find_outside_verts(RoundShare& share, const ShareLinks& links, const SharedWork& work) {
+  struct Holder {
+    std::uint32_t number, rank;
+    auto operator<=>(const Holder&) const = default;
+  };
+  const auto self = static_cast<std::uint32_t>(work.rank());
+  const std::uint64_t ranks = static_cast<std::uint64_t>(work.rank_count()), count = links.first_verts.back();
+  const std::vector<Bytes> told = work.exchange([&](std::span<MessageWriter> to) {
+    std::vector<std::vector<Holder>> holders(to.size());
+    for (const std::uint32_t v : find_open_verts(share.mesh))
+      holders[share.to_number[v] * ranks / count].push_back({share.to_number[v], self});
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Holder>(holders[r]));
+  });
+  const std::vector<Bytes> known = work.exchange([&](std::span<MessageWriter> to) {
+    std::vector<Holder> all;
+    for (const Bytes& bytes : told) {
+      const auto holders = MessageReader(bytes).get_view<Holder>();
+      all.insert(all.end(), holders.begin(), holders.end());
+    }
+    parallel_sort(all, work.runner());
+    std::vector<std::vector<Holder>> others(to.size());
+    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+      while (end < all.size() && all[end].number == all[begin].number) ++end;
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = begin; k < end; ++k)
+          if (k != i) others[all[i].rank].push_back(all[k]);
+    }
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Holder>(others[r]));
+  });
+  work.each([&] {
+    // Numbers are ascending from rank to rank, and in what each of them tells.
+    for (const Bytes& bytes : known) {
+      for (const Holder& holder : MessageReader(bytes).get_view<Holder>()) {
+        const auto vert = static_cast<std::uint32_t>(std::ranges::lower_bound(share.to_number, holder.number) -
+                                                     share.to_number.begin());
+        if (share.outside_verts.empty() || share.outside_verts.back() != vert) {
+          share.outside_verts.push_back(vert);
+          share.outside_first.push_back(share.outside_first.back());
+        }
+        share.outside_ranks.push_back(holder.rank);
+        ++share.outside_first.back();
+      }
+    }
+  });
+}
+
+}  // namespace
+
+int rank_of_part(std::uint32_t part, std::size_t part_count, int rank_count) {
+  return static_cast<int>(std::uint64_t{part} * static_cast<std::uint64_t>(rank_count) / part_count);
+}
+
+RoundShare move_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t> to_part, std::size_t part_count,
+                     const SharedWork& work) {
+  RoundShare moved;
+  if (work.rank_count() == 1) {
+    moved.mesh = std::move(share), moved.to_part = std::move(to_part);
+    return moved;
+  }
+  std::vector<Bytes> given = send_tets(share, links, to_part, part_count, work);
+  work.each([&] {
+    moved = Unpacker(given, work.runner()).run();
+    given.clear();
+  });
+  find_outside_verts(moved, links, work);
+  return moved;
+}
+
+}  // namespace tetloom::adapt

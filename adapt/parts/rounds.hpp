@@ -1,0 +1,34 @@
+#pragma once
+// One round of adaptation: the mesh dealt to parts, each of which is changed on its own, and put together again.
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "adapt/kernel/cavity_mesh.hpp"
+#include "adapt/parts/share.hpp"
+#include "adapt/parts/whole_mesh.hpp"
+#include "threading/shared_work.hpp"
+
+namespace tetloom::adapt {
+
+/// The work of all tets of all ranks; added up in whole numbers, so in any order. In together.
+double sum_of_work(std::span<const float> to_work, const SharedWork& work);
+
+/// How a mesh is dealt to parts.
+struct Dealing {
+  std::vector<std::uint32_t> to_part;  ///< of every tet
+  std::vector<std::int64_t> work;      ///< of every part, on all ranks, in units
+};
+
+/// `part_count` parts of equal shares of the work along a Hilbert curve. The curve differs from round to round, and so
+/// do the sides of parts. `to_work`: positive, one per tet. In together.
+Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<const float> to_work,
+                  std::size_t part_count, std::size_t round, const SharedWork& work);
+
+/// Cuts, calls `adapt` for every part on one rank, the one of most work first, and puts together what has become of
+/// them. The result depends on the parts alone. In together; where it throws, what is left is of no use.
+void adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing,
+                    const std::function<void(std::size_t, CavityMesh&)>& adapt, const SharedWork& work);
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,183 @@
+#include "adapt/parts/share.hpp"
+
+#include <algorithm>
+
+namespace tetloom::adapt {
+
+namespace {
+
+// Cuts a rank's tets out of the mesh that all ranks have.
+class ShareTaker {
+ public:
+  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end)
+      : whole_(whole), begin_(begin), end_(end), to_local_(whole.points.size(), kNone) {}
+
+  WholeMesh run(ShareLinks& links) {
+    take_verts(links.to_number);
+    take_tets(links.faces);
+    take_triangles();
+    take_edges();
+    return std::move(share_);
+  }
+
+ private:
+  bool has(std::uint32_t tet) const { return tet >= begin_ && tet < end_; }
+  std::uint32_t local_tet(std::uint32_t tet) const {
+    return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
+  }
+
+  void take_verts(std::vector<std::uint32_t>& to_number) {
+    for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;
+    for (std::uint32_t v = 0; v < to_local_.size(); ++v) {
+      if (to_local_[v] == kNone) continue;
+      to_local_[v] = static_cast<std::uint32_t>(to_number.size());
+      to_number.push_back(v);
+      share_.points.push_back(whole_.points[v]);
+      share_.to_metric.push_back(whole_.to_metric[v]);
+      share_.to_entity.push_back(whole_.to_entity[v]);
+      share_.to_hint.push_back(whole_.to_hint[v]);
+      share_.to_state.push_back(whole_.to_state[v]);
+    }
+  }
+
+  void take_tets(std::vector<FaceOutside>& faces) {
+    const auto first = static_cast<FaceCode>(begin_ * 4);
+    for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) {
+      share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
+      const FaceCode behind = whole_.to_neighbor[i];
+      const bool outside = behind != kNone && !has(behind / 4);
+      if (outside) faces.push_back({static_cast<FaceCode>(i) - first, behind});
+      share_.to_neighbor.push_back(outside || behind == kNone ? kNone : behind - first);
+    }
+    for (std::size_t tet = begin_; tet < end_; ++tet) share_.to_region.push_back(whole_.to_region[tet]);
+  }
+
+  void take_triangles() {
+    for (LinkedTriangle t : whole_.triangles) {
+      for (std::uint32_t& tet : t.tets) tet = tet == kNone ? kNone : local_tet(tet);
+      if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
+      if (t.tets[0] == kNone) continue;
+      for (std::uint32_t& v : t.triangle.verts) v = to_local_[v];
+      share_.triangles.push_back(t);
+    }
+  }
+
+  void take_edges() {
+    for (std::size_t tet = begin_; tet < end_; ++tet)
+      for_each_piece(whole_, static_cast<std::uint32_t>(tet), [&](ModelEdgePiece piece) {
+        for (std::uint32_t& v : piece.verts) v = to_local_[v];
+        share_.edges.push_back(piece);
+      });
+    sort_pieces(share_.edges);
+  }
+
+  const WholeMesh& whole_;
+  std::size_t begin_, end_;
+  std::vector<std::uint32_t> to_local_;
+  WholeMesh share_;
+};
+
+bool uses_all_points(const WholeMesh& whole) {
+  std::vector<std::uint8_t> used(whole.points.size(), 0);
+  for (const std::uint32_t v : whole.to_vert) used[v] = 1;
+  return std::ranges::count(used, 0) == 0;
+}
+
+std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
+  std::vector<std::uint32_t> firsts;
+  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
+  return firsts;
+}
+
+// The face of a tet that a triangle is.
+FaceCode face_of(const WholeMesh& share, const LinkedTriangle& t) {
+  const auto& verts = t.triangle.verts;
+  std::uint32_t i = 0;
+  while (i < 3 && std::ranges::count(verts, share.to_vert[std::size_t{t.tets[0]} * 4 + i]) != 0) ++i;
+  return t.tets[0] * 4 + i;
+}
+
+constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a message
+
+// What a rank has that no lower one has, all of it by numbers.
+void put_share(const WholeMesh& share, const ShareLinks& links, int rank, MessageWriter& writer) {
+  const auto r = static_cast<std::size_t>(rank);
+  const std::size_t own = links.first_verts[r + 1] - links.first_verts[r];
+  const FaceCode first = links.first_tets[r] * 4;
+  const auto put_numbers = [&](std::span<const std::uint32_t> verts) {
+    const auto room = writer.put_room<std::uint32_t>(verts.size());
+    std::ranges::transform(verts, room.begin(), [&](std::uint32_t v) { return links.number_of(v); });
+  };
+  constexpr std::size_t kBytesOfVert = sizeof(Vec3) + sizeof(VertexMetric) + sizeof(PackedEntity);
+  writer.reserve(kLengths + own * kBytesOfVert + share.size() * 5 * sizeof(std::uint32_t) +
+                 share.triangles.size() * sizeof(SurfaceTriangle) + share.edges.size() * sizeof(ModelEdgePiece));
+  writer.put_array(share.points.span().first(own));
+  writer.put_array(share.to_metric.span().first(own));
+  writer.put_array(share.to_entity.span().first(own));
+  put_numbers(share.to_vert);
+  writer.put_array(share.to_region.span());
+  std::vector<SurfaceTriangle> triangles;
+  for (const LinkedTriangle& t : share.triangles) {
+    const FaceCode face = face_of(share, t), behind = links.behind(face);
+    if (behind != kNone && behind < first + face) continue;
+    triangles.push_back(t.triangle);
+    for (std::uint32_t& v : triangles.back().verts) v = links.number_of(v);
+  }
+  writer.put_array(std::span<const SurfaceTriangle>(triangles));
+  std::vector<ModelEdgePiece> edges = share.edges;
+  for (ModelEdgePiece& piece : edges) {
+    for (std::uint32_t& v : piece.verts) v = links.number_of(v);
+    std::ranges::sort(piece.verts);
+  }
+  writer.put_array(std::span<const ModelEdgePiece>(edges));
+}
+
+void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
+  for (Bytes& bytes : given) {
+    MessageReader reader(bytes);
+    whole.points.append(reader.get_view<Vec3>());
+    whole.to_metric.append(reader.get_view<VertexMetric>());
+    whole.to_entity.append(reader.get_view<PackedEntity>());
+    whole.to_vert.append(reader.get_view<std::uint32_t>());
+    whole.to_region.append(reader.get_view<std::uint32_t>());
+    for (const SurfaceTriangle& triangle : reader.get_view<SurfaceTriangle>())
+      whole.triangles.push_back({triangle, {}});
+    const auto edges = reader.get_view<ModelEdgePiece>();
+    whole.edges.insert(whole.edges.end(), edges.begin(), edges.end());
+    bytes = Bytes();
+  }
+  sort_pieces(whole.edges);
+}
+
+}  // namespace
+
+FaceCode ShareLinks::behind(FaceCode face) const {
+  const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
+  return at == faces.end() || at->face != face ? kNone : at->behind;
+}
+
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work) {
+  const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
+  ShareLinks links;
+  links.first_tets = equal_ranges(whole.size(), ranks);
+  links.first_verts = equal_ranges(whole.points.size(), ranks);
+  if (ranks == 1 && uses_all_points(whole)) return links;
+  whole = ShareTaker(whole, links.first_tets[rank], links.first_tets[rank + 1]).run(links);
+  if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);
+  return links;
+}
+
+WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work) {
+  if (work.rank_count() == 1) return std::move(share);
+  std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
+    put_share(share, links, work.rank(), to[0]);
+    share = WholeMesh();
+  });
+  WholeMesh whole;
+  work.each([&] {
+    if (work.rank() == 0) take_all(given, whole);
+  });
+  return whole;
+}
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,57 @@
+#pragma once
+// Which share of the mesh each rank has between two rounds, and how shares fit together. One rank has all of it.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adapt/parts/whole_mesh.hpp"
+#include "threading/shared_work.hpp"
+
+namespace tetloom::adapt {
+
+/// A face between two ranks.
+struct FaceOutside {
+  FaceCode face = kNone;    ///< here
+  FaceCode behind = kNone;  ///< the same face of the tet behind it, by that tet's number in the whole mesh
+  friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
+};
+
+/// What connects the mesh that a rank has to those of the others. Tets have consecutive numbers in the whole mesh on
+/// each rank; vertices that several ranks have are the same, bit for bit, on all of them.
+struct ShareLinks {
+  std::vector<std::uint32_t> to_number;   ///< of every vertex, in the whole mesh; empty on a single rank: as they stand
+  std::vector<FaceOutside> faces;         ///< ascending
+  std::vector<std::uint32_t> first_tets;  ///< number of the first tet of each rank, and how many there are
+  std::vector<std::uint32_t> first_verts;  ///< the same of vertices, each with the lowest rank that has it; before the
+                                           ///< first round no more than a range of numbers for each rank
+
+  std::uint32_t number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
+  /// The face's code in the whole mesh, behind which it is; kNone where no rank has anything there.
+  FaceCode behind(FaceCode face) const;
+};
+
+/// Keeps this rank's share of `whole`, which all ranks have alike, in equal numbers of tets; points that no tet has
+/// go. In SharedWork::together.
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
+
+/// A share with all tets of the parts that a rank adapts in one round.
+struct RoundShare {
+  WholeMesh mesh;
+  std::vector<std::uint32_t> to_part;    ///< of its tets, which are ascending in number
+  std::vector<std::uint32_t> to_number;  ///< as of ShareLinks
+  // Vertices that other ranks have too, ascending, and those ranks: outside_ranks[first[i] … first[i + 1]], ascending.
+  std::vector<std::uint32_t> outside_verts, outside_first{0}, outside_ranks;
+};
+
+/// The rank that adapts a part: in blocks, as Communicator::rank_of.
+int rank_of_part(std::uint32_t part, std::size_t part_count, int rank_count);
+
+/// Sends every tet to the rank of its part, with all that it has. `share` and `links` are emptied. In together.
+RoundShare move_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t> to_part, std::size_t part_count,
+                     const SharedWork& work);
+
+/// The whole mesh on rank 0, without neighbours, hints and states; an empty one on the others. `share` is emptied.
+/// In together, after a round.
+WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work);
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,362 @@
+// Ranks that adapt a mesh together: the mesh of one process, and one outcome where one of them fails or is stopped.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <map>
+#include <new>
+#include <random>
+
+#include "adapt/adapt_on_ranks.hpp"
+#include "adapt/metric/tet_links.hpp"
+#include "core/mesh/digest.hpp"
+#include "core/mesh/validate.hpp"
+#include "mesher/mesher.hpp"
+#include "tests/support/analytic_model.hpp"
+#include "tests/support/mixed_mesh.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/simulated_ranks.hpp"
+#include "threading/parts_figures.hpp"
+#include "threading/validate_parts.hpp"
+#include "threading/whole_mesh.hpp"
+
+using namespace tetloom;
+using adapt::Tensor;
+
+namespace {
+
+using Metric = std::function<Tensor(const Vec3&)>;
+
+Mesh unit_cube(int n, bool two_regions = false) {
+  test::BoxSpec spec{n, n, n, two_regions, 1};
+  spec.h = 1.0 / n;
+  return test::make_tet_box(spec);
+}
+
+Tensor layered(const Vec3& x) {
+  const double h = 0.02 + 0.3 * std::abs(x.z - 0.5);
+  return adapt::diagonal(40, 40, 1 / (h * h));
+}
+
+/// What each rank has afterwards; `host_of` makes a host for each.
+std::vector<AdaptResult> on_ranks(
+    int ranks, const Mesh& mesh, const Metric& metric, const AdaptOptions& options,
+    const std::function<Host(int)>& host_of = [](int) { return Host(); }) {
+  std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    const int rank = communicator.rank();
+    results[static_cast<std::size_t>(rank)] = adapt_mesh_on_ranks(mesh, metric, options, communicator, host_of(rank));
+  });
+  return results;
+}
+
+AdaptOptions in_parts(double tets, int threads = 1) {
+  AdaptOptions options;
+  options.tets_per_part = tets, options.threads = threads;
+  return options;
+}
+
+void check_same(const Mesh& one, const Mesh& other) {
+  CHECK(one.points == other.points);
+  CHECK(one.point_to_entity == other.point_to_entity);
+  CHECK(one.edge_to_vert == other.edge_to_vert);
+  CHECK(one.edge_to_entity == other.edge_to_entity);
+  CHECK(one.tri_to_vert == other.tri_to_vert);
+  CHECK(one.tri_to_entity == other.tri_to_entity);
+  CHECK(one.tet_to_vert == other.tet_to_vert);
+  CHECK(one.tet_to_entity == other.tet_to_entity);
+  REQUIRE(one.point_fields.size() == other.point_fields.size());
+  for (std::size_t i = 0; i < one.point_fields.size(); ++i)
+    CHECK(one.point_fields[i].values == other.point_fields[i].values);
+}
+
+void check_same(const AdaptResult& one, const AdaptResult& other) {
+  for (const Diagnostic& error : other.errors) FAIL_CHECK(error.message);
+  REQUIRE(other.status == AdaptStatus::Ok);
+  CHECK(one.report.rounds == other.report.rounds);
+  CHECK(one.report.most_parts == other.report.most_parts);
+  CHECK(one.report.operations.splits == other.report.operations.splits);
+  CHECK(one.report.operations.moves == other.report.operations.moves);
+  CHECK(one.report.after.edges == other.report.after.edges);
+  CHECK(one.report.after.unit == other.report.after.unit);
+  CHECK(one.report.after.mean_quality == other.report.after.mean_quality);
+}
+
+/// The mesh and the report of one process, on each of these numbers of ranks.
+AdaptResult check_like_one_process(const Mesh& mesh, const Metric& metric, AdaptOptions options,
+                                   std::initializer_list<int> rank_counts = {2, 3}) {
+  AdaptResult alone = adapt_mesh(mesh, metric, options);
+  for (const Diagnostic& error : alone.errors) FAIL_CHECK(error.message);
+  REQUIRE(alone.status == AdaptStatus::Ok);
+  for (const int ranks : rank_counts) {
+    CAPTURE(ranks);
+    options.threads = ranks == 2 ? 2 : 1;
+    const auto results = on_ranks(ranks, mesh, metric, options);
+    for (const AdaptResult& result : results) check_same(alone, result);
+    check_same(alone.mesh, results[0].mesh);
+    for (std::size_t rank = 1; rank < results.size(); ++rank) CHECK(results[rank].mesh.points.empty());
+  }
+  return alone;
+}
+
+}  // namespace
+
+TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][ranks]") {
+  const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.05 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5})); };
+  const AdaptResult result = check_like_one_process(unit_cube(6, true), sizes, in_parts(2000), {1, 2, 3, 5});
+  CHECK(result.report.most_parts > 3);  // or this says little
+  CHECK(validate_mesh(result.mesh).valid());
+}
+
+TEST_CASE("ranks follow an anisotropic metric, and carry fields over", "[adapt][ranks]") {
+  Mesh cube = unit_cube(5);
+  MeshField field{"heat", 1, {}};
+  for (const Vec3& x : cube.points) field.values.push_back(x.x * x.y + x.z);
+  cube.point_fields = {field};
+  AdaptOptions options = in_parts(1500);
+  options.transfer = {"heat"};
+  CHECK(check_like_one_process(cube, layered, options).report.most_parts > 3);
+}
+
+TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of one process", "[adapt][ranks]") {
+  for (unsigned seed = 1; seed <= (test::kSanitized ? 2 : 6); ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const auto uniform = [&](double lo, double hi) {
+      return lo + (hi - lo) * static_cast<double>(random()) / 4294967296.0;
+    };
+    const Mesh cube = unit_cube(2 * static_cast<int>(1 + random() % 3), random() % 2 == 0);
+    const Vec3 centre{uniform(0, 1), uniform(0, 1), uniform(0, 1)};
+    const double least = uniform(0.03, 0.3), growth = uniform(0, 0.5), aspect = uniform(1, 20);
+    const auto metric = [&](const Vec3& x) {
+      const double h = least + growth * norm(x - centre), along = 1 / (h * h * aspect * aspect);
+      return adapt::diagonal(along, along, 1 / (h * h));
+    };
+    const auto ranks = static_cast<int>(2 + random() % 5);
+    check_like_one_process(cube, metric, in_parts(uniform(60, 2000)), {ranks});
+  }
+}
+
+TEST_CASE("ranks follow a model", "[adapt][ranks]") {
+  const auto model = test_models::make_cylinder(0.5, 1);
+  MeshOptions meshing;
+  meshing.sizes.size = 0.25;
+  const MeshResult meshed = make_mesh(*model, meshing);
+  REQUIRE(meshed.status == MeshStatus::Ok);
+  AdaptOptions options = in_parts(1500);
+  options.model = model.get();
+  const auto metric = [](const Vec3& x) { return adapt::isotropic(0.1 + 0.1 * std::abs(x.x)); };
+  CHECK(check_like_one_process(meshed.mesh, metric, options).report.most_parts > 2);
+}
+
+TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any number of ranks", "[adapt][ranks]") {
+  Mesh cube = unit_cube(5);
+  MeshField field{"heat", 1, {}};
+  for (const Vec3& x : cube.points) field.values.push_back(x.x * x.y + x.z);
+  cube.point_fields = {field};
+  const adapt::MetricField metric = adapt::metric_from_function(layered, cube.points);
+  AdaptOptions options = in_parts(1500);
+  options.transfer = {"heat"};
+  const AdaptResult alone = adapt_mesh(cube, metric, options);
+  REQUIRE(alone.status == AdaptStatus::Ok);
+  for (const int parts : {0, 3, 500}) {
+    options.parts = parts;
+    std::vector<std::uint32_t> first_tets;  // of the parts of the first run
+    for (const int ranks : {1, 2, 3}) {
+      CAPTURE(parts, ranks);
+      Mesh gathered;
+      bool valid = false;
+      std::size_t count = 0;
+      double imbalance = 1;
+      std::vector<std::vector<std::uint32_t>> tets(static_cast<std::size_t>(ranks));
+      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+        AdaptInPartsResult result = adapt_mesh_in_parts(cube, metric, options, communicator);
+        if (!result.mesh) throw Error(ErrorCode::Internal, "no parts");
+        const TaskRunner runner(1);
+        const bool fits = validate_parts(*result.mesh, runner).valid();
+        const PartsFigures figures = measure_parts(*result.mesh);
+        Mesh whole = gather_mesh(*result.mesh, runner);
+        auto& own = tets[static_cast<std::size_t>(communicator.rank())];
+        for (const PartId part : result.mesh->local())
+          for (const std::uint32_t v : result.mesh->parts.at(part).mesh.block(CellKind::Tet).to_vert) own.push_back(v);
+        if (communicator.rank() != 0) return;
+        gathered = std::move(whole), valid = fits;
+        count = result.mesh->part_count(), imbalance = figures.element_imbalance;
+      });
+      CHECK(valid);
+      CHECK(count == (parts > 0 ? static_cast<std::size_t>(parts) : alone.report.last_parts));
+      if (parts < 10) CHECK(imbalance < 0.1);
+      CHECK(mesh_digest(gathered) == mesh_digest(alone.mesh));
+      CHECK(gathered.points == alone.mesh.points);
+      REQUIRE(gathered.point_fields.size() == 1);
+      CHECK(gathered.point_fields[0].values == alone.mesh.point_fields[0].values);
+      std::vector<std::uint32_t> all;
+      for (const auto& own : tets) all.insert(all.end(), own.begin(), own.end());
+      if (ranks == 1) first_tets = all;
+      CHECK(all == first_tets);
+    }
+  }
+  options.parts = -1;
+  const auto communicator = make_thread_communicator();
+  const AdaptInPartsResult refused = adapt_mesh_in_parts(cube, metric, options, *communicator);
+  CHECK_FALSE(refused.mesh);
+  REQUIRE(refused.run.errors.size() == 1);
+  CHECK(refused.run.errors[0].code == ErrorCode::InvalidArgument);
+}
+
+TEST_CASE("a call for parts that is cancelled while they are dealt has no mesh", "[adapt][ranks]") {
+  const Mesh cube = unit_cube(3);
+  const auto metric = adapt::metric_from_sizes(std::vector<double>(cube.points.size(), 0.2), cube.points);
+  std::vector<AdaptInPartsResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    const auto rank = static_cast<std::size_t>(communicator.rank());
+    Host host;
+    if (rank == 1) host.progress = [](const ProgressEvent& event) { return event.stage != Stage::Partition; };
+    results[rank] = adapt_mesh_in_parts(cube, metric, in_parts(800), communicator, host);
+  });
+  for (const AdaptInPartsResult& result : results) {
+    CHECK(result.run.status == AdaptStatus::Cancelled);
+    CHECK(result.run.mesh.points.empty());
+    CHECK_FALSE(result.mesh);
+  }
+}
+
+TEST_CASE("there may be more ranks than parts, and than tets", "[adapt][ranks]") {
+  const auto metric = [](const Vec3&) { return adapt::isotropic(0.5); };
+  check_like_one_process(unit_cube(2), metric, {}, {2, 7});
+  Mesh tet;
+  tet.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tet.tet_to_vert = {{0, 1, 2, 3}};
+  tet.tet_to_entity = {0};
+  tet.tri_to_vert = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  tet.tri_to_entity = {0, 1, 2, 3};
+  check_like_one_process(tet, metric, in_parts(20), {3});
+}
+
+TEST_CASE("points that no tet has are nowhere, on one rank as on several", "[adapt][ranks]") {
+  Mesh cube = unit_cube(4);
+  cube.points.push_back({50, 5, 5}), cube.point_to_entity.emplace_back();
+  const auto metric = [](const Vec3&) { return adapt::isotropic(0.15); };
+  const AdaptResult result = check_like_one_process(cube, metric, in_parts(800));
+  for (const Vec3& x : result.mesh.points) CHECK(x.x <= 1);
+}
+
+TEST_CASE("bodies that touch in a vertex or an edge are adapted alike by ranks", "[adapt][ranks]") {
+  // Every other eighth of a cube: they meet in edges, and all of them in the middle.
+  Mesh mesh = unit_cube(4);
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  for (const auto& tet : mesh.tet_to_vert) {
+    Vec3 centre;
+    for (const std::uint32_t v : tet) centre += 0.25 * mesh.points[v];
+    const int eighth = static_cast<int>(centre.x * 2) + static_cast<int>(centre.y * 2) + static_cast<int>(centre.z * 2);
+    if (eighth % 2 == 0) tets.push_back(tet);
+  }
+  Mesh part;
+  part.points = mesh.points;
+  part.tet_to_vert = tets;
+  part.tet_to_entity.assign(tets.size(), 0);
+  std::map<std::array<std::uint32_t, 3>, std::pair<int, std::array<std::uint32_t, 3>>> faces;
+  for (const auto& t : tets) {
+    for (const auto& f : adapt::kFaceVerts) {
+      const std::array<std::uint32_t, 3> verts{t[f[0]], t[f[1]], t[f[2]]};
+      auto key = verts;
+      std::sort(key.begin(), key.end());
+      auto& [count, turned] = faces[key];
+      ++count, turned = verts;
+    }
+  }
+  for (const auto& [key, face] : faces) {
+    if (face.first != 1) continue;
+    part.tri_to_vert.push_back(face.second);
+    // A face of the model for each direction of the normal.
+    const Vec3& x = part.points[face.second[0]];
+    const Vec3 n = cross(part.points[face.second[1]] - x, part.points[face.second[2]] - x);
+    part.tri_to_entity.push_back(std::abs(n.x) > 1e-9 ? 0 : std::abs(n.y) > 1e-9 ? 1 : 2);
+  }
+  const auto metric = [](const Vec3&) { return adapt::isotropic(0.11); };
+  REQUIRE(validate_mesh(part).valid());
+  check_like_one_process(part, metric, in_parts(700), {2, 3, 4});
+}
+
+TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]") {
+  const Mesh cube = unit_cube(4);
+  // Asked for on one rank alone, late enough to be inside of a round.
+  for (const int failing : {0, 1, 2}) {
+    for (const int last : {1, 500, 3000}) {
+      CAPTURE(failing, last);
+      std::vector<AdaptResult> results(3);
+      test::on_simulated_ranks(3, [&](Communicator& communicator) {
+        std::atomic<int> asked{0};
+        const auto metric = [&, fails = communicator.rank() == failing](const Vec3&) {
+          if (fails && ++asked >= last) throw std::bad_alloc();
+          return adapt::isotropic(0.12);
+        };
+        results[static_cast<std::size_t>(communicator.rank())] =
+            adapt_mesh_on_ranks(cube, metric, in_parts(800), communicator);
+      });
+      for (const AdaptResult& result : results) {
+        CHECK(result.status == AdaptStatus::Failed);
+        CHECK(result.mesh.points.empty());
+        REQUIRE(result.errors.size() == 1);
+        CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
+        CHECK(result.errors[0].message == results[0].errors[0].message);
+      }
+    }
+  }
+}
+
+TEST_CASE("bad input is told alike by all ranks, and ranks that give different meshes are refused", "[adapt][ranks]") {
+  const auto metric = [](const Vec3&) { return adapt::isotropic(0.3); };
+  Mesh cube = unit_cube(3);
+  cube.tri_to_entity[3] = kNone;
+  for (const AdaptResult& result : on_ranks(2, cube, metric, {})) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].code == ErrorCode::InputUnsuitable);
+    CHECK(result.errors[0].point);
+  }
+  AdaptOptions options;
+  options.threads = -1;
+  for (const AdaptResult& result : on_ranks(2, unit_cube(2), metric, options)) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
+  }
+  std::vector<AdaptResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    const int rank = communicator.rank();
+    results[static_cast<std::size_t>(rank)] = adapt_mesh_on_ranks(unit_cube(2 + rank), metric, {}, communicator);
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
+  }
+}
+
+TEST_CASE("stopped by the host of one rank at any moment, all ranks are cancelled", "[adapt][ranks]") {
+  const Mesh cube = unit_cube(4);
+  const auto metric = [](const Vec3&) { return adapt::isotropic(0.12); };
+  std::atomic<int> looks{0};
+  const auto host_of = [&](int stopping, int last) {
+    return [&, stopping, last](int rank) {
+      Host host;
+      if (rank == stopping) host.wants_stop = [&, last] { return ++looks > last; };
+      return host;
+    };
+  };
+  for (const AdaptResult& result : on_ranks(3, cube, metric, in_parts(800), host_of(0, 1 << 30)))
+    REQUIRE(result.status == AdaptStatus::Ok);
+  const int all = looks;
+  REQUIRE(all > 100);
+  std::mt19937 random(5);
+  int cancelled = 0;
+  for (int i = 0; i < (test::kSanitized ? 4 : 15); ++i) {
+    const int last = static_cast<int>(random() % static_cast<unsigned>(all)), stopping = i % 3;
+    CAPTURE(last, stopping, all);
+    looks = 0;
+    const auto results = on_ranks(3, cube, metric, in_parts(800), host_of(stopping, last));
+    for (const AdaptResult& result : results) {
+      CHECK(result.status == results[0].status);
+      CHECK(result.status != AdaptStatus::Failed);
+      if (result.status == AdaptStatus::Cancelled) CHECK(result.mesh.points.empty());
+    }
+    cancelled += results[0].status == AdaptStatus::Cancelled;
+  }
+  CHECK(cancelled > 2);
+}

@@ -1,0 +1,100 @@
+#!/bin/sh
+# usage: adapt_ranks_test.sh TETLOOM DEMO_MODEL MPIEXEC NUMPROC_FLAG
+# A mesh is adapted into the same files on any number of ranks, with one report, and fails on all ranks together.
+set -eu
+tetloom=$1 demo_model=$2 mpiexec=$3 numproc=$4
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+    echo "adapt_ranks_test: $1" >&2
+    exit 1
+}
+on_ranks() {
+    ranks=$1
+    shift
+    "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" "$ranks" \
+        "$tetloom" "$@"
+}
+# A size for each point of a .mesh file: small near one corner.
+write_sizes() {
+    awk -v small="$2" '
+        /^ *Vertices/ { getline count; printf "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n%d\n1 1\n", count
+            for (i = 0; i < count; ++i) { getline; d = sqrt($1 * $1 + $2 * $2 + $3 * $3); print small * (1 + d / 20) }
+            print "End"; exit }' "$1"
+}
+
+"$demo_model" assembly model.step
+"$tetloom" mesh model.step -o mesh.mesh --imprint --relative-size 0.06 --quiet
+write_sizes mesh.mesh 2.5 > sizes.sol
+for way in "-o out.mesh" "-o out.pvtu" "-o out.pvtu --parts 5" "-o out.msh --parts 3" \
+    "-o out.meshb --model model.step --imprint"; do
+    options="--metric sizes.sol --tets-per-part 1500 --quiet --report report.json $way"
+    # shellcheck disable=SC2086
+    "$tetloom" adapt mesh.mesh --threads 2 $options
+    rm -rf expected
+    mkdir expected
+    mv out* expected/
+    digest=$(grep '"digest"' report.json)
+    [ "$(sed -n 's/.*"most_parts": \([0-9]*\).*/\1/p' report.json)" -gt 4 ] || fail "too few parts to say anything"
+    for ranks in 1 2 3; do
+        # shellcheck disable=SC2086
+        on_ranks "$ranks" adapt mesh.mesh --threads 1 $options
+        for file in out*; do
+            diff -r "$file" "expected/$file" || fail "another $file on $ranks ranks with $way"
+        done
+        rm -rf out*
+        [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on $ranks ranks with $way"
+    done
+done
+
+on_ranks 2 adapt mesh.mesh -o parts.pvtu --parts 4 --metric sizes.sol --report report.json > text
+[ "$(grep -c 'in the metric' text)" = 2 ] || fail "the ranks do not speak with one voice"
+"$tetloom" check parts.pvtu --quiet --report check.json
+[ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest of the parts"
+
+rm -rf parts parts.pvtu
+for output in parts.pvtu whole.vtu; do
+    status=0
+    on_ranks 2 adapt missing.mesh -o "$output" --metric sizes.sol 2> errors || status=$?
+    [ "$status" = 3 ] || fail "status $status where the mesh is missing"
+    status=0
+    on_ranks 2 adapt mesh.mesh -o "$output" --metric missing.sol 2> errors || status=$?
+    [ "$status" = 3 ] || fail "status $status where the metric is missing"
+    status=0
+    on_ranks 2 adapt mesh.mesh -o "nowhere/$output" --metric sizes.sol 2> errors || status=$?
+    [ "$status" = 6 ] || fail "status $status where nothing can be written"
+done
+for left in parts parts.pvtu whole.vtu; do
+    [ ! -e "$left" ] || fail "a run that failed left $left behind"
+done
+
+# A rank that is asked to stop, or killed, ends the run on all of them, soon, and with nothing left behind.
+write_sizes mesh.mesh 0.4 > fine.sol
+for case in "TERM 0" "TERM 1" "KILL 1"; do
+    signal=${case% *} rank=${case#* }
+    rm -f pid.*
+    # shellcheck disable=SC2016
+    timeout 100 "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" 2 \
+        sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
+        "$tetloom" adapt mesh.mesh -o signal.pvtu --metric fine.sol --threads 1 2> errors &
+    launcher=$!
+    tries=0
+    until grep -q '^adapt' errors; do
+        tries=$((tries + 1))
+        [ "$tries" -lt 600 ] || fail "the ranks do not start"
+        sleep 0.1
+    done
+    sleep 1
+    kill "-$signal" "$(cat "pid.$rank")" || fail "the run was over before signal $signal"
+    status=0
+    wait "$launcher" || status=$?
+    [ -z "$(find . -name '*signal*')" ] || fail "a run that was sent $signal left something behind"
+    if [ "$signal" = TERM ]; then
+        [ "$status" = 5 ] || fail "status $status after rank $rank was asked to stop"
+        grep -q '^tetloom: cancelled' errors || fail "nobody says that the run was cancelled"
+    else
+        case $status in 0 | 124) fail "status $status after rank $rank was killed" ;; esac
+    fi
+done
