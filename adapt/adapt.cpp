@@ -87,7 +87,8 @@ class Adapter {
     work_.each([&] {
       if (work_.rank() != 0) return;
       result.mesh = make_mesh_of(whole_, mesh_);
-      transfer(result.mesh);
+      result.report.transfers =
+          transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape, runner_);
     });
     result.report.operations = sum_of_counts();
     result.report.rounds = rounds_;
@@ -203,16 +204,6 @@ class Adapter {
     return {static_cast<double>(sum[0]) / all, static_cast<double>(sum[1]) / all};
   }
 
-  void transfer(Mesh& mesh) const {
-    if (options_.transfer.empty()) return;
-    const auto places = background_->locate(mesh.points, runner_);
-    for (const std::string& name : options_.transfer) {
-      const auto at = std::find_if(mesh_.point_fields.begin(), mesh_.point_fields.end(),
-                                   [&](const MeshField& field) { return field.name == name; });
-      mesh.point_fields.push_back(background_->interpolate(*at, places, runner_));
-    }
-  }
-
   const Mesh& mesh_;
   const MetricFunction& function_;
   const AdaptOptions& options_;
@@ -227,18 +218,13 @@ class Adapter {
   std::size_t rounds_ = 0, most_parts_ = 0, last_parts_ = 0;
 };
 
-void check_options(const Mesh& mesh, const AdaptOptions& options) {
+void check_options(const AdaptOptions& options) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); };
   if (!(options.quality_floor >= 0 && options.quality_floor < 1)) refuse("the quality floor must be in [0, 1)");
   if (options.gradation != 0 && !(options.gradation > 1)) refuse("the gradation must be above 1, or 0 for none");
   if (options.threads < 0) refuse("the number of threads must not be negative");
   if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
   if (options.parts < 0) refuse("the number of parts must not be negative");
-  for (const std::string& name : options.transfer) {
-    const bool known = std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(),
-                                   [&](const MeshField& field) { return field.name == name; });
-    if (!known) refuse("the mesh has no point field \"" + name + "\" to transfer");
-  }
 }
 
 template <class Run>
@@ -272,7 +258,8 @@ void require_same_input(const Mesh& mesh, const MetricField& metric, const Adapt
   };
   work.each([&] {
     add(mesh.points), add(mesh.tet_to_vert), add(mesh.tri_to_vert), add(metric.logs);
-    add(std::array<double, 4>{options.quality_floor, options.gradation, options.tets_per_part, 1.0 * options.parts});
+    add(std::array<double, 5>{options.quality_floor, options.gradation, options.tets_per_part, 1.0 * options.parts,
+                              static_cast<double>(options.cell_shape)});
     for (const std::string& name : options.transfer) add(name);
   });
   for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(hash); }))
@@ -308,8 +295,9 @@ class AdaptRun {
  private:
   void prepare(AdaptResult& result) {
     const TaskRunner& runner = work_.runner();
-    check_options(mesh_, options_);
+    check_options(options_);
     check_mesh(mesh_, runner);
+    check_transfer(mesh_, options_.transfer);
     metric_ = given_ ? *given_ : metric_from_function(function_, mesh_.points, runner);
     check_metric(metric_, mesh_);
     if (options_.gradation > 0 && given_) {

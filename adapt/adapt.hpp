@@ -15,6 +15,7 @@
 
 #include "adapt/kernel/pass_counts.hpp"
 #include "adapt/metric/metric_field.hpp"
+#include "adapt/transfer/field_transfer.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
@@ -28,9 +29,10 @@ struct AdaptOptions {
   double gradation = 0;        ///< > 1: sizes grow by at most this factor over an edge of unit length; 0: as given
   const GeometricModel* model = nullptr;  ///< new vertices of the boundary are led to it; null: boundaries stay as they
                                           ///< are, and only what lies in planes and on straight edges is changed
-  std::vector<std::string> transfer;      ///< point fields to be carried over
-  int threads = 0;                        ///< 0: all cores that the process may use
-  double tets_per_part = 0;               ///< 0: as it sees fit
+  std::vector<std::string> transfer;      ///< fields to be carried over, on points, on tets or on both
+  adapt::CellShape cell_shape = adapt::CellShape::Linear;  ///< of fields on tets, while they are carried over
+  int threads = 0;                                         ///< 0: all cores that the process may use
+  double tets_per_part = 0;                                ///< 0: as it sees fit
   int parts = 0;  ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
 };
 
@@ -50,8 +52,9 @@ struct AdaptReport {
   MetricConformity before, after;
   adapt::PassCounts operations;
   std::size_t rounds = 0;
-  std::size_t most_parts = 0;  ///< of any round
-  std::size_t last_parts = 0;  ///< of the last round
+  std::size_t most_parts = 0;                   ///< of any round
+  std::size_t last_parts = 0;                   ///< of the last round
+  std::vector<adapt::FieldTransfer> transfers;  ///< fields on points first; of ranks that adapt together, the first has it
   double seconds = 0;
 };
 
@@ -68,7 +71,7 @@ struct AdaptResult {
 /// between its regions, must be a triangle that names a model face.
 ///
 /// Errors are in the result: InvalidArgument for options out of range and a metric of another length; InputUnsuitable
-/// with a place for meshes that cannot be adapted; Cancelled; OutOfMemory.
+/// with a place for meshes that cannot be adapted and for fields on tets that are not finite; Cancelled; OutOfMemory.
 /// Thread safety: may be called from any thread, several calls at once.
 AdaptResult adapt_mesh(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
                        const Host& host = {});

@@ -32,6 +32,7 @@ class BackgroundMesh {
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }
+  std::span<const std::uint32_t> links() const { return links_; }  ///< see link_tets
 
   /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNone. A good hint
   /// is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the mesh

@@ -27,8 +27,9 @@ void note_mesh(const Mesh& mesh, const TaskRunner& runner, RunReport& report) {
 
 // The fields first: a mesh that is there has its fields beside it.
 void write_output(const AdaptCommand& command, Mesh& mesh, const CancelToken& cancel, const TaskRunner& runner) {
-  if (has_fields_beside(command.output) && !mesh.point_fields.empty())
-    write_solution({mesh.point_fields, {}}, solution_size(mesh), fields_beside(command.output), &cancel, runner);
+  if (has_fields_beside(command.output) && !(mesh.point_fields.empty() && mesh.cell_fields.empty()))
+    write_solution({mesh.point_fields, mesh.cell_fields}, solution_size(mesh), fields_beside(command.output), &cancel,
+                   runner);
   write_mesh(mesh, command.output, &cancel, runner);
 }
 

@@ -37,6 +37,18 @@ Mesh read_whole(const std::filesystem::path& path, const TaskRunner& runner, con
   return gather_mesh(read_parts(path, *alone, runner, &cancel), runner);
 }
 
+bool has_field(const std::vector<MeshField>& fields, const std::string& name) {
+  return std::any_of(fields.begin(), fields.end(), [&](const MeshField& field) { return field.name == name; });
+}
+
+void require_fields(const Mesh& mesh, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (!has_field(mesh.point_fields, name) && !has_field(mesh.cell_fields, name))
+      throw Error(ErrorCode::InputUnsuitable, "the mesh has no field \"" + name + "\" to transfer; on its points " +
+                                                  names_of(mesh.point_fields) + ", on its cells " +
+                                                  names_of(mesh.cell_fields));
+}
+
 // The file of that name in text or in binary, whichever there is.
 void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const CancelToken& cancel) {
   std::filesystem::path file = fields_beside(path);
@@ -44,7 +56,9 @@ void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const Can
   if (!std::filesystem::exists(file))
     throw Error(ErrorCode::InputUnsuitable, "fields of '" + path.string() + "' are asked for, but '" +
                                                 fields_beside(path).string() + "' is not there");
-  mesh.point_fields = read_solution(file, solution_size(mesh), &cancel).point_fields;
+  Solution solution = read_solution(file, solution_size(mesh), &cancel);
+  mesh.point_fields = std::move(solution.point_fields);
+  if (cell_count(mesh) == mesh.tet_to_vert.size()) mesh.cell_fields = std::move(solution.tet_fields);
 }
 
 MeshField read_metric_file(const std::filesystem::path& path, const Mesh& mesh, const CancelToken& cancel) {
@@ -83,7 +97,7 @@ AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runne
     if (needs_fields(command)) read_fields_beside(command.input, input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
-  for (const std::string& name : command.options.transfer) static_cast<void>(field_named(input.mesh, name));
+  require_fields(input.mesh, command.options.transfer);
   if (!command.hessian_field.empty()) static_cast<void>(field_named(input.mesh, command.hessian_field));
   if (!command.metric_field.empty()) input.metric = field_named(input.mesh, command.metric_field);
   if (!command.metric_file.empty()) {

@@ -25,7 +25,7 @@ Examples:
 
 A metric gives at every point of MESH a size, or a symmetric tensor M: an edge e has the length sqrt(e.Me), and 1 is
 what it shall be. Fields of a .mesh or .meshb lie beside it, in the .sol or .solb of the same name, as solution_1,
-solution_2 ... Without --model the surface keeps its shape: only what lies in planes and on straight edges changes.
+solution_2 ... on points and on tets. Without --model the surface keeps its shape: only what lies in planes and on straight edges changes.
 
 Exit status: 0 done, 2 wrong usage, 3 input unreadable or unsuitable, 4 the result is not valid, 5 cancelled,
 6 out of memory or disk.)";
@@ -89,6 +89,10 @@ void set_adaptation(const RawAdapt& raw, AdaptCommand& command) {
   for (const std::string& name : raw.transfer)
     require(std::count(raw.transfer.begin(), raw.transfer.end(), name) == 1,
             "--transfer names '" + name + "' more than once");
+  require(!raw.transfer_order || !raw.transfer.empty(), "--transfer-order goes with --transfer");
+  require(!raw.transfer_order || *raw.transfer_order == 1 || *raw.transfer_order == 2,
+          "--transfer-order must be 1 or 2");
+  if (raw.transfer_order == 1) options.cell_shape = adapt::CellShape::Constant;
   options.threads = count_between("--threads", raw.threads, kMostThreads);
   options.parts = count_between("--parts", raw.parts, kMostParts);
   command.in_parts = is_in_parts(command.output, raw.parts);
@@ -164,9 +168,14 @@ CLI::App* add_adapt_command(CLI::App& app, RawAdapt& raw) {
   add_metric_options(*adapt, raw);
   add_model_options(*adapt, raw);
   const std::string group = "Run";
-  adapt->add_option("--transfer", raw.transfer, "Fields on points to carry over, separated by commas")
+  adapt->add_option("--transfer", raw.transfer, "Fields on points and cells to carry over, separated by commas")
       ->delimiter(',')
       ->type_name("NAMES")
+      ->group(group);
+  adapt
+      ->add_option("--transfer-order", raw.transfer_order,
+                   "Fields on cells are constant in each of them (1), or linear without new extremes (2, the default)")
+      ->type_name("1|2")
       ->group(group);
   adapt
       ->add_option("--quality-floor", raw.quality_floor,

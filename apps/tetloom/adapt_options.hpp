@@ -15,7 +15,7 @@ struct RawAdapt {
   std::optional<double> complexity, norm, h_min, h_max, max_aspect, gradation, quality_floor, tets_per_part, curvature;
   std::optional<double> feature_angle;
   std::vector<std::string> transfer;
-  std::optional<int> threads, parts;
+  std::optional<int> threads, parts, transfer_order;
   bool imprint = false, no_heal = false, quiet = false;
 };
 

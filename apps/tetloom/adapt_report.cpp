@@ -55,6 +55,37 @@ Json conformity_json(const MetricConformity& conformity) {
           {"complexity", conformity.complexity}};
 }
 
+Json transfer_json(const std::vector<adapt::FieldTransfer>& transfers) {
+  Json fields = Json::array();
+  for (const adapt::FieldTransfer& field : transfers) {
+    Json components = Json::array();
+    for (const auto& c : field.components)
+      components.push_back({{"integral", {c.before.integral, c.after.integral}},
+                            {"least", {c.before.least, c.after.least}},
+                            {"greatest", {c.before.greatest, c.after.greatest}},
+                            {"change", c.change()}});
+    fields.push_back(
+        {{"name", field.name}, {"on", field.on_cells ? "cells" : "points"}, {"components", std::move(components)}});
+  }
+  return fields;
+}
+
+std::string transfer_table(const std::vector<adapt::FieldTransfer>& transfers) {
+  if (transfers.empty()) return {};
+  std::vector<std::vector<std::string>> rows;
+  for (const adapt::FieldTransfer& field : transfers) {
+    for (std::size_t i = 0; i < field.components.size(); ++i) {
+      const adapt::FieldFigures &before = field.components[i].before, &after = field.components[i].after;
+      const std::string component = field.components.size() > 1 ? " [" + std::to_string(i + 1) + "]" : "";
+      rows.push_back({field.name + component, field.on_cells ? "cells" : "points", format_number(before.integral),
+                      format_number(after.integral), format_number(field.components[i].change()),
+                      format_number(before.least) + " to " + format_number(before.greatest),
+                      format_number(after.least) + " to " + format_number(after.greatest)});
+    }
+  }
+  return render_table({"field", "on", "integral before", "after", "change", "values before", "after"}, rows, kMostRows);
+}
+
 std::string rounded(double value) { return format_number(std::round(1e3 * value) / 1e3); }
 
 std::string conformity_table(const MetricConformity& before, const MetricConformity& after) {
@@ -97,6 +128,7 @@ nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double met
           {"operations", std::move(operations)},
           {"rounds", adaptation.rounds},
           {"most_parts", adaptation.most_parts},
+          {"transfer", transfer_json(adaptation.transfers)},
           {"seconds", {{"metric", metric_seconds}, {"adapt", adaptation.seconds}}}};
 }
 
@@ -108,6 +140,7 @@ std::string render_adaptation(const AdaptReport& adaptation, const RunReport& re
   text += "  tets by mean ratio in the metric (1 is regular):\n";
   text += render_histogram(adaptation.after.quality_histogram.data(), adaptation.after.quality_histogram.size(), 0, 1);
   text += operation_table(adaptation.operations);
+  text += transfer_table(adaptation.transfers);
   text += "  digest     " + report.digest + "\n";
   text += "  time       " + format_seconds(report.total_seconds()) + " in all: read " +
           format_seconds(report.seconds.read) + ", adapt " + format_seconds(adaptation.seconds) + " (" +

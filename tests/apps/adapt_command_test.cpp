@@ -1,6 +1,7 @@
 // The command that leads meshes to metrics.
 #include <signal.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -35,6 +36,13 @@ Mesh cube_with_fields(int n = 4) {
     tensor.values.insert(tensor.values.end(), {25, 25, 1 / (hz * hz), 0, 0, 0});
   }
   mesh.point_fields = {heat, size, tensor, linear};
+  MeshField mass{"mass", 1, {}}, both{"heat", 2, {}};  // one with a name that is on points too
+  for (const auto& tet : mesh.tet_to_vert) {
+    const double x = mesh.points[tet[0]].x;
+    mass.values.push_back(x > 0.4 ? 3 : 1);
+    both.values.insert(both.values.end(), {x, -x});
+  }
+  mesh.cell_fields = {mass, both};
   return mesh;
 }
 
@@ -130,6 +138,32 @@ TEST_CASE("adapt leads a mesh to a metric from a field, and reports") {
   CHECK(run_tetloom({"check", folder / "out.vtu"}).status == 0);
 }
 
+TEST_CASE("adapt carries fields on cells over, and reports what becomes of them") {
+  const TestFolder folder;
+  const std::string extension = GENERATE(".vtu", ".msh");
+  const std::string cube = write_cube(folder, "cube" + extension), order = GENERATE("1", "2");
+  const auto report = adapt(folder, cube, "out" + extension,
+                            {"--metric-field", "size", "--transfer", "mass,heat", "--transfer-order", order});
+  const auto& transfer = report["adaptation"]["transfer"];
+  REQUIRE(transfer.size() == 3);
+  CHECK((transfer[0]["name"] == "heat" && transfer[0]["on"] == "points"));
+  CHECK((transfer[1]["name"] == "mass" && transfer[1]["on"] == "cells"));
+  CHECK((transfer[2]["name"] == "heat" && transfer[2]["components"].size() == 2));
+  const auto& mass = transfer[1]["components"][0];
+  CHECK(mass["integral"][1].get<double>() == Approx(mass["integral"][0].get<double>()).epsilon(1e-13));
+  CHECK(std::abs(mass["change"].get<double>()) < 1e-13);
+  CHECK((mass["least"][0] == 1 && mass["greatest"][0] == 3));
+  CHECK(mass["least"][1].get<double>() == Approx(1).epsilon(1e-12));
+  CHECK(mass["greatest"][1].get<double>() == Approx(3).epsilon(1e-12));
+
+  const Mesh result = tetloom::read_mesh(folder / ("out" + extension));
+  REQUIRE(result.point_fields.size() == 1);
+  REQUIRE(result.cell_fields.size() == 2);
+  REQUIRE(result.cell_fields[0].name == "mass");
+  CHECK(result.cell_fields[1].components == 2);
+  for (const double value : result.cell_fields[0].values) CHECK((value > 1 - 1e-12 && value < 3 + 1e-12));
+}
+
 TEST_CASE("adapt makes a metric from a solution") {
   const TestFolder folder;
   const std::string cube = write_cube(folder, "cube.vtu", 8);
@@ -150,13 +184,17 @@ TEST_CASE("adapt reads and writes MEDIT's files, with fields beside the mesh") {
   const Mesh mesh = cube_with_fields();
   tetloom::write_mesh(mesh, folder / ("cube" + mesh_end));
   tetloom::write_solution({{mesh.point_fields[1]}, {}}, tetloom::solution_size(mesh), folder / ("metric" + sol_end));
-  tetloom::write_solution({{mesh.point_fields[3], mesh.point_fields[0]}, {}}, tetloom::solution_size(mesh),
-                          folder / ("cube" + sol_end));
+  tetloom::write_solution({{mesh.point_fields[3], mesh.point_fields[0]}, {mesh.cell_fields[0]}},
+                          tetloom::solution_size(mesh), folder / ("cube" + sol_end));
   adapt(folder, folder / ("cube" + mesh_end), "out" + mesh_end,
         {"--metric", folder / ("metric" + sol_end), "--transfer", "solution_1"});
   const Mesh out = tetloom::read_mesh(folder / ("out" + mesh_end));
-  const auto fields = tetloom::read_solution(folder / ("out" + sol_end), tetloom::solution_size(out)).point_fields;
+  const auto solution = tetloom::read_solution(folder / ("out" + sol_end), tetloom::solution_size(out));
+  const auto& fields = solution.point_fields;
   REQUIRE(fields.size() == 1);
+  REQUIRE(solution.tet_fields.size() == 1);
+  CHECK(*std::max_element(solution.tet_fields[0].values.begin(), solution.tet_fields[0].values.end()) ==
+        Approx(3).epsilon(1e-12));
   for (std::size_t v = 0; v < out.points.size(); ++v) {
     const Vec3& x = out.points[v];
     CHECK(fields[0].values[v] == Approx(x.x + 2 * x.y - x.z).margin(1e-12));
@@ -186,10 +224,12 @@ TEST_CASE("the adapted mesh does not depend on threads") {
 TEST_CASE("adapt tells a person what became of the mesh") {
   const TestFolder folder;
   const std::string cube = write_cube(folder, "cube.vtu", 2);
-  const ProcessResult result = run_tetloom({"adapt", cube, "-o", folder / "out.vtu", "--metric-field", "size"});
+  const ProcessResult result =
+      run_tetloom({"adapt", cube, "-o", folder / "out.vtu", "--metric-field", "size", "--transfer", "mass,linear"});
   CHECK(result.status == 0);
   CHECK_THAT(result.out, Catch::Contains("in [0.707, 1.414]") && Catch::Contains("collapses") &&
-                             Catch::Contains("digest") && Catch::Contains("rounds"));
+                             Catch::Contains("digest") && Catch::Contains("rounds") &&
+                             Catch::Contains("integral before") && Catch::Contains("mass"));
   CHECK_THAT(result.err, Catch::Contains("adapt"));
   const ProcessResult quiet =
       run_tetloom({"adapt", cube, "-o", folder / "quiet.vtu", "--metric-field", "size", "--quiet"});
@@ -219,7 +259,9 @@ TEST_CASE("bad input of adapt ends with what is wrong with it") {
     refused(cube, {"--metric-field", "pressure"}, "\"heat\", \"size\"");
     refused(cube, {"--hessian", "pressure", "--complexity", "100"}, "pressure");
     refused(cube, {"--hessian", "tensor", "--complexity", "100"}, "one component");
-    refused(cube, {"--metric-field", "size", "--transfer", "pressure"}, "pressure");
+    refused(cube, {"--metric-field", "size", "--transfer", "mass,pressure"},
+            "\"pressure\" to transfer; on its points there are \"heat\"");
+    refused(cube, {"--metric-field", "size", "--transfer", "pressure"}, "on its cells there are \"mass\"");
     refused(cube, {"--metric", folder / "nothing.sol"}, "nothing.sol");
     refused(cube, {"--metric-field", "size", "--model", folder / "nothing.step"}, "nothing.step");
     const std::string few =
@@ -227,6 +269,11 @@ TEST_CASE("bad input of adapt ends with what is wrong with it") {
     refused(cube, {"--metric", few}, "the mesh has 27");
     tetloom::write_mesh(mesh, folder / "bare.mesh");
     refused(folder / "bare.mesh", {"--metric-field", "solution_1"}, "bare.sol");
+  }
+  SECTION("a field on cells that is not finite") {
+    mesh.cell_fields[0].values[7] = GENERATE(std::nan(""), -HUGE_VAL);
+    tetloom::write_mesh(mesh, cube);
+    refused(cube, {"--metric-field", "size", "--transfer", "mass"}, "not finite");
   }
   SECTION("a metric that is none") {
     const double bad = GENERATE(-1.0, 0.0, std::nan(""), HUGE_VAL);

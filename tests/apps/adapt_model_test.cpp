@@ -1,4 +1,5 @@
 // The command `adapt` with models.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -62,6 +63,31 @@ TEST_CASE("all points made on fillets and in holes lie on them") {
   CAPTURE(again.err);
   CHECK(again.status == 0);
   CHECK(count_off(folder / "again.vtu", model) == 0);
+}
+
+TEST_CASE("fields on cells keep their integrals while a CAD part is adapted to and fro") {
+  const TestFolder folder;
+  const std::string model = demo_model("machined-part");
+  std::string last = mesh_of(folder, model, "0.vtu", 12);
+  tetloom::Mesh mesh = tetloom::read_mesh(last);
+  tetloom::MeshField mass{"mass", 1, {}};
+  for (const auto& tet : mesh.tet_to_vert) mass.values.push_back(std::max(0.0, mesh.points[tet[0]].x));
+  mesh.cell_fields = {mass};
+  tetloom::write_mesh(mesh, last);
+  double before = 0;
+  for (int i = 1; i <= 4; ++i) {
+    const std::string next = folder / (std::to_string(i) + ".vtu");
+    const ProcessResult result =
+        run_tetloom({"adapt", last, "-o", next, "--metric", sizes_for(folder, last, i % 2 != 0 ? 7 : 12), "--model",
+                     model, "--transfer", "mass", "--report", folder / "r.json"});
+    CAPTURE(i, result.err);
+    REQUIRE(result.status == 0);
+    const auto figures = read_json(folder / "r.json")["adaptation"]["transfer"][0]["components"][0];
+    if (i == 1) before = figures["integral"][0];
+    CHECK(figures["integral"][1].get<double>() == Approx(before).epsilon(1e-12));
+    CHECK(figures["least"][1] >= 0);
+    last = next;
+  }
 }
 
 TEST_CASE("adapt follows the CAD model that the mesh was made from") {

@@ -26,11 +26,35 @@ TEST_CASE("options of adapt are read") {
   CHECK(plain.hessian.gradation == 0);
   CHECK(plain.hessian.bounds.h_max == HUGE_VAL);
   CHECK(plain.model.empty());
-  const AdaptCommand all =
-      parse({"--hessian",       "heat", "--complexity",    "1e4",  "--norm",      "inf", "--h-min",    "0.1",
-             "--h-max",         "2",    "--max-aspect",    "100",  "--gradation", "1.5", "--transfer", "a,b",
-             "--quality-floor", "0.2",  "--tets-per-part", "5000", "--threads",   "3",   "--model",    "m.step",
-             "--curvature",     "24",   "--quiet"});
+  const AdaptCommand all = parse({"--hessian",
+                                  "heat",
+                                  "--complexity",
+                                  "1e4",
+                                  "--norm",
+                                  "inf",
+                                  "--h-min",
+                                  "0.1",
+                                  "--h-max",
+                                  "2",
+                                  "--max-aspect",
+                                  "100",
+                                  "--gradation",
+                                  "1.5",
+                                  "--transfer",
+                                  "a,b",
+                                  "--quality-floor",
+                                  "0.2",
+                                  "--tets-per-part",
+                                  "5000",
+                                  "--threads",
+                                  "3",
+                                  "--model",
+                                  "m.step",
+                                  "--curvature",
+                                  "24",
+                                  "--quiet",
+                                  "--transfer-order",
+                                  "1"});
   CHECK(all.hessian_field == "heat");
   CHECK(all.hessian.complexity == 1e4);
   CHECK(std::isinf(all.hessian.norm));
@@ -39,6 +63,8 @@ TEST_CASE("options of adapt are read") {
   CHECK(all.hessian.bounds.max_aspect == 100);
   CHECK(all.hessian.gradation == 1.5);
   CHECK(all.options.transfer == std::vector<std::string>{"a", "b"});
+  CHECK(plain.options.cell_shape == adapt::CellShape::Linear);
+  CHECK(all.options.cell_shape == adapt::CellShape::Constant);
   CHECK(all.options.quality_floor == 0.2);
   CHECK(all.options.tets_per_part == 5000);
   CHECK(all.options.threads == 3);
@@ -88,6 +114,8 @@ TEST_CASE("wrong options of adapt are refused") {
       {"--metric-field", "size", "--no-heal"},
       {"--metric-field", "size", "--model", "m.step", "--feature-angle", "0"},
       {"--metric-field", "size", "--transfer", "a,b,a"},
+      {"--metric-field", "size", "--transfer", "a", "--transfer-order", "3"},
+      {"--metric-field", "size", "--transfer-order", "2"},
       {"--metric-field", ""},
       {"--metric-field", "size", "--report", "in.mesh"},
       {"--metric-field", "size", "--report", "out.mesh"},

@@ -1,0 +1,161 @@
+#include "adapt/transfer/cell_transfer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapt/transfer/overlaps.hpp"
+#include "core/base/assert.hpp"
+
+namespace tetloom::adapt {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 8;
+constexpr std::size_t kSumGrain = 1 << 12;
+constexpr std::size_t kManyOverlaps = 1 << 9;  // between two looks at whether to go on
+constexpr double kOutside = 1e-9;              // a share that is covered by no more counts as nothing
+
+/// What is known of one component in one region.
+struct RegionSums {
+  double volume = 0, integral = 0;
+  double least = HUGE_VAL, greatest = -HUGE_VAL;
+
+  double mean() const { return volume > 0 ? integral / volume : 0; }
+  void add(const RegionSums& other) {
+    volume += other.volume, integral += other.integral;
+    least = std::min(least, other.least), greatest = std::max(greatest, other.greatest);
+  }
+};
+
+class CellTransfer {
+ public:
+  CellTransfer(const BackgroundMesh& from, std::span<const std::uint32_t> regions, const CellValues& cells,
+               const TetsInRegions& to, const TaskRunner& runner)
+      : from_(from), from_regions_(regions), cells_(cells), to_(to), runner_(runner) {
+    names_.assign(regions.begin(), regions.end());
+    std::sort(names_.begin(), names_.end());
+    names_.erase(std::unique(names_.begin(), names_.end()), names_.end());
+    before_ = sums_over({from.mesh(), regions}, cells.values);
+  }
+
+  std::vector<double> run(std::span<const BackgroundPlace> places, CellShape shape) {
+    if (shape == CellShape::Linear) slopes_ = limited_slopes(from_, from_regions_, cells_, runner_);
+    std::vector<double> values(to_.mesh.tets.size() * cells_.components);
+    runner_.for_blocks(to_.mesh.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      OverlapFinder finder(from_, from_regions_);
+      std::size_t overlaps = 0;
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        overlaps += average(tet, places, finder, &values[tet * cells_.components]);
+        if (overlaps < kManyOverlaps) continue;
+        overlaps = 0;
+        runner_.check_cancelled();
+      }
+    });
+    put_right(values);
+    return values;
+  }
+
+ private:
+  std::size_t region_index(std::uint32_t region) const {
+    return static_cast<std::size_t>(std::lower_bound(names_.begin(), names_.end(), region) - names_.begin());
+  }
+
+  // The mean over what of a new tet lies in its region as it was. Returns the number of overlaps.
+  std::size_t average(std::size_t tet, std::span<const BackgroundPlace> places, OverlapFinder& finder,
+                      double* values) const {
+    const TetVerts& v = to_.mesh.tets[tet];
+    const auto overlaps = finder.find(to_.mesh, v, to_.regions[tet],
+                                      {places[v[0]].tet, places[v[1]].tet, places[v[2]].tet, places[v[3]].tet});
+    const std::size_t n = cells_.components;
+    if (finder.covered() <= kOutside) {
+      take_nearest(tet, finder, values);
+      return 1;
+    }
+    const Corners x = corners_of(to_.mesh, static_cast<std::uint32_t>(tet));
+    for (const Overlap& overlap : overlaps) {
+      Vec3 moment;  // of the overlap about the centre of the old tet
+      if (!slopes_.empty()) {
+        const Vec3 center = center_of(corners_of(from_.mesh(), overlap.tet));
+        for (std::size_t i = 0; i < 4; ++i) moment += overlap.moment[i] * (x[i] - center);
+      }
+      for (std::size_t c = 0; c < n; ++c) {
+        values[c] += overlap.share / finder.covered() * cells_.of(overlap.tet)[c];
+        if (!slopes_.empty()) values[c] += dot(slopes_[overlap.tet * n + c], moment) / finder.covered();
+      }
+    }
+    return overlaps.size();
+  }
+
+  void take_nearest(std::size_t tet, OverlapFinder& finder, double* values) const {
+    const std::uint32_t nearest = finder.nearest(to_.regions[tet]);
+    const std::size_t region = region_index(to_.regions[tet]);
+    for (std::size_t c = 0; c < cells_.components; ++c)
+      values[c] = nearest == kNone ? before_[region * cells_.components + c].mean() : cells_.of(nearest)[c];
+  }
+
+  // Per region and component.
+  std::vector<RegionSums> sums_over(const TetsInRegions& tets, std::span<const double> values) const {
+    const std::size_t n = cells_.components;
+    const std::vector<RegionSums> blank(names_.size() * n);
+    const auto add_block = [&](std::size_t begin, std::size_t end, std::vector<RegionSums>& sums) {
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        const double volume = volume_of(corners_of(tets.mesh, static_cast<std::uint32_t>(tet)));
+        RegionSums* const of_region = &sums[region_index(tets.regions[tet]) * n];
+        for (std::size_t c = 0; c < n; ++c) {
+          const double value = values[tet * n + c];
+          of_region[c].add({volume, volume * value, value, value});
+        }
+      }
+    };
+    std::vector<RegionSums> sums = blank;
+    for (const auto& block : map_blocks(runner_, tets.mesh.tets.size(), kSumGrain, blank, add_block))
+      for (std::size_t i = 0; i < sums.size(); ++i) sums[i].add(block[i]);
+    return sums;
+  }
+
+  struct Change {
+    double factor = 1, shift = 0;
+  };
+
+  static Change change_of(const RegionSums& old, const RegionSums& now) {
+    const bool one_sign = old.least >= 0 || old.greatest <= 0;
+    const double factor = old.integral / now.integral;
+    if (one_sign && std::isfinite(factor) && factor > 0) return {factor, 0};
+    const double shift = (old.integral - now.integral) / now.volume;
+    return {1, std::isfinite(shift) ? shift : 0};
+  }
+
+  void put_right(std::vector<double>& values) const {
+    const std::vector<RegionSums> after = sums_over(to_, values);
+    std::vector<Change> changes;
+    for (std::size_t i = 0; i < after.size(); ++i) changes.push_back(change_of(before_[i], after[i]));
+    const std::size_t n = cells_.components;
+    runner_.for_blocks(to_.mesh.tets.size(), kSumGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        const Change* const change = &changes[region_index(to_.regions[tet]) * n];
+        for (std::size_t c = 0; c < n; ++c)
+          values[tet * n + c] = values[tet * n + c] * change[c].factor + change[c].shift;
+      }
+    });
+  }
+
+  const BackgroundMesh& from_;
+  std::span<const std::uint32_t> from_regions_;
+  const CellValues& cells_;
+  const TetsInRegions& to_;
+  const TaskRunner& runner_;
+  std::vector<std::uint32_t> names_;  ///< regions, ascending
+  std::vector<RegionSums> before_;
+  std::vector<Vec3> slopes_;  ///< none where tets have constants
+};
+
+}  // namespace
+
+std::vector<double> transfer_cells(const BackgroundMesh& from, std::span<const std::uint32_t> regions,
+                                   const CellValues& cells, const TetsInRegions& to,
+                                   std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner) {
+  TETLOOM_ASSERT(regions.size() == from.mesh().tets.size() && to.regions.size() == to.mesh.tets.size());
+  TETLOOM_ASSERT(cells.values.size() == regions.size() * cells.components && places.size() == to.mesh.points.size());
+  return CellTransfer(from, regions, cells, to, runner).run(places, shape);
+}
+
+}  // namespace tetloom::adapt
