@@ -82,7 +82,9 @@ class Adapter {
       best = {std::max(best.unit, lengths.unit), std::max(best.half_to_two, lengths.half_to_two)};
       round(HUGE_VAL, refine_and_finish);
     }
+    Stopwatch watch;
     round(HUGE_VAL, finish);
+    watch.lap();
     whole_ = gather_shares(whole_, links_, work_);
     work_.each([&] {
       if (work_.rank() != 0) return;
@@ -94,6 +96,8 @@ class Adapter {
     result.report.rounds = rounds_;
     result.report.most_parts = most_parts_;
     result.report.last_parts = last_parts_;
+    result.report.stages.metric = metric_seconds_, result.report.stages.dealing = dealing_seconds_;
+    result.report.stages.parts = parts_seconds_, result.report.stages.result = watch.lap();
   }
 
   MetricField metric_of_result() const {
@@ -131,6 +135,7 @@ class Adapter {
 
   // One round at a stage of the metric.
   void round(double ratio, const Work& work) {
+    Stopwatch watch;
     const MetricStage stage(*background_, implied_, function_, ratio);
     runner_.for_blocks(whole_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
@@ -142,11 +147,13 @@ class Adapter {
         whole_.to_hint[v] = hint;
       }
     });
+    metric_seconds_ += watch.lap();
     const std::vector<float> to_work = work_per_tet();
     const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part : kTetsPerPart;
     const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(sum_of_work(to_work, work_) / per_part)));
     last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
     Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
+    dealing_seconds_ += watch.lap();
     std::vector<PassCounts> counts(parts);
     const PassOptions pass_options{options_.quality_floor};
     const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
@@ -157,6 +164,7 @@ class Adapter {
       counts[number] = passes.counts();
     };
     adapt_in_parts(whole_, links_, std::move(dealing), adapt_part, work_);
+    parts_seconds_ += watch.lap();
     for (const PassCounts& part : counts) counts_.add(part);
     runner_.advance();
   }
@@ -216,6 +224,7 @@ class Adapter {
   std::optional<BackgroundMesh> background_;
   PassCounts counts_;
   std::size_t rounds_ = 0, most_parts_ = 0, last_parts_ = 0;
+  double metric_seconds_ = 0, dealing_seconds_ = 0, parts_seconds_ = 0;
 };
 
 void check_options(const AdaptOptions& options) {
@@ -280,16 +289,20 @@ class AdaptRun {
       : mesh_(mesh), given_(given), function_(function), options_(options), work_(work) {}
 
   void run(AdaptResult& result) {
+    Stopwatch watch;
     work_.each([&] { prepare(result); });
     require_same_input(mesh_, metric_, options_, work_);
     std::optional<Adapter> adapter;
     work_.each([&] { adapter.emplace(mesh_, metric_, function_, options_, work_); });
+    result.report.stages.set_up = watch.lap();
     adapter->run(result);
+    watch.lap();
     work_.each([&] {
       if (work_.rank() == 0)
         result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner());
     });
     result.report.after = share_conformity(result.report.after, work_);
+    result.report.stages.result += watch.lap();
   }
 
  private:
@@ -319,7 +332,7 @@ class AdaptRun {
 AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
                      const AdaptOptions& options, Communicator* ranks, const Host& host) {
   return guarded([&](AdaptResult& result) {
-    const SharedWork work(std::max(0, options.threads), host, ranks);
+    const SharedWork work(std::max(0, options.threads), host, ranks, options.trace);
     work.together([&] { AdaptRun(mesh, given, function, options, work).run(result); });
   });
 }

@@ -20,6 +20,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "threading/task_runner.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom {
 
@@ -34,6 +35,7 @@ struct AdaptOptions {
   int threads = 0;                                         ///< 0: all cores that the process may use
   double tets_per_part = 0;                                ///< 0: as it sees fit
   int parts = 0;  ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
+  Trace* trace = nullptr;  ///< takes what loops and parts did; may be null
 };
 
 /// How well a mesh fits a metric. Lengths and mean ratios in the metric (UGAWG's definitions: a tet's metric is that of
@@ -48,6 +50,15 @@ struct MetricConformity {
   double complexity = 0;                            ///< the integral of sqrt(det M)
 };
 
+/// Wall time of the stages.
+struct AdaptSeconds {
+  double set_up = 0;   ///< checks, and the mesh made ready
+  double metric = 0;   ///< of all rounds: the metric at the vertices
+  double dealing = 0;  ///< of all rounds: which part has which tets
+  double parts = 0;    ///< of all rounds: parts cut out, changed, and put together
+  double result = 0;   ///< the mesh handed back, its fields and figures
+};
+
 struct AdaptReport {
   MetricConformity before, after;
   adapt::PassCounts operations;
@@ -56,6 +67,7 @@ struct AdaptReport {
   std::size_t last_parts = 0;                   ///< of the last round
   std::vector<adapt::FieldTransfer> transfers;  ///< fields on points first; of ranks that adapt together, the first has it
   double seconds = 0;
+  AdaptSeconds stages;
 };
 
 enum class AdaptStatus { Ok, Failed, Cancelled };

@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/support/category_panel.hpp"
 #include "bench/support/peer.hpp"
 #include "bench/support/pipeline_run.hpp"
 #include "bench/support/session.hpp"
@@ -109,24 +110,11 @@ nlohmann::json to_json(const PeerCase& one) {
 /// One column per case, one marker per mesher.
 Panel draw_panel(const char* title, const char* unit, std::span<const PeerCase> cases,
                  const std::function<double(const Contender&)>& value) {
-  Panel panel{title, {"model"}, {unit}, {}};
-  panel.x.from_zero = false;
-  panel.x.ticks = {{0.5, ""}, {static_cast<double>(cases.size()) + 0.5, ""}};
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    panel.x.ticks.push_back({static_cast<double>(i + 1), cases[i].model_name});
-    for (const Contender* contender : cases[i].all()) {
-      if (contender->series.empty()) continue;
-      const auto found = std::find(names.begin(), names.end(), contender->name);
-      const std::size_t place = static_cast<std::size_t>(found - names.begin());
-      if (found == names.end()) {
-        names.push_back(contender->name);
-        panel.series.push_back({contender->name, {}, Stroke::None});
-      }
-      panel.series[place].points.push_back({static_cast<double>(i + 1), value(*contender)});
-    }
-  }
-  return panel;
+  std::vector<CategoryValue> values;
+  for (const PeerCase& one : cases)
+    for (const Contender* contender : one.all())
+      if (!contender->series.empty()) values.push_back({one.model_name, contender->name, value(*contender)});
+  return draw_categories(title, "model", unit, values);
 }
 
 class Bench {

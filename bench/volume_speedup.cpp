@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 
 #include "bench/support/prediction.hpp"
 #include "bench/support/session.hpp"
+#include "bench/support/speedup_plot.hpp"
 #include "bench/support/stage_run.hpp"
 #include "bench/support/trace_file.hpp"
 #include "bench/support/volume_run.hpp"
@@ -108,25 +110,13 @@ void print_case(const SpeedupCase& one) {
   std::printf("\n");
 }
 
-Axis thread_axis(std::span<const int> counts, const char* label) {
-  Axis axis{label, Scale::Log};
-  for (const int count : counts) axis.ticks.push_back({static_cast<double>(count), std::to_string(count)});
-  return axis;
-}
-
-PlotSeries ideal(std::span<const int> counts) {
-  PlotSeries series{"ideal", {}, Stroke::Dashed, false};
-  for (const int count : counts) series.points.push_back({static_cast<double>(count), static_cast<double>(count)});
-  return series;
-}
-
 Panel draw_speedup(const SpeedupCase& one, Basis basis, std::span<const int> threads) {
   const StageSample before = basis_of(one, basis);
   Panel panel{
       one.title() + (basis == Basis::OnePart ? ", beside 1 part on 1 thread" : ", beside these parts on 1 thread"),
       thread_axis(threads, "threads"),
       {"times as fast"},
-      {ideal(threads)}};
+      {ideal_speedup(threads)}};
   for (const StageKind& stage : kStages) {
     PlotSeries series{stage.name, {}};
     for (std::size_t i = 1; i < one.ways.size(); ++i)
@@ -134,47 +124,24 @@ Panel draw_speedup(const SpeedupCase& one, Basis basis, std::span<const int> thr
         series.points.push_back({static_cast<double>(one.ways[i].task.threads), times});
     panel.series.push_back(std::move(series));
   }
-  panel.series.push_back(ideal(threads));
+  panel.series.push_back(ideal_speedup(threads));
   return panel;
 }
 
-Panel draw_prediction(const SpeedupCase& one, std::span<const int> workers) {
-  Panel panel{one.title(), thread_axis(workers, "threads"), {"times as fast as on 1 thread", Scale::Log}, {}};
-  PlotSeries predicted{"volume, PREDICTED", {}}, measured{"volume, measured", {}, Stroke::None};
-  for (const Prediction& prediction : one.predictions)
-    predicted.points.push_back({static_cast<double>(prediction.workers), prediction.speedup});
+Panel draw_prediction(const SpeedupCase& one) {
   const StageSample before = basis_of(one, Basis::OneThread);
-  for (std::size_t i = 1; i < one.ways.size(); ++i) {
-    const StageSample after = median_stages(one.ways[i].samples);
-    measured.points.push_back({static_cast<double>(one.ways[i].task.threads), before.volume / after.volume});
-  }
-  panel.series.push_back(std::move(predicted));
-  panel.series.push_back(std::move(measured));
-  panel.series.push_back(ideal(workers));
-  return panel;
-}
-
-nlohmann::json to_json(std::span<const Prediction> predictions) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const Prediction& one : predictions)
-    json.push_back({{"workers", one.workers},
-                    {"predicted_seconds", one.seconds},
-                    {"predicted_speedup", one.speedup},
-                    {"predicted_utilization", one.utilization}});
-  return json;
+  std::vector<PlotPoint> measured;
+  for (std::size_t i = 1; i < one.ways.size(); ++i)
+    measured.push_back(
+        {static_cast<double>(one.ways[i].task.threads), before.volume / median_stages(one.ways[i].samples).volume});
+  return prediction_panel(one.title(), "volume", one.predictions, std::move(measured));
 }
 
 nlohmann::json to_json(const SpeedupCase& one) {
   nlohmann::json ways = nlohmann::json::array();
   for (const Way& way : one.ways)
     ways.push_back({{"task", way.task}, {"median", median_stages(way.samples)}, {"samples", way.samples}});
-  return {{"size", one.size},
-          {"ways", ways},
-          {"prediction_of_volume",
-           {{"tasks", one.volume.records.size()},
-            {"recorded_run_seconds", one.volume.seconds},
-            {"not_recorded_seconds", one.volume.serial_seconds()},
-            {"predictions", to_json(one.predictions)}}}};
+  return {{"size", one.size}, {"ways", ways}, {"prediction_of_volume", predictions_json(one.volume, one.predictions)}};
 }
 
 class Bench {
@@ -253,7 +220,7 @@ class Bench {
   void draw_predictions() const {
     Figure figure = session_.make_figure("PREDICTED speed-up of the volume stage by threads: " + name_,
                                          describe_prediction(options_.costs()));
-    for (const SpeedupCase& one : cases_) figure.panels.push_back(draw_prediction(one, options_.workers));
+    for (const SpeedupCase& one : cases_) figure.panels.push_back(draw_prediction(one));
     write_svg(figure, options_.prediction_path);
   }
 

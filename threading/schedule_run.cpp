@@ -174,6 +174,7 @@ void Schedule::State::Run::execute(std::uint32_t step, std::size_t local) noexce
 void Schedule::State::Run::carry_out_body(PartTask& task) noexcept {
   try {
     const detail::CurrentTask current(task);
+    const TracedTask traced;
     const double start = state_.trace ? state_.trace->now() : 0;
     steps_[task.step_].body(task);
     if (state_.trace) record(task, start);

@@ -24,7 +24,7 @@ struct SharedWork::Ranks {
   bool stopped() const { return meeting.load(std::memory_order_relaxed) && communicator.failed_elsewhere(); }
 };
 
-SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks) : runner_(nullptr) {
+SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks, Trace* trace) : runner_(nullptr) {
   Host listening = host;
   if (ranks != nullptr && ranks->rank_count() > 1) {
     ranks_ = std::make_shared<Ranks>(*ranks);
@@ -32,7 +32,7 @@ SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks) : run
       return (given && given()) || shared->stopped();
     };
   }
-  own_runner_ = std::make_shared<TaskRunner>(threads, std::move(listening));
+  own_runner_ = std::make_shared<TaskRunner>(threads, std::move(listening), trace);
   runner_ = own_runner_.get();
 }
 

@@ -33,8 +33,8 @@ class SharedWork {
  public:
   /// Not shared. Refers to `runner`.
   SharedWork(const TaskRunner& runner) : runner_(&runner) {}
-  /// Shared with the ranks of `ranks`, where that is not null and has more than one. Refers to it.
-  SharedWork(int threads, const Host& host, Communicator* ranks);
+  /// Shared with the ranks of `ranks`, where that is not null and has more than one. Refers to it, and to `trace`.
+  SharedWork(int threads, const Host& host, Communicator* ranks, Trace* trace = nullptr);
 
   const TaskRunner& runner() const { return *runner_; }
 

@@ -14,15 +14,18 @@
 #include <optional>
 #include <vector>
 
+#include "threading/trace.hpp"
+
 namespace tetloom {
 
 namespace tbb = oneapi::tbb;
 
 // What runners of one call have in common.
 struct TaskRunner::Ties {
-  explicit Ties(Host given) : host(std::move(given)) {}
+  Ties(Host given, Trace* records) : host(std::move(given)), trace(records) {}
 
   Host host;
+  Trace* trace;  // may be null
   // Raised by report() when the callback refuses to go on, read by cancelled() in all workers; carries no data.
   std::atomic<bool> refused{false};
   // Taken for the host's callback only, never around mesh data.
@@ -48,11 +51,11 @@ struct TaskRunner::Threads {
   tbb::task_arena arena;
 };
 
-TaskRunner::TaskRunner(int threads, Host host) {
+TaskRunner::TaskRunner(int threads, Host host, Trace* trace) {
   if (threads < 0) throw Error(ErrorCode::InvalidArgument, "the number of threads must not be negative");
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
   threads_ = std::make_shared<Threads>(count);
-  ties_ = std::make_shared<Ties>(std::move(host));
+  ties_ = std::make_shared<Ties>(std::move(host), trace);
 }
 
 TaskRunner::TaskRunner(std::shared_ptr<Threads> threads, std::shared_ptr<Ties> ties, bool hears_cancel)
@@ -68,6 +71,29 @@ void TaskRunner::for_each(std::size_t count, const std::function<void(std::size_
 
 void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
                             const std::function<void(std::size_t, std::size_t)>& body) const {
+  Trace* const trace = TracedTask::is_inside() || count == 0 ? nullptr : ties_->trace;
+  if (trace != nullptr && grain == 1) return run_recorded_items(count, body, *trace);
+  const std::size_t blocks = (count + grain - 1) / grain;
+  const auto lanes = static_cast<int>(std::min<std::size_t>(blocks, static_cast<std::size_t>(threads())));
+  const TraceSpan span(trace, "loop", lanes, blocks);
+  run_blocks(count, grain, body);
+}
+
+void TaskRunner::run_recorded_items(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
+                                    Trace& trace) const {
+  const std::uint32_t run = trace.begin_run();
+  run_blocks(count, 1, [&](std::size_t begin, std::size_t end) {
+    TaskRecord record{PartId(begin), 0, "item", trace.now()};
+    body(begin, end);
+    record.end = trace.now();
+    record.worker = tbb::this_task_arena::current_thread_index();
+    record.run = run;
+    trace.add(std::move(record));
+  });
+}
+
+void TaskRunner::run_blocks(std::size_t count, std::size_t grain,
+                            const std::function<void(std::size_t, std::size_t)>& body) const {
   if (count == 0) return;
   check_cancelled();
   const std::size_t blocks = (count + grain - 1) / grain;
@@ -80,6 +106,7 @@ void TaskRunner::for_blocks(std::size_t count, std::size_t grain,
   const auto run_lane = [&](std::size_t lane) {
     for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < blocks;) {
       if (cancelled()) return;
+      const TracedTask task;
       try {
         body(block * grain, std::min(count, (block + 1) * grain));
       } catch (...) {

@@ -10,6 +10,8 @@
 
 namespace tetloom {
 
+class Trace;
+
 /// What a host hands to a long-running call.
 struct Host {
   ProgressCallback progress;            ///< may be empty
@@ -24,8 +26,10 @@ struct Host {
 /// The order in which bodies run is not defined: results must not depend on it.
 class TaskRunner : public BlockLoop {
  public:
-  /// Pre: threads >= 1, or 0 for all cores that the process may use.
-  explicit TaskRunner(int threads, Host host = {});
+  /// Pre: threads >= 1, or 0 for all cores that the process may use. `trace` takes what loops did that are no part of
+  /// another task: every item of loops over items as a step, as if each were a part; loops over blocks as divisible
+  /// work. May be null; else it outlives the runner and its copies.
+  explicit TaskRunner(int threads, Host host = {}, Trace* trace = nullptr);
   ~TaskRunner() override;
   TaskRunner(const TaskRunner&) = delete;
   TaskRunner& operator=(const TaskRunner&) = delete;
@@ -62,6 +66,10 @@ class TaskRunner : public BlockLoop {
 
   /// Carries out `call` on the calling thread as one of the runner's threads: what it hands to oneTBB stays with them.
   void execute(const std::function<void()>& call) const;
+  void run_blocks(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) const;
+  void run_recorded_items(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
+                          Trace& trace) const;
   std::shared_ptr<Threads> threads_;
   std::shared_ptr<Ties> ties_;
   bool hears_cancel_ = true;

@@ -83,7 +83,14 @@ void write_record(AtomicFile& file, const TaskRecord& record, int rank) {
   file.write("}");
 }
 
+// How many tasks this thread is inside of.
+thread_local int traced_tasks = 0;
+
 }  // namespace
+
+TracedTask::TracedTask() { ++traced_tasks; }
+TracedTask::~TracedTask() { --traced_tasks; }
+bool TracedTask::is_inside() { return traced_tasks > 0; }
 
 const char* to_string(TaskKind kind) {
   switch (kind) {

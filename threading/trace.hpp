@@ -64,6 +64,16 @@ class Trace {
   std::uint32_t run_count_ = 0;
 };
 
+/// While it lives, this thread carries out a task that is recorded as a whole: loops that it begins leave no records.
+class TracedTask {
+ public:
+  TracedTask();
+  ~TracedTask();
+  TracedTask(const TracedTask&) = delete;
+  TracedTask& operator=(const TracedTask&) = delete;
+  static bool is_inside();
+};
+
 /// Records work outside of schedules from its construction to its destruction; nothing where `trace` is null. No span
 /// of a trace begins before another, or a run, has ended.
 class TraceSpan {

@@ -1,21 +1,24 @@
 // Meshes led to a metric, without a model.
 #include "adapt/adapt.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <random>
 
 #include "adapt/metric/metric_field.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/validate.hpp"
+#include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
 using adapt::Tensor;
+using test::check_kept;
+using test::extents;
 
 namespace {
 
@@ -42,51 +45,6 @@ Mesh cube_with_inner_face(int n) {
 
 adapt::MetricField sizes(const Mesh& mesh, double h) {
   return adapt::metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
-}
-
-/// Volumes of regions, areas of faces, lengths of edges and places of corners: what a box keeps.
-std::map<ModelEntity, double> extents(const Mesh& mesh) {
-  std::map<ModelEntity, double> sums;
-  const auto& x = mesh.points;
-  for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t) {
-    const auto& [a, b, c, d] = mesh.tet_to_vert[t];
-    sums[ModelEntity(3, mesh.tet_to_entity[t])] += dot(cross(x[b] - x[a], x[c] - x[a]), x[d] - x[a]) / 6;
-  }
-  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
-    const auto& [a, b, c] = mesh.tri_to_vert[t];
-    sums[ModelEntity(2, mesh.tri_to_entity[t])] += norm(cross(x[b] - x[a], x[c] - x[a])) / 2;
-  }
-  for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e)
-    sums[ModelEntity(1, mesh.edge_to_entity[e])] += distance(x[mesh.edge_to_vert[e][0]], x[mesh.edge_to_vert[e][1]]);
-  for (std::size_t v = 0; v < x.size(); ++v)
-    if (mesh.point_to_entity[v].dim == 0)
-      sums[mesh.point_to_entity[v]] += x[v].x + std::sqrt(2.0) * x[v].y + std::sqrt(3.0) * x[v].z;
-  return sums;
-}
-
-void check_kept(const Mesh& before, const Mesh& after) {
-  const ValidationReport validation = validate_mesh(after);
-  for (const MeshProblem& problem : validation.problems) FAIL_CHECK(problem.message);
-  CHECK(validation.unclassified_points == 0);
-  CHECK(validation.unused_points == 0);
-  const auto old = extents(before), now = extents(after);
-  REQUIRE(now.size() == old.size());
-  for (const auto& [entity, extent] : old) {
-    CAPTURE(int{entity.dim}, entity.index);
-    REQUIRE(now.count(entity) == 1);
-    CHECK(std::abs(now.at(entity) - extent) <= 1e-12);
-  }
-  // On its own face, edge or corner: the triangles of a face have the normals that they had.
-  const auto normals = [](const Mesh& mesh) {
-    std::map<std::uint32_t, Vec3> sums;
-    for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
-      const auto& [a, b, c] = mesh.tri_to_vert[t];
-      sums[mesh.tri_to_entity[t]] += cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a]) / 2;
-    }
-    return sums;
-  };
-  const auto old_normals = normals(before), new_normals = normals(after);
-  for (const auto& [face, normal] : old_normals) CHECK(distance(new_normals.at(face), normal) < 1e-12);
 }
 
 void check_conforms(const MetricConformity& conformity) {
@@ -416,6 +374,29 @@ TEST_CASE("cancelled at any moment, the mesh that went in is as it was", "[adapt
     CHECK(cube.tet_to_vert == copy.tet_to_vert);
     CHECK(mesh_digest(cube) == mesh_digest(copy));
   }
+}
+
+TEST_CASE("a trace has every part of every round, and changes nothing", "[adapt]") {
+  const Mesh cube = unit_cube(6);
+  AdaptOptions options;
+  options.tets_per_part = 2000, options.threads = 2;
+  const auto metric = sizes(cube, 0.1);
+  const AdaptResult plain = adapted(cube, metric, options);
+  Trace trace;
+  options.trace = &trace;
+  const AdaptResult traced = adapted(cube, metric, options);
+  CHECK(mesh_digest(traced.mesh) == mesh_digest(plain.mesh));
+  const auto records = trace.records();
+  const auto steps = std::count_if(records.begin(), records.end(),
+                                   [](const TaskRecord& record) { return record.kind == TaskKind::Step; });
+  CHECK(static_cast<std::size_t>(steps) >= traced.report.rounds);
+  std::size_t most = 0;
+  for (const TaskRecord& record : records)
+    most = std::max<std::size_t>(most, record.part.valid() ? record.part.value + 1 : 0);
+  CHECK(most == traced.report.most_parts);
+  const AdaptSeconds& s = traced.report.stages;
+  for (const double seconds : {s.set_up, s.metric, s.dealing, s.parts, s.result}) CHECK(seconds > 0);
+  CHECK(s.set_up + s.metric + s.dealing + s.parts + s.result <= traced.report.seconds);
 }
 
 TEST_CASE("the host hears of rounds", "[adapt]") {

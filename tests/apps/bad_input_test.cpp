@@ -190,6 +190,35 @@ TEST_CASE("a full disk leaves nothing half written, and the old mesh as it was")
   CHECK(read_text(old) == "an older mesh");
 }
 
+TEST_CASE("a full disk leaves no piece of a mesh in parts, and the old parts as they were") {
+  const TestFolder folder;
+  ProcessOptions options;
+  options.in_child = [] {
+    const rlimit limit{64 * 1024, 64 * 1024};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  const std::vector<std::string> command{"mesh",  demo_model("assembly"), "-o", folder / "a.pvtu", "--parts", "3",
+                                         "--size"};
+  const auto run = [&](const std::string& size, const ProcessOptions& how) {
+    std::vector<std::string> arguments = command;
+    arguments.push_back(size);
+    return run_tetloom(arguments, how);
+  };
+  const auto check_full = [&] {
+    const ProcessResult result = run("4", options);
+    CHECK(result.status == 6);
+    CHECK_THAT(result.err, Catch::Contains("tetloom: ") && Catch::Contains("a_"));
+  };
+  check_full();
+  CHECK(folder.files().empty());
+  REQUIRE(run("8", {}).status == 0);
+  const std::string list = read_text(folder / "a.pvtu"), piece = read_text(folder / "a/a_1.vtu");
+  check_full();
+  CHECK(folder.files() == std::vector<std::string>{"a", "a.pvtu"});
+  CHECK(read_text(folder / "a.pvtu") == list);
+  CHECK(read_text(folder / "a/a_1.vtu") == piece);
+}
+
 TEST_CASE("a worker that is killed, or is none, becomes an error") {
   const TestFolder folder;
   const std::string suicide = folder.write("suicide", "#!/bin/sh\nkill -9 $$\n");

@@ -1,6 +1,7 @@
 // Partitioned meshes go to files and come back, and files that do not fit together are refused with a place.
 #include "threading/parts_io.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "tests/core/file_size_limit.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -242,6 +244,24 @@ TEST_CASE("an output that cannot be completed leaves the old one as it was") {
   SECTION("cancelled") {
     const auto write = [&] { write_parts(mesh, parts.folder / "box.pvtu", parts.runner, &cancel); };
     CHECK(error_of(write).code == ErrorCode::Cancelled);
+  }
+  SECTION("the disk is full when the largest piece is written") {
+    // As large as they will be, and none that would fit: the last one of all sizes fails beside others that do not.
+    test::TemporaryFolder other;
+    write_parts(mesh, other / "box.pvtu", parts.runner);
+    std::uintmax_t most = 0;
+    for (const auto& entry : fs::directory_iterator(other / "box")) most = std::max(most, entry.file_size());
+    const test::FileSizeLimit limit(most - 1);
+    const Diagnostic error = error_of([&] { write_parts(mesh, parts.folder / "box.pvtu", parts.runner); });
+    CHECK(error.code == ErrorCode::OutputFailed);
+    CHECK_THAT(error.message, Catch::Contains("box"));
+  }
+  SECTION("the disk is full from the start") {
+    const test::FileSizeLimit limit(100);
+    for (const char* name : {"box.pvtu", "new.pvtu", "new.msh"}) {
+      CAPTURE(name);
+      CHECK(error_of([&] { write_parts(mesh, parts.folder / name, parts.runner); }).code == ErrorCode::OutputFailed);
+    }
   }
   SECTION("files of others in the folder") {
     std::ofstream(parts.folder / "box/notes.txt") << "mine";

@@ -1,11 +1,14 @@
 #include "threading/trace.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "tests/support/temporary_folder.hpp"
+#include "threading/replay.hpp"
 #include "threading/schedule.hpp"
 
 using namespace tetloom;
@@ -98,6 +101,45 @@ TEST_CASE("work outside of schedules is recorded with its own number, and not wi
   CHECK((records[0].kind == TaskKind::Serial && records[0].threads == 1 && records[0].run == 0));
   CHECK((records[1].kind == TaskKind::Divisible && records[1].threads == 4 && records[1].pieces == 30));
   CHECK((records[1].run == 1 && records[1].start >= records[0].end && records[1].seconds() >= 0));
+}
+
+TEST_CASE("a runner records its loops, those inside of tasks with these alone") {
+  Trace trace;
+  const TaskRunner runner(2, {}, &trace);
+  runner.for_each(3, [&](std::size_t) { runner.for_blocks(100, 10, [](std::size_t, std::size_t) {}); });
+  runner.uninterruptible().for_blocks(100, 30, [](std::size_t, std::size_t) {});
+  runner.for_blocks(5, 30, [](std::size_t, std::size_t) {});
+  runner.for_blocks(0, 30, [](std::size_t, std::size_t) {});
+  const auto communicator = make_thread_communicator();
+  const auto step = [&](PartTask&) { runner.for_each(2, [](std::size_t) {}); };
+  Schedule(*communicator, runner, 2).run(std::vector<Step>{{"step", step, {}, {}}});
+  TaskRunner(2).for_each(3, [](std::size_t) {});
+  const auto records = trace.records();
+  REQUIRE(records.size() == 5);
+  std::set<std::size_t> items;
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK((records[i].kind == TaskKind::Step && records[i].run == 0 && records[i].step == 0));
+    CHECK((records[i].sent.empty() && records[i].seconds() >= 0));
+    items.insert(records[i].part.value);
+  }
+  CHECK(items == std::set<std::size_t>{0, 1, 2});
+  CHECK((records[3].kind == TaskKind::Divisible && records[3].threads == 2 && records[3].pieces == 4));
+  CHECK((records[4].kind == TaskKind::Divisible && records[4].threads == 1 && records[4].pieces == 1));
+}
+
+TEST_CASE("items of a loop are replayed side by side, the longest first") {
+  Trace trace;
+  const TaskRunner runner(1, {}, &trace);
+  runner.for_each(4, [](std::size_t) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(1);
+    while (std::chrono::steady_clock::now() < end) {}
+  });
+  const auto records = trace.records();
+  double longest = 0;
+  for (const TaskRecord& record : records) longest = std::max(longest, record.seconds());
+  const Replay one = replay_tasks(records, 1), many = replay_tasks(records, 4);
+  CHECK(one.seconds == Approx(one.work));
+  CHECK(many.seconds == Approx(longest));
 }
 
 TEST_CASE("the file of a trace holds what a replay needs") {

@@ -1,0 +1,124 @@
+// What is refused has changed nothing, in parts with frozen sides and any metric.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "adapt/kernel/passes.hpp"
+#include "adapt/parts/rounds.hpp"
+#include "tests/adapt/random_tensors.hpp"
+#include "tests/support/mixed_mesh.hpp"
+
+using namespace tetloom;
+using namespace tetloom::adapt;
+
+namespace {
+
+/// Every bit of a part but what is noted about attempts: the state of vertices.
+struct Contents {
+  std::vector<std::byte> arrays;
+  std::vector<std::array<std::uint32_t, 4>> triangles;
+  std::vector<std::array<std::uint32_t, 3>> edges;
+  friend bool operator==(const Contents&, const Contents&) = default;
+};
+
+template <class Array>
+void append(std::vector<std::byte>& bytes, const Array& array) {
+  const auto span = std::as_bytes(std::span(array.data(), array.size()));
+  bytes.insert(bytes.end(), span.begin(), span.end());
+}
+
+Contents contents_of(const CavityMesh& part) {
+  Contents c;
+  append(c.arrays, part.mesh.points), append(c.arrays, part.mesh.to_vert), append(c.arrays, part.mesh.to_neighbor);
+  append(c.arrays, part.mesh.to_fixed), append(c.arrays, part.mesh.to_region), append(c.arrays, part.to_quality);
+  append(c.arrays, part.to_metric), append(c.arrays, part.to_entity), append(c.arrays, part.vert_to_tet);
+  append(c.arrays, part.to_hint), append(c.arrays, part.to_frozen);
+  part.surface.for_each_triangle([&](const SurfaceTriangle& t) {
+    c.triangles.push_back({t.verts[0], t.verts[1], t.verts[2], t.face});
+  });
+  part.surface.for_each_edge([&](std::uint32_t a, std::uint32_t b, std::uint32_t edge) {
+    c.edges.push_back({a, b, edge});
+  });
+  std::sort(c.triangles.begin(), c.triangles.end()), std::sort(c.edges.begin(), c.edges.end());
+  return c;
+}
+
+std::size_t refusals(const Verdicts& verdicts) {
+  std::size_t sum = 0;
+  for (std::size_t i = 1; i < verdicts.size(); ++i) sum += verdicts[i];
+  return sum;
+}
+
+/// Everything is tried, whatever has changed.
+void ask_for_all(CavityMesh& part) {
+  for (std::size_t v = 0; v < part.to_state.size(); ++v) part.to_state[v] = kChanged | kHasChanged | kUnsettled;
+}
+
+/// Carries out `pass` until it finds nothing to do any more, and demands that it then changes nothing. Returns how much
+/// it was refused then.
+std::size_t check_idle_pass(CavityMesh& part, Passes& passes, Verdicts PassCounts::*verdicts,
+                            const std::function<std::size_t()>& pass) {
+  constexpr int kMostPasses = 300;
+  for (int i = 0; i < kMostPasses; ++i) {
+    ask_for_all(part);
+    const Contents before = contents_of(part);
+    const std::size_t refused = refusals(passes.counts().*verdicts);
+    if (pass() > 0) continue;
+    CHECK((contents_of(part) == before));
+    return refusals(passes.counts().*verdicts) - refused;
+  }
+  FAIL_CHECK("the pass always finds something to do");
+  return 0;
+}
+
+/// How often splits, collapses, swaps and moves were refused.
+using Refused = std::array<std::size_t, 4>;
+
+Refused check_refusals(double aspect, std::size_t part_count) {
+  CAPTURE(aspect, part_count);
+  test::BoxSpec spec{4, 4, 4, true, 1};
+  spec.h = 0.25;
+  const Mesh box = test::make_tet_box(spec);
+  const TaskRunner runner(1);
+  RandomTensors random(5);
+  MetricField metric;
+  for (std::size_t v = 0; v < box.points.size(); ++v)
+    metric.logs.push_back(log(compose(random.metric(random.uniform(0.3, 1.5) / std::sqrt(aspect), aspect))));
+  scale_to_complexity(metric, {box.points, box.tet_to_vert}, 50);
+  const BackgroundMesh background({box.points, box.tet_to_vert}, metric, runner);
+  const std::vector<Tensor> implied = implied_metric(background.mesh());
+  const MetricFunction none;
+  const MetricStage stage(background, implied, none, HUGE_VAL);
+  WholeMesh whole = make_whole_mesh(box, runner);
+  for (std::size_t v = 0; v < whole.points.size(); ++v) {
+    std::uint32_t hint = kNone;
+    const Tensor tensor = stage.at(whole.points[v], hint);
+    whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
+  }
+  const SharedWork work(runner);
+  ShareLinks links = take_share(whole, work);
+  Dealing dealing = deal_tets(whole, links, std::vector<float>(whole.size(), 1), part_count, 0, work);
+  const tets::SurfaceProjector no_model;
+  Refused refused{};
+  const auto check = [&](std::size_t, CavityMesh& part) {
+    Passes passes(part, stage, no_model, {}, runner);
+    refused[2] += check_idle_pass(part, passes, &PassCounts::swaps, [&] { return passes.swap(0.9); });
+    refused[1] += check_idle_pass(part, passes, &PassCounts::collapses, [&] { return passes.collapse_edges(0.7, 1.45); });
+    refused[0] += check_idle_pass(part, passes, &PassCounts::splits, [&] { return passes.split_edges(1.5); });
+    refused[3] += check_idle_pass(part, passes, &PassCounts::moves, [&] { return passes.smooth(0.9); });
+  };
+  adapt_in_parts(whole, links, std::move(dealing), check, work);
+  return refused;
+}
+
+}  // namespace
+
+TEST_CASE("what passes refuse leaves a part as it was, bit by bit", "[short]") {
+  Refused all{};
+  for (const double aspect : {10.0, 1e4})
+    for (const std::size_t part_count : {1u, 3u}) {
+      const Refused refused = check_refusals(aspect, part_count);
+      for (std::size_t i = 0; i < all.size(); ++i) all[i] += refused[i];
+    }
+  for (const std::size_t refused : all) CHECK(refused > 10);
+}
