@@ -57,9 +57,9 @@ class Adapter {
         whole_(make_whole_mesh(mesh, runner_)) {
     if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
     // Tets may have been turned when they were linked.
-    tets_.resize(whole_.size());
-    for (std::size_t tet = 0; tet < tets_.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets_[tet].begin());
-    const TetView view{whole_.points.span(), tets_};
+    std::vector<TetVerts> tets(whole_.size());
+    for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
+    const TetView view{whole_.points.span(), tets};
     implied_ = implied_metric(view, runner_);
     background_.emplace(view, metric, runner_);
     links_ = take_share(whole_, work_);
@@ -219,7 +219,6 @@ class Adapter {
   const TaskRunner& runner_;
   WholeMesh whole_;  // between rounds the share of it that this rank has
   ShareLinks links_;
-  std::vector<TetVerts> tets_;
   std::vector<Tensor> implied_;
   std::optional<BackgroundMesh> background_;
   PassCounts counts_;
@@ -299,7 +298,7 @@ class AdaptRun {
     watch.lap();
     work_.each([&] {
       if (work_.rank() == 0)
-        result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner());
+        result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
     });
     result.report.after = share_conformity(result.report.after, work_);
     result.report.stages.result += watch.lap();

@@ -65,7 +65,8 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
       runner.check_cancelled();
     });
     PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, communicator, runner);
-    if (options.parts > 0) deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
+    if (options.parts > 0)
+      deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
     result.partition_seconds = watch.lap();
     result.mesh = std::move(mesh);
     return report;

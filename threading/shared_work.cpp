@@ -135,6 +135,10 @@ int SharedWork::rank() const { return is_shared() ? ranks_->communicator.rank() 
 
 int SharedWork::rank_count() const { return is_shared() ? ranks_->communicator.rank_count() : 1; }
 
+TaskRunner SharedWork::runner_for_one() const {
+  return runner_->with_idle_threads(is_shared() ? ranks_->communicator.ranks_on_machine() : 1);
+}
+
 void SharedWork::each(const std::function<void()>& work) const {
   if (!is_shared()) return work();
   meet(work);

@@ -57,6 +57,8 @@ class SharedWork {
 
   int rank() const;
   int rank_count() const;  ///< 1 where nothing is shared
+  /// With the threads of all ranks on this machine: for what one of them does while the others wait.
+  TaskRunner runner_for_one() const;
   /// Each rank does `work` of its own, with nothing of this class in it. Afterwards all have done theirs.
   void each(const std::function<void()>& work) const;
   /// Of what the ranks give, value by value.
