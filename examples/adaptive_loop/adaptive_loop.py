@@ -20,7 +20,7 @@ from plot import draw_errors
 TURN = math.radians(9)  # of the layer in one cycle
 START_SIZE = 8.0  # millimetres
 LAYER = Layer(thickness=1.5, axis=(60.0, 40.0), diffusivity=10.0, step=1.0)
-BOUNDS = ["--norm", "2", "--h-max", "15", "--max-aspect", "100", "--gradation", "2", "--curvature", "10"]
+BOUNDS = ["--norm", "2", "--h-max", "15", "--max-aspect", "100", "--gradation", "2", "--curvature", "16"]
 
 
 class Programs:
