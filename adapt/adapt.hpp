@@ -34,7 +34,7 @@ struct AdaptOptions {
   adapt::CellShape cell_shape = adapt::CellShape::Linear;  ///< of fields on tets, while they are carried over
   int threads = 0;                                         ///< 0: all cores that the process may use
   double tets_per_part = 0;                                ///< 0: as it sees fit
-  int parts = 0;  ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
+  int parts = 0;           ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
   Trace* trace = nullptr;  ///< takes what loops and parts did; may be null
 };
 
@@ -63,9 +63,11 @@ struct AdaptReport {
   MetricConformity before, after;
   adapt::PassCounts operations;
   std::size_t rounds = 0;
-  std::size_t most_parts = 0;                   ///< of any round
-  std::size_t last_parts = 0;                   ///< of the last round
-  std::vector<adapt::FieldTransfer> transfers;  ///< fields on points first; of ranks that adapt together, the first has it
+  std::size_t most_parts = 0;    ///< of any round
+  std::size_t last_parts = 0;    ///< of the last round
+  std::size_t beside_model = 0;  ///< vertices of the surface that could not be led all the way to the model
+  std::vector<adapt::FieldTransfer>
+      transfers;  ///< fields on points first; of ranks that adapt together, the first has it
   double seconds = 0;
   AdaptSeconds stages;
 };

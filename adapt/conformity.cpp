@@ -2,44 +2,30 @@
 #include <cmath>
 
 #include "adapt/adapt.hpp"
+#include "adapt/metric/vertex_metric.hpp"
 
 namespace tetloom {
 
-namespace {
-
 using namespace adapt;
-
-double mean_ratio(const Mesh& mesh, const std::vector<Tensor>& metric, const TetVerts& v) {
-  double largest = -1;
-  const Tensor* m = nullptr;
-  for (const std::uint32_t vert : v) {
-    const double value = det(metric[vert]);
-    if (value > largest) largest = value, m = &metric[vert];
-  }
-  const Vec3 &x = mesh.points[v[0]], p = mesh.points[v[1]] - x, q = mesh.points[v[2]] - x, r = mesh.points[v[3]] - x;
-  const double volume = dot(cross(p, q), r);
-  if (!(volume > 0)) return 0;
-  const double squares = dot(*m, p) + dot(*m, q) + dot(*m, r) + dot(*m, q - p) + dot(*m, r - p) + dot(*m, r - q);
-  return 12 * std::cbrt(0.25 * volume * volume * largest) / squares;
-}
-
-}  // namespace
 
 MetricConformity measure_conformity(const Mesh& mesh, const MetricField& metric, const BlockLoop& loop) {
   constexpr std::size_t kGrain = std::size_t{1} << 12;
-  std::vector<Tensor> tensors(mesh.points.size());
-  loop.for_blocks(tensors.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) tensors[v] = exp(metric.logs[v]);
+  std::vector<VertexMetric> metrics(mesh.points.size());
+  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Tensor tensor = exp(metric.logs[v]);
+      metrics[v] = {tensor, det(tensor)};
+    }
   });
   const VertexGraph graph(TetView{mesh.points, mesh.tet_to_vert}, loop);
-  std::vector<MetricConformity> blocks((std::max(tensors.size(), mesh.tet_to_vert.size()) + kGrain - 1) / kGrain);
+  std::vector<MetricConformity> blocks((std::max(metrics.size(), mesh.tet_to_vert.size()) + kGrain - 1) / kGrain);
   for (MetricConformity& block : blocks) block.shortest = HUGE_VAL, block.least_quality = HUGE_VAL;
-  loop.for_blocks(tensors.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     MetricConformity& block = blocks[begin / kGrain];
     for (std::size_t a = begin; a < end; ++a) {
       for (const std::uint32_t b : graph.neighbors(a)) {
         if (b < a) continue;
-        const double length = edge_length(tensors[a], tensors[b], mesh.points[b] - mesh.points[a]);
+        const double length = edge_length(metrics[a].tensor, metrics[b].tensor, mesh.points[b] - mesh.points[a]);
         ++block.edges;
         block.unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
         block.half_to_two += length >= 0.5 && length <= 2;
@@ -50,7 +36,7 @@ MetricConformity measure_conformity(const Mesh& mesh, const MetricField& metric,
   loop.for_blocks(mesh.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     MetricConformity& block = blocks[begin / kGrain];
     for (std::size_t tet = begin; tet < end; ++tet) {
-      const double quality = mean_ratio(mesh, tensors, mesh.tet_to_vert[tet]);
+      const double quality = std::cbrt(cubed_mean_ratio(mesh.points, metrics, mesh.tet_to_vert[tet]));
       block.least_quality = std::min(block.least_quality, quality), block.mean_quality += quality;
       ++block.quality_histogram[static_cast<std::size_t>(std::clamp(quality * 10, 0.0, 9.0))];
     }

@@ -11,30 +11,10 @@ namespace {
 
 constexpr float kDead = 2;
 
-// Of a tet with edges p, q, r from one vertex.
-inline double cubed_quality(const Vec3& p, const Vec3& q, const Vec3& r, const VertexMetric& metric) {
-  const double volume = dot(cross(p, q), r);
-  if (!(volume > 0)) return 0;
-  const Tensor& m = metric.tensor;
-  // Over all pairs of four points, |xi - xj|^2 sums up to 4 sum |xi - x0|^2 - |sum (xi - x0)|^2.
-  const Vec3 s = p + q + r;
-  const auto sum = [&](double Vec3::*i, double Vec3::*j) {
-    return 4 * (p.*i * p.*j + q.*i * q.*j + r.*i * r.*j) - s.*i * s.*j;
-  };
-  const double squares =
-      m.xx * sum(&Vec3::x, &Vec3::x) + m.yy * sum(&Vec3::y, &Vec3::y) + m.zz * sum(&Vec3::z, &Vec3::z) +
-      2 * (m.xy * sum(&Vec3::x, &Vec3::y) + m.xz * sum(&Vec3::x, &Vec3::z) + m.yz * sum(&Vec3::y, &Vec3::z));
-  return 432 * volume * volume * metric.det / tets::cube(squares);
-}
-
 }  // namespace
 
 double CavityMesh::quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-  const VertexMetric* metric = &to_metric[a];
-  for (const std::uint32_t v : {b, c, d})
-    if (to_metric[v].det > metric->det) metric = &to_metric[v];
-  const Vec3& x = point(a);
-  return cubed_quality(point(b) - x, point(c) - x, point(d) - x, *metric);
+  return cubed_mean_ratio(mesh.points, to_metric, {a, b, c, d});
 }
 
 double CavityMesh::length_of(std::uint32_t a, std::uint32_t b) const {
@@ -175,7 +155,7 @@ double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, 
       const VertexMetric* most = &metric;
       for (const std::uint32_t v : base)
         if (to_metric[v].det > most->det) most = &to_metric[v];
-      const double quality = cubed_quality(point(base[0]) - x, point(base[1]) - x, point(base[2]) - x, *most);
+      const double quality = cubed_mean_ratio(point(base[0]) - x, point(base[1]) - x, point(base[2]) - x, *most);
       out[k] = static_cast<float>(quality);
       least = std::min(least, quality);
       if (!(least > goal)) return least;

@@ -19,6 +19,7 @@
 
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
+#include "adapt/metric/vertex_metric.hpp"
 #include "core/part/part_mesh.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
@@ -27,11 +28,6 @@ namespace tetloom::adapt {
 
 using tets::FaceCode;
 using tets::TetMesh;
-
-struct VertexMetric {
-  Tensor tensor;
-  double det = 0;
-};
 
 // Bits of a vertex's state. Where nothing has changed, what was refused before is not asked again.
 /// In this round, a tet at the vertex was replaced, or it moved far.

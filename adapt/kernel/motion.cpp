@@ -55,10 +55,12 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
     take_made_qualities();
     for (const std::uint32_t tet : cavity_.tets) mesh_.mark_changed(tet);
     mesh_.to_hint[v] = hint;
+    counts_.unled += share < 1;
     return Verdict::Done;
   }
   mesh_.mesh.points[v] = x;
   mesh_.to_metric[v] = old_metric;
+  ++counts_.unled;
   return Verdict::Surface;
 }
 

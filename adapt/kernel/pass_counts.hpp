@@ -28,10 +28,12 @@ using Verdicts = std::array<std::size_t, static_cast<std::size_t>(Verdict::Count
 
 struct PassCounts {
   Verdicts splits{}, collapses{}, swaps{}, moves{};
+  std::size_t unled = 0;  ///< times that a vertex of the surface was not led all the way to the model
 
   void add(const PassCounts& other) {
     for (const auto counts : {&PassCounts::splits, &PassCounts::collapses, &PassCounts::swaps, &PassCounts::moves})
       for (std::size_t i = 0; i < splits.size(); ++i) (this->*counts)[i] += (other.*counts)[i];
+    unled += other.unled;
   }
 };
 

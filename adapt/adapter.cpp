@@ -1,0 +1,251 @@
+#include "adapt/adapter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapt/metric/vertex_metric.hpp"
+#include "adapt/parts/model_fit.hpp"
+#include "core/base/stopwatch.hpp"
+#include "mesher/volume/model_projector.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+constexpr double kTetsPerPart = 1e5;
+constexpr double kTetsPerComplexity = 10;
+constexpr std::size_t kGrain = std::size_t{1} << 12;
+constexpr std::size_t kMostStages = 40;
+constexpr std::size_t kMostRounds = 12;  // at the metric itself
+constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
+constexpr double kWorthARound = 0.001;   // of the share of unit edges
+constexpr double kEnough = 0.985;        // of it
+constexpr double kNearlyAll = 0.9999;    // of edges of lengths in [1/2, 2]
+constexpr double kFair = 0.008;          // cubed mean ratio: all tets should have at least that
+constexpr double kFairGain = 1.2;        // of the worst
+constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
+constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
+constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
+
+// Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
+void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
+
+void settle(Passes& passes) {
+  passes.split_edges(1.6), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
+}
+
+void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
+
+void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
+
+}  // namespace
+
+bool Adapter::Fit::is_good() const { return unit > kEnough && half_to_two > kNearlyAll && least_quality > kFair; }
+
+bool Adapter::Fit::is_better_than(const Fit& other) const {
+  return unit > other.unit + kWorthARound || half_to_two > other.half_to_two ||
+         (least_quality > kFairGain * other.least_quality && other.least_quality < kFair);
+}
+
+Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function,
+                 const AdaptOptions& options, const SharedWork& work)
+    : mesh_(mesh),
+      function_(function),
+      options_(options),
+      work_(work),
+      runner_(work.runner()),
+      whole_(make_whole_mesh(mesh, runner_)) {
+  if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
+  // Tets may have been turned when they were linked.
+  std::vector<TetVerts> tets(whole_.size());
+  for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
+  const TetView view{whole_.points.span(), tets};
+  implied_ = implied_metric(view, runner_);
+  background_.emplace(view, metric, runner_);
+  links_ = take_share(whole_, work_);
+}
+
+void Adapter::run(AdaptResult& result) {
+  runner_.begin_stage(Stage::Adapt, 0);
+  follow_stages();
+  approach_metric();
+  lead_to_model();
+  finish_result(result);
+}
+
+MetricField Adapter::metric_of_result() const {
+  MetricField metric;
+  for (const VertexMetric& m : whole_.to_metric) metric.logs.push_back(log(m.tensor));
+  return metric;
+}
+
+void Adapter::follow_stages() {
+  double ratio = 2;
+  for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
+    if (refinement() <= ratio) break;
+    round(ratio, grow);
+    round(ratio, settle);
+  }
+}
+
+void Adapter::approach_metric() {
+  round(HUGE_VAL, refine_and_finish);
+  Fit best;
+  for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
+    const Fit fit = measure();
+    if (fit.is_good()) break;
+    idle = fit.is_better_than(best) ? 0 : idle + 1;
+    best = {std::max(best.unit, fit.unit), std::max(best.half_to_two, fit.half_to_two),
+            std::max(best.least_quality, fit.least_quality)};
+    round(HUGE_VAL, refine_and_finish);
+  }
+}
+
+// One round more, and as many as vertices beside the model need: they make room for each other, one step in each.
+void Adapter::lead_to_model() {
+  std::size_t before = ~std::size_t{0};
+  for (std::size_t i = 0; i < kMostLeading; ++i) {
+    round(HUGE_VAL, finish);
+    const std::size_t unled = options_.model ? sum_of(last_counts_).unled : 0;
+    if (unled == 0 || unled >= before) break;
+    before = unled;
+  }
+}
+
+void Adapter::finish_result(AdaptResult& result) {
+  Stopwatch watch;
+  whole_ = gather_shares(whole_, links_, work_);
+  AdaptReport& report = result.report;
+  work_.each([&] {
+    if (work_.rank() != 0) return;
+    result.mesh = make_mesh_of(whole_, mesh_);
+    report.transfers =
+        transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape, runner_);
+  });
+  report.operations = sum_of(counts_);
+  report.beside_model = sum_of(last_counts_).unled;
+  report.rounds = rounds_, report.most_parts = most_parts_, report.last_parts = last_parts_;
+  seconds_.result = watch.lap();
+  report.stages.metric = seconds_.metric, report.stages.dealing = seconds_.dealing;
+  report.stages.parts = seconds_.parts, report.stages.result = seconds_.result;
+}
+
+// Of all ranks.
+PassCounts Adapter::sum_of(const PassCounts& counts) const {
+  PassCounts sum;
+  for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(counts); }))
+    sum.add(MessageReader(bytes).get<PassCounts>());
+  return sum;
+}
+
+// The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
+double Adapter::refinement() {
+  const MetricStage stage(*background_, implied_, function_, 1);
+  const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
+  std::vector<double> most(blocks, 0);
+  runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      std::uint32_t hint = whole_.to_hint[v];
+      most[begin / kGrain] = std::max(most[begin / kGrain], stage.refinement_at(whole_.points[v], hint));
+      whole_.to_hint[v] = hint;
+    }
+  });
+  std::array<double, 1> all{0};
+  for (const double one : most) all[0] = std::max(all[0], one);
+  work_.max(all);
+  return all[0];
+}
+
+void Adapter::set_metric(const MetricStage& stage) {
+  runner_.for_blocks(whole_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      std::uint32_t hint = whole_.to_hint[v];
+      const Tensor tensor = stage.at(whole_.points[v], hint);
+      // Where the stage asks for something else than the last one, everything is looked at again.
+      if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
+      whole_.to_metric[v] = {tensor, det(tensor)};
+      whole_.to_hint[v] = hint;
+    }
+  });
+}
+
+// One round at a stage of the metric.
+void Adapter::round(double ratio, const Work& work) {
+  Stopwatch watch;
+  const MetricStage stage(*background_, implied_, function_, ratio);
+  // In a stage vertices keep the metric of where they are.
+  if (ratio != ratio_) set_metric(stage);
+  ratio_ = ratio;
+  seconds_.metric += watch.lap();
+  const std::vector<float> to_work = work_per_tet();
+  const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part : kTetsPerPart;
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(sum_of_work(to_work, work_) / per_part)));
+  last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
+  Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
+  seconds_.dealing += watch.lap();
+  std::vector<PassCounts> counts(parts);
+  const PassOptions pass_options{options_.quality_floor};
+  const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
+    const tets::SurfaceProjector project =
+        options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
+    Passes passes(part, stage, project, pass_options, runner_);
+    work(passes);
+    counts[number] = passes.counts();
+  };
+  adapt_in_parts(whole_, links_, std::move(dealing), adapt_part, work_);
+  seconds_.parts += watch.lap();
+  last_counts_ = PassCounts();
+  for (const PassCounts& part : counts) last_counts_.add(part);
+  counts_.add(last_counts_);
+  runner_.advance();
+}
+
+// About how many tets it will become.
+std::vector<float> Adapter::work_per_tet() const {
+  std::vector<float> to_work(whole_.size());
+  runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      const std::uint32_t* v = &whole_.to_vert[tet * 4];
+      const Vec3& x = whole_.points[v[0]];
+      const double volume = dot(cross(whole_.points[v[1]] - x, whole_.points[v[2]] - x), whole_.points[v[3]] - x) / 6;
+      double density = 0;
+      for (int i = 0; i < 4; ++i) density += 0.25 * std::sqrt(whole_.to_metric[v[i]].det);
+      to_work[tet] = static_cast<float>(0.7 + kTetsPerComplexity * volume * density);
+    }
+  });
+  return to_work;
+}
+
+Adapter::Fit Adapter::measure() const {
+  struct Block {
+    std::int64_t unit = 0, half_to_two = 0;
+    double least = 1;
+  };
+  std::vector<Block> blocks((whole_.size() + kGrain - 1) / kGrain);
+  runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    Block& block = blocks[begin / kGrain];
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      std::array<std::uint32_t, 4> v;
+      std::copy_n(&whole_.to_vert[tet * 4], 4, v.begin());
+      block.least = std::min(block.least, cubed_mean_ratio(whole_.points, whole_.to_metric, v));
+      for (const auto& [i, j] : kEdgeCorners) {
+        const double length = edge_length(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
+                                          whole_.points[v[j]] - whole_.points[v[i]]);
+        block.unit += length >= kShortest && length <= kLongest;
+        block.half_to_two += length >= 0.5 && length <= 2;
+      }
+    }
+  });
+  std::array<std::int64_t, 3> sums{0, 0, static_cast<std::int64_t>(whole_.size()) * 6};
+  std::array<double, 1> worst{-1};
+  for (const Block& block : blocks) {
+    sums[0] += block.unit, sums[1] += block.half_to_two;
+    worst[0] = std::max(worst[0], -block.least);
+  }
+  work_.sum(sums);
+  work_.max(worst);
+  const auto all = static_cast<double>(std::max<std::int64_t>(1, sums[2]));
+  return {static_cast<double>(sums[0]) / all, static_cast<double>(sums[1]) / all, -worst[0]};
+}
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,44 @@
+#pragma once
+// What a vertex asks for, and how well a tet fits what its vertices ask for.
+#include <array>
+#include <cstdint>
+
+#include "adapt/metric/tensor.hpp"
+#include "core/base/vec.hpp"
+
+namespace tetloom::adapt {
+
+/// A metric and its determinant.
+struct VertexMetric {
+  Tensor tensor;
+  double det = 0;
+};
+
+/// Cubed mean ratio in `metric` of a tet with edges p, q, r from one vertex; 0 where it is flat or inverted. By UGAWG's
+/// definition a tet's metric is that of the vertex at which the determinant is largest.
+inline double cubed_mean_ratio(const Vec3& p, const Vec3& q, const Vec3& r, const VertexMetric& metric) {
+  const double volume = dot(cross(p, q), r);
+  if (!(volume > 0)) return 0;
+  const Tensor& m = metric.tensor;
+  // Over all pairs of four points, |xi - xj|^2 sums up to 4 sum |xi - x0|^2 - |sum (xi - x0)|^2.
+  const Vec3 s = p + q + r;
+  const auto sum = [&](double Vec3::*i, double Vec3::*j) {
+    return 4 * (p.*i * p.*j + q.*i * q.*j + r.*i * r.*j) - s.*i * s.*j;
+  };
+  const double squares =
+      m.xx * sum(&Vec3::x, &Vec3::x) + m.yy * sum(&Vec3::y, &Vec3::y) + m.zz * sum(&Vec3::z, &Vec3::z) +
+      2 * (m.xy * sum(&Vec3::x, &Vec3::y) + m.xz * sum(&Vec3::x, &Vec3::z) + m.yz * sum(&Vec3::y, &Vec3::z));
+  return 432 * volume * volume * metric.det / (squares * squares * squares);
+}
+
+/// The same of the tet with these vertices.
+template <class Points, class Metrics>
+double cubed_mean_ratio(const Points& points, const Metrics& metrics, const std::array<std::uint32_t, 4>& v) {
+  const VertexMetric* metric = &metrics[v[0]];
+  for (std::size_t i = 1; i < 4; ++i)
+    if (metrics[v[i]].det > metric->det) metric = &metrics[v[i]];
+  const Vec3& x = points[v[0]];
+  return cubed_mean_ratio(points[v[1]] - x, points[v[2]] - x, points[v[3]] - x, *metric);
+}
+
+}  // namespace tetloom::adapt
