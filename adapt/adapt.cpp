@@ -64,10 +64,29 @@ void require_same_input(const Mesh& mesh, const MetricField& metric, const Adapt
       throw Error(ErrorCode::InvalidArgument, "the ranks were not given the same mesh, metric and options");
 }
 
-// What rank 0 has measured.
-MetricConformity share_conformity(const MetricConformity& measured, const SharedWork& work) {
-  return MessageReader(work.all_gather([&](MessageWriter& writer) { writer.put(measured); })[0])
-      .get<MetricConformity>();
+void put_findings(const AdaptReport& report, MessageWriter& writer) {
+  writer.put(report.after);
+  writer.put(static_cast<std::uint64_t>(report.transfers.size()));
+  for (const FieldTransfer& field : report.transfers) {
+    writer.put_array(std::span<const char>(field.name));
+    writer.put(field.on_cells);
+    writer.put_array(std::span<const FieldTransfer::Component>(field.components));
+  }
+}
+
+// What rank 0 has found out about the mesh, for all.
+void share_findings(AdaptReport& report, const SharedWork& work) {
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) { put_findings(report, writer); });
+  if (work.rank() == 0) return;
+  MessageReader reader(given[0]);
+  report.after = reader.get<MetricConformity>();
+  report.transfers.resize(reader.get<std::uint64_t>());
+  for (FieldTransfer& field : report.transfers) {
+    const auto name = reader.get_view<char>();
+    field.name.assign(name.begin(), name.end());
+    field.on_cells = reader.get<bool>();
+    field.components = reader.get_array<FieldTransfer::Component>();
+  }
 }
 
 class AdaptRun {
@@ -89,7 +108,7 @@ class AdaptRun {
       if (work_.rank() == 0)
         result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
     });
-    result.report.after = share_conformity(result.report.after, work_);
+    share_findings(result.report, work_);
     result.report.stages.result += watch.lap();
   }
 

@@ -66,8 +66,7 @@ struct AdaptReport {
   std::size_t most_parts = 0;    ///< of any round
   std::size_t last_parts = 0;    ///< of the last round
   std::size_t beside_model = 0;  ///< vertices of the surface that could not be led all the way to the model
-  std::vector<adapt::FieldTransfer>
-      transfers;  ///< fields on points first; of ranks that adapt together, the first has it
+  std::vector<adapt::FieldTransfer> transfers;  ///< fields on points first
   double seconds = 0;
   AdaptSeconds stages;
 };

@@ -119,8 +119,8 @@ void Adapter::finish_result(AdaptResult& result) {
   work_.each([&] {
     if (work_.rank() != 0) return;
     result.mesh = make_mesh_of(whole_, mesh_);
-    report.transfers =
-        transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape, runner_);
+    report.transfers = transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape,
+                                       work_.runner_for_one());
   });
   report.operations = sum_of(counts_);
   report.beside_model = sum_of(last_counts_).unled;

@@ -63,6 +63,9 @@ void check_same(const Mesh& one, const Mesh& other) {
   CHECK(one.tri_to_entity == other.tri_to_entity);
   CHECK(one.tet_to_vert == other.tet_to_vert);
   CHECK(one.tet_to_entity == other.tet_to_entity);
+  REQUIRE(one.cell_fields.size() == other.cell_fields.size());
+  for (std::size_t i = 0; i < one.cell_fields.size(); ++i)
+    CHECK(one.cell_fields[i].values == other.cell_fields[i].values);
   REQUIRE(one.point_fields.size() == other.point_fields.size());
   for (std::size_t i = 0; i < one.point_fields.size(); ++i)
     CHECK(one.point_fields[i].values == other.point_fields[i].values);
@@ -78,6 +81,18 @@ void check_same(const AdaptResult& one, const AdaptResult& other) {
   CHECK(one.report.after.edges == other.report.after.edges);
   CHECK(one.report.after.unit == other.report.after.unit);
   CHECK(one.report.after.mean_quality == other.report.after.mean_quality);
+  REQUIRE(one.report.transfers.size() == other.report.transfers.size());
+  for (std::size_t i = 0; i < one.report.transfers.size(); ++i) {
+    const adapt::FieldTransfer &field = one.report.transfers[i], &told = other.report.transfers[i];
+    CHECK(field.name == told.name);
+    CHECK(field.on_cells == told.on_cells);
+    REQUIRE(field.components.size() == told.components.size());
+    for (std::size_t c = 0; c < field.components.size(); ++c) {
+      CHECK(field.components[c].before.integral == told.components[c].before.integral);
+      CHECK(field.components[c].after.integral == told.components[c].after.integral);
+      CHECK(field.components[c].after.greatest == told.components[c].after.greatest);
+    }
+  }
 }
 
 /// The mesh and the report of one process, on each of these numbers of ranks.
@@ -108,12 +123,18 @@ TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][
 
 TEST_CASE("ranks follow an anisotropic metric, and carry fields over", "[adapt][ranks]") {
   Mesh cube = unit_cube(5);
-  MeshField field{"heat", 1, {}};
+  MeshField field{"heat", 1, {}}, on_cells{"load", 2, {}};
   for (const Vec3& x : cube.points) field.values.push_back(x.x * x.y + x.z);
-  cube.point_fields = {field};
+  for (std::size_t t = 0; t < cube.tet_to_vert.size(); ++t) {
+    const Vec3& x = cube.points[cube.tet_to_vert[t][0]];
+    on_cells.values.insert(on_cells.values.end(), {x.x - x.z, x.y > 0.4 ? 1.0 : 0.0});
+  }
+  cube.point_fields = {field}, cube.cell_fields = {on_cells};
   AdaptOptions options = in_parts(1500);
-  options.transfer = {"heat"};
-  CHECK(check_like_one_process(cube, layered, options).report.most_parts > 3);
+  options.transfer = {"heat", "load"};
+  const AdaptResult result = check_like_one_process(cube, layered, options);
+  CHECK(result.report.most_parts > 3);
+  CHECK(result.report.transfers.size() == 2);
 }
 
 TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of one process", "[adapt][ranks]") {

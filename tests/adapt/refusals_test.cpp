@@ -103,7 +103,8 @@ Refused check_refusals(double aspect, std::size_t part_count) {
   const auto check = [&](std::size_t, CavityMesh& part) {
     Passes passes(part, stage, no_model, {}, runner);
     refused[2] += check_idle_pass(part, passes, &PassCounts::swaps, [&] { return passes.swap(0.9); });
-    refused[1] += check_idle_pass(part, passes, &PassCounts::collapses, [&] { return passes.collapse_edges(0.7, 1.45); });
+    refused[1] +=
+        check_idle_pass(part, passes, &PassCounts::collapses, [&] { return passes.collapse_edges(0.7, 1.45); });
     refused[0] += check_idle_pass(part, passes, &PassCounts::splits, [&] { return passes.split_edges(1.5); });
     refused[3] += check_idle_pass(part, passes, &PassCounts::moves, [&] { return passes.smooth(0.9); });
   };
