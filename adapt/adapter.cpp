@@ -12,13 +12,14 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kTetsPerPart = 1e5;
+constexpr double kMostPerPart = 1e5, kLeastPerPart = 4e4;  // tets
+constexpr double kPartsOfSmall = 8;                        // meshes, as long as that leaves a part the least
 constexpr double kTetsPerComplexity = 10;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
 constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
-constexpr double kWorthARound = 0.001;   // of the share of unit edges
+constexpr double kWorthARound = 0.002;   // of the share of unit edges
 constexpr double kEnough = 0.985;        // of it
 constexpr double kNearlyAll = 0.9999;    // of edges of lengths in [1/2, 2]
 constexpr double kFair = 0.008;          // cubed mean ratio: all tets should have at least that
@@ -178,8 +179,10 @@ void Adapter::round(double ratio, const Work& work) {
   ratio_ = ratio;
   seconds_.metric += watch.lap();
   const std::vector<float> to_work = work_per_tet();
-  const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part : kTetsPerPart;
-  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(sum_of_work(to_work, work_) / per_part)));
+  const double all = sum_of_work(to_work, work_);
+  const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part
+                                                     : std::clamp(all / kPartsOfSmall, kLeastPerPart, kMostPerPart);
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
   last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
   Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
   seconds_.dealing += watch.lap();
