@@ -57,16 +57,26 @@ double MetricStage::refinement_at(const Vec3& x, std::uint32_t& hint) const {
   return std::sqrt(eigen(between(exp(-0.5 * implied_log_at(place)), asked_at(x, place))).values[2]);
 }
 
-std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop&) {
+std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop& loop) {
+  constexpr std::size_t kGrain = std::size_t{1} << 12;
+  struct Weighted {
+    Tensor logarithm;
+    double volume = 0;
+  };
+  std::vector<Weighted> tets(mesh.tets.size());
+  loop.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      const TetVerts& v = mesh.tets[tet];
+      const Vec3& x = mesh.points[v[0]];
+      const Vec3 e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x, e3 = mesh.points[v[3]] - x;
+      tets[tet] = {log(implied_by(e1, e2, e3)), std::abs(dot(cross(e1, e2), e3))};
+    }
+  });
   std::vector<Tensor> logs(mesh.points.size());
   std::vector<double> volumes(mesh.points.size(), 0);
-  for (const TetVerts& v : mesh.tets) {
-    const Vec3 &x = mesh.points[v[0]], e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x,
-               e3 = mesh.points[v[3]] - x;
-    const double volume = std::abs(dot(cross(e1, e2), e3));
-    const Tensor logarithm = log(implied_by(e1, e2, e3));
-    for (const std::uint32_t vert : v) logs[vert] += volume * logarithm, volumes[vert] += volume;
-  }
+  for (std::size_t tet = 0; tet < tets.size(); ++tet)
+    for (const std::uint32_t vert : mesh.tets[tet])
+      logs[vert] += tets[tet].volume * tets[tet].logarithm, volumes[vert] += tets[tet].volume;
   for (std::size_t v = 0; v < logs.size(); ++v)
     if (volumes[v] > 0) logs[v] *= 1 / volumes[v];
   return logs;

@@ -6,6 +6,7 @@
 #include "adapt/metric/vertex_graph.hpp"
 #include "core/base/block_loop.hpp"
 #include "core/base/ids.hpp"
+#include "mesher/tets/tet_mesh.hpp"
 
 namespace tetloom::adapt {
 
@@ -14,7 +15,6 @@ namespace tetloom::adapt {
 /// tets, indices in range. Linear but for vertices that are the lowest of very many faces.
 std::vector<std::uint32_t> link_tets(const TetView& mesh, const BlockLoop& loop = serial_loop());
 
-/// Face `i` of a tet is opposite to its vertex `i`: its vertices, counter-clockwise seen from outside.
-inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+using tets::kFaceVerts;
 
 }  // namespace tetloom::adapt

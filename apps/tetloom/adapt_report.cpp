@@ -128,6 +128,7 @@ nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double met
           {"operations", std::move(operations)},
           {"rounds", adaptation.rounds},
           {"most_parts", adaptation.most_parts},
+          {"points_beside_model", adaptation.beside_model},
           {"transfer", transfer_json(adaptation.transfers)},
           {"seconds", {{"metric", metric_seconds}, {"adapt", adaptation.seconds}}}};
 }
@@ -140,6 +141,9 @@ std::string render_adaptation(const AdaptReport& adaptation, const RunReport& re
   text += "  tets by mean ratio in the metric (1 is regular):\n";
   text += render_histogram(adaptation.after.quality_histogram.data(), adaptation.after.quality_histogram.size(), 0, 1);
   text += operation_table(adaptation.operations);
+  if (adaptation.beside_model > 0)
+    text += "  " + format_count(adaptation.beside_model) +
+            " points of the surface lie beside the model: on the way to it their tets would have been inverted\n";
   text += transfer_table(adaptation.transfers);
   text += "  digest     " + report.digest + "\n";
   text += "  time       " + format_seconds(report.total_seconds()) + " in all: read " +

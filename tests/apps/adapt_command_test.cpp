@@ -123,6 +123,7 @@ TEST_CASE("adapt leads a mesh to a metric from a field, and reports") {
   CHECK(adaptation["operations"]["splits"]["done"] > 0);
   CHECK(adaptation["rounds"] > 0);
   CHECK(adaptation["most_parts"] == 1);
+  CHECK(adaptation["points_beside_model"] == 0);
   CHECK(adaptation["seconds"]["adapt"] > 0);
   CHECK(report["volume"]["mesh"] == Approx(1).epsilon(1e-12));
 
