@@ -8,12 +8,12 @@
 namespace tetloom::app {
 
 /// {"before": {…}, "after": {…}, "operations": {"splits": {"done", "refused", "refused_by": {reason: count, …}}, …},
-/// "rounds", "most_parts", "points_beside_model", "transfer": [{"name", "on": "points" or "cells", "components": [{"integral", "least",
-/// "greatest": [before, after], "change"}, …]}, …], "seconds": {"metric", "adapt"}}, where "change" is that of the
-/// integral as a share of the integral of the magnitude; before and after have {"edges", "unit_edges",
-/// "half_to_two", "shortest", "longest", "quality_min", "quality_mean", "quality_histogram", "complexity"}, where
-/// "unit_edges" is the share of edges with a length in [0.707, 1.414] and "half_to_two" that in [0.5, 2], and qualities
-/// are mean ratios in the metric.
+/// "rounds", "most_parts", "points_beside_model", "transfer": [{"name", "on": "points" or "cells", "components":
+/// [{"integral", "least", "greatest": [before, after], "change"}, …]}, …], "seconds": {"metric", "adapt"}}, where
+/// "change" is that of the integral as a share of the integral of the magnitude; before and after have {"edges",
+/// "unit_edges", "half_to_two", "shortest", "longest", "quality_min", "quality_mean", "quality_histogram",
+/// "complexity"}, where "unit_edges" is the share of edges with a length in [0.707, 1.414] and "half_to_two" that in
+/// [0.5, 2], and qualities are mean ratios in the metric.
 nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double metric_seconds);
 
 /// The mesh before and after beside each other, the histogram of qualities, operations, time and files.
