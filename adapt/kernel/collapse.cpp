@@ -86,11 +86,14 @@ Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
       refused = std::max(refused, verdict);
   }
   if (target == kNone) return refused >= Verdict::Quality ? merge(a, b, longest) : refused;
-  const std::uint32_t from = target == b ? a : b;
-  mesh_.collect(std::span(&from, 1), mesh_.vert_to_tet[from], cavity_);
-  mesh_.evaluate(cavity_, target, -1, made_);
-  mesh_.reconnect(cavity_, target, made_);
+  carry_out_collapse(target == b ? a : b, target);
   return Verdict::Done;
+}
+
+void Passes::carry_out_collapse(std::uint32_t from, std::uint32_t to) {
+  mesh_.collect(std::span(&from, 1), mesh_.vert_to_tet[from], cavity_);
+  mesh_.evaluate(cavity_, to, -1, made_);
+  mesh_.reconnect(cavity_, to, made_);
 }
 
 // A collapse of two vertices of the same entity into the middle between them: b moves there, then a is collapsed into

@@ -12,9 +12,10 @@ using tets::cube;
 
 constexpr double kMoved = 0.15;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
-constexpr double kOnModel = 1e-6;    // of an edge: nearer than that is on the model
-constexpr double kBearable = 0.4;    // mean ratio that a tet may fall to for the good of its neighbours
-constexpr double kNoWorse = 0.9999;  // but for round-off
+constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on the model
+constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
+constexpr double kBearable = 0.4;        // mean ratio that a tet may fall to for the good of its neighbours
+constexpr double kNoWorse = 0.9999;      // but for round-off
 constexpr int kAttempts = 3;
 
 // M = transpose(U) U, so that U e is as long in space as e in the metric.
@@ -60,8 +61,22 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
   }
   mesh_.mesh.points[v] = x;
   mesh_.to_metric[v] = old_metric;
-  ++counts_.unled;
   return Verdict::Surface;
+}
+
+// Collapses a vertex that cannot be led to the model into one of the surface beside it. Pre: cavity_ is its ball.
+bool Passes::remove_from_surface(std::uint32_t v) {
+  std::vector<std::uint32_t> near;
+  for (const FaceCode face : cavity_.surface)
+    for (const std::uint32_t u : tets::verts_of(mesh_.mesh, face))
+      if (u != v && std::find(near.begin(), near.end(), u) == near.end()) near.push_back(u);
+  double best = 0;
+  std::uint32_t target = kNone;
+  for (const std::uint32_t u : near)
+    if (collapse_into(v, u, kLongestOfRemoval, best) == Verdict::Done) target = u;
+  if (target == kNone) return false;
+  carry_out_collapse(v, target);
+  return true;
 }
 
 void Passes::take_made_qualities() {
@@ -123,6 +138,8 @@ Verdict Passes::move(std::uint32_t v) {
   if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], cavity_)) return Verdict::TooLarge;
   if (dim < 3 && project_) {
     const Verdict led = lead_to_model(v);
+    if (led == Verdict::Surface && remove_from_surface(v)) return Verdict::Done;
+    counts_.unled += led == Verdict::Surface;
     if (led != Verdict::NoGain) return led;
   }
   double badness = 0;

@@ -131,7 +131,8 @@ std::size_t Passes::smooth(double limit) {
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
     if (!(mesh_.to_quality[tet] < bound)) continue;
-    for (std::uint32_t i = 0; i < 4; ++i) {
+    // What cannot be led to the model goes, and tets with it.
+    for (std::uint32_t i = 0; i < 4 && !mesh_.mesh.is_dead(tet); ++i) {
       const std::uint32_t v = mesh_.verts(tet)[i];
       if (visited[v] != 0) continue;
       if (mesh_.to_quality[tet] > kPoor && (mesh_.to_state[v] & kUnsettled) == 0) continue;

@@ -58,6 +58,7 @@ class Passes {
 
   Verdict collapse(std::uint32_t a, std::uint32_t b, double longest);
   Verdict collapse_into(std::uint32_t from, std::uint32_t to, double longest, double& best);
+  void carry_out_collapse(std::uint32_t from, std::uint32_t to);
   Verdict merge(std::uint32_t a, std::uint32_t b, double longest);
   Verdict merge_at(std::uint32_t a, std::uint32_t b, const std::vector<Vec3>& normals, double longest);
   bool can_collapse(std::uint32_t a, std::uint32_t b) const;
@@ -72,6 +73,7 @@ class Passes {
 
   Verdict move(std::uint32_t v);
   Verdict lead_to_model(std::uint32_t v);
+  bool remove_from_surface(std::uint32_t v);
   Vec3 find_step(std::uint32_t v, double& badness);
   bool keep_on_entity(std::uint32_t v, Vec3& step) const;
   bool keep_on_face(Vec3& step) const;

@@ -142,8 +142,8 @@ std::string render_adaptation(const AdaptReport& adaptation, const RunReport& re
   text += render_histogram(adaptation.after.quality_histogram.data(), adaptation.after.quality_histogram.size(), 0, 1);
   text += operation_table(adaptation.operations);
   if (adaptation.beside_model > 0)
-    text += "  " + format_count(adaptation.beside_model) +
-            " points of the surface lie beside the model: on the way to it their tets would have been inverted\n";
+    text += "  beside the model: " + format_count(adaptation.beside_model) +
+            " of the surface's points, on whose way to it a tet would have been inverted\n";
   text += transfer_table(adaptation.transfers);
   text += "  digest     " + report.digest + "\n";
   text += "  time       " + format_seconds(report.total_seconds()) + " in all: read " +

@@ -141,6 +141,29 @@ TEST_CASE("a model that does not match the mesh is refused", "[snapping]") {
   }
 }
 
+TEST_CASE("what comes out goes in again, where edges are long for the curvature", "[snapping]") {
+  const auto model = test_models::make_cylinder(1, 2);
+  Mesh mesh = meshed(*model, 0.8);
+  AdaptOptions options;
+  options.model = model.get();
+  for (int cycle = 0; cycle < 8; ++cycle) {
+    CAPTURE(cycle);
+    // A layer that turns, with long edges elsewhere.
+    const double turn = 0.4 * cycle;
+    const auto metric = [=](const Vec3& x) {
+      const Vec3 n{std::cos(turn), std::sin(turn), 0.3};
+      const double h = 0.03 + 0.5 * std::abs(dot(x, n) - 0.2);
+      return adapt::isotropic(0.9) + (1 / (h * h) / dot(n, n)) * adapt::outer(n);
+    };
+    AdaptResult result = adapt_mesh(mesh, metric, options);
+    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+    REQUIRE(result.status == AdaptStatus::Ok);
+    CHECK(validate_mesh(result.mesh).valid());
+    CHECK(result.report.beside_model == 0);
+    mesh = std::move(result.mesh);
+  }
+}
+
 TEST_CASE("a mesh that follows a model does not depend on threads", "[snapping]") {
   const auto cylinder = test_models::make_cylinder(1, 2);
   const Mesh mesh = meshed(*cylinder, 0.4);

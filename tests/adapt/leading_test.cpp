@@ -1,0 +1,102 @@
+// Vertices of the surface on their way to the model.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "adapt/kernel/passes.hpp"
+#include "adapt/parts/rounds.hpp"
+#include "tests/support/mixed_mesh.hpp"
+
+using namespace tetloom;
+using namespace tetloom::adapt;
+
+namespace {
+
+struct Led {
+  bool is_there = false;  // still a vertex
+  Vec3 point;
+  std::size_t unled = 0, points = 0;
+  double volume = 0;
+};
+
+/// The unit cube in 3³ cubes, whose vertex `special` of a side has its place on the model at `place`, while all others
+/// are on it; sizes `h` are asked for.
+Led lead(const Vec3& special, const Vec3& place, double h = 0.5) {
+  test::BoxSpec spec{3, 3, 3, false, 1};
+  spec.h = 1.0 / 3;
+  const Mesh box = test::make_tet_box(spec);
+  const TaskRunner runner(1);
+  const MetricField metric = metric_from_sizes(std::vector<double>(box.points.size(), h), box.points);
+  const BackgroundMesh background({box.points, box.tet_to_vert}, metric, runner);
+  const std::vector<Tensor> implied = implied_metric(background.mesh());
+  const MetricFunction none;
+  const MetricStage stage(background, implied, none, HUGE_VAL);
+  WholeMesh whole = make_whole_mesh(box, runner);
+  for (std::size_t v = 0; v < whole.points.size(); ++v) {
+    std::uint32_t hint = kNone;
+    const Tensor tensor = stage.at(whole.points[v], hint);
+    whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
+  }
+  const auto is_special = [&](const Vec3& x) { return distance(x, special) < 1e-9; };
+  const tets::SurfaceProjector project = [&](ModelEntity, const Vec3& x) {
+    return std::optional(tets::SurfaceSpot{is_special(x) ? place : x, {}});
+  };
+  Led led;
+  const SharedWork work(runner);
+  ShareLinks links = take_share(whole, work);
+  Dealing dealing = deal_tets(whole, links, std::vector<float>(whole.size(), 1), 1, 0, work);
+  const auto pass = [&](std::size_t, CavityMesh& part) {
+    std::uint32_t vert = kNone;
+    for (std::uint32_t v = 0; v < part.mesh.points.size(); ++v)
+      if (is_special(part.point(v))) vert = v;
+    REQUIRE(vert != kNone);
+    Passes passes(part, stage, project, {}, runner);
+    passes.smooth(1.1);
+    led.unled = passes.counts().unled;
+    led.is_there = part.vert_to_tet[vert] != kNone;
+    led.point = part.point(vert);
+    for (std::uint32_t v = 0; v < part.mesh.points.size(); ++v) led.points += part.vert_to_tet[v] != kNone;
+    for (std::uint32_t tet = 0; tet < part.mesh.size(); ++tet) {
+      if (part.mesh.is_dead(tet)) continue;
+      const std::uint32_t* v = part.verts(tet);
+      const Vec3& x = part.point(v[0]);
+      led.volume += dot(cross(part.point(v[1]) - x, part.point(v[2]) - x), part.point(v[3]) - x) / 6;
+    }
+  };
+  adapt_in_parts(whole, links, std::move(dealing), pass, work);
+  return led;
+}
+
+}  // namespace
+
+TEST_CASE("a vertex beside the model goes to it", "[adapt]") {
+  const Vec3 place{1.0 / 3, 1.0 / 3, -0.05};
+  const Led led = lead({1.0 / 3, 1.0 / 3, 0}, place);
+  CHECK(led.is_there);
+  CHECK(led.unled == 0);
+  CHECK(distance(led.point, place) < 1e-12);
+  CHECK(led.volume > 1);
+}
+
+TEST_CASE("a vertex that cannot go to the model leaves the mesh", "[adapt]") {
+  // All the way through the cube, and far beyond it.
+  const Led led = lead({1.0 / 3, 1.0 / 3, 0}, {1.0 / 3, 1.0 / 3, 20});
+  CHECK(!led.is_there);
+  CHECK(led.unled == 0);
+  CHECK(led.points == 63);
+  CHECK(led.volume == Approx(1).epsilon(1e-12));
+}
+
+TEST_CASE("a vertex that can neither go to the model nor leave is told of", "[adapt]") {
+  // Without it, edges would be far too long.
+  const Led led = lead({1.0 / 3, 1.0 / 3, 0}, {1.0 / 3, 1.0 / 3, 20}, 1.0 / 3);
+  CHECK(led.is_there);
+  CHECK(led.unled == 1);
+  CHECK(led.volume == Approx(1).epsilon(1e-12));
+}
+
+TEST_CASE("a corner of the model is not led anywhere", "[adapt]") {
+  const Led led = lead({0, 0, 0}, {1, 1, 20});
+  CHECK(led.is_there);
+  CHECK(led.unled == 0);
+  CHECK(distance(led.point, Vec3{}) < 1e-12);
+}
