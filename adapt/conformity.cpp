@@ -36,7 +36,9 @@ MetricConformity measure_conformity(const Mesh& mesh, const MetricField& metric,
   loop.for_blocks(mesh.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     MetricConformity& block = blocks[begin / kGrain];
     for (std::size_t tet = begin; tet < end; ++tet) {
-      const double quality = std::cbrt(cubed_mean_ratio(mesh.points, metrics, mesh.tet_to_vert[tet]));
+      // Metrics of sizes like 1e-60 overflow, and give what is not a number.
+      const double cubed = cubed_mean_ratio(mesh.points, metrics, mesh.tet_to_vert[tet]);
+      const double quality = cubed > 0 ? std::cbrt(std::min(cubed, 1.0)) : 0;
       block.least_quality = std::min(block.least_quality, quality), block.mean_quality += quality;
       ++block.quality_histogram[static_cast<std::size_t>(std::clamp(quality * 10, 0.0, 9.0))];
     }
