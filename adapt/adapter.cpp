@@ -15,6 +15,10 @@ namespace {
 constexpr double kMostPerPart = 1e5, kLeastPerPart = 4e4;  // tets
 constexpr double kPartsOfSmall = 8;                        // meshes, as long as that leaves a part the least
 constexpr double kTetsPerComplexity = 10;
+constexpr double kWorkOfTet = 0.7;  // beside what it will become
+// Where a metric turns from neighbour to neighbour, edges are long however many there are: no more than so many times
+// the tets that it asks for.
+constexpr double kOverfull = 6, kLeastFull = 1000;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
@@ -187,7 +191,10 @@ void Adapter::round(double ratio, const Work& work) {
   Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
   seconds_.dealing += watch.lap();
   std::vector<PassCounts> counts(parts);
-  const PassOptions pass_options{options_.quality_floor};
+  PassOptions pass_options;
+  pass_options.floor = options_.quality_floor;
+  pass_options.most_tets =
+      std::max(kLeastFull, kOverfull * (all - kWorkOfTet * count_tets()) / static_cast<double>(parts));
   const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
     const tets::SurfaceProjector project =
         options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
@@ -203,6 +210,13 @@ void Adapter::round(double ratio, const Work& work) {
   runner_.advance();
 }
 
+// Of all ranks.
+double Adapter::count_tets() const {
+  std::array<std::int64_t, 1> sum{static_cast<std::int64_t>(whole_.size())};
+  work_.sum(sum);
+  return static_cast<double>(sum[0]);
+}
+
 // About how many tets it will become.
 std::vector<float> Adapter::work_per_tet() const {
   std::vector<float> to_work(whole_.size());
@@ -213,7 +227,7 @@ std::vector<float> Adapter::work_per_tet() const {
       const double volume = dot(cross(whole_.points[v[1]] - x, whole_.points[v[2]] - x), whole_.points[v[3]] - x) / 6;
       double density = 0;
       for (int i = 0; i < 4; ++i) density += 0.25 * std::sqrt(whole_.to_metric[v[i]].det);
-      to_work[tet] = static_cast<float>(0.7 + kTetsPerComplexity * volume * density);
+      to_work[tet] = static_cast<float>(kWorkOfTet + kTetsPerComplexity * volume * density);
     }
   });
   return to_work;

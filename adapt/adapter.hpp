@@ -44,6 +44,7 @@ class Adapter {
   void lead_to_model();
   void round(double ratio, const Work& work);
   void set_metric(const MetricStage& stage);
+  double count_tets() const;
   std::vector<float> work_per_tet() const;
   Fit measure() const;
   void finish_result(AdaptResult& result);

@@ -45,6 +45,7 @@ std::size_t Passes::split_edges(double longest) {
   const auto size = static_cast<std::uint32_t>(mesh_.mesh.size());
   for (std::uint32_t tet = 0; tet < size; ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
+    if (static_cast<double>(mesh_.mesh.size()) >= options_.most_tets) break;
     if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
     for (int attempt = 0; attempt < 4 && !mesh_.mesh.is_dead(tet); ++attempt) {
       Edge edge{};

@@ -1,6 +1,7 @@
 #pragma once
 // Passes over the mesh of one part: coarsening, refinement, swaps and motion.
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,9 +15,10 @@
 namespace tetloom::adapt {
 
 struct PassOptions {
-  double floor = 0.1;        ///< mean ratio that no operation may go below, unless it was below before
-  double collapsible = 0.2;  ///< mean ratio from which on a collapse may make tets worse than those it replaces
-  double size_weight = 1;    ///< of lengths near 1 against shapes, where vertices move; see find_newton_step
+  double floor = 0.1;           ///< mean ratio that no operation may go below, unless it was below before
+  double collapsible = 0.2;     ///< mean ratio from which on a collapse may make tets worse than those it replaces
+  double most_tets = HUGE_VAL;  ///< no edge is split where the part has as many
+  double size_weight = 1;       ///< of lengths near 1 against shapes, where vertices move; see find_newton_step
 };
 
 class Passes {

@@ -137,6 +137,22 @@ TEST_CASE("random metrics leave a valid mesh of the same shape, in one part", "[
   for (const Kind kind : {Kind::Noise, Kind::Jumps}) check_metric(Shape::Frame, kind, 1e4, 0, 1);
 }
 
+TEST_CASE("a metric that turns is not followed by any number of tets", "[short]") {
+  const Mesh mesh = mesh_of(Shape::TwoRegions);
+  const double complexity = 300;
+  const AdaptResult result = adapt_mesh(mesh, random_metric(mesh, Kind::Rotation, 1e3, complexity, 1), {});
+  REQUIRE(result.status == AdaptStatus::Ok);
+  CHECK(static_cast<double>(result.mesh.tet_to_vert.size()) < 10 * expected_tets(complexity));
+}
+
+TEST_CASE("noise leaves no points in one place", "[short]") {
+  const Mesh mesh = mesh_of(Shape::Frame);
+  const AdaptResult result = adapt_mesh(mesh, random_metric(mesh, Kind::Noise, 1e4, 300, 3), {});
+  REQUIRE(result.status == AdaptStatus::Ok);
+  CHECK(result.report.after.least_quality > 1e-4);
+  CHECK(result.report.after.shortest > 1e-4);
+}
+
 TEST_CASE("many random metrics leave valid meshes of the same shape", "[long]") {
   RandomTensors random(20);
   for (unsigned seed = 2; seed < 60; ++seed) {
