@@ -1,3 +1,4 @@
+#include <new>
 #include <utility>
 
 #include "adapt/adapt_on_ranks.hpp"
@@ -34,6 +35,10 @@ AdaptInPartsResult adapt_and_deal(const Mesh& mesh, const Metric& metric, const 
   } catch (const Error& error) {
     result.run.status = error.code() == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
     result.run.errors.push_back(error.diagnostic());
+    result.run.mesh = Mesh();
+  } catch (const std::bad_alloc&) {
+    result.run.status = AdaptStatus::Failed;
+    result.run.errors.push_back(Diagnostic{ErrorCode::OutOfMemory, "not enough memory to deal the mesh", {}, {}, {}});
     result.run.mesh = Mesh();
   }
   result.partition_seconds = watch.lap();
