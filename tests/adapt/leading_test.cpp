@@ -2,8 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "adapt/kernel/passes.hpp"
-#include "adapt/parts/rounds.hpp"
+#include "tests/adapt/one_round.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
@@ -24,32 +23,17 @@ Led lead(const Vec3& special, const Vec3& place, double h = 0.5) {
   test::BoxSpec spec{3, 3, 3, false, 1};
   spec.h = 1.0 / 3;
   const Mesh box = test::make_tet_box(spec);
-  const TaskRunner runner(1);
   const MetricField metric = metric_from_sizes(std::vector<double>(box.points.size(), h), box.points);
-  const BackgroundMesh background({box.points, box.tet_to_vert}, metric, runner);
-  const std::vector<Tensor> implied = implied_metric(background.mesh());
-  const MetricFunction none;
-  const MetricStage stage(background, implied, none, HUGE_VAL);
-  WholeMesh whole = make_whole_mesh(box, runner);
-  for (std::size_t v = 0; v < whole.points.size(); ++v) {
-    std::uint32_t hint = kNone;
-    const Tensor tensor = stage.at(whole.points[v], hint);
-    whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
-  }
   const auto is_special = [&](const Vec3& x) { return distance(x, special) < 1e-9; };
   const tets::SurfaceProjector project = [&](ModelEntity, const Vec3& x) {
     return std::optional(tets::SurfaceSpot{is_special(x) ? place : x, {}});
   };
   Led led;
-  const SharedWork work(runner);
-  ShareLinks links = take_share(whole, work);
-  Dealing dealing = deal_tets(whole, links, std::vector<float>(whole.size(), 1), 1, 0, work);
-  const auto pass = [&](std::size_t, CavityMesh& part) {
+  const auto pass = [&](CavityMesh& part, Passes& passes) {
     std::uint32_t vert = kNone;
     for (std::uint32_t v = 0; v < part.mesh.points.size(); ++v)
       if (is_special(part.point(v))) vert = v;
     REQUIRE(vert != kNone);
-    Passes passes(part, stage, project, {}, runner);
     passes.smooth(1.1);
     led.unled = passes.counts().unled;
     led.is_there = part.vert_to_tet[vert] != kNone;
@@ -62,7 +46,7 @@ Led lead(const Vec3& special, const Vec3& place, double h = 0.5) {
       led.volume += dot(cross(part.point(v[1]) - x, part.point(v[2]) - x), part.point(v[3]) - x) / 6;
     }
   };
-  adapt_in_parts(whole, links, std::move(dealing), pass, work);
+  test::in_one_round(box, metric, project, 1, pass);
   return led;
 }
 

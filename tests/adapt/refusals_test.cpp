@@ -3,8 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "adapt/kernel/passes.hpp"
-#include "adapt/parts/rounds.hpp"
+#include "tests/adapt/one_round.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
@@ -79,36 +78,21 @@ Refused check_refusals(double aspect, std::size_t part_count) {
   test::BoxSpec spec{4, 4, 4, true, 1};
   spec.h = 0.25;
   const Mesh box = test::make_tet_box(spec);
-  const TaskRunner runner(1);
   RandomTensors random(5);
   MetricField metric;
   for (std::size_t v = 0; v < box.points.size(); ++v)
     metric.logs.push_back(log(compose(random.metric(random.uniform(0.3, 1.5) / std::sqrt(aspect), aspect))));
   scale_to_complexity(metric, {box.points, box.tet_to_vert}, 50);
-  const BackgroundMesh background({box.points, box.tet_to_vert}, metric, runner);
-  const std::vector<Tensor> implied = implied_metric(background.mesh());
-  const MetricFunction none;
-  const MetricStage stage(background, implied, none, HUGE_VAL);
-  WholeMesh whole = make_whole_mesh(box, runner);
-  for (std::size_t v = 0; v < whole.points.size(); ++v) {
-    std::uint32_t hint = kNone;
-    const Tensor tensor = stage.at(whole.points[v], hint);
-    whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
-  }
-  const SharedWork work(runner);
-  ShareLinks links = take_share(whole, work);
-  Dealing dealing = deal_tets(whole, links, std::vector<float>(whole.size(), 1), part_count, 0, work);
   const tets::SurfaceProjector no_model;
   Refused refused{};
-  const auto check = [&](std::size_t, CavityMesh& part) {
-    Passes passes(part, stage, no_model, {}, runner);
+  const auto check = [&](CavityMesh& part, Passes& passes) {
     refused[2] += check_idle_pass(part, passes, &PassCounts::swaps, [&] { return passes.swap(0.9); });
     refused[1] +=
         check_idle_pass(part, passes, &PassCounts::collapses, [&] { return passes.collapse_edges(0.7, 1.45); });
     refused[0] += check_idle_pass(part, passes, &PassCounts::splits, [&] { return passes.split_edges(1.5); });
     refused[3] += check_idle_pass(part, passes, &PassCounts::moves, [&] { return passes.smooth(0.9); });
   };
-  adapt_in_parts(whole, links, std::move(dealing), check, work);
+  test::in_one_round(box, metric, no_model, part_count, check);
   return refused;
 }
 
