@@ -60,10 +60,9 @@ double Passes::bearable_collapse(double least) const {
   return std::max(cube(options_.floor), std::min(least, cube(options_.collapsible)));
 }
 
-// Whether `from` can be collapsed into `to`, better than to `best`, which is raised then.
-Verdict Passes::collapse_into(std::uint32_t from, std::uint32_t to, double longest, double& best) {
-  if (mesh_.to_frozen[from]) return Verdict::Frozen;
-  if (!mesh_.collect(std::span(&from, 1), mesh_.vert_to_tet[from], cavity_)) return Verdict::TooLarge;
+// Whether `from` can be collapsed into `to`, better than to `best`, which is raised then. Pre: cavity_ is the ball of
+// `from`.
+Verdict Passes::judge_collapse(std::uint32_t from, std::uint32_t to, double longest, double& best) {
   if (!can_collapse(from, to)) return Verdict::Classification;
   if (makes_long_edge(from, to, longest)) return Verdict::Length;
   const double goal = std::max(best, bearable_collapse(cavity_.least));
@@ -74,37 +73,48 @@ Verdict Passes::collapse_into(std::uint32_t from, std::uint32_t to, double longe
   return Verdict::Done;
 }
 
-Verdict Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
-  Verdict refused = Verdict::Frozen;
-  double best = 0;
-  std::uint32_t target = kNone;
-  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-    const Verdict verdict = collapse_into(from, to, longest, best);
-    if (verdict == Verdict::Done)
-      target = to;
-    else
-      refused = std::max(refused, verdict);
-  }
-  if (target == kNone) return refused >= Verdict::Quality ? merge(a, b, longest) : refused;
-  carry_out_collapse(target == b ? a : b, target);
-  return Verdict::Done;
+// Fills `ball` unless v has to stay anyway.
+Verdict Passes::collect_ball(std::uint32_t v, Cavity& ball) const {
+  if (mesh_.to_frozen[v]) return Verdict::Frozen;
+  return mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], ball) ? Verdict::Done : Verdict::TooLarge;
 }
 
-void Passes::carry_out_collapse(std::uint32_t from, std::uint32_t to) {
-  mesh_.collect(std::span(&from, 1), mesh_.vert_to_tet[from], cavity_);
-  mesh_.evaluate(cavity_, to, -1, made_);
-  mesh_.reconnect(cavity_, to, made_);
+bool Passes::has_vertex(const Cavity& cavity, std::uint32_t v) const {
+  return std::any_of(cavity.tets.begin(), cavity.tets.end(),
+                     [&](std::uint32_t tet) { return mesh_.corner_of(tet, v) < 4; });
+}
+
+// Nothing where a and b have no edge any more.
+std::optional<Verdict> Passes::collapse(std::uint32_t a, std::uint32_t b, double longest) {
+  Verdict first = collect_ball(a, cavity_);
+  const bool has_ball = first == Verdict::Done;
+  if (has_ball && !has_vertex(cavity_, b)) return std::nullopt;
+  double best = 0;
+  if (has_ball) first = judge_collapse(a, b, longest, best);
+  std::swap(cavity_, other_), std::swap(made_, other_made_);
+  Verdict second = collect_ball(b, cavity_);
+  if (second == Verdict::Done) {
+    if (!has_ball && !has_vertex(cavity_, a)) return std::nullopt;
+    second = judge_collapse(b, a, longest, best);
+  }
+  if (second == Verdict::Done) {
+    mesh_.reconnect(cavity_, a, made_);
+    return Verdict::Done;
+  }
+  std::swap(cavity_, other_), std::swap(made_, other_made_);
+  if (first == Verdict::Done) {
+    mesh_.reconnect(cavity_, b, made_);
+    return Verdict::Done;
+  }
+  const Verdict refused = std::max(first, second);
+  return std::min(first, second) > Verdict::TooLarge && refused >= Verdict::Quality ? merge(a, b, longest) : refused;
 }
 
 // A collapse of two vertices of the same entity into the middle between them: b moves there, then a is collapsed into
-// it. Edges that a collapse into an end makes too long are shorter so.
+// it. Edges that a collapse into an end makes too long are shorter so. Pre: cavity_ and other_ are their balls.
 Verdict Passes::merge(std::uint32_t a, std::uint32_t b, double longest) {
   const int dim = mesh_.dim_of(a);
   if (dim < 2 || !(mesh_.to_entity[a] == mesh_.to_entity[b])) return Verdict::Classification;
-  if (mesh_.to_frozen[a] || mesh_.to_frozen[b]) return Verdict::Frozen;
-  if (!mesh_.collect(std::span(&a, 1), mesh_.vert_to_tet[a], cavity_) ||
-      !mesh_.collect(std::span(&b, 1), mesh_.vert_to_tet[b], scratch_))
-    return Verdict::TooLarge;
   if (!can_collapse(a, b)) return Verdict::Classification;
   const Vec3 x = mesh_.point(b);
   Vec3 middle = 0.5 * (mesh_.point(a) + x);
@@ -113,7 +123,7 @@ Verdict Passes::merge(std::uint32_t a, std::uint32_t b, double longest) {
     if (!spot || norm2(spot->point - middle) > norm2(middle - x)) return Verdict::Surface;
     middle = spot->point;
   }
-  const std::vector<Vec3> normals = normals_of(scratch_);
+  const std::vector<Vec3> normals = normals_of(other_);
   const VertexMetric old_metric = mesh_.to_metric[b];
   const std::uint32_t old_hint = mesh_.to_hint[b];
   mesh_.mesh.points[b] = middle;
@@ -125,27 +135,25 @@ Verdict Passes::merge(std::uint32_t a, std::uint32_t b, double longest) {
   return verdict;
 }
 
-// Collapses a into b, which has moved. Pre: cavity_ and scratch_ are the balls of a and b, `normals` were those of the
+// Collapses a into b, which has moved. Pre: cavity_ and other_ are the balls of a and b, `normals` were those of the
 // surface of the second before.
 Verdict Passes::merge_at(std::uint32_t a, std::uint32_t b, const std::vector<Vec3>& normals, double longest) {
-  if (makes_long_edge(a, b, longest) || !mark_new_ends(scratch_, b, longest)) return Verdict::Length;
-  const double goal = bearable_collapse(std::min(cavity_.least, scratch_.least));
+  if (makes_long_edge(a, b, longest) || !mark_new_ends(other_, b, longest)) return Verdict::Length;
+  const double goal = bearable_collapse(std::min(cavity_.least, other_.least));
   if (!(mesh_.evaluate(cavity_, b, goal, made_) > goal)) return Verdict::Quality;
   beside_.clear();
-  for (const std::uint32_t tet : scratch_.tets) {
+  for (const std::uint32_t tet : other_.tets) {
     const std::uint32_t* v = mesh_.verts(tet);
     const bool vanishes = has(v, a);
     beside_.push_back(vanishes ? 0 : static_cast<float>(mesh_.quality_of(v[0], v[1], v[2], v[3])));
     if (!vanishes && !(double{beside_.back()} > goal)) return Verdict::Quality;
   }
-  if (!turns_no_normal(scratch_, normals)) return Verdict::Surface;
-  // What comes now uses scratch_ for itself.
-  const std::vector<std::uint32_t> moved = scratch_.tets;
+  if (!turns_no_normal(other_, normals)) return Verdict::Surface;
   if (!keeps_surface(cavity_, b)) return Verdict::Surface;
-  for (std::size_t i = 0; i < moved.size(); ++i) {
+  for (std::size_t i = 0; i < other_.tets.size(); ++i) {
     if (!(beside_[i] > 0)) continue;
-    mesh_.to_quality[moved[i]] = beside_[i];
-    mesh_.mark_changed(moved[i]);
+    mesh_.to_quality[other_.tets[i]] = beside_[i];
+    mesh_.mark_changed(other_.tets[i]);
   }
   mesh_.reconnect(cavity_, b, made_);
   return Verdict::Done;

@@ -16,6 +16,8 @@ constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on t
 constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
 constexpr double kBearable = 0.4;        // mean ratio that a tet may fall to for the good of its neighbours
 constexpr double kNoWorse = 0.9999;      // but for round-off
+// Of the badness of its tets. As the metric is that of where a vertex is, it could go to and fro for ever without gain.
+constexpr double kWorthAMove = 0.999;
 constexpr int kAttempts = 3;
 
 // M = transpose(U) U, so that U e is as long in space as e in the metric.
@@ -73,9 +75,10 @@ bool Passes::remove_from_surface(std::uint32_t v) {
   double best = 0;
   std::uint32_t target = kNone;
   for (const std::uint32_t u : near)
-    if (collapse_into(v, u, kLongestOfRemoval, best) == Verdict::Done) target = u;
+    if (judge_collapse(v, u, kLongestOfRemoval, best) == Verdict::Done) target = u;
   if (target == kNone) return false;
-  carry_out_collapse(v, target);
+  mesh_.evaluate(cavity_, target, -1, made_);
+  mesh_.reconnect(cavity_, target, made_);
   return true;
 }
 
@@ -113,7 +116,7 @@ bool Passes::try_place(std::uint32_t v, const Vec3& place, double bearable, doub
   bool better = mesh_.evaluate(cavity_, v, bearable, made_) > bearable;
   if (better) {
     for (const float quality : made_) sum += 1 / double{quality};
-    better = sum < badness;
+    better = sum < kWorthAMove * badness;
   }
   if (!better) {
     mesh_.mesh.points[v] = x;

@@ -101,11 +101,12 @@ std::size_t Passes::collapse_edges(double shortest, double longest) {
   for (const auto& [a, b, length] : short_edges(shortest)) {
     if (++asked % 1024 == 0) runner_.check_cancelled();
     if (mesh_.vert_to_tet[a] == kNone || mesh_.vert_to_tet[b] == kNone) continue;
-    if (mesh_.find_edge(a, b, scratch_) == kNone || mesh_.length_of(a, b) >= shortest) continue;
+    if (mesh_.length_of(a, b) >= shortest) continue;
     // What is made must not be as much too long as what goes is too short.
-    const Verdict verdict = collapse(a, b, std::max(longest, kLengthGain / double{length}));
-    count(counts_.collapses, verdict);
-    done += verdict == Verdict::Done;
+    const std::optional<Verdict> verdict = collapse(a, b, std::max(longest, kLengthGain / double{length}));
+    if (!verdict) continue;
+    count(counts_.collapses, *verdict);
+    done += *verdict == Verdict::Done;
   }
   return done;
 }

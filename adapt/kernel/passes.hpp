@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
@@ -58,9 +59,10 @@ class Passes {
   Verdict split(std::uint32_t a, std::uint32_t b, std::uint32_t tet);
   PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;
 
-  Verdict collapse(std::uint32_t a, std::uint32_t b, double longest);
-  Verdict collapse_into(std::uint32_t from, std::uint32_t to, double longest, double& best);
-  void carry_out_collapse(std::uint32_t from, std::uint32_t to);
+  std::optional<Verdict> collapse(std::uint32_t a, std::uint32_t b, double longest);
+  Verdict judge_collapse(std::uint32_t from, std::uint32_t to, double longest, double& best);
+  Verdict collect_ball(std::uint32_t v, Cavity& ball) const;
+  bool has_vertex(const Cavity& cavity, std::uint32_t v) const;
   Verdict merge(std::uint32_t a, std::uint32_t b, double longest);
   Verdict merge_at(std::uint32_t a, std::uint32_t b, const std::vector<Vec3>& normals, double longest);
   bool can_collapse(std::uint32_t a, std::uint32_t b) const;
@@ -97,8 +99,8 @@ class Passes {
   PassOptions options_;
   const TaskRunner& runner_;
   PassCounts counts_;
-  Cavity cavity_, scratch_;
-  MadeQualities made_;
+  Cavity cavity_, other_, scratch_;
+  MadeQualities made_, other_made_;
   std::vector<float> beside_;        // qualities of tets that move with a merged edge
   std::vector<std::uint32_t> ring_;  // vertices around an edge that may take its place
   std::vector<tets::StarTet> star_;  // of a vertex that moves, in its metric

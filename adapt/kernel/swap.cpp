@@ -10,6 +10,31 @@ using tets::verts_of;
 
 constexpr double kGain = 1.0001;
 constexpr std::size_t kMostTets = 10;  // at an edge that is swapped
+constexpr std::size_t kEdges = 3;      // of a tet that are tried
+
+// What it pays to swap at a tet: of 40,000 swaps in two meshes, the best was at its longest three edges or at the face
+// with the longest ones in 98 % (the longest edge alone: 62 %).
+struct Longest {
+  std::array<std::array<std::uint8_t, 2>, kEdges> edges;  // corners
+  std::uint32_t face;                                     // opposite corner
+};
+
+Longest find_longest(const CavityMesh& mesh, const std::array<std::uint32_t, 4>& v) {
+  const Tensor& metric = densest_metric(mesh.to_metric, v).tensor;
+  std::array<std::pair<double, std::size_t>, 6> edges;
+  std::array<double, 4> at_corner{};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto& [i, j] = kEdgeCorners[k];
+    const double squared = dot(metric, mesh.point(v[j]) - mesh.point(v[i]));
+    edges[k] = {-squared, k};
+    at_corner[i] += squared, at_corner[j] += squared;
+  }
+  std::partial_sort(edges.begin(), edges.begin() + kEdges, edges.end());
+  Longest longest{};
+  for (std::size_t k = 0; k < kEdges; ++k) std::copy_n(kEdgeCorners[edges[k].second], 2, longest.edges[k].begin());
+  longest.face = static_cast<std::uint32_t>(std::min_element(at_corner.begin(), at_corner.end()) - at_corner.begin());
+  return longest;
+}
 
 }  // namespace
 
@@ -60,8 +85,9 @@ Verdict Passes::swap_at(std::uint32_t tet) {
   Choice best{std::max(double{mesh_.to_quality[tet]} * kGain, tets::kSurelyPositive)};
   std::array<std::uint32_t, 4> v;
   std::copy_n(mesh_.verts(tet), 4, v.begin());
-  for (const auto& [i, j] : kEdgeCorners) try_edge_swaps(tet, {v[i], v[j]}, best);
-  for (std::uint32_t corner = 0; corner < 4; ++corner) try_face_swap(tet, corner, best);
+  const Longest longest = find_longest(mesh_, v);
+  for (const auto& [i, j] : longest.edges) try_edge_swaps(tet, {v[i], v[j]}, best);
+  try_face_swap(tet, longest.face, best);
   if (best.target == kNone) return Verdict::NoGain;
   mesh_.collect(std::span(best.core).first(best.core_size), tet, cavity_);
   mesh_.evaluate(cavity_, best.target, -1, made_);

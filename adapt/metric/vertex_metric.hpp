@@ -31,14 +31,20 @@ inline double cubed_mean_ratio(const Vec3& p, const Vec3& q, const Vec3& r, cons
   return 432 * volume * volume * metric.det / (squares * squares * squares);
 }
 
-/// The same of the tet with these vertices.
-template <class Points, class Metrics>
-double cubed_mean_ratio(const Points& points, const Metrics& metrics, const std::array<std::uint32_t, 4>& v) {
+/// The metric of a tet: that of its vertex at which the determinant is largest.
+template <class Metrics>
+const VertexMetric& densest_metric(const Metrics& metrics, const std::array<std::uint32_t, 4>& v) {
   const VertexMetric* metric = &metrics[v[0]];
   for (std::size_t i = 1; i < 4; ++i)
     if (metrics[v[i]].det > metric->det) metric = &metrics[v[i]];
+  return *metric;
+}
+
+/// The cubed mean ratio of the tet with these vertices, in its metric.
+template <class Points, class Metrics>
+double cubed_mean_ratio(const Points& points, const Metrics& metrics, const std::array<std::uint32_t, 4>& v) {
   const Vec3& x = points[v[0]];
-  return cubed_mean_ratio(points[v[1]] - x, points[v[2]] - x, points[v[3]] - x, *metric);
+  return cubed_mean_ratio(points[v[1]] - x, points[v[2]] - x, points[v[3]] - x, densest_metric(metrics, v));
 }
 
 }  // namespace tetloom::adapt
