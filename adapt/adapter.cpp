@@ -30,7 +30,7 @@ constexpr double kFair = 0.008;          // cubed mean ratio: all tets should ha
 constexpr double kFairGain = 1.2;        // of the worst
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
 constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
-constexpr double kLongest = 1.4142135623730951, kShortest = 0.7071067811865476;
+constexpr double kLongest = 1.4142135623730951;
 
 // Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
 void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
@@ -235,7 +235,7 @@ std::vector<float> Adapter::work_per_tet() const {
 
 Adapter::Fit Adapter::measure() const {
   struct Block {
-    std::int64_t unit = 0, half_to_two = 0;
+    LengthCounts lengths;
     double least = 1;
   };
   std::vector<Block> blocks((whole_.size() + kGrain - 1) / kGrain);
@@ -245,18 +245,15 @@ Adapter::Fit Adapter::measure() const {
       std::array<std::uint32_t, 4> v;
       std::copy_n(&whole_.to_vert[tet * 4], 4, v.begin());
       block.least = std::min(block.least, cubed_mean_ratio(whole_.points, whole_.to_metric, v));
-      for (const auto& [i, j] : kEdgeCorners) {
-        const double length = edge_length(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
-                                          whole_.points[v[j]] - whole_.points[v[i]]);
-        block.unit += length >= kShortest && length <= kLongest;
-        block.half_to_two += length >= 0.5 && length <= 2;
-      }
+      for (const auto& [i, j] : kEdgeCorners)
+        block.lengths.add(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
+                          whole_.points[v[j]] - whole_.points[v[i]]);
     }
   });
   std::array<std::int64_t, 3> sums{0, 0, static_cast<std::int64_t>(whole_.size()) * 6};
   std::array<double, 1> worst{-1};
   for (const Block& block : blocks) {
-    sums[0] += block.unit, sums[1] += block.half_to_two;
+    sums[0] += block.lengths.unit, sums[1] += block.lengths.half_to_two;
     worst[0] = std::max(worst[0], -block.least);
   }
   work_.sum(sums);

@@ -4,12 +4,36 @@
 #include <type_traits>
 
 #include "core/base/hilbert.hpp"
+#include "mesher/tets/pair_detail.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
+using tets::detail::Pair;
+using tets::detail::pair_of;
+using tets::detail::PairVec;
+
 constexpr float kDead = 2;
+
+// The cubed mean ratios of two tets with edges p, q, r, each in its metric.
+Pair cubed_mean_ratio(const PairVec& p, const PairVec& q, const PairVec& r, const VertexMetric& one,
+                      const VertexMetric& other) {
+  const Tensor &m = one.tensor, &n = other.tensor;
+  const Pair volume = dot(cross(p, q), r);
+  const PairVec s = p + q + r;
+  const auto sum = [&](Pair PairVec::*i, Pair PairVec::*j) {
+    return 4 * (p.*i * p.*j + q.*i * q.*j + r.*i * r.*j) - s.*i * s.*j;
+  };
+  const Pair squares = Pair{m.xx, n.xx} * sum(&PairVec::x, &PairVec::x) +
+                       Pair{m.yy, n.yy} * sum(&PairVec::y, &PairVec::y) +
+                       Pair{m.zz, n.zz} * sum(&PairVec::z, &PairVec::z) +
+                       2 * (Pair{m.xy, n.xy} * sum(&PairVec::x, &PairVec::y) +
+                            Pair{m.xz, n.xz} * sum(&PairVec::x, &PairVec::z) +
+                            Pair{m.yz, n.yz} * sum(&PairVec::y, &PairVec::z));
+  const Pair quality = 432 * volume * volume * Pair{one.det, other.det} / (squares * squares * squares);
+  return volume > 0 ? quality : Pair{};
+}
 
 }  // namespace
 
@@ -49,31 +73,38 @@ bool CavityMesh::collect_around_worst(const std::array<std::uint32_t, 2>& edge, 
 }
 
 bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
-  const auto has = [&](std::uint32_t t) {
-    const std::uint32_t slot = slot_[t];
-    return slot < cavity.tets.size() && cavity.tets[slot] == t;
-  };
-  const auto add = [&](std::uint32_t t) {
-    slot_[t] = static_cast<std::uint32_t>(cavity.tets.size());
-    cavity.tets.push_back(t);
-    __builtin_prefetch(&mesh.to_vert[std::size_t{t} * 4]);
-    __builtin_prefetch(&mesh.to_neighbor[std::size_t{t} * 4]);
-    __builtin_prefetch(&to_quality[t]);
-  };
-  add(tet);
-  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
-    if (cavity.tets.size() > Cavity::kMostTets) return false;
-    const std::uint32_t here = cavity.tets[i];
-    const std::uint32_t own = corner_of(here, cavity.core[0]);
+  const std::uint32_t core = cavity.core[0];
+  std::uint32_t* const list = cavity.tets.data();
+  std::uint32_t* const slot = slot_.data();
+  std::size_t size = 1;
+  float least = kDead;
+  list[0] = tet, slot[tet] = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (size > Cavity::kMostTets) return false;
+    const std::uint32_t here = list[i];
+    const std::uint32_t* v = verts(here);
+    const std::uint32_t own = v[0] == core ? 0 : v[1] == core ? 1 : v[2] == core ? 2 : 3;
     cavity.corners.push_back({static_cast<std::uint8_t>(own)});
-    cavity.least = std::min(cavity.least, double{to_quality[here]});
+    least = std::min(least, to_quality[here]);
+    const std::uint8_t fixed = mesh.to_fixed[here];
+    const FaceCode* behind_of = &mesh.to_neighbor[std::size_t{here} * 4];
     for (std::uint32_t j = 0; j < 4; ++j) {
       if (j == own) continue;
-      const FaceCode face = here * 4 + j, behind = mesh.to_neighbor[face];
-      if (mesh.is_fixed(face) && (behind == kNone || face < behind)) cavity.surface.push_back(face);
-      if (behind != kNone && !has(behind / 4)) add(behind / 4);
+      const FaceCode face = here * 4 + j, behind = behind_of[j];
+      if ((fixed >> j & 1) != 0 && (behind == kNone || face < behind)) cavity.surface.push_back(face);
+      if (behind == kNone) continue;
+      // Whether it is new cannot be predicted, so nothing branches on it.
+      const std::uint32_t next = behind / 4, before = slot[next];
+      const bool is_new = !(before < size && list[before] == next);
+      list[size] = next;
+      slot[next] = is_new ? static_cast<std::uint32_t>(size) : before;
+      size += is_new;
+      __builtin_prefetch(&mesh.to_vert[std::size_t{next} * 4]);
+      __builtin_prefetch(&mesh.to_neighbor[std::size_t{next} * 4]);
     }
   }
+  cavity.tets.set_size(size);
+  cavity.least = double{least};
   return true;
 }
 
@@ -160,6 +191,37 @@ double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, 
       least = std::min(least, quality);
       if (!(least > goal)) return least;
     }
+  }
+  return least;
+}
+
+// Two tets at a time.
+double CavityMesh::evaluate_all(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const {
+  struct Made {
+    std::array<const Vec3*, 3> base;
+    const VertexMetric* metric;
+  };
+  const std::size_t core = cavity.core_size, count = cavity.tets.size() * core;
+  made.resize(count);
+  const auto at = [&](std::size_t n) {
+    const std::uint32_t* old = verts(cavity.tets[n / core]);
+    const auto& [a, b, c] = tets::kFaceVerts[cavity.corners[n / core][n % core]];
+    const VertexMetric *metric = &to_metric[p];
+    for (const std::uint32_t v : {old[a], old[b], old[c]})
+      if (to_metric[v].det > metric->det) metric = &to_metric[v];
+    return Made{{&point(old[a]), &point(old[b]), &point(old[c])}, metric};
+  };
+  const PairVec x = pair_of(point(p));
+  double least = kDead;
+  for (std::size_t n = 0; n < count; n += 2) {
+    const std::size_t m = std::min(n + 1, count - 1);
+    const Made one = at(n), other = at(m);
+    const Pair qualities =
+        cubed_mean_ratio(pair_of(*one.base[0], *other.base[0]) - x, pair_of(*one.base[1], *other.base[1]) - x,
+                         pair_of(*one.base[2], *other.base[2]) - x, *one.metric, *other.metric);
+    made[m] = static_cast<float>(qualities[1]), made[n] = static_cast<float>(qualities[0]);
+    least = std::min(least, std::min(qualities[0], qualities[1]));
+    if (!(least > goal)) return least;
   }
   return least;
 }

@@ -40,14 +40,36 @@ inline constexpr std::uint8_t kUnsettled = 4;
 /// The corners of a tet's edges.
 inline constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
+/// Something for each tet of a cavity: a vector whose room is there from the start, so that adding asks for nothing.
+template <class T>
+class CavityList {
+ public:
+  static constexpr std::size_t kRoom = 260;  // the tets of a cavity and what is found before there are too many
+
+  std::size_t size() const { return size_; }
+  const T* data() const { return items_.data(); }
+  T* data() { return items_.data(); }
+  const T* begin() const { return items_.data(); }
+  const T* end() const { return items_.data() + size_; }
+  const T& operator[](std::size_t i) const { return items_[i]; }
+  void push_back(const T& item) { items_[size_++] = item; }
+  void clear() { size_ = 0; }
+  /// Pre: the items are there.
+  void set_size(std::size_t size) { size_ = size; }
+
+ private:
+  std::vector<T> items_ = std::vector<T>(kRoom);
+  std::size_t size_ = 0;
+};
+
 /// The tets that have a core.
 struct Cavity {
   static constexpr std::size_t kMostTets = 256;
 
   std::array<std::uint32_t, 4> core;
   std::uint32_t core_size = 0;
-  std::vector<std::uint32_t> tets;
-  std::vector<std::array<std::uint8_t, 4>> corners;  ///< of each tet, where the vertices of the core are in it
+  CavityList<std::uint32_t> tets;
+  CavityList<std::array<std::uint8_t, 4>> corners;  ///< of each tet, where the vertices of the core are in it
   std::vector<FaceCode> surface;  ///< fixed faces that have the core, of those with tets on both sides the lower code
   double least = 2;               ///< cubed quality of the worst tet
 
@@ -111,6 +133,8 @@ class CavityMesh {
   /// The worst cubed quality of what `p` in the place of the core would make; something not above `goal` as soon as
   /// that is certain. `made` is filled as far as it got.
   double evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const;
+  /// The same, faster where most of it will be needed. Pre: no tet of the cavity has p unless it is the core.
+  double evaluate_all(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const;
   /// Whether surface and mesh would remain manifold where p takes the place of the core.
   bool is_sound(const Cavity& cavity, std::uint32_t p) const;
   /// Carries it out. Pre: evaluate > 0 with these `made`, is_sound. The core loses p's cavity: vertices of a core of

@@ -3,12 +3,15 @@
 
 #include "adapt/kernel/passes.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
+#include "mesher/tets/pair_detail.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
 using tets::cube;
+using tets::detail::pair_of;
+using tets::detail::PairVec;
 
 constexpr double kMoved = 0.15;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
@@ -29,12 +32,20 @@ struct Root {
     zz = std::sqrt(m.zz - xz * xz - yz * yz);
   }
   Vec3 apply(const Vec3& e) const { return {xx * e.x + xy * e.y + xz * e.z, yy * e.y + yz * e.z, zz * e.z}; }
+  PairVec apply(const PairVec& e) const { return {xx * e.x + xy * e.y + xz * e.z, yy * e.y + yz * e.z, zz * e.z}; }
   Vec3 solve(const Vec3& y) const {
     Vec3 e;
     e.z = y.z / zz, e.y = (y.y - yz * e.z) / yy, e.x = (y.x - xy * e.y - xz * e.z) / xx;
     return e;
   }
 };
+
+// The points of the face opposite to the core of the i-th tet of a ball.
+std::array<const Vec3*, 3> opposite_face(const CavityMesh& mesh, const Cavity& ball, std::size_t i) {
+  const std::uint32_t* verts = mesh.verts(ball.tets[i]);
+  const auto& [a, b, c] = tets::kFaceVerts[ball.corners[i][0]];
+  return {&mesh.point(verts[a]), &mesh.point(verts[b]), &mesh.point(verts[c])};
+}
 
 }  // namespace
 
@@ -54,7 +65,7 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
     std::uint32_t hint = mesh_.to_hint[v];
     mesh_.mesh.points[v] = x + share * way;
     mesh_.set_metric(v, source_.at(mesh_.point(v), hint));
-    if (!(mesh_.evaluate(cavity_, v, bearable, made_) > bearable)) continue;
+    if (!(mesh_.evaluate_all(cavity_, v, bearable, made_) > bearable)) continue;
     take_made_qualities();
     for (const std::uint32_t tet : cavity_.tets) mesh_.mark_changed(tet);
     mesh_.to_hint[v] = hint;
@@ -91,16 +102,17 @@ void Passes::take_made_qualities() {
 Vec3 Passes::find_step(std::uint32_t v, double& badness) {
   const std::size_t size = cavity_.tets.size();
   star_.resize(size);
-  const Vec3 x = mesh_.point(v);
+  const PairVec x = pair_of(mesh_.point(v));
   const Root root(mesh_.to_metric[v].tensor);
   badness = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::uint32_t* verts = mesh_.verts(cavity_.tets[i]);
-    const auto& [a, c, b] = tets::kFaceVerts[cavity_.corners[i][0]];
-    star_[i] = tets::star_tet(root.apply(mesh_.point(verts[a]) - x), root.apply(mesh_.point(verts[b]) - x),
-                              root.apply(mesh_.point(verts[c]) - x));
-    badness += 1 / double{mesh_.to_quality[cavity_.tets[i]]};
+  for (std::size_t i = 0; i < size; i += 2) {
+    const std::size_t j = std::min(i + 1, size - 1);
+    const auto [a, c, b] = opposite_face(mesh_, cavity_, i);
+    const auto [e, g, f] = opposite_face(mesh_, cavity_, j);
+    store(star_pair(root.apply(pair_of(*a, *e) - x), root.apply(pair_of(*b, *f) - x), root.apply(pair_of(*c, *g) - x)),
+          star_[i], star_[j]);
   }
+  for (const std::uint32_t tet : cavity_.tets) badness += 1 / double{mesh_.to_quality[tet]};
   badness += tets::size_badness(star_, {}, options_.size_weight);
   return root.solve(tets::find_newton_step(star_, {}, tets::kSurelyPositive, options_.size_weight));
 }
@@ -113,7 +125,7 @@ bool Passes::try_place(std::uint32_t v, const Vec3& place, double bearable, doub
   double sum = tets::size_badness(star_, Root(old_metric.tensor).apply(place - x), options_.size_weight);
   mesh_.mesh.points[v] = place;
   mesh_.set_metric(v, source_.at(place, hint));
-  bool better = mesh_.evaluate(cavity_, v, bearable, made_) > bearable;
+  bool better = mesh_.evaluate_all(cavity_, v, bearable, made_) > bearable;
   if (better) {
     for (const float quality : made_) sum += 1 / double{quality};
     better = sum < kWorthAMove * badness;

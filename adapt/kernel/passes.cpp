@@ -17,12 +17,6 @@ void count(Verdicts& verdicts, Verdict verdict) { ++verdicts[static_cast<std::si
 
 }  // namespace
 
-// The larger of the two lengths that its ends give an edge, squared: not below the square of its length.
-double Passes::bound_of(std::uint32_t a, std::uint32_t b) const {
-  const Vec3 e = mesh_.point(b) - mesh_.point(a);
-  return std::max(dot(mesh_.to_metric[a].tensor, e), dot(mesh_.to_metric[b].tensor, e));
-}
-
 // The longest edge of a tet among those longer than `least`; false where there is none.
 bool Passes::longest_edge(std::uint32_t tet, float least, Edge& edge) const {
   const std::uint32_t* v = mesh_.verts(tet);

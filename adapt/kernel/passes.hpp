@@ -1,5 +1,6 @@
 #pragma once
 // Passes over the mesh of one part: coarsening, refinement, swaps and motion.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -53,7 +54,11 @@ class Passes {
   };
 
   bool longest_edge(std::uint32_t tet, float least, Edge& edge) const;
-  double bound_of(std::uint32_t a, std::uint32_t b) const;
+  // The larger of the two lengths that its ends give an edge, squared: not below the square of its length.
+  double bound_of(std::uint32_t a, std::uint32_t b) const {
+    const Vec3 e = mesh_.point(b) - mesh_.point(a);
+    return std::max(dot(mesh_.to_metric[a].tensor, e), dot(mesh_.to_metric[b].tensor, e));
+  }
   std::vector<Edge> short_edges(double shortest) const;
 
   Verdict split(std::uint32_t a, std::uint32_t b, std::uint32_t tet);

@@ -56,10 +56,10 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
     const Tensor metric = source_.at(places[i], hint);
     const std::uint32_t p =
         mesh_.add_vertex(places[i], mean(mesh_.to_metric[a].tensor, mesh_.to_metric[b].tensor), entity, hint);
-    const double least = mesh_.evaluate(cavity_, p, floor, made_);
+    const double least = mesh_.evaluate_all(cavity_, p, floor, made_);
     if (least > floor) {
       mesh_.set_metric(p, metric);
-      mesh_.evaluate(cavity_, p, -1, made_);
+      mesh_.evaluate_all(cavity_, p, -1, made_);
       mesh_.reconnect(cavity_, p, made_);
       return Verdict::Done;
     }

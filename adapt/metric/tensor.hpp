@@ -12,8 +12,10 @@
 // its logarithm always are.
 //
 // Thread safety: pure functions. Nothing here throws.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "core/base/vec.hpp"
 
@@ -58,8 +60,8 @@ constexpr Vec3 operator*(const Tensor& m, const Vec3& v) {
 }
 /// eᵀ M e: the squared length of e in the metric M.
 constexpr double dot(const Tensor& m, const Vec3& e) {
-  return m.xx * e.x * e.x + m.yy * e.y * e.y + m.zz * e.z * e.z +
-         2 * (m.xy * e.x * e.y + m.xz * e.x * e.z + m.yz * e.y * e.z);
+  return m.xx * (e.x * e.x) + m.yy * (e.y * e.y) + m.zz * (e.z * e.z) +
+         2 * (m.xy * (e.x * e.y) + m.xz * (e.x * e.z) + m.yz * (e.y * e.z));
 }
 /// aᵀ M b.
 constexpr double dot(const Vec3& a, const Tensor& m, const Vec3& b) { return dot(a, m * b); }
@@ -90,6 +92,25 @@ inline double logarithmic_mean(double a, double b) {
 inline double edge_length(const Tensor& ma, const Tensor& mb, const Vec3& e) {
   return logarithmic_mean(std::sqrt(dot(ma, e)), std::sqrt(dot(mb, e)));
 }
+
+/// How many edges have which lengths.
+struct LengthCounts {
+  std::int64_t unit = 0;         ///< in [1/√2, √2]
+  std::int64_t half_to_two = 0;  ///< in [1/2, 2]
+
+  /// Counts the edge e between two vertices with these metrics. Its length is between those in either of them, so most
+  /// edges need no root and no logarithm.
+  void add(const Tensor& ma, const Tensor& mb, const Vec3& e) {
+    const double a = dot(ma, e), b = dot(mb, e);
+    if (std::min(a, b) >= 0.5 && std::max(a, b) <= 2) {
+      ++unit, ++half_to_two;
+      return;
+    }
+    const double length = logarithmic_mean(std::sqrt(a), std::sqrt(b));
+    unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
+    half_to_two += length >= 0.5 && length <= 2;
+  }
+};
 
 /// Eigenvalues in ascending order, and a right-handed orthonormal basis of eigenvectors.
 struct EigenSystem {

@@ -43,16 +43,35 @@ constexpr auto kSteps = [] {
   return table;
 }();
 
+/// The same for two levels at once, by 64 · pose + the last two bits of x, y and z: 64 · inner pose + both ranks.
+constexpr auto kDoubleSteps = [] {
+  std::array<std::uint16_t, 24 * 64> table{};
+  for (unsigned pose = 0; pose < 24; ++pose) {
+    for (unsigned x = 0; x < 4; ++x)
+      for (unsigned y = 0; y < 4; ++y)
+        for (unsigned z = 0; z < 4; ++z) {
+          const unsigned outer = kSteps[8 * pose + ((x >> 1) | (y >> 1) << 1 | (z >> 1) << 2)];
+          const unsigned inner = kSteps[(outer & ~7U) + ((x & 1) | (y & 1) << 1 | (z & 1) << 2)];
+          table[64 * pose + (x | y << 2 | z << 4)] =
+              static_cast<std::uint16_t>((inner & ~7U) << 3 | (outer & 7) << 3 | (inner & 7));
+        }
+  }
+  return table;
+}();
+
 }  // namespace
 
 std::uint64_t hilbert_key(std::int64_t x, std::int64_t y, std::int64_t z) {
-  std::uint64_t key = 0;
-  unsigned pose = 0;  // times 8
-  for (int bit = kHilbertBits - 1; bit >= 0; --bit) {
-    const unsigned octant = static_cast<unsigned>((x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2);
-    const unsigned next = kSteps[pose + octant];
-    key = key << 3 | (next & 7);
-    pose = next & ~7U;
+  static_assert(kHilbertBits % 2 == 1);
+  constexpr int kTop = kHilbertBits - 1;
+  const unsigned first = kSteps[static_cast<unsigned>((x >> kTop & 1) | (y >> kTop & 1) << 1 | (z >> kTop & 1) << 2)];
+  std::uint64_t key = first & 7;
+  unsigned pose = (first & ~7U) << 3;  // times 64
+  for (int bit = kTop - 2; bit >= 0; bit -= 2) {
+    const auto place = static_cast<unsigned>((x >> bit & 3) | (y >> bit & 3) << 2 | (z >> bit & 3) << 4);
+    const unsigned next = kDoubleSteps[pose + place];
+    key = key << 6 | (next & 63);
+    pose = next & ~63U;
   }
   return key;
 }

@@ -141,8 +141,7 @@ void measure(const WorkingMesh& mesh, const VertexStar& star, std::span<StarTet>
     const auto f = opposite_face(mesh, star.codes[i]), g = opposite_face(mesh, star.codes[j]);
     const TetPair pair = detail::star_pair(detail::pair_of(*f[0], *g[0]) - x, detail::pair_of(*f[1], *g[1]) - x,
                                            detail::pair_of(*f[2], *g[2]) - x);
-    tets[j] = {detail::lane(pair.normal, 1), detail::lane(pair.middle, 1), pair.volume[1], pair.squares[1]};
-    tets[i] = {detail::lane(pair.normal, 0), detail::lane(pair.middle, 0), pair.volume[0], pair.squares[0]};
+    detail::store(pair, tets[i], tets[j]);
   }
 }
 

@@ -41,6 +41,12 @@ inline TetPair pair_of(const StarTet& a, const StarTet& b) {
 /// The second of a pair whose first is the last of an odd number: it adds nothing to any sum.
 inline StarTet neutral_tet() { return {{}, {}, 1e100, 0}; }
 
+/// Both tets of a pair.
+inline void store(const TetPair& pair, StarTet& first, StarTet& second) {
+  second = {lane(pair.normal, 1), lane(pair.middle, 1), pair.volume[1], pair.squares[1]};
+  first = {lane(pair.normal, 0), lane(pair.middle, 0), pair.volume[0], pair.squares[0]};
+}
+
 /// Calls visit(TetPair) for all tets of a star, in order.
 template <class Visit>
 void for_each_pair(std::span<const StarTet> star, Visit&& visit) {

@@ -214,7 +214,7 @@ class Mangler {
       if (std::all_of(core.begin(), core.end(), [&](std::uint32_t c) { return mesh_.corner_of(t, c) < 4; }))
         all.push_back(t);
     }
-    std::vector<std::uint32_t> found = cavity_.tets;
+    std::vector<std::uint32_t> found(cavity_.tets.begin(), cavity_.tets.end());
     std::sort(found.begin(), found.end());
     REQUIRE(found == all);
     float least = 2;
