@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "adapt/parts/rounds.hpp"
 #include "core/base/hilbert.hpp"
@@ -10,8 +11,10 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
+constexpr std::size_t kGrain = std::size_t{1} << 12;
+constexpr std::size_t kMostBlocks = 256;
 constexpr std::size_t kSamples = std::size_t{1} << 14;
+constexpr std::size_t kSampleGrain = std::size_t{1} << 8;
 constexpr double kUnitsPerTet = 1024;
 constexpr double kMostWork = 1e9;
 
@@ -23,11 +26,13 @@ struct Sample {
 };
 
 Box3 box_of(const WholeMesh& share, const SharedWork& work) {
-  const std::size_t blocks = (share.size() + kGrain - 1) / kGrain;
-  std::vector<Box3> boxes(blocks);
-  work.runner().for_blocks(share.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * 4; i < end * 4; ++i) boxes[begin / kGrain].add(share.points[share.to_vert[i]]);
-  });
+  // All of its points are in use.
+  const auto boxes = map_blocks(work.runner(), share.points.size(), kGrain, Box3(),
+                                [&](std::size_t begin, std::size_t end, Box3& result) {
+                                  Box3 box;
+                                  for (std::size_t v = begin; v < end; ++v) box.add(share.points[v]);
+                                  result = box;
+                                });
   std::array<double, 6> ends;
   ends.fill(-std::numeric_limits<double>::infinity());
   for (const Box3& box : boxes) {
@@ -68,21 +73,33 @@ class Curve {
   double scale_ = 1;
 };
 
-std::int64_t work_units(float work) { return std::llround(std::min(double{work}, kMostWork) * kUnitsPerTet); }
+std::int64_t work_units(float work) {
+  return static_cast<std::int64_t>(std::min(double{work}, kMostWork) * kUnitsPerTet + 0.5);
+}
+
+std::int64_t sum_of_units(std::span<const float> to_work) {
+  std::int64_t sum = 0;
+  for (const float one : to_work) sum += work_units(one);
+  return sum;
+}
 
 // Samples of the whole mesh, in the order of its tets.
 std::vector<Sample> gather_samples(const Curve& curve, const ShareLinks& links, std::span<const float> to_work,
                                    const SharedWork& work) {
   const std::size_t first = links.first_tets[static_cast<std::size_t>(work.rank())];
   const std::size_t step = std::max<std::size_t>(1, links.first_tets.back() / kSamples);
+  const std::size_t last = first + to_work.size(), lowest = first / step;
   const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
-    std::vector<Sample> own;
-    for (std::size_t tet = 0; tet < to_work.size(); ++tet) {
-      const std::size_t number = (first + tet) / step;
-      if (own.empty() || own.back().number != number) own.push_back({.number = number});
-      if ((first + tet) % step == 0) own.back().key = curve.key_of(tet);
-      own.back().units += work_units(to_work[tet]);
-    }
+    std::vector<Sample> own(last > first ? (last - 1) / step + 1 - lowest : 0);
+    work.runner().for_blocks(own.size(), kSampleGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Sample& sample = own[i];
+        sample.number = lowest + i;
+        const std::size_t from = std::max(first, sample.number * step), to = std::min(last, (sample.number + 1) * step);
+        if (from == sample.number * step) sample.key = curve.key_of(from - first);
+        sample.units = sum_of_units(to_work.subspan(from - first, to - from));
+      }
+    });
     writer.put_array(std::span<const Sample>(own));
   });
   std::vector<Sample> samples;
@@ -115,11 +132,19 @@ std::vector<std::uint64_t> find_cuts(std::vector<Sample> samples, std::size_t pa
   return cuts;
 }
 
+std::uint32_t part_at(const std::vector<std::uint64_t>& cuts, const Curve& curve, std::size_t tet) {
+  if (cuts.empty()) return 0;
+  return static_cast<std::uint32_t>(std::upper_bound(cuts.begin(), cuts.end(), curve.key_of(tet)) - cuts.begin());
+}
+
 }  // namespace
 
 double sum_of_work(std::span<const float> to_work, const SharedWork& work) {
-  std::array<std::int64_t, 1> sum{};
-  for (const float one : to_work) sum[0] += work_units(one);
+  const auto sums = map_blocks(work.runner(), to_work.size(), kGrain, std::int64_t{0},
+                               [&](std::size_t begin, std::size_t end, std::int64_t& sum) {
+                                 sum = sum_of_units(to_work.subspan(begin, end - begin));
+                               });
+  std::array<std::int64_t, 1> sum{std::accumulate(sums.begin(), sums.end(), std::int64_t{0})};
   work.sum(sum);
   return static_cast<double>(sum[0]) / kUnitsPerTet;
 }
@@ -128,17 +153,22 @@ Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<con
                   std::size_t part_count, std::size_t round, const SharedWork& work) {
   Dealing dealing;
   dealing.to_part.resize(share.size());
+  const Curve curve(share, box_of(share, work), round);
+  std::vector<std::uint64_t> cuts;
+  if (part_count > 1) cuts = find_cuts(gather_samples(curve, links, to_work, work), part_count);
+  const std::size_t grain = std::max(kGrain, share.size() / kMostBlocks + 1);
+  const auto sums = map_blocks(work.runner(), share.size(), grain, std::vector<std::int64_t>(),
+                               [&](std::size_t begin, std::size_t end, std::vector<std::int64_t>& units) {
+                                 units.resize(part_count);
+                                 for (std::size_t tet = begin; tet < end; ++tet) {
+                                   const std::uint32_t part = part_at(cuts, curve, tet);
+                                   dealing.to_part[tet] = part;
+                                   units[part] += work_units(to_work[tet]);
+                                 }
+                               });
   dealing.work.resize(part_count);
-  if (part_count > 1) {
-    const Curve curve(share, box_of(share, work), round);
-    const std::vector<std::uint64_t> cuts = find_cuts(gather_samples(curve, links, to_work, work), part_count);
-    work.runner().for_blocks(share.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tet = begin; tet < end; ++tet)
-        dealing.to_part[tet] =
-            static_cast<std::uint32_t>(std::upper_bound(cuts.begin(), cuts.end(), curve.key_of(tet)) - cuts.begin());
-    });
-  }
-  for (std::size_t tet = 0; tet < share.size(); ++tet) dealing.work[dealing.to_part[tet]] += work_units(to_work[tet]);
+  for (const std::vector<std::int64_t>& units : sums)
+    for (std::size_t part = 0; part < part_count; ++part) dealing.work[part] += units[part];
   work.sum(dealing.work);
   return dealing;
 }
