@@ -5,6 +5,7 @@
 
 #include "adapt/adapt_on_ranks.hpp"
 #include "adapt/adapter.hpp"
+#include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/base/stopwatch.hpp"
@@ -106,7 +107,7 @@ class AdaptRun {
     watch.lap();
     work_.each([&] {
       if (work_.rank() == 0)
-        result.report.after = measure_conformity(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
+        result.report.after = conformity_of(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
     });
     share_findings(result.report, work_);
     result.report.stages.result += watch.lap();

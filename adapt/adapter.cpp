@@ -78,12 +78,6 @@ void Adapter::run(AdaptResult& result) {
   finish_result(result);
 }
 
-MetricField Adapter::metric_of_result() const {
-  MetricField metric;
-  for (const VertexMetric& m : whole_.to_metric) metric.logs.push_back(log(m.tensor));
-  return metric;
-}
-
 void Adapter::follow_stages() {
   double ratio = 2;
   for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
@@ -123,7 +117,10 @@ void Adapter::finish_result(AdaptResult& result) {
   AdaptReport& report = result.report;
   work_.each([&] {
     if (work_.rank() != 0) return;
+    whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
     result.mesh = make_mesh_of(whole_, mesh_);
+    metric_of_result_ = std::move(whole_.to_metric);
+    whole_ = WholeMesh();
     report.transfers = transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape,
                                        work_.runner_for_one());
   });
@@ -238,18 +235,19 @@ Adapter::Fit Adapter::measure() const {
     LengthCounts lengths;
     double least = 1;
   };
-  std::vector<Block> blocks((whole_.size() + kGrain - 1) / kGrain);
-  runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    Block& block = blocks[begin / kGrain];
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      std::array<std::uint32_t, 4> v;
-      std::copy_n(&whole_.to_vert[tet * 4], 4, v.begin());
-      block.least = std::min(block.least, cubed_mean_ratio(whole_.points, whole_.to_metric, v));
-      for (const auto& [i, j] : kEdgeCorners)
-        block.lengths.add(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
-                          whole_.points[v[j]] - whole_.points[v[i]]);
-    }
-  });
+  const auto blocks =
+      map_blocks(runner_, whole_.size(), kGrain, Block(), [&](std::size_t begin, std::size_t end, Block& result) {
+        Block block;  // neighbouring results share lines of the cache
+        for (std::size_t tet = begin; tet < end; ++tet) {
+          std::array<std::uint32_t, 4> v;
+          std::copy_n(&whole_.to_vert[tet * 4], 4, v.begin());
+          block.least = std::min(block.least, cubed_mean_ratio(whole_.points, whole_.to_metric, v));
+          for (const auto& [i, j] : kEdgeCorners)
+            block.lengths.add(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
+                              whole_.points[v[j]] - whole_.points[v[i]]);
+        }
+        result = block;
+      });
   std::array<std::int64_t, 3> sums{0, 0, static_cast<std::int64_t>(whole_.size()) * 6};
   std::array<double, 1> worst{-1};
   for (const Block& block : blocks) {

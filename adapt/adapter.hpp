@@ -2,6 +2,7 @@
 // The rounds of one adaptation.
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "adapt/adapt.hpp"
@@ -25,7 +26,7 @@ class Adapter {
   /// Fills in the mesh, on rank 0, and what the report says of operations, rounds and stages.
   void run(AdaptResult& result);
   /// At the points of the result; on rank 0, after `run`.
-  MetricField metric_of_result() const;
+  std::span<const VertexMetric> metric_of_result() const { return metric_of_result_; }
 
  private:
   using Work = std::function<void(Passes&)>;  // what is done to each part in one round
@@ -56,6 +57,7 @@ class Adapter {
   const SharedWork& work_;
   const TaskRunner& runner_;
   WholeMesh whole_;  // between rounds the share of it that this rank has
+  GrowingArray<VertexMetric> metric_of_result_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
   std::optional<BackgroundMesh> background_;

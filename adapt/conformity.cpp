@@ -1,15 +1,123 @@
+#include "adapt/conformity.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "adapt/adapt.hpp"
-#include "adapt/metric/vertex_metric.hpp"
-
 namespace tetloom {
 
-using namespace adapt;
+namespace adapt {
 
-MetricConformity measure_conformity(const Mesh& mesh, const MetricField& metric, const BlockLoop& loop) {
-  constexpr std::size_t kGrain = std::size_t{1} << 12;
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 12;
+
+MetricConformity nothing_yet() {
+  MetricConformity blank;
+  blank.shortest = HUGE_VAL, blank.least_quality = HUGE_VAL;
+  return blank;
+}
+
+// Sums that are not yet divided by their counts.
+void add(const MetricConformity& block, MetricConformity& all) {
+  all.edges += block.edges, all.unit += block.unit, all.half_to_two += block.half_to_two;
+  all.shortest = std::min(all.shortest, block.shortest), all.longest = std::max(all.longest, block.longest);
+  all.least_quality = std::min(all.least_quality, block.least_quality), all.mean_quality += block.mean_quality;
+  all.complexity += block.complexity;
+  for (std::size_t i = 0; i < block.quality_histogram.size(); ++i)
+    all.quality_histogram[i] += block.quality_histogram[i];
+}
+
+class Measure {
+ public:
+  Measure(const Mesh& mesh, std::span<const VertexMetric> metrics, const BlockLoop& loop)
+      : mesh_(mesh), metrics_(metrics), loop_(loop), all_(nothing_yet()) {}
+
+  MetricConformity run() {
+    find_stars();
+    add_blocks(metrics_.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
+      std::vector<std::uint32_t> ends;
+      for (std::size_t v = begin; v < end; ++v) add_edges(static_cast<std::uint32_t>(v), ends, sum);
+    });
+    add_blocks(mesh_.tet_to_vert.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
+      for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tet_to_vert[tet], sum);
+    });
+    if (all_.edges == 0) return MetricConformity();
+    all_.unit /= static_cast<double>(all_.edges), all_.half_to_two /= static_cast<double>(all_.edges);
+    all_.mean_quality /= static_cast<double>(mesh_.tet_to_vert.size());
+    return all_;
+  }
+
+ private:
+  template <class Body>
+  void add_blocks(std::size_t count, const Body& body) {
+    const auto sums = map_blocks(loop_, count, kGrain, nothing_yet(),
+                                 [&](std::size_t begin, std::size_t end, MetricConformity& result) {
+                                   // Neighbouring results share lines of the cache.
+                                   MetricConformity sum = nothing_yet();
+                                   body(begin, end, sum);
+                                   result = sum;
+                                 });
+    for (const MetricConformity& sum : sums) add(sum, all_);
+  }
+
+  void find_stars() {
+    begins_.assign(mesh_.points.size() + 2, 0);
+    for (const TetVerts& tet : mesh_.tet_to_vert)
+      for (const std::uint32_t v : tet) ++begins_[v + 2];
+    for (std::size_t v = 2; v < begins_.size(); ++v) begins_[v] += begins_[v - 1];
+    // begins_[v + 1] is where the next tet of v goes, and ends up as the end of v's.
+    to_tet_.resize(mesh_.tet_to_vert.size() * 4);
+    for (std::size_t tet = 0; tet < mesh_.tet_to_vert.size(); ++tet)
+      for (const std::uint32_t v : mesh_.tet_to_vert[tet]) to_tet_[begins_[v + 1]++] = static_cast<std::uint32_t>(tet);
+  }
+
+  // Those to higher vertices.
+  void add_edges(std::uint32_t a, std::vector<std::uint32_t>& ends, MetricConformity& sum) const {
+    ends.clear();
+    for (std::size_t i = begins_[a]; i < begins_[a + 1]; ++i)
+      for (const std::uint32_t v : mesh_.tet_to_vert[to_tet_[i]])
+        if (v > a) ends.push_back(v);
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    for (const std::uint32_t b : ends) {
+      const double length = edge_length(metrics_[a].tensor, metrics_[b].tensor, mesh_.points[b] - mesh_.points[a]);
+      ++sum.edges;
+      sum.unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
+      sum.half_to_two += length >= 0.5 && length <= 2;
+      sum.shortest = std::min(sum.shortest, length), sum.longest = std::max(sum.longest, length);
+    }
+  }
+
+  void add_tet(const TetVerts& tet, MetricConformity& sum) const {
+    // Metrics of sizes like 1e-60 overflow, and give what is not a number.
+    const double cubed = cubed_mean_ratio(mesh_.points, metrics_, tet);
+    const double quality = cubed > 0 ? std::cbrt(std::min(cubed, 1.0)) : 0;
+    sum.least_quality = std::min(sum.least_quality, quality), sum.mean_quality += quality;
+    ++sum.quality_histogram[static_cast<std::size_t>(std::clamp(quality * 10, 0.0, 9.0))];
+    const Vec3& x = mesh_.points[tet[0]];
+    const double volume =
+        std::abs(dot(cross(mesh_.points[tet[1]] - x, mesh_.points[tet[2]] - x), mesh_.points[tet[3]] - x)) / 6;
+    for (const std::uint32_t v : tet) sum.complexity += volume / 4 * std::sqrt(metrics_[v].det);
+  }
+
+  const Mesh& mesh_;
+  std::span<const VertexMetric> metrics_;
+  const BlockLoop& loop_;
+  MetricConformity all_;
+  std::vector<std::size_t> begins_;
+  std::vector<std::uint32_t> to_tet_;  // tets of one vertex after the other
+};
+
+}  // namespace
+
+MetricConformity conformity_of(const Mesh& mesh, std::span<const VertexMetric> metrics, const BlockLoop& loop) {
+  return Measure(mesh, metrics, loop).run();
+}
+
+}  // namespace adapt
+
+MetricConformity measure_conformity(const Mesh& mesh, const adapt::MetricField& metric, const BlockLoop& loop) {
+  using namespace adapt;
   std::vector<VertexMetric> metrics(mesh.points.size());
   loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
@@ -17,45 +125,10 @@ MetricConformity measure_conformity(const Mesh& mesh, const MetricField& metric,
       metrics[v] = {tensor, det(tensor)};
     }
   });
-  const VertexGraph graph(TetView{mesh.points, mesh.tet_to_vert}, loop);
-  std::vector<MetricConformity> blocks((std::max(metrics.size(), mesh.tet_to_vert.size()) + kGrain - 1) / kGrain);
-  for (MetricConformity& block : blocks) block.shortest = HUGE_VAL, block.least_quality = HUGE_VAL;
-  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    MetricConformity& block = blocks[begin / kGrain];
-    for (std::size_t a = begin; a < end; ++a) {
-      for (const std::uint32_t b : graph.neighbors(a)) {
-        if (b < a) continue;
-        const double length = edge_length(metrics[a].tensor, metrics[b].tensor, mesh.points[b] - mesh.points[a]);
-        ++block.edges;
-        block.unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
-        block.half_to_two += length >= 0.5 && length <= 2;
-        block.shortest = std::min(block.shortest, length), block.longest = std::max(block.longest, length);
-      }
-    }
-  });
-  loop.for_blocks(mesh.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    MetricConformity& block = blocks[begin / kGrain];
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      // Metrics of sizes like 1e-60 overflow, and give what is not a number.
-      const double cubed = cubed_mean_ratio(mesh.points, metrics, mesh.tet_to_vert[tet]);
-      const double quality = cubed > 0 ? std::cbrt(std::min(cubed, 1.0)) : 0;
-      block.least_quality = std::min(block.least_quality, quality), block.mean_quality += quality;
-      ++block.quality_histogram[static_cast<std::size_t>(std::clamp(quality * 10, 0.0, 9.0))];
-    }
-  });
-  MetricConformity all;
-  all.shortest = HUGE_VAL, all.least_quality = HUGE_VAL;
-  for (const MetricConformity& block : blocks) {
-    all.edges += block.edges, all.unit += block.unit, all.half_to_two += block.half_to_two;
-    all.shortest = std::min(all.shortest, block.shortest), all.longest = std::max(all.longest, block.longest);
-    all.least_quality = std::min(all.least_quality, block.least_quality), all.mean_quality += block.mean_quality;
-    for (std::size_t i = 0; i < 10; ++i) all.quality_histogram[i] += block.quality_histogram[i];
-  }
-  if (all.edges == 0) return MetricConformity();
-  all.unit /= static_cast<double>(all.edges), all.half_to_two /= static_cast<double>(all.edges);
-  all.mean_quality /= static_cast<double>(mesh.tet_to_vert.size());
-  all.complexity = complexity(metric, TetView{mesh.points, mesh.tet_to_vert}, loop);
-  return all;
+  MetricConformity result = conformity_of(mesh, metrics, loop);
+  // The determinants of very small or large sizes are out of range, their logarithms are not.
+  if (result.edges > 0) result.complexity = complexity(metric, tets_of(mesh), loop);
+  return result;
 }
 
 }  // namespace tetloom
