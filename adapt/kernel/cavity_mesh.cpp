@@ -491,7 +491,7 @@ std::vector<std::uint32_t> CavityMesh::renumber(bool along_curve) {
   mesh.to_vert = std::move(to_vert), mesh.to_neighbor = std::move(to_neighbor);
   permute(mesh.to_region, from), permute(mesh.to_fixed, from), permute(to_quality, from);
   first_dead_ = kNone;
-  slot_.clear();
+  slot_ = {};
   for (std::uint32_t tet = 0; tet < mesh.size(); ++tet)
     for (std::size_t j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
   return vert_sources;

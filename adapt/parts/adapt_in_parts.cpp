@@ -1,5 +1,3 @@
-#include <optional>
-
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/join_parts.hpp"
 #include "adapt/parts/rounds.hpp"
@@ -10,13 +8,16 @@ namespace {
 
 // Vertices that were there before, by their numbers in the share; kNone for new ones.
 void finish(PartOfWhole& part) {
+  const std::size_t given = part.to_whole.size();
+  const bool has_grown = part.mesh.mesh.points.size() > given + given / 8;
   part.to_whole.resize(part.mesh.mesh.points.size(), kNone);
-  const bool has_grown = part.mesh.mesh.points.size() > part.given + part.given / 8;
   const std::vector<std::uint32_t> from = part.mesh.renumber(has_grown);
   std::vector<std::uint32_t> to_whole;
   to_whole.reserve(from.size());
   for (const std::uint32_t v : from) to_whole.push_back(part.to_whole[v]);
   part.to_whole = std::move(to_whole);
+  // Parts wait for the others: what a round begins with is made anew.
+  part.mesh.to_quality.release(), part.mesh.vert_to_tet.release();
 }
 
 }  // namespace
@@ -24,23 +25,22 @@ void finish(PartOfWhole& part) {
 void adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing,
                     const std::function<void(std::size_t, CavityMesh&)>& adapt, const SharedWork& work) {
   const std::size_t part_count = dealing.work.size();
-  const RoundShare moved = move_tets(share, links, std::move(dealing.to_part), part_count, work);
+  RoundShare moved = move_tets(share, links, std::move(dealing.to_part), part_count, work);
   std::uint32_t first = 0;
   while (first < part_count && rank_of_part(first, part_count, work.rank_count()) < work.rank()) ++first;
   std::vector<double> own_work;
   for (std::uint32_t p = first; p < part_count && rank_of_part(p, part_count, work.rank_count()) == work.rank(); ++p)
     own_work.push_back(static_cast<double>(dealing.work[p]));
-  std::vector<PartOfWhole> parts(own_work.size());
-  std::optional<Cutter> cutter;
+  std::vector<PartOfWhole> parts;
   work.each([&] {
-    cutter.emplace(moved, first, static_cast<std::uint32_t>(parts.size()));
+    parts = cut_parts(moved, first, static_cast<std::uint32_t>(own_work.size()), work.runner());
     work.runner().for_each_largest_first(own_work, [&](std::size_t p) {
-      cutter->build(static_cast<std::uint32_t>(p), parts[p]);
+      parts[p].mesh.start();
       adapt(first + p, parts[p].mesh);
       finish(parts[p]);
     });
   });
-  share = join_parts(moved, parts, *cutter, links, work);
+  share = join_parts(moved, parts, links, work);
 }
 
 }  // namespace tetloom::adapt

@@ -1,135 +1,212 @@
 #include "adapt/parts/cut_parts.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <unordered_map>
 
 namespace tetloom::adapt {
 
+namespace {
+
 using tets::TetMesh;
 
-Cutter::Cutter(const RoundShare& share, std::uint32_t first, std::uint32_t count)
-    : share_(share),
-      first_(first),
-      owner_(share.mesh.points.size(), kNone),
-      local_tet_(share.mesh.size()),
-      local_vert_(share.mesh.points.size()),
-      part_to_tets_(count),
-      part_to_triangles_(count) {
-  const WholeMesh& mesh = share.mesh;
-  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
-    const std::uint32_t part = part_of(tet);
-    local_tet_[tet] = static_cast<std::uint32_t>(part_to_tets_[part].size());
-    part_to_tets_[part].push_back(tet);
-    for (std::size_t i = 0; i < 4; ++i) {
-      std::uint32_t& owner = owner_[mesh.to_vert[std::size_t{tet} * 4 + i]];
-      owner = owner == kNone || owner == part ? part : kShared;
-    }
-  }
-  for (const std::uint32_t v : share.outside_verts) owner_[v] = kShared;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto& tets = mesh.triangles[i].tets;
-    part_to_triangles_[part_of(tets[0])].push_back(i);
-    if (tets[1] != kNone && part_of(tets[1]) != part_of(tets[0])) part_to_triangles_[part_of(tets[1])].push_back(i);
-  }
-}
+constexpr std::size_t kGrain = std::size_t{1} << 14;
+constexpr std::size_t kMostBlocks = 256;
+constexpr std::uint32_t kShared = kNone - 1;
 
-class Cutter::Builder {
+class PartCutter {
  public:
-  Builder(Cutter& cutter, std::uint32_t number, PartOfWhole& part)
-      : cutter_(cutter), mesh_(cutter.share_.mesh), number_(number), part_(part), m_(part.mesh.mesh) {}
+  PartCutter(RoundShare& share, std::uint32_t first, std::uint32_t count, const TaskRunner& runner)
+      : share_(share),
+        mesh_(share.mesh),
+        first_(first),
+        runner_(runner),
+        parts_(count),
+        to_triangles_(count),
+        shared_(count) {}
 
-  void run() {
-    add_tets();
-    add_verts();
-    add_triangles();
-    add_edges();
-    part_.mesh.start();
+  std::vector<PartOfWhole> run() {
+    sort_tets();
+    sort_triangles();
+    find_owners();
+    runner_.for_each(parts_.size(), [&](std::size_t p) { take_corners(p), take_edges(p); });
+    mesh_.to_vert.release();
+    runner_.for_each(parts_.size(), [&](std::size_t p) { take_neighbors(p), take_triangles(p); });
+    mesh_.to_neighbor.release();
+    share_.to_part = {}, to_local_tet_ = {};
+    runner_.for_each(parts_.size(), [&](std::size_t p) { take_regions(p), take_verts(p); });
+    mesh_ = WholeMesh();
+    return std::move(parts_);
   }
 
  private:
-  bool has(std::uint32_t tet) const { return tet != kNone && cutter_.part_of(tet) == number_; }
+  std::uint32_t part_of(std::uint32_t tet) const { return share_.to_part[tet] - first_; }
+  bool has(std::size_t p, std::uint32_t tet) const { return tet != kNone && part_of(tet) == p; }
+  bool is_shared(std::uint32_t vert) const { return to_owner_[vert] == kShared; }
+  std::span<const std::uint32_t> tets_of(std::size_t p) const {
+    return std::span(tets_).subspan(first_tets_[p], first_tets_[p + 1] - first_tets_[p]);
+  }
+
+  // The tets of each part, in their order, and where in it each is.
+  void sort_tets() {
+    const std::size_t count = mesh_.size(), parts = parts_.size();
+    const std::size_t grain = std::max(kGrain, count / kMostBlocks + 1), blocks = (count + grain - 1) / grain;
+    std::vector<std::uint32_t> places(blocks * parts, 0);  // of the next tet of each part in each block
+    runner_.for_blocks(count, grain, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t* of_block = &places[begin / grain * parts];
+      for (std::size_t tet = begin; tet < end; ++tet) ++of_block[part_of(static_cast<std::uint32_t>(tet))];
+    });
+    first_tets_.assign(1, 0);
+    for (std::size_t p = 0; p < parts; ++p) {
+      std::uint32_t sum = 0;
+      for (std::size_t block = 0; block < blocks; ++block) {
+        const std::uint32_t own = std::exchange(places[block * parts + p], sum);
+        sum += own;
+      }
+      first_tets_.push_back(first_tets_.back() + sum);
+    }
+    to_local_tet_.resize_for_overwrite(count), tets_.resize_for_overwrite(count);
+    runner_.for_blocks(count, grain, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t* of_block = &places[begin / grain * parts];
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        const std::uint32_t p = part_of(static_cast<std::uint32_t>(tet)), local = of_block[p]++;
+        to_local_tet_[tet] = local;
+        tets_[first_tets_[p] + local] = static_cast<std::uint32_t>(tet);
+      }
+    });
+  }
+
+  void sort_triangles() {
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const auto& tets = mesh_.triangles[i].tets;
+      to_triangles_[part_of(tets[0])].push_back(i);
+      if (tets[1] != kNone && part_of(tets[1]) != part_of(tets[0])) to_triangles_[part_of(tets[1])].push_back(i);
+    }
+  }
+
+  void find_owners() {
+    to_owner_.resize(mesh_.points.size(), kNone), to_local_vert_.resize(mesh_.points.size(), 0);
+    runner_.for_blocks(mesh_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin * 4; i < end * 4; ++i) claim(mesh_.to_vert[i], share_.to_part[i / 4] - first_);
+    });
+    for (const std::uint32_t v : share_.outside_verts) to_owner_[v] = kShared;
+  }
+
+  // From tets of all parts at once.
+  void claim(std::uint32_t vert, std::uint32_t part) {
+    // Partner: the same call for other tets of the vertex. Whatever their order, two parts leave kShared.
+    const std::atomic_ref<std::uint32_t> owner(to_owner_[vert]);
+    std::uint32_t known = owner.load(std::memory_order_relaxed);
+    if (known == kNone && owner.compare_exchange_strong(known, part, std::memory_order_relaxed)) return;
+    if (known != part && known != kShared) owner.store(kShared, std::memory_order_relaxed);
+  }
 
   // Of a vertex that is in the part.
-  std::uint32_t known(std::uint32_t v) const { return cutter_.is_shared(v) ? shared_.at(v) : cutter_.local_vert_[v]; }
+  std::uint32_t known(std::size_t p, std::uint32_t v) const {
+    return is_shared(v) ? shared_[p].at(v) : to_local_vert_[v];
+  }
 
-  std::uint32_t local_of(std::uint32_t v) {
-    const auto next = static_cast<std::uint32_t>(part_.to_whole.size());
-    if (cutter_.is_shared(v)) {
-      const auto [at, is_new] = shared_.emplace(v, next);
-      if (is_new) part_.to_whole.push_back(v);
+  std::uint32_t local_of(std::size_t p, std::uint32_t v) {
+    std::vector<std::uint32_t>& to_whole = parts_[p].to_whole;
+    const auto next = static_cast<std::uint32_t>(to_whole.size());
+    if (is_shared(v)) {
+      const auto [at, is_new] = shared_[p].emplace(v, next);
+      if (is_new) to_whole.push_back(v);
       return at->second;
     }
-    std::uint32_t& local = cutter_.local_vert_[v];
-    if (local >= next || part_.to_whole[local] != v) {
+    std::uint32_t& local = to_local_vert_[v];
+    if (local >= next || to_whole[local] != v) {
       local = next;
-      part_.to_whole.push_back(v);
+      to_whole.push_back(v);
     }
     return local;
   }
 
-  void add_tets() {
-    const auto& tets = cutter_.part_to_tets_[number_];
-    m_.to_vert.reserve(tets.size() * 5), m_.to_neighbor.reserve(tets.size() * 5);
+  void take_corners(std::size_t p) {
+    TetMesh& part = parts_[p].mesh.mesh;
+    const auto tets = tets_of(p);
+    part.to_vert.reserve(tets.size() * 5);
+    for (const std::uint32_t tet : tets)
+      for (std::size_t i = 0; i < 4; ++i) part.to_vert.push_back(local_of(p, mesh_.to_vert[std::size_t{tet} * 4 + i]));
+  }
+
+  // Those that its tets have, whether it has a triangle there or not.
+  void take_edges(std::size_t p) {
+    for (const std::uint32_t tet : tets_of(p))
+      for_each_piece(mesh_, tet, [&](const ModelEdgePiece& piece) {
+        parts_[p].mesh.surface.add_edge(known(p, piece.verts[0]), known(p, piece.verts[1]), piece.edge);
+      });
+  }
+
+  void take_neighbors(std::size_t p) {
+    TetMesh& part = parts_[p].mesh.mesh;
+    const auto tets = tets_of(p);
+    part.to_neighbor.reserve(tets.size() * 5);
     for (const std::uint32_t tet : tets) {
       std::uint8_t fixed = 0;
       for (std::uint32_t i = 0; i < 4; ++i) {
-        m_.to_vert.push_back(local_of(mesh_.to_vert[std::size_t{tet} * 4 + i]));
         const FaceCode behind = mesh_.to_neighbor[std::size_t{tet} * 4 + i];
-        const bool open = behind == kNone || !has(behind / 4);
-        m_.to_neighbor.push_back(open ? kNone : cutter_.local_tet_[behind / 4] * 4 + behind % 4);
+        const bool open = behind == kNone || !has(p, behind / 4);
+        part.to_neighbor.push_back(open ? kNone : to_local_tet_[behind / 4] * 4 + behind % 4);
         fixed |= static_cast<std::uint8_t>(unsigned{open} << i);
       }
-      m_.to_fixed.push_back(fixed);
-      m_.to_region.push_back(mesh_.to_region[tet]);
+      part.to_fixed.push_back(fixed);
     }
   }
 
-  void add_verts() {
-    CavityMesh& mesh = part_.mesh;
-    for (const std::uint32_t v : part_.to_whole) {
-      m_.points.push_back(mesh_.points[v]);
-      mesh.to_metric.push_back(mesh_.to_metric[v]);
-      mesh.to_entity.push_back(mesh_.to_entity[v]);
-      mesh.to_hint.push_back(mesh_.to_hint[v]);
-      mesh.to_frozen.push_back(static_cast<std::uint8_t>(cutter_.is_shared(v)));
-      mesh.to_state.push_back(mesh_.to_state[v]);
-    }
-    part_.given = static_cast<std::uint32_t>(part_.to_whole.size());
-  }
-
-  void add_triangles() {
-    for (const std::uint32_t i : cutter_.part_to_triangles_[number_]) {
+  void take_triangles(std::size_t p) {
+    CavityMesh& part = parts_[p].mesh;
+    for (const std::uint32_t i : to_triangles_[p]) {
       SurfaceTriangle triangle = mesh_.triangles[i].triangle;
-      for (std::uint32_t& v : triangle.verts) v = known(v);
-      part_.mesh.surface.add(triangle);
+      for (std::uint32_t& v : triangle.verts) v = known(p, v);
+      part.surface.add(triangle);
       for (const std::uint32_t tet : mesh_.triangles[i].tets) {
-        if (!has(tet)) continue;
-        const std::uint32_t local = cutter_.local_tet_[tet];
+        if (!has(p, tet)) continue;
+        const std::uint32_t local = to_local_tet_[tet];
         for (std::uint32_t f = 0; f < 4; ++f) {
-          const std::uint32_t apex = part_.mesh.verts(local)[f];
+          const std::uint32_t apex = part.verts(local)[f];
           if (std::find(triangle.verts.begin(), triangle.verts.end(), apex) == triangle.verts.end())
-            m_.to_fixed[local] |= static_cast<std::uint8_t>(1u << f);
+            part.mesh.to_fixed[local] |= static_cast<std::uint8_t>(1u << f);
         }
       }
     }
   }
 
-  // Those that its tets have, whether it has a triangle there or not.
-  void add_edges() {
-    for (const std::uint32_t tet : cutter_.part_to_tets_[number_])
-      for_each_piece(mesh_, tet, [&](const ModelEdgePiece& piece) {
-        part_.mesh.surface.add_edge(known(piece.verts[0]), known(piece.verts[1]), piece.edge);
-      });
+  void take_regions(std::size_t p) {
+    for (const std::uint32_t tet : tets_of(p)) parts_[p].mesh.mesh.to_region.push_back(mesh_.to_region[tet]);
   }
 
-  Cutter& cutter_;
-  const WholeMesh& mesh_;
-  std::uint32_t number_;
-  PartOfWhole& part_;
-  TetMesh& m_;
-  std::unordered_map<std::uint32_t, std::uint32_t> shared_;  // their places here
+  void take_verts(std::size_t p) {
+    CavityMesh& part = parts_[p].mesh;
+    for (const std::uint32_t v : parts_[p].to_whole) {
+      part.mesh.points.push_back(mesh_.points[v]);
+      part.to_metric.push_back(mesh_.to_metric[v]);
+      part.to_entity.push_back(mesh_.to_entity[v]);
+      part.to_hint.push_back(mesh_.to_hint[v]);
+      part.to_frozen.push_back(static_cast<std::uint8_t>(is_shared(v)));
+      part.to_state.push_back(mesh_.to_state[v]);
+    }
+  }
+
+  RoundShare& share_;
+  WholeMesh& mesh_;
+  std::uint32_t first_;
+  const TaskRunner& runner_;
+  std::vector<PartOfWhole> parts_;
+  std::vector<std::uint32_t> first_tets_;      // of each part, in tets_
+  GrowingArray<std::uint32_t> tets_;           // of one part after the other
+  GrowingArray<std::uint32_t> to_local_tet_;   // place in its part
+  GrowingArray<std::uint32_t> to_owner_;       // of every vertex: the part that has it, or that several do
+  GrowingArray<std::uint32_t> to_local_vert_;  // of vertices that one part has; each is written by its own part
+  std::vector<std::vector<std::uint32_t>> to_triangles_;
+  std::vector<std::unordered_map<std::uint32_t, std::uint32_t>> shared_;  // places in the part of what it shares
 };
 
-void Cutter::build(std::uint32_t number, PartOfWhole& part) { Builder(*this, number, part).run(); }
+}  // namespace
+
+std::vector<PartOfWhole> cut_parts(RoundShare& share, std::uint32_t first, std::uint32_t count,
+                                   const TaskRunner& runner) {
+  return PartCutter(share, first, count, runner).run();
+}
 
 }  // namespace tetloom::adapt

@@ -26,9 +26,8 @@ struct Renumbered {
 
 class Joiner {
  public:
-  Joiner(const RoundShare& old, std::vector<PartOfWhole>& parts, const Cutter& cutter, ShareLinks& links,
-         const SharedWork& work)
-      : old_(old), parts_(parts), cutter_(cutter), links_(links), work_(work), runner_(work.runner()) {}
+  Joiner(const RoundShare& old, std::vector<PartOfWhole>& parts, ShareLinks& links, const SharedWork& work)
+      : old_(old), parts_(parts), links_(links), work_(work), runner_(work.runner()) {}
 
   WholeMesh run() {
     work_.each([&] { number(); });
@@ -52,27 +51,29 @@ class Joiner {
   // Vertices that parts share belong to the first part that has them.
   void number() {
     find_foreign();
-    old_to_new_.assign(old_.mesh.points.size(), kNone);
-    for (PartOfWhole& part : parts_) {
-      first_vert_.push_back(vert_count_), first_tet_.push_back(tet_count_);
+    old_to_new_.assign(old_.vert_count, kNone), to_first_part_.assign(old_.vert_count, kNone);
+    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+      const PartOfWhole& part = parts_[p];
+      first_tet_.push_back(tet_count_);
       tet_count_ += part.mesh.mesh.size();
       auto& to_new = to_new_.emplace_back(part.mesh.mesh.points.size(), kNone);
       for (std::uint32_t v = 0; v < to_new.size(); ++v) {
-        const std::uint32_t old = part.to_whole[v];
-        if (old != kNone && cutter_.is_shared(old)) {
-          if (is_foreign(old)) continue;
-          if (old_to_new_[old] == kNone) old_to_new_[old] = vert_count_++;
-          to_new[v] = old_to_new_[old];
-        } else {
+        if (part.mesh.to_frozen[v] == 0) {
           to_new[v] = vert_count_++;
+          continue;
         }
+        const std::uint32_t old = part.to_whole[v];
+        if (to_first_part_[old] == kNone) to_first_part_[old] = p;
+        if (is_foreign(old)) continue;
+        if (old_to_new_[old] == kNone) old_to_new_[old] = vert_count_++;
+        to_new[v] = old_to_new_[old];
       }
     }
   }
 
   void find_foreign() {
     if (work_.rank_count() == 1) return;
-    is_foreign_.assign(old_.mesh.points.size(), 0);
+    is_foreign_.assign(old_.vert_count, 0);
     for (std::size_t i = 0; i < old_.outside_verts.size(); ++i)
       is_foreign_[old_.outside_verts[i]] = old_.outside_ranks[old_.outside_first[i]] < rank();
   }
@@ -132,7 +133,6 @@ class Joiner {
     whole.points.resize_for_overwrite(verts), whole.to_metric.resize_for_overwrite(verts);
     whole.to_entity.resize_for_overwrite(verts), whole.to_hint.resize_for_overwrite(verts);
     whole.to_state.resize_for_overwrite(verts);
-    write_foreign(whole);
     whole.to_vert.resize_for_overwrite(tet_count_ * 4), whole.to_neighbor.resize_for_overwrite(tet_count_ * 4);
     whole.to_region.resize_for_overwrite(tet_count_);
     triangles_.resize(parts_.size()), edges_.resize(parts_.size()), open_.resize(parts_.size());
@@ -149,24 +149,12 @@ class Joiner {
     sort_pieces(whole.edges);
   }
 
-  // No part has changed them.
-  void write_foreign(WholeMesh& whole) const {
-    for (const std::uint32_t old : old_.outside_verts)
-      if (is_foreign(old)) write_vert(old_to_new_[old], old, whole);
-  }
-
-  void write_vert(std::uint32_t v, std::uint32_t old, WholeMesh& whole) const {
-    whole.points[v] = old_.mesh.points[old], whole.to_metric[v] = old_.mesh.to_metric[old];
-    whole.to_entity[v] = old_.mesh.to_entity[old], whole.to_hint[v] = old_.mesh.to_hint[old];
-    whole.to_state[v] = kHasChanged | kUnsettled;
-  }
-
   // Of each vertex the first part that has it writes what there is of it.
   void write_verts(std::size_t p, WholeMesh& whole) const {
     const CavityMesh& mesh = parts_[p].mesh;
     for (std::uint32_t v = 0; v < to_new_[p].size(); ++v) {
+      if (mesh.to_frozen[v] != 0 && to_first_part_[parts_[p].to_whole[v]] != p) continue;
       const std::uint32_t to = to_new_[p][v];
-      if (to < first_vert_[p] || to >= vert_count_) continue;
       whole.points[to] = mesh.point(v), whole.to_metric[to] = mesh.to_metric[v];
       whole.to_entity[to] = mesh.to_entity[v], whole.to_hint[to] = mesh.to_hint[v];
       // What could not be changed at the sides of parts is asked again.
@@ -308,14 +296,13 @@ class Joiner {
 
   const RoundShare& old_;
   std::vector<PartOfWhole>& parts_;
-  const Cutter& cutter_;
   ShareLinks& links_;
   const SharedWork& work_;
   const TaskRunner& runner_;
   std::vector<std::uint8_t> is_foreign_;
-  std::vector<std::uint32_t> old_to_new_;           // of shared vertices
-  std::vector<std::vector<std::uint32_t>> to_new_;  // of the vertices of each part
-  std::vector<std::size_t> first_vert_, first_tet_, first_triangle_;
+  std::vector<std::uint32_t> old_to_new_, to_first_part_;  // of shared vertices
+  std::vector<std::vector<std::uint32_t>> to_new_;         // of the vertices of each part
+  std::vector<std::size_t> first_tet_, first_triangle_;
   std::vector<std::vector<LinkedTriangle>> triangles_;
   std::vector<std::vector<ModelEdgePiece>> edges_;
   std::vector<std::vector<OpenFace>> open_;
@@ -326,9 +313,9 @@ class Joiner {
 
 }  // namespace
 
-WholeMesh join_parts(const RoundShare& old, std::vector<PartOfWhole>& parts, const Cutter& cutter, ShareLinks& links,
+WholeMesh join_parts(const RoundShare& old, std::vector<PartOfWhole>& parts, ShareLinks& links,
                      const SharedWork& work) {
-  return Joiner(old, parts, cutter, links, work).run();
+  return Joiner(old, parts, links, work).run();
 }
 
 }  // namespace tetloom::adapt

@@ -357,12 +357,14 @@ RoundShare move_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint3
   RoundShare moved;
   if (work.rank_count() == 1) {
     moved.mesh = std::move(share), moved.to_part = std::move(to_part);
+    moved.vert_count = moved.mesh.points.size();
     return moved;
   }
   std::vector<Bytes> given = send_tets(share, links, to_part, part_count, work);
   work.each([&] {
     moved = Unpacker(given, work.runner()).run();
     given.clear();
+    moved.vert_count = moved.mesh.points.size();
   });
   find_outside_verts(moved, links, work);
   return moved;

@@ -36,7 +36,8 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
 
 /// A share with all tets of the parts that a rank adapts in one round.
 struct RoundShare {
-  WholeMesh mesh;
+  WholeMesh mesh;                        ///< until it is cut
+  std::size_t vert_count = 0;            ///< of the mesh
   std::vector<std::uint32_t> to_part;    ///< of its tets, which are ascending in number
   std::vector<std::uint32_t> to_number;  ///< as of ShareLinks
   // Vertices that other ranks have too, ascending, and those ranks: outside_ranks[first[i] … first[i + 1]], ascending.
