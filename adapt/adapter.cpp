@@ -179,13 +179,14 @@ void Adapter::round(double ratio, const Work& work) {
   if (ratio != ratio_) set_metric(stage);
   ratio_ = ratio;
   seconds_.metric += watch.lap();
-  const std::vector<float> to_work = work_per_tet();
+  GrowingArray<float> to_work = work_per_tet();
   const double all = sum_of_work(to_work, work_);
   const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part
                                                      : std::clamp(all / kPartsOfSmall, kLeastPerPart, kMostPerPart);
   const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
   last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
   Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
+  to_work.release();
   seconds_.dealing += watch.lap();
   std::vector<PassCounts> counts(parts);
   PassOptions pass_options;
@@ -215,8 +216,9 @@ double Adapter::count_tets() const {
 }
 
 // About how many tets it will become.
-std::vector<float> Adapter::work_per_tet() const {
-  std::vector<float> to_work(whole_.size());
+GrowingArray<float> Adapter::work_per_tet() const {
+  GrowingArray<float> to_work;
+  to_work.resize_for_overwrite(whole_.size());
   runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const std::uint32_t* v = &whole_.to_vert[tet * 4];

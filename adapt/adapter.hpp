@@ -46,7 +46,7 @@ class Adapter {
   void round(double ratio, const Work& work);
   void set_metric(const MetricStage& stage);
   double count_tets() const;
-  std::vector<float> work_per_tet() const;
+  GrowingArray<float> work_per_tet() const;
   Fit measure() const;
   void finish_result(AdaptResult& result);
   PassCounts sum_of(const PassCounts& counts) const;

@@ -434,25 +434,32 @@ std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, Packed
   return static_cast<std::uint32_t>(mesh.points.size() - 1);
 }
 
-std::vector<std::uint32_t> CavityMesh::renumber(bool along_curve) {
+GrowingArray<std::uint32_t> CavityMesh::renumber(bool along_curve) {
   Box3 box;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
     if (vert_to_tet[v] != kNone) box.add(mesh.points[v]);
   const Vec3 extent = box.hi - box.lo;
   const double scale = ((1 << kHilbertBits) - 1) / std::max({extent.x, extent.y, extent.z, 1e-300});
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  struct Place {
+    std::uint64_t key;
+    std::uint32_t item;
+    auto operator<=>(const Place&) const = default;
+  };
+  GrowingArray<Place> order;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
     if (vert_to_tet[v] == kNone) continue;
     if (!along_curve) {
-      order.emplace_back(v, v);
+      order.push_back({v, v});
       continue;
     }
     const Vec3 x = scale * (mesh.points[v] - box.lo);
-    order.emplace_back(
-        hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)), v);
+    order.push_back(
+        {hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)),
+         v});
   }
   if (along_curve) std::sort(order.begin(), order.end());
-  std::vector<std::uint32_t> to_new(mesh.points.size(), kNone), from;
+  GrowingArray<std::uint32_t> to_new, from;
+  to_new.resize(mesh.points.size(), kNone);
   from.reserve(order.size());
   for (const auto& [key, v] : order) to_new[v] = static_cast<std::uint32_t>(from.size()), from.push_back(v);
   const auto permute = [](auto& array, std::span<const std::uint32_t> sources) {
@@ -465,7 +472,7 @@ std::vector<std::uint32_t> CavityMesh::renumber(bool along_curve) {
   permute(to_frozen, from), permute(to_state, from);
   vert_to_tet.resize(from.size());
   surface.renumber(to_new);
-  const std::vector<std::uint32_t> vert_sources = from;
+  GrowingArray<std::uint32_t> vert_sources = from;
   // Tets stand by their lowest vertices.
   order.clear();
   for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
@@ -473,11 +480,11 @@ std::vector<std::uint32_t> CavityMesh::renumber(bool along_curve) {
     std::array<std::uint32_t, 4> v;
     for (std::size_t j = 0; j < 4; ++j) v[j] = mesh.to_vert[std::size_t{tet} * 4 + j] = to_new[verts(tet)[j]];
     std::sort(v.begin(), v.end());
-    order.emplace_back(along_curve ? std::uint64_t{v[0]} << 32 | v[1] : tet, tet);
+    order.push_back({along_curve ? std::uint64_t{v[0]} << 32 | v[1] : tet, tet});
   }
   if (along_curve) std::sort(order.begin(), order.end());
   from.clear();
-  to_new.assign(mesh.size(), kNone);
+  to_new.clear(), to_new.resize(mesh.size(), kNone);
   for (const auto& [key, tet] : order) to_new[tet] = static_cast<std::uint32_t>(from.size()), from.push_back(tet);
   GrowingArray<std::uint32_t> to_vert, to_neighbor;
   to_vert.reserve(from.size() * 5), to_neighbor.reserve(from.size() * 5);

@@ -145,9 +145,8 @@ class CavityMesh {
   void set_metric(std::uint32_t v, const Tensor& metric);
   void drop_last_vertex();
   /// Drops what is dead; `along_curve`: vertices then stand along a Hilbert curve, tets by their lowest vertices,
-  /// otherwise all stay in their order. Returns, of each vertex,
-  /// the number that it had.
-  std::vector<std::uint32_t> renumber(bool along_curve);
+  /// otherwise all stay in their order. Returns, of each vertex, the number that it had.
+  GrowingArray<std::uint32_t> renumber(bool along_curve);
   /// Computes `to_quality` and `vert_to_tet`, when all else is there.
   void start();
   void refresh_qualities(std::span<const std::uint32_t> tets);
@@ -164,7 +163,7 @@ class CavityMesh {
   void change_surface(const Cavity& cavity, std::uint32_t p);
 
   std::uint32_t first_dead_ = kNone;
-  mutable std::vector<std::uint32_t> slot_;  // of a tet in the last cavity
+  mutable GrowingArray<std::uint32_t> slot_;  // of a tet in the last cavity
   // Scratch of reconnect.
   std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
   std::vector<std::uint8_t> old_fixed_;

@@ -67,8 +67,8 @@ std::size_t Passes::split_edges(double longest) {
 }
 
 // The active edges shorter than `shortest`, the shortest first.
-std::vector<Passes::Edge> Passes::short_edges(double shortest) const {
-  std::vector<Edge> edges;
+GrowingArray<Passes::Edge> Passes::short_edges(double shortest) const {
+  GrowingArray<Edge> edges;
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
     if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
     const std::uint32_t* v = mesh_.verts(tet);
@@ -86,7 +86,7 @@ std::vector<Passes::Edge> Passes::short_edges(double shortest) const {
   };
   std::sort(edges.begin(), edges.end(), before);
   const auto same = [](const Edge& p, const Edge& q) { return p.a == q.a && p.b == q.b; };
-  edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
+  edges.resize(static_cast<std::size_t>(std::unique(edges.begin(), edges.end(), same) - edges.begin()));
   return edges;
 }
 

@@ -59,7 +59,7 @@ class Passes {
     const Vec3 e = mesh_.point(b) - mesh_.point(a);
     return std::max(dot(mesh_.to_metric[a].tensor, e), dot(mesh_.to_metric[b].tensor, e));
   }
-  std::vector<Edge> short_edges(double shortest) const;
+  GrowingArray<Edge> short_edges(double shortest) const;
 
   Verdict split(std::uint32_t a, std::uint32_t b, std::uint32_t tet);
   PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;

@@ -11,8 +11,8 @@ void finish(PartOfWhole& part) {
   const std::size_t given = part.to_whole.size();
   const bool has_grown = part.mesh.mesh.points.size() > given + given / 8;
   part.to_whole.resize(part.mesh.mesh.points.size(), kNone);
-  const std::vector<std::uint32_t> from = part.mesh.renumber(has_grown);
-  std::vector<std::uint32_t> to_whole;
+  const auto from = part.mesh.renumber(has_grown);
+  GrowingArray<std::uint32_t> to_whole;
   to_whole.reserve(from.size());
   for (const std::uint32_t v : from) to_whole.push_back(part.to_whole[v]);
   part.to_whole = std::move(to_whole);

@@ -30,10 +30,11 @@ class PartCutter {
     sort_triangles();
     find_owners();
     runner_.for_each(parts_.size(), [&](std::size_t p) { take_corners(p), take_edges(p); });
-    mesh_.to_vert.release();
+    mesh_.to_vert.release(), share_.to_part.release();
+    find_places();
     runner_.for_each(parts_.size(), [&](std::size_t p) { take_neighbors(p), take_triangles(p); });
     mesh_.to_neighbor.release();
-    share_.to_part = {}, to_local_tet_ = {};
+    to_place_.release();
     runner_.for_each(parts_.size(), [&](std::size_t p) { take_regions(p), take_verts(p); });
     mesh_ = WholeMesh();
     return std::move(parts_);
@@ -41,13 +42,15 @@ class PartCutter {
 
  private:
   std::uint32_t part_of(std::uint32_t tet) const { return share_.to_part[tet] - first_; }
-  bool has(std::size_t p, std::uint32_t tet) const { return tet != kNone && part_of(tet) == p; }
+  bool has(std::size_t p, std::uint32_t tet) const {
+    return tet != kNone && to_place_[tet] >= first_tets_[p] && to_place_[tet] < first_tets_[p + 1];
+  }
   bool is_shared(std::uint32_t vert) const { return to_owner_[vert] == kShared; }
   std::span<const std::uint32_t> tets_of(std::size_t p) const {
     return std::span(tets_).subspan(first_tets_[p], first_tets_[p + 1] - first_tets_[p]);
   }
 
-  // The tets of each part, in their order, and where in it each is.
+  // The tets of each part, in their order.
   void sort_tets() {
     const std::size_t count = mesh_.size(), parts = parts_.size();
     const std::size_t grain = std::max(kGrain, count / kMostBlocks + 1), blocks = (count + grain - 1) / grain;
@@ -65,14 +68,20 @@ class PartCutter {
       }
       first_tets_.push_back(first_tets_.back() + sum);
     }
-    to_local_tet_.resize_for_overwrite(count), tets_.resize_for_overwrite(count);
+    tets_.resize_for_overwrite(count);
     runner_.for_blocks(count, grain, [&](std::size_t begin, std::size_t end) {
       std::uint32_t* of_block = &places[begin / grain * parts];
       for (std::size_t tet = begin; tet < end; ++tet) {
-        const std::uint32_t p = part_of(static_cast<std::uint32_t>(tet)), local = of_block[p]++;
-        to_local_tet_[tet] = local;
-        tets_[first_tets_[p] + local] = static_cast<std::uint32_t>(tet);
+        const std::uint32_t p = part_of(static_cast<std::uint32_t>(tet));
+        tets_[first_tets_[p] + of_block[p]++] = static_cast<std::uint32_t>(tet);
       }
+    });
+  }
+
+  void find_places() {
+    to_place_.resize_for_overwrite(tets_.size());
+    runner_.for_blocks(tets_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) to_place_[tets_[i]] = static_cast<std::uint32_t>(i);
     });
   }
 
@@ -107,7 +116,7 @@ class PartCutter {
   }
 
   std::uint32_t local_of(std::size_t p, std::uint32_t v) {
-    std::vector<std::uint32_t>& to_whole = parts_[p].to_whole;
+    GrowingArray<std::uint32_t>& to_whole = parts_[p].to_whole;
     const auto next = static_cast<std::uint32_t>(to_whole.size());
     if (is_shared(v)) {
       const auto [at, is_new] = shared_[p].emplace(v, next);
@@ -147,7 +156,7 @@ class PartCutter {
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode behind = mesh_.to_neighbor[std::size_t{tet} * 4 + i];
         const bool open = behind == kNone || !has(p, behind / 4);
-        part.to_neighbor.push_back(open ? kNone : to_local_tet_[behind / 4] * 4 + behind % 4);
+        part.to_neighbor.push_back(open ? kNone : (to_place_[behind / 4] - first_tets_[p]) * 4 + behind % 4);
         fixed |= static_cast<std::uint8_t>(unsigned{open} << i);
       }
       part.to_fixed.push_back(fixed);
@@ -162,7 +171,7 @@ class PartCutter {
       part.surface.add(triangle);
       for (const std::uint32_t tet : mesh_.triangles[i].tets) {
         if (!has(p, tet)) continue;
-        const std::uint32_t local = to_local_tet_[tet];
+        const std::uint32_t local = to_place_[tet] - first_tets_[p];
         for (std::uint32_t f = 0; f < 4; ++f) {
           const std::uint32_t apex = part.verts(local)[f];
           if (std::find(triangle.verts.begin(), triangle.verts.end(), apex) == triangle.verts.end())
@@ -195,7 +204,7 @@ class PartCutter {
   std::vector<PartOfWhole> parts_;
   std::vector<std::uint32_t> first_tets_;      // of each part, in tets_
   GrowingArray<std::uint32_t> tets_;           // of one part after the other
-  GrowingArray<std::uint32_t> to_local_tet_;   // place in its part
+  GrowingArray<std::uint32_t> to_place_;       // of every tet in tets_
   GrowingArray<std::uint32_t> to_owner_;       // of every vertex: the part that has it, or that several do
   GrowingArray<std::uint32_t> to_local_vert_;  // of vertices that one part has; each is written by its own part
   std::vector<std::vector<std::uint32_t>> to_triangles_;

@@ -9,8 +9,8 @@ namespace tetloom::adapt {
 
 /// Frozen are the vertices that others have too, here or on other ranks.
 struct PartOfWhole {
-  CavityMesh mesh;                      ///< to be started
-  std::vector<std::uint32_t> to_whole;  ///< vertex of the share, of those that were there before
+  CavityMesh mesh;                       ///< to be started
+  GrowingArray<std::uint32_t> to_whole;  ///< vertex of the share, of those that were there before
 };
 
 /// The parts `first`, `first` + 1 …, `count` of them, which are all that `share` has. Its mesh is given back array by

@@ -152,7 +152,7 @@ double sum_of_work(std::span<const float> to_work, const SharedWork& work) {
 Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<const float> to_work,
                   std::size_t part_count, std::size_t round, const SharedWork& work) {
   Dealing dealing;
-  dealing.to_part.resize(share.size());
+  dealing.to_part.resize_for_overwrite(share.size());
   const Curve curve(share, box_of(share, work), round);
   std::vector<std::uint64_t> cuts;
   if (part_count > 1) cuts = find_cuts(gather_samples(curve, links, to_work, work), part_count);

@@ -11,7 +11,7 @@ namespace {
 
 // A face between two parts, by its vertices.
 struct OpenFace {
-  Triangle verts;  // ascending
+  Triangle verts{};  // ascending
   std::uint32_t triangle = kNone;
   FaceCode face = kNone;
   friend bool operator<(const OpenFace& a, const OpenFace& b) {
@@ -51,12 +51,13 @@ class Joiner {
   // Vertices that parts share belong to the first part that has them.
   void number() {
     find_foreign();
-    old_to_new_.assign(old_.vert_count, kNone), to_first_part_.assign(old_.vert_count, kNone);
+    old_to_new_.resize(old_.vert_count, kNone), to_first_part_.resize(old_.vert_count, kNone);
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       const PartOfWhole& part = parts_[p];
       first_tet_.push_back(tet_count_);
       tet_count_ += part.mesh.mesh.size();
-      auto& to_new = to_new_.emplace_back(part.mesh.mesh.points.size(), kNone);
+      auto& to_new = to_new_.emplace_back();
+      to_new.resize(part.mesh.mesh.points.size(), kNone);
       for (std::uint32_t v = 0; v < to_new.size(); ++v) {
         if (part.mesh.to_frozen[v] == 0) {
           to_new[v] = vert_count_++;
@@ -208,26 +209,23 @@ class Joiner {
 
   // Faces that two parts of this rank have; of a triangle there, the second copy goes.
   void link(WholeMesh& whole) {
-    std::vector<OpenFace> all;
-    for (std::size_t p = 0; p < open_.size(); ++p) {
-      for (OpenFace face : open_[p]) {
-        if (face.triangle != kNone) face.triangle += static_cast<std::uint32_t>(first_triangle_[p]);
-        all.push_back(face);
-      }
-    }
-    parallel_sort(all, runner_);
+    const GrowingArray<OpenFace> all = by_lowest_vertex(whole.points.size());
     std::vector<std::uint32_t> twice;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const OpenFace& a = all[i];
-      if (i + 1 == all.size() || a.verts != all[i + 1].verts) {
-        alone_.push_back(a);
-        continue;
-      }
-      const OpenFace& b = all[++i];
-      whole.to_neighbor[a.face] = b.face, whole.to_neighbor[b.face] = a.face;
-      if (a.triangle != kNone) {
-        whole.triangles[a.triangle].tets[1] = b.face / 4;
-        twice.push_back(b.triangle);
+    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+      while (end < all.size() && all[end].verts[0] == all[begin].verts[0]) ++end;
+      for (std::size_t i = begin; i < end; ++i) {
+        const OpenFace& a = all[i];
+        if (whole.to_neighbor[a.face] != kNone) continue;
+        const OpenFace* b =
+            std::find_if(&all[i] + 1, all.begin() + end, [&](const OpenFace& face) { return face.verts == a.verts; });
+        if (b == all.begin() + end) {
+          alone_.push_back(a);
+          continue;
+        }
+        whole.to_neighbor[a.face] = b->face, whole.to_neighbor[b->face] = a.face;
+        if (a.triangle == kNone) continue;
+        whole.triangles[a.triangle].tets[1] = b->face / 4;
+        twice.push_back(b->triangle);
       }
     }
     std::ranges::sort(twice);
@@ -240,6 +238,25 @@ class Joiner {
       whole.triangles[kept++] = whole.triangles[i];
     }
     whole.triangles.resize(kept);
+  }
+
+  // The open faces of all parts; those with the same lowest vertex in the order of parts.
+  GrowingArray<OpenFace> by_lowest_vertex(std::size_t vert_count) {
+    GrowingArray<std::uint32_t> ends;
+    ends.resize(vert_count + 1, 0);
+    for (const auto& faces : open_)
+      for (const OpenFace& face : faces) ++ends[face.verts[0] + 1];
+    for (std::size_t v = 0; v < vert_count; ++v) ends[v + 1] += ends[v];
+    GrowingArray<OpenFace> all;
+    all.resize_for_overwrite(ends.back());
+    for (std::size_t p = 0; p < open_.size(); ++p) {
+      for (OpenFace& face : open_[p]) {
+        if (face.triangle != kNone) face.triangle += static_cast<std::uint32_t>(first_triangle_[p]);
+        all[ends[face.verts[0]]++] = face;
+      }
+      open_[p].release();
+    }
+    return all;
   }
 
   // Faces that other ranks may have meet at the rank that has numbered their lowest vertex.
@@ -300,12 +317,12 @@ class Joiner {
   const SharedWork& work_;
   const TaskRunner& runner_;
   std::vector<std::uint8_t> is_foreign_;
-  std::vector<std::uint32_t> old_to_new_, to_first_part_;  // of shared vertices
-  std::vector<std::vector<std::uint32_t>> to_new_;         // of the vertices of each part
+  GrowingArray<std::uint32_t> old_to_new_, to_first_part_;  // of shared vertices
+  std::vector<GrowingArray<std::uint32_t>> to_new_;         // of the vertices of each part
   std::vector<std::size_t> first_tet_, first_triangle_;
   std::vector<std::vector<LinkedTriangle>> triangles_;
   std::vector<std::vector<ModelEdgePiece>> edges_;
-  std::vector<std::vector<OpenFace>> open_;
+  std::vector<GrowingArray<OpenFace>> open_;
   std::vector<OpenFace> alone_;  // those with nothing behind them on this rank
   std::uint32_t vert_count_ = 0;
   std::size_t tet_count_ = 0;

@@ -200,7 +200,7 @@ class Unpacker {
     WholeMesh& mesh = share_.mesh;
     mesh.to_vert.resize_for_overwrite(numbers_.size() * 4), mesh.to_neighbor.resize_for_overwrite(numbers_.size() * 4);
     for (const Packet& packet : packets_) {
-      share_.to_part.insert(share_.to_part.end(), packet.parts.begin(), packet.parts.end());
+      share_.to_part.append(packet.parts);
       mesh.to_region.append(packet.regions);
       runner_.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet) {
@@ -267,7 +267,7 @@ class Unpacker {
   RoundShare share_;
 };
 
-std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t>& to_part,
+std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint32_t>& to_part,
                              std::size_t part_count, const SharedWork& work) {
   const int ranks = work.rank_count();
   return work.exchange([&](std::span<MessageWriter> to) {
@@ -282,7 +282,7 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, std::vector<st
     work.runner().for_each(to.size(), [&](std::size_t r) {
       Packer(share, links, all, tets[r], static_cast<std::uint32_t>(r)).run(to[r]);
     });
-    share = WholeMesh(), to_part.clear();
+    share = WholeMesh(), to_part.release();
   });
 }
 
@@ -352,7 +352,7 @@ int rank_of_part(std::uint32_t part, std::size_t part_count, int rank_count) {
   return static_cast<int>(std::uint64_t{part} * static_cast<std::uint64_t>(rank_count) / part_count);
 }
 
-RoundShare move_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t> to_part, std::size_t part_count,
+RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint32_t> to_part, std::size_t part_count,
                      const SharedWork& work) {
   RoundShare moved;
   if (work.rank_count() == 1) {

@@ -17,8 +17,8 @@ double sum_of_work(std::span<const float> to_work, const SharedWork& work);
 
 /// How a mesh is dealt to parts.
 struct Dealing {
-  std::vector<std::uint32_t> to_part;  ///< of every tet
-  std::vector<std::int64_t> work;      ///< of every part, on all ranks, in units
+  GrowingArray<std::uint32_t> to_part;  ///< of every tet
+  std::vector<std::int64_t> work;       ///< of every part, on all ranks, in units
 };
 
 /// `part_count` parts of equal shares of the work along a Hilbert curve. The curve differs from round to round, and so

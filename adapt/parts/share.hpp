@@ -38,7 +38,7 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
 struct RoundShare {
   WholeMesh mesh;                        ///< until it is cut
   std::size_t vert_count = 0;            ///< of the mesh
-  std::vector<std::uint32_t> to_part;    ///< of its tets, which are ascending in number
+  GrowingArray<std::uint32_t> to_part;   ///< of its tets, which are ascending in number
   std::vector<std::uint32_t> to_number;  ///< as of ShareLinks
   // Vertices that other ranks have too, ascending, and those ranks: outside_ranks[first[i] … first[i + 1]], ascending.
   std::vector<std::uint32_t> outside_verts, outside_first{0}, outside_ranks;
@@ -48,7 +48,7 @@ struct RoundShare {
 int rank_of_part(std::uint32_t part, std::size_t part_count, int rank_count);
 
 /// Sends every tet to the rank of its part, with all that it has. `share` and `links` are emptied. In together.
-RoundShare move_tets(WholeMesh& share, ShareLinks& links, std::vector<std::uint32_t> to_part, std::size_t part_count,
+RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint32_t> to_part, std::size_t part_count,
                      const SharedWork& work);
 
 /// The whole mesh on rank 0, without neighbours, hints and states; an empty one on the others. `share` is emptied.
