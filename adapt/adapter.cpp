@@ -180,12 +180,12 @@ void Adapter::round(double ratio, const Work& work) {
   ratio_ = ratio;
   seconds_.metric += watch.lap();
   GrowingArray<float> to_work = work_per_tet();
-  const double all = sum_of_work(to_work, work_);
+  const double all = sum_of_work(to_work.span(), work_);
   const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part
                                                      : std::clamp(all / kPartsOfSmall, kLeastPerPart, kMostPerPart);
   const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
   last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
-  Dealing dealing = deal_tets(whole_, links_, to_work, parts, rounds_++, work_);
+  Dealing dealing = deal_tets(whole_, links_, to_work.span(), parts, rounds_++, work_);
   to_work.release();
   seconds_.dealing += watch.lap();
   std::vector<PassCounts> counts(parts);

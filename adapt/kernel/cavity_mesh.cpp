@@ -1,9 +1,7 @@
 #include "adapt/kernel/cavity_mesh.hpp"
 
 #include <algorithm>
-#include <type_traits>
 
-#include "core/base/hilbert.hpp"
 #include "mesher/tets/pair_detail.hpp"
 
 namespace tetloom::adapt {
@@ -432,76 +430,6 @@ std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, Packed
   to_frozen.push_back(0);
   to_state.push_back(kChanged | kUnsettled);
   return static_cast<std::uint32_t>(mesh.points.size() - 1);
-}
-
-GrowingArray<std::uint32_t> CavityMesh::renumber(bool along_curve) {
-  Box3 box;
-  for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
-    if (vert_to_tet[v] != kNone) box.add(mesh.points[v]);
-  const Vec3 extent = box.hi - box.lo;
-  const double scale = ((1 << kHilbertBits) - 1) / std::max({extent.x, extent.y, extent.z, 1e-300});
-  struct Place {
-    std::uint64_t key;
-    std::uint32_t item;
-    auto operator<=>(const Place&) const = default;
-  };
-  GrowingArray<Place> order;
-  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
-    if (vert_to_tet[v] == kNone) continue;
-    if (!along_curve) {
-      order.push_back({v, v});
-      continue;
-    }
-    const Vec3 x = scale * (mesh.points[v] - box.lo);
-    order.push_back(
-        {hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)),
-         v});
-  }
-  if (along_curve) std::sort(order.begin(), order.end());
-  GrowingArray<std::uint32_t> to_new, from;
-  to_new.resize(mesh.points.size(), kNone);
-  from.reserve(order.size());
-  for (const auto& [key, v] : order) to_new[v] = static_cast<std::uint32_t>(from.size()), from.push_back(v);
-  const auto permute = [](auto& array, std::span<const std::uint32_t> sources) {
-    auto result = std::remove_reference_t<decltype(array)>();
-    result.reserve(sources.size() + sources.size() / 4);
-    for (const std::uint32_t source : sources) result.push_back(array[source]);
-    array = std::move(result);
-  };
-  permute(mesh.points, from), permute(to_metric, from), permute(to_entity, from), permute(to_hint, from);
-  permute(to_frozen, from), permute(to_state, from);
-  vert_to_tet.resize(from.size());
-  surface.renumber(to_new);
-  GrowingArray<std::uint32_t> vert_sources = from;
-  // Tets stand by their lowest vertices.
-  order.clear();
-  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
-    if (mesh.is_dead(tet)) continue;
-    std::array<std::uint32_t, 4> v;
-    for (std::size_t j = 0; j < 4; ++j) v[j] = mesh.to_vert[std::size_t{tet} * 4 + j] = to_new[verts(tet)[j]];
-    std::sort(v.begin(), v.end());
-    order.push_back({along_curve ? std::uint64_t{v[0]} << 32 | v[1] : tet, tet});
-  }
-  if (along_curve) std::sort(order.begin(), order.end());
-  from.clear();
-  to_new.clear(), to_new.resize(mesh.size(), kNone);
-  for (const auto& [key, tet] : order) to_new[tet] = static_cast<std::uint32_t>(from.size()), from.push_back(tet);
-  GrowingArray<std::uint32_t> to_vert, to_neighbor;
-  to_vert.reserve(from.size() * 5), to_neighbor.reserve(from.size() * 5);
-  for (const std::uint32_t tet : from) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + j];
-      to_vert.push_back(verts(tet)[j]);
-      to_neighbor.push_back(behind == kNone ? kNone : to_new[behind / 4] * 4 + behind % 4);
-    }
-  }
-  mesh.to_vert = std::move(to_vert), mesh.to_neighbor = std::move(to_neighbor);
-  permute(mesh.to_region, from), permute(mesh.to_fixed, from), permute(to_quality, from);
-  first_dead_ = kNone;
-  slot_ = {};
-  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet)
-    for (std::size_t j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
-  return vert_sources;
 }
 
 void CavityMesh::set_metric(std::uint32_t v, const Tensor& metric) { to_metric[v] = {metric, det(metric)}; }

@@ -158,6 +158,10 @@ class CavityMesh {
   bool collect_few(std::uint32_t tet, Cavity& cavity) const;
   void add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const;
   void stamp(const Cavity& cavity) const;
+  GrowingArray<std::uint32_t> find_verts(bool along_curve) const;
+  GrowingArray<std::uint32_t> find_tets(bool by_verts) const;
+  void permute_verts(std::span<const std::uint32_t> sources);
+  void permute_tets(std::span<const std::uint32_t> sources);
   std::uint32_t take_tet();
   void drop_tet(std::uint32_t tet);
   void change_surface(const Cavity& cavity, std::uint32_t p);

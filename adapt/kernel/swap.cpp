@@ -46,8 +46,14 @@ bool Passes::find_ring(const std::array<std::uint32_t, 2>& edge) {
     if (v != edge[0] && v != edge[1] && std::find(ring_.begin(), ring_.end(), v) == ring_.end()) ring_.push_back(v);
   };
   if (cavity_.surface.empty()) {
-    for (const std::uint32_t tet : cavity_.tets)
-      for (std::uint32_t k = 0; k < 4; ++k) add(mesh_.verts(tet)[k]);
+    for (std::size_t i = 0; i < cavity_.tets.size(); ++i) {
+      const auto& corners = cavity_.corners[i];
+      for (std::uint8_t k = 0; k < 4; ++k) {
+        const std::uint32_t v = mesh_.verts(cavity_.tets[i])[k];
+        if (k != corners[0] && k != corners[1] && std::find(ring_.begin(), ring_.end(), v) == ring_.end())
+          ring_.push_back(v);
+      }
+    }
     return true;
   }
   if (cavity_.surface.size() != 2 || is_frozen(cavity_) || mesh_.surface.find_edge(edge[0], edge[1]) != kNone)

@@ -278,7 +278,7 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<s
       to_place[tet] = static_cast<std::uint32_t>(tets[to_rank[tet]].size());
       tets[to_rank[tet]].push_back(tet);
     }
-    const Packer::Tets all{to_part, to_rank, to_place, links.first_tets[static_cast<std::size_t>(work.rank())]};
+    const Packer::Tets all{to_part.span(), to_rank, to_place, links.first_tets[static_cast<std::size_t>(work.rank())]};
     work.runner().for_each(to.size(), [&](std::size_t r) {
       Packer(share, links, all, tets[r], static_cast<std::uint32_t>(r)).run(to[r]);
     });
