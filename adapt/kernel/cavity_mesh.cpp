@@ -23,12 +23,11 @@ Pair cubed_mean_ratio(const PairVec& p, const PairVec& q, const PairVec& r, cons
   const auto sum = [&](Pair PairVec::*i, Pair PairVec::*j) {
     return 4 * (p.*i * p.*j + q.*i * q.*j + r.*i * r.*j) - s.*i * s.*j;
   };
-  const Pair squares = Pair{m.xx, n.xx} * sum(&PairVec::x, &PairVec::x) +
-                       Pair{m.yy, n.yy} * sum(&PairVec::y, &PairVec::y) +
-                       Pair{m.zz, n.zz} * sum(&PairVec::z, &PairVec::z) +
-                       2 * (Pair{m.xy, n.xy} * sum(&PairVec::x, &PairVec::y) +
-                            Pair{m.xz, n.xz} * sum(&PairVec::x, &PairVec::z) +
-                            Pair{m.yz, n.yz} * sum(&PairVec::y, &PairVec::z));
+  const Pair squares =
+      Pair{m.xx, n.xx} * sum(&PairVec::x, &PairVec::x) + Pair{m.yy, n.yy} * sum(&PairVec::y, &PairVec::y) +
+      Pair{m.zz, n.zz} * sum(&PairVec::z, &PairVec::z) +
+      2 * (Pair{m.xy, n.xy} * sum(&PairVec::x, &PairVec::y) + Pair{m.xz, n.xz} * sum(&PairVec::x, &PairVec::z) +
+           Pair{m.yz, n.yz} * sum(&PairVec::y, &PairVec::z));
   const Pair quality = 432 * volume * volume * Pair{one.det, other.det} / (squares * squares * squares);
   return volume > 0 ? quality : Pair{};
 }
@@ -204,7 +203,7 @@ double CavityMesh::evaluate_all(const Cavity& cavity, std::uint32_t p, double go
   const auto at = [&](std::size_t n) {
     const std::uint32_t* old = verts(cavity.tets[n / core]);
     const auto& [a, b, c] = tets::kFaceVerts[cavity.corners[n / core][n % core]];
-    const VertexMetric *metric = &to_metric[p];
+    const VertexMetric* metric = &to_metric[p];
     for (const std::uint32_t v : {old[a], old[b], old[c]})
       if (to_metric[v].det > metric->det) metric = &to_metric[v];
     return Made{{&point(old[a]), &point(old[b]), &point(old[c])}, metric};
