@@ -51,6 +51,7 @@ class CavityList {
   T* data() { return items_.data(); }
   const T* begin() const { return items_.data(); }
   const T* end() const { return items_.data() + size_; }
+  operator std::span<const T>() const { return {items_.data(), size_}; }
   const T& operator[](std::size_t i) const { return items_[i]; }
   void push_back(const T& item) { items_[size_++] = item; }
   void clear() { size_ = 0; }

@@ -311,9 +311,10 @@ void with_part(const Mesh& mesh, const std::function<void(CavityMesh&)>& visit, 
   WholeMesh whole = make_whole_mesh(mesh, runner);
   for (VertexMetric& metric : whole.to_metric) metric = {isotropic(1), 1};
   ShareLinks links = take_share(whole, runner);
+  Dealing dealing{.to_part = {}, .work = {1}};
+  dealing.to_part.resize(whole.size(), 0);
   adapt_in_parts(
-      whole, links, {std::vector<std::uint32_t>(whole.size(), 0), {1}},
-      [&](std::size_t, CavityMesh& part) { visit(part); }, runner);
+      whole, links, std::move(dealing), [&](std::size_t, CavityMesh& part) { visit(part); }, runner);
   if (result) *result = std::move(whole);
 }
 
