@@ -12,8 +12,7 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kMostPerPart = 1e5, kLeastPerPart = 4e4;  // tets
-constexpr double kPartsOfSmall = 8;                        // meshes, as long as that leaves a part the least
+constexpr double kPerPart = 1e5;  // tets
 constexpr double kTetsPerComplexity = 10;
 constexpr double kWorkOfTet = 0.7;  // beside what it will become
 // Where a metric turns from neighbour to neighbour, edges are long however many there are: no more than so many times
@@ -31,6 +30,14 @@ constexpr double kFairGain = 1.2;        // of the worst
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
 constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
 constexpr double kLongest = 1.4142135623730951;
+
+// Equal parts keep 2 threads, or 4, busy where they are as many or a multiple. Few of them: every round leaves
+// something to do at their sides.
+double part_count_for(double tets) {
+  constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 4e5, kForMore = 1.2e6;
+  if (tets < kForEight) return tets < kForTwo ? 1 : tets < kForFour ? 2 : 4;
+  return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
+}
 
 // Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
 void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
@@ -181,9 +188,8 @@ void Adapter::round(double ratio, const Work& work) {
   seconds_.metric += watch.lap();
   GrowingArray<float> to_work = work_per_tet();
   const double all = sum_of_work(to_work.span(), work_);
-  const double per_part = options_.tets_per_part > 0 ? options_.tets_per_part
-                                                     : std::clamp(all / kPartsOfSmall, kLeastPerPart, kMostPerPart);
-  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(all / per_part)));
+  const double wanted = options_.tets_per_part > 0 ? all / options_.tets_per_part : part_count_for(all);
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(wanted)));
   last_parts_ = parts, most_parts_ = std::max(most_parts_, parts);
   Dealing dealing = deal_tets(whole_, links_, to_work.span(), parts, rounds_++, work_);
   to_work.release();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostBlocks = 256;
-constexpr std::size_t kSamples = std::size_t{1} << 14;
+constexpr std::size_t kMostSamples = std::size_t{1} << 14, kSamplesPerPart = std::size_t{1} << 9;
 constexpr std::size_t kSampleGrain = std::size_t{1} << 8;
 constexpr double kUnitsPerTet = 1024;
 constexpr double kMostWork = 1e9;
@@ -85,9 +85,10 @@ std::int64_t sum_of_units(std::span<const float> to_work) {
 
 // Samples of the whole mesh, in the order of its tets.
 std::vector<Sample> gather_samples(const Curve& curve, const ShareLinks& links, std::span<const float> to_work,
-                                   const SharedWork& work) {
+                                   std::size_t part_count, const SharedWork& work) {
   const std::size_t first = links.first_tets[static_cast<std::size_t>(work.rank())];
-  const std::size_t step = std::max<std::size_t>(1, links.first_tets.back() / kSamples);
+  const std::size_t step =
+      std::max<std::size_t>(1, links.first_tets.back() / std::min(kMostSamples, kSamplesPerPart * part_count));
   const std::size_t last = first + to_work.size(), lowest = first / step;
   const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
     std::vector<Sample> own(last > first ? (last - 1) / step + 1 - lowest : 0);
@@ -155,7 +156,7 @@ Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<con
   dealing.to_part.resize_for_overwrite(share.size());
   const Curve curve(share, box_of(share, work), round);
   std::vector<std::uint64_t> cuts;
-  if (part_count > 1) cuts = find_cuts(gather_samples(curve, links, to_work, work), part_count);
+  if (part_count > 1) cuts = find_cuts(gather_samples(curve, links, to_work, part_count, work), part_count);
   const std::size_t grain = std::max(kGrain, share.size() / kMostBlocks + 1);
   const auto sums = map_blocks(work.runner(), share.size(), grain, std::vector<std::int64_t>(),
                                [&](std::size_t begin, std::size_t end, std::vector<std::int64_t>& units) {
