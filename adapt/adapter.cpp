@@ -20,6 +20,7 @@ constexpr double kWorkOfTet = 0.7;  // beside what it will become
 constexpr double kOverfull = 6, kLeastFull = 1000;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
+constexpr double kMuchGrowth = 3;        // tets that a stage asks for, for one of the mesh
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
 constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
 constexpr double kWorthARound = 0.002;   // of the share of unit edges
@@ -39,12 +40,14 @@ double part_count_for(double tets) {
   return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
 }
 
-// Two rounds for each stage, so that the sides of parts, where nothing is split, differ between them.
+// A stage of much growth has two rounds, so that the sides of parts, where nothing is split, differ between them.
 void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
 
 void settle(Passes& passes) {
   passes.split_edges(1.6), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
+
+void grow_and_settle(Passes& passes) { grow(passes), settle(passes); }
 
 void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
@@ -89,8 +92,12 @@ void Adapter::follow_stages() {
   double ratio = 2;
   for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
     if (refinement() <= ratio) break;
-    round(ratio, grow);
-    round(ratio, settle);
+    if (growth(ratio) > kMuchGrowth) {
+      round(ratio, grow);
+      round(ratio, settle);
+    } else {
+      round(ratio, grow_and_settle);
+    }
   }
 }
 
@@ -178,14 +185,28 @@ void Adapter::set_metric(const MetricStage& stage) {
   });
 }
 
-// One round at a stage of the metric.
-void Adapter::round(double ratio, const Work& work) {
+// In a stage vertices keep the metric of where they are.
+MetricStage Adapter::enter_stage(double ratio) {
   Stopwatch watch;
   const MetricStage stage(*background_, implied_, function_, ratio);
-  // In a stage vertices keep the metric of where they are.
   if (ratio != ratio_) set_metric(stage);
   ratio_ = ratio;
   seconds_.metric += watch.lap();
+  return stage;
+}
+
+// How many tets a stage asks for, for one of those that there are.
+double Adapter::growth(double ratio) {
+  enter_stage(ratio);
+  const GrowingArray<float> to_work = work_per_tet();
+  const double tets = count_tets();
+  return (sum_of_work(to_work.span(), work_) - kWorkOfTet * tets) / tets;
+}
+
+// One round at a stage of the metric.
+void Adapter::round(double ratio, const Work& work) {
+  const MetricStage stage = enter_stage(ratio);
+  Stopwatch watch;
   GrowingArray<float> to_work = work_per_tet();
   const double all = sum_of_work(to_work.span(), work_);
   const double wanted = options_.tets_per_part > 0 ? all / options_.tets_per_part : part_count_for(all);

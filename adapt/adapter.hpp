@@ -43,6 +43,8 @@ class Adapter {
   void follow_stages();
   void approach_metric();
   void lead_to_model();
+  MetricStage enter_stage(double ratio);
+  double growth(double ratio);
   void round(double ratio, const Work& work);
   void set_metric(const MetricStage& stage);
   double count_tets() const;
