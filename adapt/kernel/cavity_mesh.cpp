@@ -32,6 +32,14 @@ Pair cubed_mean_ratio(const PairVec& p, const PairVec& q, const PairVec& r, cons
   return volume > 0 ? quality : Pair{};
 }
 
+// Of a tet's vertices, the corner that is `vert`. Pre: one is. Without a branch.
+std::uint32_t corner_with(const std::uint32_t* verts, std::uint32_t vert) {
+  return (verts[1] == vert) + 2u * (verts[2] == vert) + 3u * (verts[3] == vert);
+}
+
+// The lower of the two corners beside two others.
+constexpr std::uint32_t kFirstBeside[4][4]{{4, 2, 1, 1}, {2, 4, 0, 0}, {1, 0, 4, 0}, {1, 0, 0, 4}};
+
 }  // namespace
 
 double CavityMesh::quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
@@ -69,70 +77,80 @@ bool CavityMesh::collect_around_worst(const std::array<std::uint32_t, 2>& edge, 
   return collect_shell(tet, most, double{to_quality[tet]}, cavity);
 }
 
+// Branches on what lies where cannot be predicted, so there are hardly any.
 bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
   const std::uint32_t core = cavity.core[0];
   std::uint32_t* const list = cavity.tets.data();
   std::uint32_t* const slot = slot_.data();
-  std::size_t size = 1;
+  std::array<std::uint8_t, 4>* const corners = cavity.corners.data();
+  const std::uint32_t* const all_verts = mesh.to_vert.data();
+  const FaceCode* const to_neighbor = mesh.to_neighbor.data();
+  std::array<std::uint8_t, CavityList<std::uint32_t>::kRoom> entries;  // faces through which tets were found
+  std::uint32_t size = 1;
   float least = kDead;
-  list[0] = tet, slot[tet] = 0;
-  for (std::size_t i = 0; i < size; ++i) {
+  list[0] = tet, slot[tet] = 0, entries[0] = 4;
+  for (std::uint32_t i = 0; i < size; ++i) {
     if (size > Cavity::kMostTets) return false;
     const std::uint32_t here = list[i];
-    const std::uint32_t* v = verts(here);
-    const std::uint32_t own = v[0] == core ? 0 : v[1] == core ? 1 : v[2] == core ? 2 : 3;
-    cavity.corners.push_back({static_cast<std::uint8_t>(own)});
+    const std::uint32_t* v = all_verts + std::size_t{here} * 4;
+    const auto own = static_cast<std::uint8_t>(corner_with(v, core));
+    corners[i] = {own};
     least = std::min(least, to_quality[here]);
-    const std::uint8_t fixed = mesh.to_fixed[here];
-    const FaceCode* behind_of = &mesh.to_neighbor[std::size_t{here} * 4];
-    for (std::uint32_t j = 0; j < 4; ++j) {
-      if (j == own) continue;
-      const FaceCode face = here * 4 + j, behind = behind_of[j];
-      if ((fixed >> j & 1) != 0 && (behind == kNone || face < behind)) cavity.surface.push_back(face);
-      if (behind == kNone) continue;
-      // Whether it is new cannot be predicted, so nothing branches on it.
+    if ((mesh.to_fixed[here] & ~(1u << own)) != 0) add_fixed_faces(here, own, cavity);
+    const auto& faces = tets::kFaceVerts[own];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const FaceCode behind = to_neighbor[std::size_t{here} * 4 + faces[k]];
+      if (faces[k] == entries[i] || behind == kNone) continue;
       const std::uint32_t next = behind / 4, before = slot[next];
-      const bool is_new = !(before < size && list[before] == next);
-      list[size] = next;
-      slot[next] = is_new ? static_cast<std::uint32_t>(size) : before;
-      size += is_new;
-      __builtin_prefetch(&mesh.to_vert[std::size_t{next} * 4]);
-      __builtin_prefetch(&mesh.to_neighbor[std::size_t{next} * 4]);
+      const bool is_known = (before < size) & (list[std::min(before, size)] == next);
+      list[size] = next, entries[size] = behind % 4;
+      slot[next] = is_known ? before : size;
+      size += !is_known;
+      __builtin_prefetch(all_verts + std::size_t{next} * 4);
+      __builtin_prefetch(to_neighbor + std::size_t{next} * 4);
     }
   }
-  cavity.tets.set_size(size);
+  cavity.tets.set_size(size), cavity.corners.set_size(size);
   cavity.least = double{least};
   return true;
 }
 
+// Those that have a core of one, of a tet that has it as its corner `own`.
+void CavityMesh::add_fixed_faces(std::uint32_t tet, std::uint32_t own, Cavity& cavity) const {
+  for (std::uint32_t j = 0; j < 4; ++j) {
+    const FaceCode face = tet * 4 + j, behind = mesh.to_neighbor[face];
+    if (j != own && mesh.is_fixed(face) && (behind == kNone || face < behind)) cavity.surface.push_back(face);
+  }
+}
+
 // Turns around the edge, and from the start the other way round where something lies at it.
 bool CavityMesh::collect_shell(std::uint32_t tet, std::size_t most, double least, Cavity& cavity) const {
-  const auto [a, b] = std::pair(cavity.core[0], cavity.core[1]);
-  std::array<std::uint32_t, 2> start{};  // the corners beside those of the edge
-  for (std::uint32_t j = 0, n = 0; j < 4; ++j) {
-    const std::uint32_t v = verts(tet)[j];
-    if (v != a && v != b) start[n++] = j;
-  }
-  const auto corners_in = [&](std::uint32_t t) {
-    return std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(corner_of(t, a)),
-                                       static_cast<std::uint8_t>(corner_of(t, b))};
+  const std::uint32_t a = cavity.core[0], b = cavity.core[1];
+  const std::uint32_t* const all_verts = mesh.to_vert.data();
+  const FaceCode* const to_neighbor = mesh.to_neighbor.data();
+  const auto add = [&](std::uint32_t next) {
+    const std::uint32_t* v = all_verts + std::size_t{next} * 4;
+    const std::uint32_t i = corner_with(v, a), j = corner_with(v, b);
+    add_to(cavity, next, {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j)});
+    return i + j;
   };
-  add_to(cavity, tet, corners_in(tet));
-  for (int way = 0; way < 2; ++way) {
-    std::uint32_t here = tet, leaving = start[way], staying = start[1 - way];
+  const std::uint32_t sum = add(tet);
+  // The corners beside those of the edge.
+  const std::uint32_t first = kFirstBeside[cavity.corners[0][0]][cavity.corners[0][1]], second = 6 - sum - first;
+  for (const auto& [from, beside] : {std::pair(first, second), std::pair(second, first)}) {
+    std::uint32_t here = tet, leaving = from, staying = beside;
     for (;;) {
-      const FaceCode face = here * 4 + leaving, behind = mesh.to_neighbor[face];
+      const FaceCode face = here * 4 + leaving, behind = to_neighbor[face];
       if (mesh.is_fixed(face)) cavity.surface.push_back(behind == kNone ? face : std::min(face, behind));
       if (behind == kNone) break;
       const std::uint32_t next = behind / 4;
       if (next == tet) return true;
       if (cavity.tets.size() == most || double{to_quality[next]} < least) return false;
-      const std::uint32_t kept = verts(here)[staying];
-      add_to(cavity, next, corners_in(next));
+      const std::uint32_t in_core = add(next);
       here = next;
       // Out through the face opposite to the vertex that both tets have beside the edge.
-      leaving = corner_of(next, kept);
       staying = behind % 4;
+      leaving = 6 - in_core - staying;
     }
   }
   return true;

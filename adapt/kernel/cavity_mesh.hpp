@@ -155,6 +155,7 @@ class CavityMesh {
  private:
   bool collect_ball(std::uint32_t tet, Cavity& cavity) const;
   bool collect_shell(std::uint32_t tet, std::size_t most, double least, Cavity& cavity) const;
+  void add_fixed_faces(std::uint32_t tet, std::uint32_t own, Cavity& cavity) const;
   void start_cavity(std::span<const std::uint32_t> core, Cavity& cavity) const;
   bool collect_few(std::uint32_t tet, Cavity& cavity) const;
   void add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const;
