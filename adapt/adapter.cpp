@@ -49,6 +49,11 @@ void settle(Passes& passes) {
 
 void grow_and_settle(Passes& passes) { grow(passes), settle(passes); }
 
+// The first time at the metric itself, with more to come.
+void refine(Passes& passes) {
+  passes.split_edges(kLongest), passes.collapse_edges(0.65, kLongest), passes.swap(0.7), passes.smooth(kMovable);
+}
+
 void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
 void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
@@ -102,7 +107,7 @@ void Adapter::follow_stages() {
 }
 
 void Adapter::approach_metric() {
-  round(HUGE_VAL, refine_and_finish);
+  round(HUGE_VAL, refine);
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
     const Fit fit = measure();

@@ -13,7 +13,7 @@ using tets::cube;
 using tets::detail::pair_of;
 using tets::detail::PairVec;
 
-constexpr double kMoved = 0.15;  // in the metric: what is beside may then have another place
+constexpr double kMoved = 0.25;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
 constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on the model
 constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
