@@ -20,7 +20,6 @@ constexpr double kWorkOfTet = 0.7;  // beside what it will become
 constexpr double kOverfull = 6, kLeastFull = 1000;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kMostStages = 40;
-constexpr double kMuchGrowth = 3;        // tets that a stage asks for, for one of the mesh
 constexpr std::size_t kMostRounds = 12;  // at the metric itself
 constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
 constexpr double kWorthARound = 0.002;   // of the share of unit edges
@@ -31,6 +30,7 @@ constexpr double kFairGain = 1.2;        // of the worst
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
 constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
 constexpr double kLongest = 1.4142135623730951;
+constexpr double kLongestOfStage = 1.6;
 
 // Equal parts keep 2 threads, or 4, busy where they are as many or a multiple. Few of them: every round leaves
 // something to do at their sides.
@@ -40,14 +40,10 @@ double part_count_for(double tets) {
   return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
 }
 
-// A stage of much growth has two rounds, so that the sides of parts, where nothing is split, differ between them.
-void grow(Passes& passes) { passes.split_edges(2), passes.swap(0.6); }
-
-void settle(Passes& passes) {
-  passes.split_edges(1.6), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
+void follow(Passes& passes) {
+  passes.split_edges(2), passes.swap(0.6);
+  passes.split_edges(kLongestOfStage), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
-
-void grow_and_settle(Passes& passes) { grow(passes), settle(passes); }
 
 // The first time at the metric itself, with more to come.
 void refine(Passes& passes) {
@@ -97,17 +93,12 @@ void Adapter::follow_stages() {
   double ratio = 2;
   for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
     if (refinement() <= ratio) break;
-    if (growth(ratio) > kMuchGrowth) {
-      round(ratio, grow);
-      round(ratio, settle);
-    } else {
-      round(ratio, grow_and_settle);
-    }
+    round(ratio, {follow, kLongestOfStage});
   }
 }
 
 void Adapter::approach_metric() {
-  round(HUGE_VAL, refine);
+  round(HUGE_VAL, {refine, kLongest});
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
     const Fit fit = measure();
@@ -115,7 +106,7 @@ void Adapter::approach_metric() {
     idle = fit.is_better_than(best) ? 0 : idle + 1;
     best = {std::max(best.unit, fit.unit), std::max(best.half_to_two, fit.half_to_two),
             std::max(best.least_quality, fit.least_quality)};
-    round(HUGE_VAL, refine_and_finish);
+    round(HUGE_VAL, {refine_and_finish, kLongest});
   }
 }
 
@@ -123,7 +114,7 @@ void Adapter::approach_metric() {
 void Adapter::lead_to_model() {
   std::size_t before = ~std::size_t{0};
   for (std::size_t i = 0; i < kMostLeading; ++i) {
-    round(HUGE_VAL, finish);
+    round(HUGE_VAL, {finish});
     const std::size_t unled = options_.model ? sum_of(last_counts_).unled : 0;
     if (unled == 0 || unled >= before) break;
     before = unled;
@@ -190,28 +181,14 @@ void Adapter::set_metric(const MetricStage& stage) {
   });
 }
 
-// In a stage vertices keep the metric of where they are.
-MetricStage Adapter::enter_stage(double ratio) {
+// One round at a stage of the metric.
+void Adapter::round(double ratio, const Work& work) {
   Stopwatch watch;
   const MetricStage stage(*background_, implied_, function_, ratio);
+  // In a stage vertices keep the metric of where they are.
   if (ratio != ratio_) set_metric(stage);
   ratio_ = ratio;
   seconds_.metric += watch.lap();
-  return stage;
-}
-
-// How many tets a stage asks for, for one of those that there are.
-double Adapter::growth(double ratio) {
-  enter_stage(ratio);
-  const GrowingArray<float> to_work = work_per_tet();
-  const double tets = count_tets();
-  return (sum_of_work(to_work.span(), work_) - kWorkOfTet * tets) / tets;
-}
-
-// One round at a stage of the metric.
-void Adapter::round(double ratio, const Work& work) {
-  const MetricStage stage = enter_stage(ratio);
-  Stopwatch watch;
   GrowingArray<float> to_work = work_per_tet();
   const double all = sum_of_work(to_work.span(), work_);
   const double wanted = options_.tets_per_part > 0 ? all / options_.tets_per_part : part_count_for(all);
@@ -229,13 +206,15 @@ void Adapter::round(double ratio, const Work& work) {
     const tets::SurfaceProjector project =
         options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
     Passes passes(part, stage, project, pass_options, runner_);
-    work(passes);
+    work.passes(passes);
     counts[number] = passes.counts();
   };
-  adapt_in_parts(whole_, links_, std::move(dealing), adapt_part, work_);
+  const SideSplitOptions sides{work.longest, pass_options.floor, pass_options.most_tets, options_.model != nullptr};
+  const std::size_t split = adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides}, work_);
   seconds_.parts += watch.lap();
   last_counts_ = PassCounts();
   for (const PassCounts& part : counts) last_counts_.add(part);
+  last_counts_.splits[static_cast<std::size_t>(Verdict::Done)] += split;
   counts_.add(last_counts_);
   runner_.advance();
 }

@@ -29,7 +29,11 @@ class Adapter {
   std::span<const VertexMetric> metric_of_result() const { return metric_of_result_; }
 
  private:
-  using Work = std::function<void(Passes&)>;  // what is done to each part in one round
+  // What is done in one round.
+  struct Work {
+    std::function<void(Passes&)> passes;  // to each part
+    double longest = HUGE_VAL;            // of the edges between parts
+  };
 
   // How well the mesh fits: the shares of edges with lengths in [1/sqrt 2, sqrt 2] and [1/2, 2], each counted by every
   // tet that has it, and the worst cubed mean ratio.
@@ -43,8 +47,6 @@ class Adapter {
   void follow_stages();
   void approach_metric();
   void lead_to_model();
-  MetricStage enter_stage(double ratio);
-  double growth(double ratio);
   void round(double ratio, const Work& work);
   void set_metric(const MetricStage& stage);
   double count_tets() const;

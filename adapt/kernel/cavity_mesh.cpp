@@ -276,6 +276,7 @@ void CavityMesh::change_surface(const Cavity& cavity, std::uint32_t p) {
   for (const FaceCode face : cavity.surface) {
     const auto corners = tets::verts_of(mesh, face);
     const SurfaceTriangle* found = surface.find(corners);
+    if (!found) continue;  // a side of the part
     const SurfaceTriangle old = *found;
     if (cavity.core_size == 1) {
       for (const std::uint32_t v : corners) {

@@ -62,7 +62,6 @@ class Passes {
   GrowingArray<Edge> short_edges(double shortest) const;
 
   Verdict split(std::uint32_t a, std::uint32_t b, std::uint32_t tet);
-  PackedEntity entity_of_edge(std::uint32_t a, std::uint32_t b) const;
 
   std::optional<Verdict> collapse(std::uint32_t a, std::uint32_t b, double longest);
   Verdict judge_collapse(std::uint32_t from, std::uint32_t to, double longest, double& best);

@@ -1,7 +1,8 @@
-#include "adapt/kernel/passes.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "adapt/kernel/edge_split.hpp"
+#include "adapt/kernel/passes.hpp"
 
 namespace tetloom::adapt {
 
@@ -24,11 +25,27 @@ double place_of(double la, double lb, double share) {
 
 }  // namespace
 
-PackedEntity Passes::entity_of_edge(std::uint32_t a, std::uint32_t b) const {
-  if (cavity_.surface.empty()) return PackedEntity(ModelEntity(3, mesh_.mesh.to_region[cavity_.tets[0]]));
-  const std::uint32_t edge = mesh_.surface.find_edge(a, b);
-  if (edge != kNone) return PackedEntity(ModelEntity(1, edge));
-  return PackedEntity(ModelEntity(2, mesh_.surface.find(verts_of(mesh_.mesh, cavity_.surface[0]))->face));
+Vec3 place_of_split(const CavityMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const Vec3 e = mesh.point(b) - mesh.point(a);
+  const double la = std::sqrt(dot(mesh.to_metric[a].tensor, e)), lb = std::sqrt(dot(mesh.to_metric[b].tensor, e));
+  const double pieces = std::max(2.0, std::round(mesh.length_of(a, b)));
+  return mesh.point(a) + place_of(la, lb, std::floor(pieces / 2) / pieces) * e;
+}
+
+// Tets far from the metric become worse before they become better, but not without an end.
+double floor_of_split(double floor, double least) {
+  return std::max(std::min(cube(floor), kSplitLoss * least), std::min(cube(kLeastSplit), kNoWorse * least));
+}
+
+PackedEntity entity_of_edge(const CavityMesh& mesh, const Cavity& cavity) {
+  if (!cavity.surface.empty()) {
+    const std::uint32_t edge = mesh.surface.find_edge(cavity.core[0], cavity.core[1]);
+    if (edge != kNone) return PackedEntity(ModelEntity(1, edge));
+  }
+  for (const FaceCode face : cavity.surface)
+    if (const SurfaceTriangle* triangle = mesh.surface.find(verts_of(mesh.mesh, face)))
+      return PackedEntity(ModelEntity(2, triangle->face));
+  return PackedEntity(ModelEntity(3, mesh.mesh.to_region[cavity.tets[0]]));
 }
 
 Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
@@ -36,15 +53,10 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
   if (!mesh_.collect(core, tet, cavity_)) return Verdict::TooLarge;
   if (is_frozen(cavity_)) return Verdict::Frozen;
   const Vec3 e = mesh_.point(b) - mesh_.point(a);
-  const double la = std::sqrt(dot(mesh_.to_metric[a].tensor, e)), lb = std::sqrt(dot(mesh_.to_metric[b].tensor, e));
-  const double pieces = std::max(2.0, std::round(mesh_.length_of(a, b)));
-  const double share = std::floor(pieces / 2) / pieces;
-  const PackedEntity entity = entity_of_edge(a, b);
+  const PackedEntity entity = entity_of_edge(mesh_, cavity_);
   const bool on_surface = !cavity_.surface.empty();
-  // Tets far from the metric become worse before they become better, but not without an end.
-  const double floor = std::max(std::min(cube(options_.floor), kSplitLoss * cavity_.least),
-                                std::min(cube(kLeastSplit), kNoWorse * cavity_.least));
-  const Vec3 on_edge = mesh_.point(a) + place_of(la, lb, share) * e;
+  const double floor = floor_of_split(options_.floor, cavity_.least);
+  const Vec3 on_edge = place_of_split(mesh_, a, b);
   std::array<Vec3, 2> places{on_edge, on_edge};
   int first = 1;
   if (on_surface && project_) {

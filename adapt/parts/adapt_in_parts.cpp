@@ -1,6 +1,9 @@
+#include <cmath>
+
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/join_parts.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "adapt/parts/split_sides.hpp"
 
 namespace tetloom::adapt {
 
@@ -22,8 +25,8 @@ void finish(PartOfWhole& part) {
 
 }  // namespace
 
-void adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing,
-                    const std::function<void(std::size_t, CavityMesh&)>& adapt, const SharedWork& work) {
+std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing, const RoundWork& round,
+                           const SharedWork& work) {
   const std::size_t part_count = dealing.work.size();
   RoundShare moved = move_tets(share, links, std::move(dealing.to_part), part_count, work);
   std::uint32_t first = 0;
@@ -34,13 +37,19 @@ void adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing,
   std::vector<PartOfWhole> parts;
   work.each([&] {
     parts = cut_parts(moved, first, static_cast<std::uint32_t>(own_work.size()), work.runner());
+    work.runner().for_each(parts.size(), [&](std::size_t p) { parts[p].mesh.start(); });
+  });
+  std::size_t split = 0;
+  if (part_count > 1 && std::isfinite(round.sides.longest))
+    split = split_sides(moved, links, parts, *round.source, round.sides, work);
+  work.each([&] {
     work.runner().for_each_largest_first(own_work, [&](std::size_t p) {
-      parts[p].mesh.start();
-      adapt(first + p, parts[p].mesh);
+      round.adapt(first + p, parts[p].mesh);
       finish(parts[p]);
     });
   });
   share = join_parts(moved, parts, links, work);
+  return split;
 }
 
 }  // namespace tetloom::adapt

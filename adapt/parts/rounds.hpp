@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "adapt/kernel/side_splits.hpp"
 #include "adapt/parts/share.hpp"
 #include "adapt/parts/whole_mesh.hpp"
 #include "threading/shared_work.hpp"
@@ -26,9 +27,17 @@ struct Dealing {
 Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<const float> to_work,
                   std::size_t part_count, std::size_t round, const SharedWork& work);
 
-/// Cuts, calls `adapt` for every part on one rank, the one of most work first, and puts together what has become of
-/// them. The result depends on the parts alone. In together; where it throws, what is left is of no use.
-void adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing,
-                    const std::function<void(std::size_t, CavityMesh&)>& adapt, const SharedWork& work);
+/// What is done in a round.
+struct RoundWork {
+  std::function<void(std::size_t, CavityMesh&)> adapt;  ///< each part, by its number
+  const MetricStage* source = nullptr;                  ///< where `sides` have an end to lengths
+  SideSplitOptions sides = {};                          ///< of edges between parts, before
+};
+
+/// Cuts, splits edges between parts, calls `adapt` for every part on one rank, the one of most work first, and puts
+/// together what has become of them. The result depends on the parts alone. Returns how many edges between parts were
+/// split, each of them counted on one rank. In together; where it throws, what is left is of no use.
+std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing, const RoundWork& round,
+                           const SharedWork& work);
 
 }  // namespace tetloom::adapt

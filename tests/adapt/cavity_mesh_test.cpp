@@ -313,8 +313,7 @@ void with_part(const Mesh& mesh, const std::function<void(CavityMesh&)>& visit, 
   ShareLinks links = take_share(whole, runner);
   Dealing dealing{.to_part = {}, .work = {1}};
   dealing.to_part.resize(whole.size(), 0);
-  adapt_in_parts(
-      whole, links, std::move(dealing), [&](std::size_t, CavityMesh& part) { visit(part); }, runner);
+  adapt_in_parts(whole, links, std::move(dealing), {[&](std::size_t, CavityMesh& part) { visit(part); }}, runner);
   if (result) *result = std::move(whole);
 }
 

@@ -8,30 +8,48 @@
 
 namespace tetloom::test {
 
+/// A mesh before its first round, on one thread.
+struct BeforeRound {
+  TaskRunner runner{1};
+  adapt::BackgroundMesh background;
+  std::vector<adapt::Tensor> implied;
+  adapt::MetricFunction none;
+  adapt::MetricStage stage;
+  adapt::WholeMesh whole;
+  SharedWork work;
+  adapt::ShareLinks links;
+
+  BeforeRound(const Mesh& mesh, const adapt::MetricField& metric)
+      : background({mesh.points, mesh.tet_to_vert}, metric, runner),
+        implied(adapt::implied_metric(background.mesh())),
+        stage(background, implied, none, HUGE_VAL),
+        whole(adapt::make_whole_mesh(mesh, runner)),
+        work(runner) {
+    for (std::size_t v = 0; v < whole.points.size(); ++v) {
+      std::uint32_t hint = kNone;
+      const adapt::Tensor tensor = stage.at(whole.points[v], hint);
+      whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
+    }
+    links = take_share(whole, work);
+  }
+
+  /// To parts of as many tets each.
+  adapt::Dealing deal(std::size_t part_count) const {
+    return deal_tets(whole, links, std::vector<float>(whole.size(), 1), part_count, 0, work);
+  }
+};
+
 /// Deals `mesh` to parts and calls visit(CavityMesh&, Passes&) for each of them, on one thread.
 template <class Visit>
 void in_one_round(const Mesh& mesh, const adapt::MetricField& metric, const tets::SurfaceProjector& project,
                   std::size_t part_count, const Visit& visit) {
   using namespace adapt;
-  const TaskRunner runner(1);
-  const BackgroundMesh background({mesh.points, mesh.tet_to_vert}, metric, runner);
-  const std::vector<Tensor> implied = implied_metric(background.mesh());
-  const MetricFunction none;
-  const MetricStage stage(background, implied, none, HUGE_VAL);
-  WholeMesh whole = make_whole_mesh(mesh, runner);
-  for (std::size_t v = 0; v < whole.points.size(); ++v) {
-    std::uint32_t hint = kNone;
-    const Tensor tensor = stage.at(whole.points[v], hint);
-    whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
-  }
-  const SharedWork work(runner);
-  ShareLinks links = take_share(whole, work);
-  Dealing dealing = deal_tets(whole, links, std::vector<float>(whole.size(), 1), part_count, 0, work);
+  BeforeRound before(mesh, metric);
   const auto adapt_part = [&](std::size_t, CavityMesh& part) {
-    Passes passes(part, stage, project, {}, runner);
+    Passes passes(part, before.stage, project, {}, before.runner);
     visit(part, passes);
   };
-  adapt_in_parts(whole, links, std::move(dealing), adapt_part, work);
+  adapt_in_parts(before.whole, before.links, before.deal(part_count), {adapt_part}, before.work);
 }
 
 }  // namespace tetloom::test

@@ -1,0 +1,162 @@
+#include "adapt/parts/split_sides.hpp"
+
+#include <algorithm>
+
+namespace tetloom::adapt {
+
+namespace {
+
+constexpr int kSweeps = 3;
+
+// What a rank says of an edge.
+struct Named {
+  std::array<std::uint32_t, 2> ends;  // numbers of vertices of the whole mesh
+  PackedEntity entity;
+  std::uint32_t refused = 0;
+};
+
+// An edge that parts of this rank have.
+struct OwnEdge {
+  std::array<std::uint32_t, 2> ends;  // vertices of the share
+  PackedEntity entity;
+  bool refused = false;
+  std::uint32_t vert = kNone;  // of the share, where it is split
+};
+
+void keep_lowest(PackedEntity& entity, PackedEntity other) {
+  if (other.unpack().dim < entity.unpack().dim) entity = other;
+}
+
+class SideSplitter {
+ public:
+  SideSplitter(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts, const MetricStage& source,
+               const SideSplitOptions& options, const SharedWork& work)
+      : share_(share),
+        parts_(parts),
+        source_(source),
+        options_(options),
+        work_(work),
+        next_number_(links.first_verts.back()),
+        edges_(parts.size()) {}
+
+  std::size_t run() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      work_.each([&] { find(); });
+      if (!agree()) break;
+      work_.each([&] { split(); });
+    }
+    return split_count_;
+  }
+
+ private:
+  std::uint32_t number_of(std::uint32_t vert) const { return share_.to_number.empty() ? vert : share_.to_number[vert]; }
+
+  void find() {
+    work_.runner().for_each(parts_.size(), [&](std::size_t p) {
+      edges_[p] = SideSplits(parts_[p].mesh, parts_[p].to_whole.span(), source_, options_).find();
+    });
+    own_.clear();
+    for (const std::vector<SideEdge>& edges : edges_)
+      for (const SideEdge& edge : edges) own_.push_back({edge.names, edge.entity, edge.refused});
+    std::ranges::stable_sort(own_, {}, &OwnEdge::ends);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      if (kept > 0 && own_[kept - 1].ends == own_[i].ends) {
+        own_[kept - 1].refused |= own_[i].refused;
+        keep_lowest(own_[kept - 1].entity, own_[i].entity);
+      } else {
+        own_[kept++] = own_[i];
+      }
+    }
+    own_.resize(kept);
+  }
+
+  // Whether any edge is split. New vertices have the numbers after all others, in the order of the edges.
+  bool agree() {
+    const std::vector<Bytes> told = work_.all_gather([&](MessageWriter& writer) {
+      const auto room = writer.put_room<Named>(own_.size());
+      std::ranges::transform(own_, room.begin(), [&](const OwnEdge& edge) {
+        return Named{{number_of(edge.ends[0]), number_of(edge.ends[1])}, edge.entity, edge.refused};
+      });
+    });
+    std::vector<std::span<const Named>> rest;  // of what each rank says
+    std::vector<MessageReader> readers(told.begin(), told.end());
+    for (MessageReader& reader : readers) rest.push_back(reader.get_view<Named>());
+    const std::uint32_t before = next_number_;
+    auto own = own_.begin();
+    for (;;) {
+      std::array<std::uint32_t, 2> ends{kNone, kNone};
+      for (const auto& edges : rest)
+        if (!edges.empty()) ends = std::min(ends, edges.front().ends);
+      if (ends[0] == kNone) break;
+      Named all{ends, PackedEntity(ModelEntity(3, 0)), 0};
+      ranks_.clear();
+      take(rest, all);
+      const bool is_own = std::ranges::binary_search(ranks_, static_cast<std::uint32_t>(work_.rank()));
+      if (all.refused == 0) {
+        if (is_own) add_vert(*own, all.entity);
+        ++next_number_;
+      }
+      own += is_own;
+    }
+    return next_number_ > before;
+  }
+
+  // What all ranks say of the edge that is the next one.
+  void take(std::vector<std::span<const Named>>& rest, Named& all) {
+    for (std::uint32_t rank = 0; rank < rest.size(); ++rank) {
+      if (rest[rank].empty() || rest[rank].front().ends != all.ends) continue;
+      const Named& one = rest[rank].front();
+      if (ranks_.empty()) all.entity = one.entity;
+      keep_lowest(all.entity, one.entity), all.refused |= one.refused;
+      ranks_.push_back(rank);
+      rest[rank] = rest[rank].subspan(1);
+    }
+  }
+
+  void add_vert(OwnEdge& edge, PackedEntity entity) {
+    const auto self = static_cast<std::uint32_t>(work_.rank());
+    edge.vert = static_cast<std::uint32_t>(share_.vert_count++);
+    edge.entity = entity;
+    split_count_ += ranks_.front() == self;
+    if (work_.rank_count() == 1) return;
+    share_.to_number.push_back(next_number_);
+    if (ranks_.size() == 1) return;
+    share_.outside_verts.push_back(edge.vert);
+    for (const std::uint32_t rank : ranks_)
+      if (rank != self) share_.outside_ranks.push_back(rank);
+    share_.outside_first.push_back(static_cast<std::uint32_t>(share_.outside_ranks.size()));
+  }
+
+  void split() {
+    work_.runner().for_each(parts_.size(), [&](std::size_t p) {
+      SideSplits splits(parts_[p].mesh, parts_[p].to_whole.span(), source_, options_);
+      for (const SideEdge& edge : edges_[p]) {
+        const auto own = std::ranges::lower_bound(own_, edge.names, {}, &OwnEdge::ends);
+        if (own->vert == kNone) continue;
+        splits.split(edge, own->entity);
+        parts_[p].to_whole.push_back(own->vert);
+      }
+    });
+  }
+
+  RoundShare& share_;
+  std::span<PartOfWhole> parts_;
+  const MetricStage& source_;
+  const SideSplitOptions& options_;
+  const SharedWork& work_;
+  std::uint32_t next_number_;
+  std::vector<std::vector<SideEdge>> edges_;  // of each part
+  std::vector<OwnEdge> own_;                  // ascending
+  std::vector<std::uint32_t> ranks_;          // that have the edge at hand
+  std::size_t split_count_ = 0;
+};
+
+}  // namespace
+
+std::size_t split_sides(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts,
+                        const MetricStage& source, const SideSplitOptions& options, const SharedWork& work) {
+  return SideSplitter(share, links, parts, source, options, work).run();
+}
+
+}  // namespace tetloom::adapt
