@@ -78,6 +78,7 @@ Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFuncti
   const TetView view{whole_.points.span(), tets};
   implied_ = implied_metric(view, runner_);
   background_.emplace(view, metric, runner_);
+  touching_ = separate_fans(whole_, runner_);
   links_ = take_share(whole_, work_);
 }
 
@@ -128,6 +129,7 @@ void Adapter::finish_result(AdaptResult& result) {
   work_.each([&] {
     if (work_.rank() != 0) return;
     whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
+    join_fans(whole_, touching_);
     result.mesh = make_mesh_of(whole_, mesh_);
     metric_of_result_ = std::move(whole_.to_metric);
     whole_ = WholeMesh();

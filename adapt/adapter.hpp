@@ -8,6 +8,7 @@
 #include "adapt/adapt.hpp"
 #include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
+#include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "threading/shared_work.hpp"
 
@@ -62,6 +63,7 @@ class Adapter {
   const TaskRunner& runner_;
   WholeMesh whole_;  // between rounds the share of it that this rank has
   GrowingArray<VertexMetric> metric_of_result_;
+  TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
   std::optional<BackgroundMesh> background_;

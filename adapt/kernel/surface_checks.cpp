@@ -25,6 +25,10 @@ bool has(const Triangle& triangle, std::uint32_t vert) {
 
 bool Passes::is_frozen(const Cavity& cavity) const {
   if (cavity.surface.empty()) return false;
+  if (cavity.core_size == 2) {
+    const std::uint32_t edge = mesh_.surface.find_edge(cavity.core[0], cavity.core[1]);
+    if (edge != kNone && (edge & kTouching) != 0) return true;
+  }
   for (std::uint32_t k = 0; k < cavity.core_size; ++k)
     if (!mesh_.to_frozen[cavity.core[k]]) return false;
   return true;

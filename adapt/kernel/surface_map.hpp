@@ -12,6 +12,9 @@
 
 namespace tetloom::adapt {
 
+/// Bit of a model edge, in pieces at which tets touch that do not hang together there: they stay as they are.
+inline constexpr std::uint32_t kTouching = std::uint32_t{1} << 31;
+
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// A triangle of the surface: its vertices, counter-clockwise seen from the tip of the model face's normal.

@@ -10,6 +10,7 @@
 #include "core/mesh/digest.hpp"
 #include "core/mesh/validate.hpp"
 #include "mesher/mesher.hpp"
+#include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
@@ -113,6 +114,13 @@ AdaptResult check_like_one_process(const Mesh& mesh, const Metric& metric, Adapt
 }
 
 }  // namespace
+
+TEST_CASE("ranks adapt bodies that touch as one process does", "[adapt]") {
+  for (const adapt::TouchingShape& shape : adapt::kTouchingShapes) {
+    CAPTURE(shape.name);
+    check_like_one_process(adapt::mesh_of(shape, 2), layered, in_parts(1000), {3});
+  }
+}
 
 TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][ranks]") {
   const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.05 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5})); };

@@ -1,0 +1,221 @@
+#include "adapt/parts/fans.hpp"
+
+#include <numeric>
+#include <span>
+
+#include "threading/parallel_sort.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+using EdgeVerts = std::array<std::uint32_t, 2>;
+
+EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Sets of whatever is numbered from 0 on, each known by its least member.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : to_set_(count) { std::iota(to_set_.begin(), to_set_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (to_set_[i] != i) i = to_set_[i] = to_set_[to_set_[i]];
+    return i;
+  }
+  void unite(std::uint32_t i, std::uint32_t j) {
+    const std::uint32_t a = find(i), b = find(j);
+    to_set_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> to_set_;
+};
+
+/// Where the outer surface is no surface: edges of more than two of its triangles, and vertices at which its triangles
+/// do not follow each other around one fan.
+class Pinches {
+ public:
+  Pinches(const WholeMesh& whole, const TaskRunner& runner) {
+    std::vector<std::uint32_t> outer;
+    for (std::uint32_t t = 0; t < whole.triangles.size(); ++t)
+      if (whole.triangles[t].tets[1] == kNone) outer.push_back(t);
+    const auto vert_at = [&](std::uint32_t corner) {
+      return whole.triangles[outer[corner / 3]].triangle.verts[corner % 3];
+    };
+    struct Use {
+      EdgeVerts verts;
+      std::uint32_t corner;  // opposite to the edge
+      auto operator<=>(const Use&) const = default;
+    };
+    std::vector<Use> uses(outer.size() * 3);
+    for (std::uint32_t c = 0; c < uses.size(); ++c) {
+      const std::uint32_t first = c / 3 * 3;
+      uses[c] = {ascending(vert_at(first + (c + 1) % 3), vert_at(first + (c + 2) % 3)), c};
+    }
+    parallel_sort(uses, runner);
+    Sets corners(uses.size());
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+      for (end = i; end < uses.size() && uses[end].verts == uses[i].verts;) ++end;
+      if (end - i > 2) edges.push_back(uses[i].verts);
+      if (end - i != 2) continue;
+      const std::uint32_t p = uses[i].corner / 3 * 3, q = uses[i + 1].corner / 3 * 3;
+      for (std::uint32_t j = 0; j < 3; ++j)
+        for (std::uint32_t k = 0; k < 3; ++k)
+          if (vert_at(p + j) == vert_at(q + k)) corners.unite(p + j, q + k);
+    }
+    std::vector<std::uint8_t> seen(whole.points.size(), 0);
+    for (std::uint32_t c = 0; c < uses.size(); ++c) {
+      if (corners.find(c) != c) continue;
+      std::uint8_t& count = seen[vert_at(c)];
+      if (count == 1) verts.push_back(vert_at(c));
+      count = static_cast<std::uint8_t>(std::min(2, count + 1));
+    }
+    std::sort(verts.begin(), verts.end());
+  }
+
+  std::vector<EdgeVerts> edges;      ///< ascending
+  std::vector<std::uint32_t> verts;  ///< ascending; the ends of all edges are among them
+};
+
+class Separator {
+ public:
+  Separator(WholeMesh& whole, Pinches&& pinches) : whole_(whole), pinches_(std::move(pinches)) {}
+
+  TouchingVerts run() {
+    name_corners();
+    find_balls();
+    for (std::uint32_t slot = 0; slot < balls_.size(); ++slot) split_ball(slot);
+    follow_triangles();
+    follow_pieces();
+    return std::move(touching_);
+  }
+
+ private:
+  // Corners stay where they are.
+  void name_corners() {
+    for (const PackedEntity packed : whole_.to_entity) {
+      const ModelEntity entity = packed.unpack();
+      if (entity.valid() && entity.dim == 0) touching_.first = std::max(touching_.first, entity.index + 1);
+    }
+    for (const std::uint32_t v : pinches_.verts) {
+      const auto number = touching_.first + static_cast<std::uint32_t>(touching_.to_entity.size());
+      touching_.to_entity.push_back(whole_.to_entity[v]);
+      whole_.to_entity[v] = PackedEntity(ModelEntity(0, number));
+    }
+  }
+
+  void find_balls() {
+    to_slot_.assign(whole_.points.size(), kNone);
+    for (std::uint32_t slot = 0; slot < pinches_.verts.size(); ++slot) to_slot_[pinches_.verts[slot]] = slot;
+    balls_.resize(pinches_.verts.size());
+    for (std::uint32_t corner = 0; corner < whole_.to_vert.size(); ++corner)
+      if (to_slot_[whole_.to_vert[corner]] != kNone) balls_[to_slot_[whole_.to_vert[corner]]].push_back(corner);
+  }
+
+  // Corners of tets at a vertex, those of each fan but the first with a new one.
+  void split_ball(std::uint32_t slot) {
+    const std::vector<std::uint32_t>& ball = balls_[slot];
+    Sets fans(ball.size());
+    for (std::uint32_t i = 0; i < ball.size(); ++i) {
+      for (std::uint32_t j = 0; j < 4; ++j) {
+        const FaceCode behind = whole_.to_neighbor[ball[i] / 4 * 4 + j];
+        if (j == ball[i] % 4 || behind == kNone) continue;
+        const auto at = std::lower_bound(ball.begin(), ball.end(), behind / 4 * 4);
+        fans.unite(i, static_cast<std::uint32_t>(at - ball.begin()));
+      }
+    }
+    std::vector<std::uint32_t> to_vert(ball.size(), pinches_.verts[slot]);
+    for (std::uint32_t i = 0; i < ball.size(); ++i) {
+      const std::uint32_t fan = fans.find(i);
+      if (fan == i && i > 0) to_vert[i] = add_vert(pinches_.verts[slot]);
+      whole_.to_vert[ball[i]] = to_vert[fan];
+    }
+  }
+
+  std::uint32_t add_vert(std::uint32_t v) {
+    whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
+    whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
+    whole_.to_hint.push_back(std::uint32_t{whole_.to_hint[v]});
+    whole_.to_state.push_back(std::uint8_t{whole_.to_state[v]});
+    to_slot_.push_back(to_slot_[v]);
+    return static_cast<std::uint32_t>(whole_.points.size() - 1);
+  }
+
+  std::uint32_t given(std::uint32_t v) const { return to_slot_[v] == kNone ? v : pinches_.verts[to_slot_[v]]; }
+
+  // The two tets of a triangle belong to the same fans.
+  void follow_triangles() {
+    for (LinkedTriangle& t : whole_.triangles) {
+      for (std::uint32_t& v : t.triangle.verts) {
+        if (to_slot_[v] == kNone) continue;
+        const std::uint32_t* verts = &whole_.to_vert[std::size_t{t.tets[0]} * 4];
+        v = *std::find_if(verts, verts + 4, [&](std::uint32_t u) { return given(u) == v; });
+      }
+    }
+  }
+
+  // A piece of a model edge becomes one for each fan that has it.
+  void follow_pieces() {
+    std::vector<ModelEdgePiece> made;
+    for (const auto& ball : balls_)
+      for (const std::uint32_t corner : ball) {
+        const std::uint32_t v = whole_.to_vert[corner];
+        for (std::uint32_t j = corner / 4 * 4; j < corner / 4 * 4 + 4; ++j)
+          if (j != corner) follow_piece(v, whole_.to_vert[j], made);
+      }
+    std::erase_if(whole_.edges, [&](const ModelEdgePiece& piece) {
+      return to_slot_[piece.verts[0]] != kNone || to_slot_[piece.verts[1]] != kNone;
+    });
+    whole_.edges.insert(whole_.edges.end(), made.begin(), made.end());
+    sort_pieces(whole_.edges);
+  }
+
+  void follow_piece(std::uint32_t a, std::uint32_t b, std::vector<ModelEdgePiece>& made) const {
+    const EdgeVerts verts = ascending(given(a), given(b));
+    const auto at = std::lower_bound(whole_.edges.begin(), whole_.edges.end(), ModelEdgePiece{verts, 0});
+    if (at == whole_.edges.end() || at->verts != verts) return;
+    const bool touches = std::binary_search(pinches_.edges.begin(), pinches_.edges.end(), verts);
+    made.push_back({ascending(a, b), touches ? at->edge | kTouching : at->edge});
+  }
+
+  WholeMesh& whole_;
+  Pinches pinches_;
+  TouchingVerts touching_;
+  std::vector<std::uint32_t> to_slot_;             // of every vertex: its place in pinches_.verts, or of what it was
+  std::vector<std::vector<std::uint32_t>> balls_;  // corners of tets, ascending
+};
+
+}  // namespace
+
+TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
+  Pinches pinches(whole, runner);
+  if (pinches.verts.empty()) return {};
+  return Separator(whole, std::move(pinches)).run();
+}
+
+void join_fans(WholeMesh& whole, const TouchingVerts& touching) {
+  if (touching.to_entity.empty()) return;
+  std::vector<std::uint32_t> to_new(whole.points.size()), to_vert(touching.to_entity.size(), kNone);
+  std::uint32_t count = 0;
+  for (std::uint32_t v = 0; v < to_new.size(); ++v) {
+    const ModelEntity entity = whole.to_entity[v].unpack();
+    const bool touches = entity.valid() && entity.dim == 0 && entity.index >= touching.first;
+    const std::uint32_t slot = touches ? entity.index - touching.first : kNone;
+    if (touches && to_vert[slot] != kNone) {
+      to_new[v] = to_vert[slot];
+      continue;
+    }
+    to_new[v] = count;
+    if (touches) to_vert[slot] = count;
+    whole.points[count] = whole.points[v], whole.to_metric[count] = whole.to_metric[v];
+    whole.to_entity[count++] = touches ? touching.to_entity[slot] : whole.to_entity[v];
+  }
+  whole.points.resize(count), whole.to_metric.resize(count), whole.to_entity.resize(count);
+  for (std::uint32_t& v : whole.to_vert) v = to_new[v];
+  for (LinkedTriangle& t : whole.triangles)
+    for (std::uint32_t& v : t.triangle.verts) v = to_new[v];
+  for (ModelEdgePiece& piece : whole.edges)
+    piece = {ascending(to_new[piece.verts[0]], to_new[piece.verts[1]]), piece.edge & ~kTouching};
+  sort_pieces(whole.edges);
+}
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,37 @@
+#pragma once
+// Vertices at which the tets do not hang together through faces, as where two bodies touch in an edge or a vertex
+// alone.
+//
+//     \ fan /
+//      \   /
+//       \ /
+//  ------v------  outside
+//       / \          .
+//      /   \         .
+//     / fan \        .
+//
+// Operations see the tets that they reach through faces. So each *fan* of tets has a vertex of its own while a mesh is
+// adapted, and these are one again in the end; all of them stay where they are, and so do the edges at which fans
+// touch.
+#include <cstdint>
+#include <vector>
+
+#include "adapt/parts/whole_mesh.hpp"
+
+namespace tetloom::adapt {
+
+/// What vertices at which fans touch lie on; they are corners meanwhile, with numbers from `first` on.
+struct TouchingVerts {
+  std::uint32_t first = 0;
+  std::vector<PackedEntity> to_entity;
+};
+
+/// Gives each fan a vertex of its own, those behind the first one new ones, and marks the edges at which fans touch
+/// (`kTouching`). Vertices at which the surface meets itself without several fans are corners as well.
+/// Complexity: linear in the tets, and sorting for the surface.
+TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner);
+
+/// Makes one vertex of those that `separate_fans` made of one. Neighbours, hints and states are of no use then.
+void join_fans(WholeMesh& whole, const TouchingVerts& touching);
+
+}  // namespace tetloom::adapt

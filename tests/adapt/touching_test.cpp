@@ -1,0 +1,55 @@
+// Bodies that touch in an edge or a vertex, and bodies that touch themselves there.
+#include <catch2/catch.hpp>
+
+#include "adapt/adapt.hpp"
+#include "tests/adapt/kept_mesh.hpp"
+#include "tests/adapt/random_tensors.hpp"
+#include "tests/adapt/touching_blocks.hpp"
+
+using namespace tetloom;
+using namespace tetloom::adapt;
+
+namespace {
+
+MetricField sizes(const Mesh& mesh, double h) {
+  return metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
+}
+
+AdaptResult adapted(const Mesh& mesh, const MetricField& metric, double tets_per_part = 0) {
+  AdaptOptions options;
+  options.tets_per_part = tets_per_part, options.threads = 2;
+  AdaptResult result = adapt_mesh(mesh, metric, options);
+  for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+  REQUIRE(result.status == AdaptStatus::Ok);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("bodies that touch in an edge or a vertex stay together", "[adapt]") {
+  for (const TouchingShape& shape : kTouchingShapes) {
+    for (const int cuts : {1, 3}) {
+      const Mesh mesh = mesh_of(shape, cuts);
+      for (const double h : {0.07, 0.4})
+        for (const double tets_per_part : {0.0, 300.0}) {
+          CAPTURE(shape.name, cuts, h, tets_per_part);
+          const AdaptResult result = adapted(mesh, sizes(mesh, h), tets_per_part);
+          test::check_kept(mesh, result.mesh);
+        }
+    }
+  }
+}
+
+TEST_CASE("random metrics leave bodies that touch valid, and together", "[adapt]") {
+  RandomTensors random(7);
+  for (const TouchingShape& shape : kTouchingShapes) {
+    const Mesh mesh = mesh_of(shape, 2);
+    std::vector<Tensor> tensors;
+    for (std::size_t v = 0; v < mesh.points.size(); ++v)
+      tensors.push_back(compose(random.metric(random.uniform(0.3, 2), 100)));
+    MetricField metric = metric_from_tensors(tensors, mesh.points);
+    scale_to_complexity(metric, {mesh.points, mesh.tet_to_vert}, 200);
+    CAPTURE(shape.name);
+    test::check_kept(mesh, adapted(mesh, metric, 400).mesh);
+  }
+}
