@@ -7,6 +7,7 @@
 #include "adapt/adapter.hpp"
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
+#include "adapt/touching_edges.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/base/stopwatch.hpp"
 
@@ -101,7 +102,11 @@ class AdaptRun {
     work_.each([&] { prepare(result); });
     require_same_input(mesh_, metric_, options_, work_);
     std::optional<Adapter> adapter;
-    work_.each([&] { adapter.emplace(mesh_, metric_, function_, options_, work_); });
+    work_.each([&] {
+      split_touching(result.report.before.complexity);
+      adapter.emplace(refined_ ? refined_->mesh : mesh_, refined_ ? refined_->metric : metric_, function_, options_,
+                      work_);
+    });
     result.report.stages.set_up = watch.lap();
     adapter->run(result);
     watch.lap();
@@ -129,12 +134,22 @@ class AdaptRun {
     check_complexity(result.report.before.complexity);
   }
 
+  void split_touching(double complexity) {
+    const double most = static_cast<double>(mesh_.tet_to_vert.size()) + kMostOfTouching * expected_tets(complexity);
+    refined_ = split_touching_edges(mesh_, metric_, function_, options_.model, static_cast<std::size_t>(most));
+    // Errors name elements of the mesh that was given.
+    if (refined_) make_whole_mesh(mesh_, work_.runner());
+  }
+
+  static constexpr double kMostOfTouching = 2;  // times the tets that the metric asks for
+
   const Mesh& mesh_;
   const MetricField* given_;
   const MetricFunction& function_;
   const AdaptOptions& options_;
   const SharedWork& work_;
   MetricField metric_;
+  std::optional<RefinedInput> refined_;
 };
 
 AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,

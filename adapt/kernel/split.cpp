@@ -15,21 +15,13 @@ constexpr double kSplitLoss = 0.125, kLeastSplit = 0.03, kNoWorse = 0.99;
 
 Tensor mean(const Tensor& a, const Tensor& b) { return 0.5 * (a + b); }
 
-// Where on the way from a to b the length from a is `share` of the whole: sizes change geometrically on the way.
-double place_of(double la, double lb, double share) {
-  const double r = lb / la;
-  if (!(std::abs(r - 1) > 1e-3)) return share;
-  const double s = std::log1p(share * (r - 1)) / std::log(r);
-  return std::isfinite(s) ? std::clamp(s, 0.1, 0.9) : share;
-}
-
 }  // namespace
 
 Vec3 place_of_split(const CavityMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const Vec3 e = mesh.point(b) - mesh.point(a);
   const double la = std::sqrt(dot(mesh.to_metric[a].tensor, e)), lb = std::sqrt(dot(mesh.to_metric[b].tensor, e));
   const double pieces = std::max(2.0, std::round(mesh.length_of(a, b)));
-  return mesh.point(a) + place_of(la, lb, std::floor(pieces / 2) / pieces) * e;
+  return mesh.point(a) + place_on_edge(la, lb, std::floor(pieces / 2) / pieces) * e;
 }
 
 // Tets far from the metric become worse before they become better, but not without an end.

@@ -112,6 +112,15 @@ struct LengthCounts {
   }
 };
 
+/// Where on an edge the length from its first end is `share` of the whole, by the lengths that its ends give it: sizes
+/// change geometrically on the way. Not within a tenth of an end.
+inline double place_on_edge(double la, double lb, double share) {
+  const double r = lb / la;
+  if (!(std::abs(r - 1) > 1e-3)) return share;
+  const double s = std::log1p(share * (r - 1)) / std::log(r);
+  return std::isfinite(s) ? std::clamp(s, 0.1, 0.9) : share;
+}
+
 /// Eigenvalues in ascending order, and a right-handed orthonormal basis of eigenvectors.
 struct EigenSystem {
   std::array<double, 3> values{};

@@ -53,3 +53,18 @@ TEST_CASE("random metrics leave bodies that touch valid, and together", "[adapt]
     test::check_kept(mesh, adapted(mesh, metric, 400).mesh);
   }
 }
+
+TEST_CASE("edges at which bodies touch become as short as others", "[adapt]") {
+  for (const TouchingShape& shape : kTouchingShapes) {
+    CAPTURE(shape.name);
+    const Mesh mesh = mesh_of(shape, 1);
+    const AdaptResult result = adapted(mesh, sizes(mesh, 0.06));
+    test::check_kept(mesh, result.mesh);
+    const MetricConformity& after = result.report.after;
+    CAPTURE(after.unit, after.half_to_two, after.shortest, after.longest, after.mean_quality, after.least_quality);
+    CHECK(after.unit > 0.98);
+    CHECK(after.longest < 2);
+    CHECK(after.mean_quality > 0.85);
+    CHECK(after.least_quality > 0.2);
+  }
+}
