@@ -8,7 +8,6 @@
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
 #include "adapt/touching_edges.hpp"
-#include "core/base/mix_bits.hpp"
 #include "core/base/stopwatch.hpp"
 
 namespace tetloom {
@@ -49,20 +48,10 @@ AdaptResult guarded(const Run& run) {
 void require_same_input(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
                         const SharedWork& work) {
   if (work.rank_count() == 1) return;
-  std::uint64_t hash = 0;
-  const auto add = [&](const auto& values) {
-    hash = mix_bits(hash ^ values.size());
-    for (const std::byte byte : std::as_bytes(std::span(values)))
-      hash = hash * 0x100000001b3u ^ std::to_integer<std::uint64_t>(byte);
-  };
-  work.each([&] {
-    add(mesh.points), add(mesh.tet_to_vert), add(mesh.tri_to_vert), add(metric.logs);
-    add(std::array<double, 5>{options.quality_floor, options.gradation, options.tets_per_part, 1.0 * options.parts,
-                              static_cast<double>(options.cell_shape)});
-    for (const std::string& name : options.transfer) add(name);
-  });
-  for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(hash); }))
-    if (MessageReader(bytes).get<std::uint64_t>() != hash)
+  std::uint64_t own = 0;
+  work.each([&] { own = fingerprint(mesh, metric, options, work.runner()); });
+  for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(own); }))
+    if (MessageReader(bytes).get<std::uint64_t>() != own)
       throw Error(ErrorCode::InvalidArgument, "the ranks were not given the same mesh, metric and options");
 }
 
@@ -99,8 +88,9 @@ class AdaptRun {
 
   void run(AdaptResult& result) {
     Stopwatch watch;
-    work_.each([&] { prepare(result); });
+    work_.each([&] { prepare(); });
     require_same_input(mesh_, metric_, options_, work_);
+    measure_before(result.report);
     std::optional<Adapter> adapter;
     work_.each([&] {
       split_touching(result.report.before.complexity);
@@ -119,7 +109,7 @@ class AdaptRun {
   }
 
  private:
-  void prepare(AdaptResult& result) {
+  void prepare() {
     const TaskRunner& runner = work_.runner();
     check_options(options_);
     check_mesh(mesh_, runner);
@@ -130,8 +120,16 @@ class AdaptRun {
       const TetView view{mesh_.points, mesh_.tet_to_vert};
       limit_gradation(metric_, mesh_.points, VertexGraph(view, runner), options_.gradation, runner);
     }
-    result.report.before = measure_conformity(mesh_, metric_, runner);
-    check_complexity(result.report.before.complexity);
+  }
+
+  // On the first rank, for all.
+  void measure_before(AdaptReport& report) {
+    work_.each([&] {
+      if (work_.rank() == 0) report.before = measure_conformity(mesh_, metric_, work_.runner_for_one());
+    });
+    const auto given = work_.all_gather([&](MessageWriter& writer) { writer.put(report.before); });
+    if (work_.rank() != 0) report.before = MessageReader(given[0]).get<MetricConformity>();
+    work_.each([&] { check_complexity(report.before.complexity); });
   }
 
   void split_touching(double complexity) {

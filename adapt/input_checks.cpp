@@ -2,8 +2,12 @@
 
 #include <array>
 #include <cstdio>
+#include <cstring>
+#include <span>
 #include <string>
+#include <type_traits>
 
+#include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/part/part_mesh.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
@@ -13,6 +17,50 @@ namespace tetloom::adapt {
 namespace {
 
 constexpr double kBytesPerTet = 200;  // at the least
+
+class Fingerprint {
+ public:
+  explicit Fingerprint(const BlockLoop& loop) : loop_(loop) {}
+
+  template <class T>
+  void add(std::span<const T> values) {
+    constexpr std::size_t kGrain = std::size_t{1} << 14;
+    add(std::uint64_t{values.size()});
+    for (const std::uint64_t block :
+         map_blocks(loop_, values.size(), kGrain, std::uint64_t{0}, [&](std::size_t begin, std::size_t end, auto&hash) {
+           for (const T& value : values.subspan(begin, end - begin)) hash = mixed(hash, value);
+         }))
+      add(block);
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(std::span<const T>(values));
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void add(T value) { hash_ = mixed(hash_, value); }
+
+  std::uint64_t hash() const { return hash_; }
+
+ private:
+  template <class T>
+  static std::uint64_t mixed(std::uint64_t hash, const T& value) {
+    if constexpr (std::is_same_v<T, ModelEntity>) {
+      return mixed(hash, std::uint64_t{value.dim} << 32 | value.index);
+    } else {
+      static_assert(std::is_trivially_copyable_v<T>);
+      std::array<std::uint64_t, (sizeof(T) + 7) / 8> words{};
+      std::memcpy(words.data(), &value, sizeof(T));
+      for (const std::uint64_t word : words) hash = mix_bits((hash ^ word) + kOdd);
+      return hash;
+    }
+  }
+
+  static constexpr std::uint64_t kOdd = 0x9e3779b97f4a7c15u;
+
+  const BlockLoop& loop_;
+  std::uint64_t hash_ = 0;
+};
 
 }  // namespace
 
@@ -45,6 +93,25 @@ void check_complexity(double complexity) {
   MeshEstimate estimate;
   estimate.tets = tets, estimate.bytes = kBytesPerTet * tets;
   check_memory(estimate, 0);
+}
+
+std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
+                          const BlockLoop& loop) {
+  Fingerprint all(loop);
+  all.add(mesh.points), all.add(mesh.point_to_entity);
+  all.add(mesh.edge_to_vert), all.add(mesh.edge_to_entity);
+  all.add(mesh.tri_to_vert), all.add(mesh.tri_to_entity);
+  all.add(mesh.tet_to_vert), all.add(mesh.tet_to_entity);
+  all.add(metric.logs);
+  for (const double value : {options.quality_floor, options.gradation, options.tets_per_part}) all.add(value);
+  all.add(options.parts), all.add(static_cast<int>(options.cell_shape)), all.add(options.model != nullptr);
+  for (const std::string& name : options.transfer) {
+    all.add(std::span<const char>(name));
+    for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
+      for (const MeshField& field : *fields)
+        if (field.name == name) all.add(field.components), all.add(field.values);
+  }
+  return all.hash();
 }
 
 }  // namespace tetloom::adapt

@@ -15,4 +15,9 @@ void check_metric(const MetricField& metric, const Mesh& mesh);
 /// in the memory that is free.
 void check_complexity(double complexity);
 
+/// A number over the bits of all that adaptation depends on, in their order: of the mesh with its classification and
+/// the fields that are carried over, the metric, the options. It differs where they do, but for accidents.
+std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
+                          const BlockLoop& loop);
+
 }  // namespace tetloom::adapt

@@ -1,8 +1,6 @@
 #include "adapt/parts/fans.hpp"
 
-#include <numeric>
-#include <span>
-
+#include "core/base/disjoint_sets.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom::adapt {
@@ -12,23 +10,6 @@ namespace {
 using EdgeVerts = std::array<std::uint32_t, 2>;
 
 EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
-/// Sets of whatever is numbered from 0 on, each known by its least member.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : to_set_(count) { std::iota(to_set_.begin(), to_set_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (to_set_[i] != i) i = to_set_[i] = to_set_[to_set_[i]];
-    return i;
-  }
-  void unite(std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t a = find(i), b = find(j);
-    to_set_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> to_set_;
-};
 
 /// Where the outer surface is no surface: edges of more than two of its triangles, and vertices at which its triangles
 /// do not follow each other around one fan.
@@ -52,7 +33,7 @@ class Pinches {
       uses[c] = {ascending(vert_at(first + (c + 1) % 3), vert_at(first + (c + 2) % 3)), c};
     }
     parallel_sort(uses, runner);
-    Sets corners(uses.size());
+    DisjointSets corners(uses.size());
     for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
       for (end = i; end < uses.size() && uses[end].verts == uses[i].verts;) ++end;
       if (end - i > 2) edges.push_back(uses[i].verts);
@@ -60,7 +41,7 @@ class Pinches {
       const std::uint32_t p = uses[i].corner / 3 * 3, q = uses[i + 1].corner / 3 * 3;
       for (std::uint32_t j = 0; j < 3; ++j)
         for (std::uint32_t k = 0; k < 3; ++k)
-          if (vert_at(p + j) == vert_at(q + k)) corners.unite(p + j, q + k);
+          if (vert_at(p + j) == vert_at(q + k)) corners.join(p + j, q + k);
     }
     std::vector<std::uint8_t> seen(whole.points.size(), 0);
     for (std::uint32_t c = 0; c < uses.size(); ++c) {
@@ -114,13 +95,13 @@ class Separator {
   // Corners of tets at a vertex, those of each fan but the first with a new one.
   void split_ball(std::uint32_t slot) {
     const std::vector<std::uint32_t>& ball = balls_[slot];
-    Sets fans(ball.size());
+    DisjointSets fans(ball.size());
     for (std::uint32_t i = 0; i < ball.size(); ++i) {
       for (std::uint32_t j = 0; j < 4; ++j) {
         const FaceCode behind = whole_.to_neighbor[ball[i] / 4 * 4 + j];
         if (j == ball[i] % 4 || behind == kNone) continue;
         const auto at = std::lower_bound(ball.begin(), ball.end(), behind / 4 * 4);
-        fans.unite(i, static_cast<std::uint32_t>(at - ball.begin()));
+        fans.join(i, static_cast<std::uint32_t>(at - ball.begin()));
       }
     }
     std::vector<std::uint32_t> to_vert(ball.size(), pinches_.verts[slot]);

@@ -1,7 +1,6 @@
 // Ranks that adapt a mesh together: the mesh of one process, and one outcome where one of them fails or is stopped.
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <map>
 #include <new>
 #include <random>
 
@@ -113,14 +112,26 @@ AdaptResult check_like_one_process(const Mesh& mesh, const Metric& metric, Adapt
   return alone;
 }
 
-}  // namespace
-
-TEST_CASE("ranks adapt bodies that touch as one process does", "[adapt]") {
-  for (const adapt::TouchingShape& shape : adapt::kTouchingShapes) {
-    CAPTURE(shape.name);
-    check_like_one_process(adapt::mesh_of(shape, 2), layered, in_parts(1000), {3});
+/// Ranks that are given what `change` makes another on the second of them are refused, all of them.
+void check_differs(const std::function<void(Mesh&, AdaptOptions&)>& change) {
+  std::vector<AdaptResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    Mesh cube = unit_cube(4);
+    cube.cell_fields = {{"load", 1, std::vector<double>(cube.tet_to_vert.size(), 1)}};
+    AdaptOptions options;
+    options.transfer = {"load"};
+    if (communicator.rank() == 1) change(cube, options);
+    const auto metric = [](const Vec3&) { return adapt::isotropic(0.3); };
+    results[static_cast<std::size_t>(communicator.rank())] = adapt_mesh_on_ranks(cube, metric, options, communicator);
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
+    CHECK(result.errors[0].message.find("not given the same") != std::string::npos);
   }
 }
+
+}  // namespace
 
 TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][ranks]") {
   const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.05 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5})); };
@@ -269,40 +280,11 @@ TEST_CASE("points that no tet has are nowhere, on one rank as on several", "[ada
 }
 
 TEST_CASE("bodies that touch in a vertex or an edge are adapted alike by ranks", "[adapt][ranks]") {
-  // Every other eighth of a cube: they meet in edges, and all of them in the middle.
-  Mesh mesh = unit_cube(4);
-  std::vector<std::array<std::uint32_t, 4>> tets;
-  for (const auto& tet : mesh.tet_to_vert) {
-    Vec3 centre;
-    for (const std::uint32_t v : tet) centre += 0.25 * mesh.points[v];
-    const int eighth = static_cast<int>(centre.x * 2) + static_cast<int>(centre.y * 2) + static_cast<int>(centre.z * 2);
-    if (eighth % 2 == 0) tets.push_back(tet);
-  }
-  Mesh part;
-  part.points = mesh.points;
-  part.tet_to_vert = tets;
-  part.tet_to_entity.assign(tets.size(), 0);
-  std::map<std::array<std::uint32_t, 3>, std::pair<int, std::array<std::uint32_t, 3>>> faces;
-  for (const auto& t : tets) {
-    for (const auto& f : adapt::kFaceVerts) {
-      const std::array<std::uint32_t, 3> verts{t[f[0]], t[f[1]], t[f[2]]};
-      auto key = verts;
-      std::sort(key.begin(), key.end());
-      auto& [count, turned] = faces[key];
-      ++count, turned = verts;
-    }
-  }
-  for (const auto& [key, face] : faces) {
-    if (face.first != 1) continue;
-    part.tri_to_vert.push_back(face.second);
-    // A face of the model for each direction of the normal.
-    const Vec3& x = part.points[face.second[0]];
-    const Vec3 n = cross(part.points[face.second[1]] - x, part.points[face.second[2]] - x);
-    part.tri_to_entity.push_back(std::abs(n.x) > 1e-9 ? 0 : std::abs(n.y) > 1e-9 ? 1 : 2);
-  }
   const auto metric = [](const Vec3&) { return adapt::isotropic(0.11); };
-  REQUIRE(validate_mesh(part).valid());
-  check_like_one_process(part, metric, in_parts(700), {2, 3, 4});
+  for (const adapt::TouchingShape& shape : adapt::kTouchingShapes) {
+    CAPTURE(shape.name);
+    check_like_one_process(adapt::mesh_of(shape, 2), metric, in_parts(700), {2, 3});
+  }
 }
 
 TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]") {
@@ -332,7 +314,7 @@ TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]"
   }
 }
 
-TEST_CASE("bad input is told alike by all ranks, and ranks that give different meshes are refused", "[adapt][ranks]") {
+TEST_CASE("bad input is told alike by all ranks", "[adapt][ranks]") {
   const auto metric = [](const Vec3&) { return adapt::isotropic(0.3); };
   Mesh cube = unit_cube(3);
   cube.tri_to_entity[3] = kNone;
@@ -347,15 +329,20 @@ TEST_CASE("bad input is told alike by all ranks, and ranks that give different m
     REQUIRE(result.errors.size() == 1);
     CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
   }
-  std::vector<AdaptResult> results(2);
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
-    const int rank = communicator.rank();
-    results[static_cast<std::size_t>(rank)] = adapt_mesh_on_ranks(unit_cube(2 + rank), metric, {}, communicator);
+}
+
+TEST_CASE("ranks that are given different meshes, fields or options are refused", "[adapt][ranks]") {
+  check_differs([](Mesh& mesh, AdaptOptions&) {
+    mesh.tet_to_vert.pop_back(), mesh.tet_to_entity.pop_back(), mesh.cell_fields[0].values.pop_back();
   });
-  for (const AdaptResult& result : results) {
-    REQUIRE(result.errors.size() == 1);
-    CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
-  }
+  check_differs([](Mesh& mesh, AdaptOptions&) { mesh.points[30].x += 1e-9; });
+  check_differs([](Mesh& mesh, AdaptOptions&) { std::swap(mesh.tet_to_vert[0], mesh.tet_to_vert[1]); });
+  check_differs([](Mesh& mesh, AdaptOptions&) { ++mesh.tri_to_entity[5]; });
+  check_differs([](Mesh& mesh, AdaptOptions&) { mesh.point_to_entity[30] = ModelEntity(2, 0); });
+  check_differs([](Mesh& mesh, AdaptOptions&) { ++mesh.edge_to_entity[2]; });
+  check_differs([](Mesh& mesh, AdaptOptions&) { mesh.cell_fields[0].values[7] = 3; });
+  check_differs([](Mesh&, AdaptOptions& options) { options.quality_floor = 0.2; });
+  check_differs([](Mesh&, AdaptOptions& options) { options.transfer.clear(); });
 }
 
 TEST_CASE("stopped by the host of one rank at any moment, all ranks are cancelled", "[adapt][ranks]") {
