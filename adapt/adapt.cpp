@@ -88,7 +88,7 @@ class AdaptRun {
 
   void run(AdaptResult& result) {
     Stopwatch watch;
-    work_.each([&] { prepare(); });
+    work_.each([&] { prepare(result.report); });
     require_same_input(mesh_, metric_, options_, work_);
     measure_before(result.report);
     std::optional<Adapter> adapter;
@@ -109,17 +109,18 @@ class AdaptRun {
   }
 
  private:
-  void prepare() {
+  void prepare(AdaptReport& report) {
     const TaskRunner& runner = work_.runner();
     check_options(options_);
     check_mesh(mesh_, runner);
     check_transfer(mesh_, options_.transfer);
     metric_ = given_ ? *given_ : metric_from_function(function_, mesh_.points, runner);
     check_metric(metric_, mesh_);
-    if (options_.gradation > 0 && given_) {
-      const TetView view{mesh_.points, mesh_.tet_to_vert};
+    if (!given_) return;
+    const TetView view{mesh_.points, mesh_.tet_to_vert};
+    if (options_.gradation > 0)
       limit_gradation(metric_, mesh_.points, VertexGraph(view, runner), options_.gradation, runner);
-    }
+    report.turning = limit_turning(metric_, view, runner);
   }
 
   // On the first rank, for all.

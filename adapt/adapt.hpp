@@ -61,6 +61,7 @@ struct AdaptSeconds {
 
 struct AdaptReport {
   MetricConformity before, after;
+  adapt::TurningResult turning;  ///< of a metric given at points; `before` and `after` are by what is followed
   adapt::PassCounts operations;
   std::size_t rounds = 0;
   std::size_t most_parts = 0;    ///< of any round
@@ -80,7 +81,8 @@ struct AdaptResult {
   std::vector<Diagnostic> errors;
 };
 
-/// Adapts `mesh`, of tets alone, which stays as it is, to `metric`, one per point. Every face of its boundary, and
+/// Adapts `mesh`, of tets alone, which stays as it is, to `metric`, one per point, limited where it turns faster than
+/// elements can (adapt::limit_turning). Every face of its boundary, and
 /// between its regions, must be a triangle that names a model face.
 ///
 /// Errors are in the result: InvalidArgument for options out of range and a metric of another length; InputUnsuitable

@@ -71,12 +71,19 @@ HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat,
   for (int scaling = 0;; ++scaling) {
     HessianMetric result{base, 0};
     result.complexity = scale_to_complexity(result.metric, mesh, goal, bounds, loop);
-    if (options.gradation == 0) return result;
-    limit_gradation(result.metric, mesh.points, graph, options.gradation, loop);
+    if (options.gradation > 0) limit_gradation(result.metric, mesh.points, graph, options.gradation, loop);
+    const bool turns = limit_turning(result.metric, mesh, loop).turns;
+    if (turns) apply_bounds(result.metric, bounds, loop);
+    if (scaling == 0 && options.gradation == 0 && !turns) return result;
     result.complexity = complexity(result.metric, mesh, loop);
     const double ratio = options.complexity / result.complexity;
-    if (std::abs(ratio - 1) <= kComplexityTolerance || scaling == kMostScalings) return result;
-    goal *= ratio;  // gradation adds about the same share again
+    if (std::abs(ratio - 1) <= kComplexityTolerance || scaling == kMostScalings) {
+      // The little that is missing makes no turn too fast; gradation would no longer be as asked.
+      if (options.gradation == 0)
+        result.complexity = scale_to_complexity(result.metric, mesh, options.complexity, bounds, loop);
+      return result;
+    }
+    goal *= ratio;  // what limits add is about the same share again
   }
 }
 

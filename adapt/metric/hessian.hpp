@@ -37,9 +37,10 @@ struct HessianMetric {
 };
 
 /// The metric of least interpolation error in that norm among those of that complexity (Loseille & Alauzet 2011): the
-/// absolute Hessian times det^(-1 / (2p + 3)), scaled; then bounded, graded, and scaled again until the complexity is
-/// within 1 % of what was asked for. Errors: InvalidArgument (options out of range, another number of Hessians than
-/// points); InputUnsuitable where no second derivative is larger than `flat`, everywhere: there is nothing to adapt to.
+/// absolute Hessian times det^(-1 / (2p + 3)), scaled; then bounded, graded, kept from turning too fast, and scaled
+/// again until the complexity is within 1 % of what was asked for. Errors: InvalidArgument (options out of range,
+/// another number of Hessians than points); InputUnsuitable where no second derivative is larger than `flat`,
+/// everywhere: there is nothing to adapt to.
 HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat, const TetView& mesh,
                                   const VertexGraph& graph, const HessianOptions& options,
                                   const BlockLoop& loop = serial_loop());

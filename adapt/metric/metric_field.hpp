@@ -90,4 +90,15 @@ struct GradationResult {
 GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
                                 double growth, const BlockLoop& loop = serial_loop());
 
+struct TurningResult {
+  bool turns = false;              ///< too fast; otherwise the metric is as it was
+  double asked = 0, followed = 0;  ///< complexities where it does, with no size larger than the mesh
+};
+/// No mesh follows a metric that turns faster than elements can: an edge that is unit at one end is many times as long
+/// by the other. Where a metric does so, its large sizes become smaller, until what is along where a unit step begins
+/// is no more than a unit across where it ends. Should that ask for more than 4 times the complexity, all sizes become
+/// larger first. Metrics that turn in few places stay as they are, bit by bit, when less than half the complexity would
+/// be added, and so do those whose sizes change without a turn, however much. Errors: Cancelled. Pre: sizes fit.
+TurningResult limit_turning(MetricField& metric, const TetView& mesh, const BlockLoop& loop = serial_loop());
+
 }  // namespace tetloom::adapt

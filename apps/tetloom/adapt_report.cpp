@@ -123,7 +123,11 @@ std::string operation_table(const adapt::PassCounts& operations) {
 nlohmann::ordered_json adaptation_json(const AdaptReport& adaptation, double metric_seconds) {
   Json operations = Json::object();
   for (const auto& [name, verdicts] : kOperations) operations[name] = operation_json(adaptation.operations.*verdicts);
-  return {{"before", conformity_json(adaptation.before)},
+  const adapt::TurningResult& turning = adaptation.turning;
+  Json limited = nullptr;
+  if (turning.turns) limited = {{"complexity_asked", turning.asked}, {"complexity_followed", turning.followed}};
+  return {{"turning_limited", std::move(limited)},
+          {"before", conformity_json(adaptation.before)},
           {"after", conformity_json(adaptation.after)},
           {"operations", std::move(operations)},
           {"rounds", adaptation.rounds},
@@ -137,6 +141,10 @@ std::string render_adaptation(const AdaptReport& adaptation, const RunReport& re
                               const std::string& report_file) {
   std::string text = format_count(report.counts.points) + " points, " + format_count(report.counts.triangles) +
                      " triangles, " + format_count(report.counts.tets) + " tets\n";
+  if (adaptation.turning.turns)
+    text += "  the metric turns faster than elements can: its large sizes were limited, for a complexity of " +
+            format_number(std::round(adaptation.turning.followed)) + " in place of " +
+            format_number(std::round(adaptation.turning.asked)) + "\n";
   text += conformity_table(adaptation.before, adaptation.after);
   text += "  tets by mean ratio in the metric (1 is regular):\n";
   text += render_histogram(adaptation.after.quality_histogram.data(), adaptation.after.quality_histogram.size(), 0, 1);

@@ -7,8 +7,10 @@
 
 namespace tetloom::app {
 
-/// {"before": {…}, "after": {…}, "operations": {"splits": {"done", "refused", "refused_by": {reason: count, …}}, …},
-/// "rounds", "most_parts", "points_beside_model", "transfer": [{"name", "on": "points" or "cells", "components":
+/// {"turning_limited": null or {"complexity_asked", "complexity_followed"} for a metric that turns faster than elements
+/// can, of which no size is larger than the mesh, "before": {…}, "after": {…}, "operations": {"splits": {"done",
+/// "refused", "refused_by": {reason: count, …}}, …}, "rounds", "most_parts", "points_beside_model", "transfer":
+/// [{"name", "on": "points" or "cells", "components":
 /// [{"integral", "least", "greatest": [before, after], "change"}, …]}, …], "seconds": {"metric", "adapt"}}, where
 /// "change" is that of the integral as a share of the integral of the magnitude; before and after have {"edges",
 /// "unit_edges", "half_to_two", "shortest", "longest", "quality_min", "quality_mean", "quality_histogram",

@@ -165,6 +165,30 @@ TEST_CASE("adapt carries fields on cells over, and reports what becomes of them"
   for (const double value : result.cell_fields[0].values) CHECK((value > 1 - 1e-12 && value < 3 + 1e-12));
 }
 
+TEST_CASE("adapt tells of a metric that turns faster than elements can") {
+  const TestFolder folder;
+  Mesh mesh = cube_with_fields();
+  MeshField turning{"turning", 6, {}};
+  for (const Vec3& x : mesh.points) {
+    // Sizes of 0.5, 0.005 and 0.2, the first two turned about z.
+    const double c = std::cos(3 * x.x), s = std::sin(3 * x.x), along = 4, across = 40000;
+    turning.values.insert(turning.values.end(), {along * c * c + across * s * s, along * s * s + across * c * c, 25,
+                                                 (along - across) * c * s, 0, 0});
+  }
+  mesh.point_fields.push_back(turning);
+  tetloom::write_mesh(mesh, folder / "cube.vtu");
+  const auto size = adapt(folder, folder / "cube.vtu", "out.vtu", {"--metric-field", "size"});
+  CHECK(size["adaptation"]["turning_limited"].is_null());
+  const ProcessResult result = run_tetloom({"adapt", folder / "cube.vtu", "-o", folder / "turned.vtu", "--metric-field",
+                                            "turning", "--report", folder / "report.json"});
+  REQUIRE(result.status == 0);
+  CHECK(result.out.find("turns faster than elements can") != std::string::npos);
+  const auto adaptation = read_json(folder / "report.json")["adaptation"];
+  const auto& limited = adaptation["turning_limited"];
+  CHECK(limited["complexity_followed"] > limited["complexity_asked"]);
+  CHECK(adaptation["after"]["unit_edges"] > 0.9);
+}
+
 TEST_CASE("adapt makes a metric from a solution") {
   const TestFolder folder;
   const std::string cube = write_cube(folder, "cube.vtu", 8);
