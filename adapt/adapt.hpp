@@ -82,8 +82,8 @@ struct AdaptResult {
 };
 
 /// Adapts `mesh`, of tets alone, which stays as it is, to `metric`, one per point, limited where it turns faster than
-/// elements can (adapt::limit_turning). Every face of its boundary, and
-/// between its regions, must be a triangle that names a model face.
+/// elements can (adapt::limit_turning). Every face of its boundary, and between its regions, must be a triangle that
+/// names a model face.
 ///
 /// Errors are in the result: InvalidArgument for options out of range and a metric of another length; InputUnsuitable
 /// with a place for meshes that cannot be adapted and for fields on tets that are not finite; Cancelled; OutOfMemory.
