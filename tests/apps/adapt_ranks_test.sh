@@ -1,22 +1,8 @@
 #!/bin/sh
 # usage: adapt_ranks_test.sh TETLOOM DEMO_MODEL MPIEXEC NUMPROC_FLAG
 # A mesh is adapted into the same files on any number of ranks, with one report, and fails on all ranks together.
-set -eu
-tetloom=$1 demo_model=$2 mpiexec=$3 numproc=$4
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-    echo "adapt_ranks_test: $1" >&2
-    exit 1
-}
-on_ranks() {
-    ranks=$1
-    shift
-    "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" "$ranks" \
-        "$tetloom" "$@"
-}
+# shellcheck source=tests/apps/ranks_test_head.sh
+. "$(dirname "$0")/ranks_test_head.sh"
 # A size for each point of a .mesh file: small near one corner.
 write_sizes() {
     awk -v small="$2" '
@@ -70,31 +56,5 @@ for left in parts parts.pvtu whole.vtu; do
     [ ! -e "$left" ] || fail "a run that failed left $left behind"
 done
 
-# A rank that is asked to stop, or killed, ends the run on all of them, soon, and with nothing left behind.
 write_sizes mesh.mesh 0.4 > fine.sol
-for case in "TERM 0" "TERM 1" "KILL 1"; do
-    signal=${case% *} rank=${case#* }
-    rm -f pid.*
-    # shellcheck disable=SC2016
-    timeout 100 "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" 2 \
-        sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
-        "$tetloom" adapt mesh.mesh -o signal.pvtu --metric fine.sol --threads 1 2> errors &
-    launcher=$!
-    tries=0
-    until grep -q '^adapt' errors; do
-        tries=$((tries + 1))
-        [ "$tries" -lt 600 ] || fail "the ranks do not start"
-        sleep 0.1
-    done
-    sleep 1
-    kill "-$signal" "$(cat "pid.$rank")" || fail "the run was over before signal $signal"
-    status=0
-    wait "$launcher" || status=$?
-    [ -z "$(find . -name '*signal*')" ] || fail "a run that was sent $signal left something behind"
-    if [ "$signal" = TERM ]; then
-        [ "$status" = 5 ] || fail "status $status after rank $rank was asked to stop"
-        grep -q '^tetloom: cancelled' errors || fail "nobody says that the run was cancelled"
-    else
-        case $status in 0 | 124) fail "status $status after rank $rank was killed" ;; esac
-    fi
-done
+check_signals adapt adapt mesh.mesh -o signal.pvtu --metric fine.sol --threads 1

@@ -1,22 +1,8 @@
 #!/bin/sh
 # usage: mesh_ranks_test.sh TETLOOM DEMO_MODEL MPIEXEC NUMPROC_FLAG
 # A model is meshed into the same files on any number of ranks, with one report, and fails on all ranks together.
-set -eu
-tetloom=$1 demo_model=$2 mpiexec=$3 numproc=$4
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-    echo "mesh_ranks_test: $1" >&2
-    exit 1
-}
-on_ranks() {
-    ranks=$1
-    shift
-    "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" "$ranks" \
-        "$tetloom" "$@"
-}
+# shellcheck source=tests/apps/ranks_test_head.sh
+. "$(dirname "$0")/ranks_test_head.sh"
 
 "$demo_model" assembly model.step
 for way in "--tets-per-part 4000" "--tets-per-part 4000 --parts 5" "--tets-per-part inf"; do
@@ -53,37 +39,5 @@ for output in parts.pvtu whole2.vtu; do
 done
 [ ! -e parts ] && [ ! -e parts.pvtu ] && [ ! -e whole2.vtu ] || fail "a run that failed left something behind"
 
-# Begins a long run and sends a signal to one of its two ranks. Sets status and left, the files that are left behind.
-signal_one_rank() {
-    signal=$1 rank=$2
-    rm -f pid.* errors
-    touch errors
-    # shellcheck disable=SC2016
-    timeout 100 "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" 2 \
-        sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
-        "$tetloom" mesh model.step -o signal.pvtu --curvature 300 --proximity 9 --relative-size 0.01 --threads 1 \
-        2> errors &
-    launcher=$!
-    tries=0
-    until grep -q '^read' errors; do  # said when both ranks listen to signals
-        tries=$((tries + 1))
-        [ "$tries" -lt 600 ] || fail "the ranks do not start"
-        sleep 0.1
-    done
-    sleep 1
-    kill "-$signal" "$(cat "pid.$rank")" || fail "the run was over before signal $signal"
-    status=0
-    wait "$launcher" || status=$?
-    left=$(find . -name '*signal*')
-}
-
-# A rank that is killed or stopped ends the run on all of them, soon, with an error and with nothing left behind.
-for rank in 0 1; do
-    signal_one_rank KILL "$rank"
-    [ "$status" != 0 ] && [ "$status" != 124 ] || fail "status $status after rank $rank was killed"
-    [ -z "$left" ] || fail "a run of which rank $rank was killed left $left"
-    signal_one_rank TERM "$rank"
-    [ "$status" = 5 ] || fail "status $status after rank $rank was asked to stop"
-    [ -z "$left" ] || fail "a run of which rank $rank was asked to stop left $left"
-    grep -q '^tetloom: cancelled' errors || fail "nobody says that the run was cancelled"
-done
+# Said when both ranks listen to signals: "read".
+check_signals read mesh model.step -o signal.pvtu --curvature 300 --proximity 9 --relative-size 0.01 --threads 1

@@ -2,22 +2,8 @@
 # usage: partition_ranks_test.sh TETLOOM DEMO_MODEL MPIEXEC NUMPROC_FLAG
 # The command makes the same files on any number of ranks, also with more ranks than parts, and fails on all of them
 # together.
-set -eu
-tetloom=$1 demo_model=$2 mpiexec=$3 numproc=$4
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-    echo "partition_ranks_test: $1" >&2
-    exit 1
-}
-on_ranks() {
-    ranks=$1
-    shift
-    "$mpiexec" --oversubscribe --allow-run-as-root --mca btl_vader_single_copy_mechanism none "$numproc" "$ranks" \
-        "$tetloom" "$@"
-}
+# shellcheck source=tests/apps/ranks_test_head.sh
+. "$(dirname "$0")/ranks_test_head.sh"
 
 "$demo_model" assembly model.step
 "$tetloom" mesh model.step -o mesh.vtu --imprint --relative-size 0.05 --quiet
