@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostOfFailure = 300;
+
 struct Options {
   std::vector<std::string> cases = adapt_case_names();
   std::string input;
@@ -58,7 +60,9 @@ struct PeerCase {
 
 void print_contender(const Contender& one) {
   if (one.samples.empty()) {
-    std::printf("  %-20s failed: %.90s\n", one.name.c_str(), one.failure.c_str());
+    // What went wrong stands at the end of what a program says.
+    const std::size_t begin = one.failure.size() > kMostOfFailure ? one.failure.size() - kMostOfFailure : 0;
+    std::printf("  %-20s failed: ...%s\n", one.name.c_str(), one.failure.substr(begin).c_str());
     return;
   }
   const AdaptPeerSample& sample = one.median();

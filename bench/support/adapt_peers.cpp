@@ -57,8 +57,8 @@ std::vector<std::string> AdaptPeer::command(const std::string& input, const std:
 }
 
 std::vector<AdaptPeer> find_adapt_peers() {
-  // Without a CAD model refine stops at corners that edges of the file meet in.
-  return {{"MMG", first_installed({"mmg3d_O3", "mmg3d"})}, {"refine", first_installed({"ref"}), false}};
+  // Without a CAD model refine stops at corners that edges of the file meet in; it takes tensors alone.
+  return {{"MMG", first_installed({"mmg3d_O3", "mmg3d"})}, {"refine", first_installed({"ref"}), false, false}};
 }
 
 double AdaptPeerSample::tets_made() const {
@@ -80,7 +80,7 @@ AdaptPeerSample measure_adapt_peer(const AdaptPeer& peer, const AdaptCase& what,
   fs::copy_file(input, next, fs::copy_options::overwrite_existing);
   AdaptPeerSample sample;
   for (const std::string& metric : what.metrics) {
-    const FitTask task{next, metric, solution, peer.takes_edges ? "" : next};
+    const FitTask task{next, metric, solution, peer.takes_sizes, peer.takes_edges ? "" : next};
     Fit fit;
     judge_fit_apart(program, task);
     for (int pass = 0; pass < kMostPasses; ++pass) {

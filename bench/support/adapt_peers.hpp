@@ -16,6 +16,7 @@ struct AdaptPeer {
   std::string name;     ///< "MMG", "refine"
   std::string program;  ///< empty where none is in PATH
   bool takes_edges = true;
+  bool takes_sizes = true;  ///< numbers in place of tensors
 
   std::vector<std::string> command(const std::string& input, const std::string& solution,
                                    const std::string& output) const;

@@ -110,7 +110,7 @@ Fit judge_fit_here(const FitTask& task) {
   const Fit fit = fit_of(measure_conformity(mesh, metric), mesh);
   if (!task.solution.empty()) {
     MeshField field = field_of_metric(metric, adapt::TensorOrder::Medit);
-    if (task.metric.starts_with("iso:")) {
+    if (task.sizes && task.metric.starts_with("iso:")) {
       std::vector<double> sizes;
       for (std::size_t v = 0; v < metric.size(); ++v) sizes.push_back(1 / std::sqrt(metric.at(v).xx));
       field = {"size", 1, std::move(sizes)};

@@ -67,10 +67,11 @@ AdaptSample median_adapt(const std::vector<AdaptSample>& samples);
 /// What another program is to be given, or what it made.
 struct FitTask {
   std::string mesh, metric;
-  std::string solution = {};  ///< not empty: the metric at the points of the mesh goes to this file; iso:H as sizes
+  std::string solution = {};  ///< not empty: the metric at the points of the mesh goes to this file
+  bool sizes = false;         ///< there, iso:H as sizes
   std::string copy = {};      ///< not empty: the mesh goes to this file without its edges
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitTask, mesh, metric, solution, copy)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitTask, mesh, metric, solution, sizes, copy)
 
 /// How well the mesh fits. Throws Error.
 Fit judge_fit_here(const FitTask& task);
