@@ -8,7 +8,7 @@
 #include "adapt/metric/tet_links.hpp"
 #include "core/mesh/digest.hpp"
 #include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
+#include "tests/adapt/meshed.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
@@ -177,14 +177,11 @@ TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of 
 
 TEST_CASE("ranks follow a model", "[adapt][ranks]") {
   const auto model = test_models::make_cylinder(0.5, 1);
-  MeshOptions meshing;
-  meshing.sizes.size = 0.25;
-  const MeshResult meshed = make_mesh(*model, meshing);
-  REQUIRE(meshed.status == MeshStatus::Ok);
+  const Mesh mesh = test::meshed(*model, 0.25);
   AdaptOptions options = in_parts(1500);
   options.model = model.get();
   const auto metric = [](const Vec3& x) { return adapt::isotropic(0.1 + 0.1 * std::abs(x.x)); };
-  CHECK(check_like_one_process(meshed.mesh, metric, options).report.most_parts > 2);
+  CHECK(check_like_one_process(mesh, metric, options).report.most_parts > 2);
 }
 
 TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any number of ranks", "[adapt][ranks]") {

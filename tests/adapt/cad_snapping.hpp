@@ -8,18 +8,9 @@
 
 #include "adapt/adapt.hpp"
 #include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
+#include "tests/adapt/meshed.hpp"
 
 namespace tetloom::test {
-
-inline double volume_of(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c, d] : mesh.tet_to_vert) {
-    const Vec3& x = mesh.points[a];
-    sum += dot(cross(mesh.points[b] - x, mesh.points[c] - x), mesh.points[d] - x) / 6;
-  }
-  return sum;
-}
 
 /// How far boundary vertices lie from what they are classified on, over what that may be off by.
 class TolerancesKept {
@@ -73,11 +64,7 @@ inline void check_halvings(const std::string& name, const GeometricModel& model,
   double volume = 0;
   for (std::uint32_t region = 0; region < model.topology().region_count(); ++region)
     volume += model.volume(ModelRegionId(region));
-  MeshOptions options;
-  options.sizes.size = h;
-  MeshResult made = make_mesh(model, options);
-  REQUIRE(made.status == MeshStatus::Ok);
-  Mesh mesh = std::move(made.mesh);
+  Mesh mesh = meshed(model, h);
   TolerancesKept kept(model);
   double last = std::abs(volume_of(mesh) / volume - 1), bound = 0.5 * last;
   std::printf("%s: %zu tets, volume off by %.2e\n", name.c_str(), mesh.tet_to_vert.size(), last);

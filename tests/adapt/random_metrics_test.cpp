@@ -6,8 +6,8 @@
 
 #include "adapt/adapt.hpp"
 #include "core/mesh/digest.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/adapt/kept_mesh.hpp"
+#include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
@@ -70,11 +70,7 @@ Mesh mesh_of(Shape shape) {
     spec.h = 1.0 / 6;
     return test::make_tet_box(spec);
   }
-  MeshOptions options;
-  options.sizes.size = 0.3;
-  MeshResult result = make_mesh(shape == Shape::Frame ? *make_frame() : *make_hollow(), options);
-  REQUIRE(result.status == MeshStatus::Ok);
-  return std::move(result.mesh);
+  return test::meshed(shape == Shape::Frame ? *make_frame() : *make_hollow(), 0.3);
 }
 
 /// Sizes that differ by up to `aspect`, on average such that about 10 * `complexity` tets are asked for.

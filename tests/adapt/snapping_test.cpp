@@ -4,22 +4,16 @@
 
 #include "adapt/adapt.hpp"
 #include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
+#include "tests/adapt/meshed.hpp"
 #include "tests/support/analytic_model.hpp"
 
 using namespace tetloom;
+using test::meshed;
+using test::volume_of;
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-Mesh meshed(const GeometricModel& model, double h) {
-  MeshOptions options;
-  options.sizes.size = h;
-  MeshResult result = make_mesh(model, options);
-  REQUIRE(result.status == MeshStatus::Ok);
-  return std::move(result.mesh);
-}
 
 AdaptResult adapted(const Mesh& mesh, double h, const GeometricModel* model, double tets_per_part = 0) {
   AdaptOptions options;
@@ -37,15 +31,6 @@ Mesh led_to(const Mesh& mesh, double h, const GeometricModel& model) {
   CHECK(result.report.after.unit > 0.9);
   CHECK(result.report.after.least_quality > 0.05);
   return std::move(result.mesh);
-}
-
-double volume_of(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c, d] : mesh.tet_to_vert) {
-    const Vec3& x = mesh.points[a];
-    sum += dot(cross(mesh.points[b] - x, mesh.points[c] - x), mesh.points[d] - x) / 6;
-  }
-  return sum;
 }
 
 /// The largest distance of a point from the face or edge that it is classified on.

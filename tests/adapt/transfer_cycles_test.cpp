@@ -6,7 +6,7 @@
 
 #include "adapt/adapt.hpp"
 #include "adapt/transfer/clip_tet.hpp"
-#include "mesher/mesher.hpp"
+#include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
@@ -88,14 +88,6 @@ Metric layer_of_cycle(int cycle) {
   };
 }
 
-Mesh meshed(const GeometricModel& model, double h) {
-  MeshOptions options;
-  options.sizes.size = h;
-  MeshResult result = make_mesh(model, options);
-  REQUIRE(result.status == MeshStatus::Ok);
-  return std::move(result.mesh);
-}
-
 }  // namespace
 
 TEST_CASE("integrals are kept over ten adaptations of a cube, and bounds", "[transfer]") {
@@ -126,7 +118,7 @@ TEST_CASE("each region keeps what it has over ten adaptations", "[transfer]") {
 
 TEST_CASE("integrals are kept over ten adaptations of a curved part", "[transfer]") {
   const auto model = test_models::make_cylinder(1, 2);
-  Mesh part = meshed(*model, 0.5);
+  Mesh part = test::meshed(*model, 0.5);
   add_cell_field(part, "smooth", [](const Vec3& x) { return std::sin(4 * x.x) - x.y * x.z; });
   add_cell_field(part, "mass", [](const Vec3& x) { return x.x > 0 ? 5 + x.z : 0.0; });
   AdaptOptions options;
