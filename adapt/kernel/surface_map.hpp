@@ -13,7 +13,8 @@
 namespace tetloom::adapt {
 
 /// Bit of a model edge, in pieces at which tets touch that do not hang together there: they stay as they are.
-inline constexpr std::uint32_t kTouching = std::uint32_t{1} << 31;
+/// Numbers of entities have room for it.
+inline constexpr std::uint32_t kTouching = std::uint32_t{1} << 29;
 
 using Triangle = std::array<std::uint32_t, 3>;
 
