@@ -1,7 +1,10 @@
 #include <algorithm>
 
 #include "core/base/page_size.hpp"
+#include "mesher/mesh_on_ranks.hpp"
 #include "mesher/mesh_run_detail.hpp"
+#include "mesher/volume/gather_volume.hpp"
+#include "threading/agreement.hpp"
 #include "threading/trace.hpp"
 
 namespace tetloom {
@@ -38,6 +41,21 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
                     if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);
                     return report;
                   });
+}
+
+MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
+                              const Host& host) {
+  if (communicator.rank_count() == 1) return make_mesh(model, options, host);
+  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
+    VolumeParts parts = fill_volume_in_parts(input, how, communicator, runner);
+    VolumeMesh volume = gather_volume(input, std::move(parts), communicator, runner);
+    FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
+    run_on_first(communicator, [&] {
+      if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);
+    });
+    return report;
+  };
+  return run_mesh(model, options, host, fill, &communicator);
 }
 
 }  // namespace tetloom

@@ -9,9 +9,9 @@
 #include "apps/tetloom/run.hpp"
 #include "core/io/mesh_io.hpp"
 #include "mesher/mesh_in_parts.hpp"
+#include "mesher/mesh_on_ranks.hpp"
 #include "threading/agreement.hpp"
 #include "threading/parts_io.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -41,33 +41,25 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
   report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
 }
 
-// By one process.
-void mesh_model(const MeshCommand& command, const Sized& sized, Run& run) {
+// The first rank has the whole mesh, and the threads of those that wait for it.
+void mesh_model(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
   const auto& [document, options] = sized;
   RunReport& report = run.report();
-  const MeshResult result = make_mesh(*document.model, options, run.host());
+  const MeshResult result = make_mesh_on_ranks(*document.model, options, communicator, run.host());
   note_run(result, *document.model, options, report);
-  if (!result.mesh.tet_to_vert.empty()) note_filling(result.filling, options.goals, report);
-  const TaskRunner runner(options.threads, run.host());
-  check(result, runner, run);
-  if (result.status != MeshStatus::Ok) return;
+  run_on_first(communicator, [&] {
+    if (!result.mesh.tet_to_vert.empty()) note_filling(result.filling, options.goals, report);
+    const TaskRunner runner =
+        TaskRunner(options.threads, run.host()).with_idle_threads(communicator.ranks_on_machine());
+    check(result, runner, run);
+    if (result.status != MeshStatus::Ok) return;
 
-  run.begin(Stage::Write);
-  report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });
-  run.set_text(render_summary(report, command.output.string(), command.report.string()));
-}
-
-// `known`: the whole mesh, on the first rank, where it was needed before.
-void write_in_one_piece(const PartitionedMesh& mesh, std::optional<Mesh> known, const MeshCommand& command,
-                        const TaskRunner& runner, Run& run) {
-  const Mesh whole = known ? std::move(*known) : gather_mesh(mesh, runner);
-  run_on_first(*mesh.communicator, [&] {
-    const TaskRunner wide = runner.with_idle_threads(mesh.communicator->ranks_on_machine());
-    write_mesh(whole, command.output, &run.cancel(), wide);
+    run.begin(Stage::Write);
+    report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });
+    run.set_text(render_summary(report, command.output.string(), command.report.string()));
   });
 }
 
-// By all ranks.
 void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
   const auto& [document, options] = sized;
   RunReport& report = run.report();
@@ -79,34 +71,27 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   note_filling(result.run.filling, options.goals, report);
   run.begin_together(Stage::Check);
   PartsFigures figures;
-  std::optional<Mesh> whole;
   report.parts = static_cast<int>(result.mesh->part_count());
   report.counts.regions = document.model->topology().region_count();
   report.seconds.check = timed([&] {
     figures = measure_parts(*result.mesh);
-    whole = note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
+    note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
       report.quality = compute_quality(mesh, &result.run.sizes, wide);
     });
-    if (command.in_parts) whole.reset();
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
 
   run.begin_together(Stage::Write);
-  report.seconds.write = timed([&] {
-    command.in_parts ? write_parts(*result.mesh, command.output, runner, &run.cancel())
-                     : write_in_one_piece(*result.mesh, std::move(whole), command, runner, run);
-  });
+  report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
 }
 
 void mesh_input(const MeshCommand& command, Communicator& communicator, Run& run) {
   Sized sized;
   run_on_all(communicator, [&] { sized = read_sized_model(command, run); });
-  const bool has_volume = !sized.options.surface_only && sized.document.model->topology().region_count() > 0;
-  if (command.in_parts || (communicator.rank_count() > 1 && has_volume))
-    return mesh_model_in_parts(command, sized, communicator, run);
-  run_on_first(communicator, [&] { mesh_model(command, sized, run); });
+  command.in_parts ? mesh_model_in_parts(command, sized, communicator, run)
+                   : mesh_model(command, sized, communicator, run);
 }
 
 }  // namespace

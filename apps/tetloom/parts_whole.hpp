@@ -1,7 +1,6 @@
 #pragma once
 // What is said of a mesh in parts as a whole.
 #include <functional>
-#include <optional>
 
 #include "apps/tetloom/report.hpp"
 #include "threading/parts_figures.hpp"
@@ -11,9 +10,8 @@ namespace tetloom::app {
 
 /// Notes counts and digest of the whole mesh, on the first rank; without triangles and digest where it is too large to
 /// be brought together. `look`, where there is one, sees the whole mesh, on the first rank too, and has the threads of
-/// all ranks beside it, which wait. Returns the whole mesh, which is empty on the other ranks, or none where it is too
-/// large. A collective call.
-std::optional<Mesh> note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner,
-                               RunReport& report, const std::function<void(const Mesh&, const TaskRunner&)>& look = {});
+/// all ranks beside it, which wait. A collective call.
+void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
+                const std::function<void(const Mesh&, const TaskRunner&)>& look = {});
 
 }  // namespace tetloom::app

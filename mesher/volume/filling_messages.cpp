@@ -149,6 +149,10 @@ FillingFigures get_figures(MessageReader& reader) {
 }
 
 void put_part(MessageWriter& writer, const VolumePart& part) {
+  constexpr std::size_t kLengthsAndGaps = 6 * 16;  // of the arrays below
+  writer.reserve(part.points.span().size_bytes() + part.vert_to_number.span().size_bytes() +
+                 part.tet_to_vert.span().size_bytes() + part.tet_to_region.span().size_bytes() +
+                 std::span(part.triangles).size_bytes() + std::span(part.tri_to_vert).size_bytes() + kLengthsAndGaps);
   writer.put_array(part.points.span());
   writer.put_array(part.vert_to_number.span());
   writer.put_array(part.tet_to_vert.span());
@@ -165,6 +169,22 @@ VolumePart get_part(MessageReader& reader) {
   part.tet_to_region = get_growing<std::uint32_t>(reader);
   part.triangles = reader.get_array<std::uint32_t>();
   part.tri_to_vert = reader.get_array<std::array<std::uint32_t, 3>>();
+  return part;
+}
+
+VolumePartView view_of(const VolumePart& part) {
+  return {part.points, part.vert_to_number, part.tet_to_vert, part.tet_to_region, part.triangles, part.tri_to_vert};
+}
+
+VolumePartView get_view(const Bytes& bytes) {
+  MessageReader reader(bytes);
+  VolumePartView part;
+  part.points = reader.get_view<Vec3>();
+  part.vert_to_number = reader.get_view<std::uint64_t>();
+  part.tet_to_vert = reader.get_view<std::uint32_t>();
+  part.tet_to_region = reader.get_view<std::uint32_t>();
+  part.triangles = reader.get_view<std::uint32_t>();
+  part.tri_to_vert = reader.get_view<std::array<std::uint32_t, 3>>();
   return part;
 }
 

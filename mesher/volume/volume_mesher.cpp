@@ -273,6 +273,7 @@ VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& 
     result.part_count += of.part_count;
   });
   if (!result.errors.empty() || result.part_count == 0) return result;
+  result.new_points = next_point - input.points.size();
   result.parts = volume::send_home(std::move(parts), result.part_count, communicator);
   return result;
 }

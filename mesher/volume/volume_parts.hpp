@@ -24,6 +24,7 @@ struct VolumePart {
 struct VolumeParts {
   std::vector<VolumePart> parts;  ///< those of each complex together, in the order of the complexes; of this rank
   std::size_t part_count = 0;     ///< on all ranks
+  std::uint64_t new_points = 0;   ///< of the parts of all ranks
   std::vector<Diagnostic> errors, warnings;  ///< as of VolumeMesh
   FillingFigures figures;
 };

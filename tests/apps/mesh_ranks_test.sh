@@ -25,6 +25,18 @@ on_ranks 2 mesh model.step -o whole.vtu --imprint --relative-size 0.03 --report 
 [ "$(grep -c 'tets in 2 regions' text)" = 1 ] || fail "the ranks do not speak with one voice"
 "$tetloom" check whole.vtu --quiet --report check.json
 [ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest in one piece"
+for way in "--tets-per-part 4000" "--tets-per-part inf"; do
+    for output in whole.vtu whole.msh; do
+        # shellcheck disable=SC2086
+        "$tetloom" mesh model.step -o "$output" --imprint --relative-size 0.03 --quiet $way
+        mv "$output" "expected/$output"
+        for ranks in 2 3; do
+            # shellcheck disable=SC2086
+            on_ranks "$ranks" mesh model.step -o "$output" --imprint --relative-size 0.03 --threads 1 --quiet $way
+            cmp "$output" "expected/$output" || fail "another $output on $ranks ranks with $way"
+        done
+    done
+done
 on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
 "$tetloom" check surface.stl --quiet
 

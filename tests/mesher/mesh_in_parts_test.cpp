@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/mesh/digest.hpp"
+#include "mesher/mesh_on_ranks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/threading/communicators.hpp"
 #include "threading/parts_figures.hpp"
@@ -26,6 +27,29 @@ MeshOptions options_of_size(double size, double tets_per_part = 0) {
 std::unique_ptr<GeometricModel> two_bodies() {
   std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {1, 1, 1}), make_torus(3, 0.6)};
   return combine(bodies);
+}
+
+/// The first rank has the mesh of make_mesh, element for element; the others have its surface.
+void check_on_ranks(const GeometricModel& model, const MeshOptions& options) {
+  const auto communicator = make_communicator();
+  const MeshResult ranks = make_mesh_on_ranks(model, options, *communicator);
+  const MeshResult whole = make_mesh(model, options);
+  REQUIRE(whole.status == MeshStatus::Ok);
+  REQUIRE(ranks.status == MeshStatus::Ok);
+  CHECK(ranks.filling.optimizer.edges_removed == whole.filling.optimizer.edges_removed);
+  CHECK(ranks.filling.core_tets == whole.filling.core_tets);
+  CHECK(ranks.model_volume == whole.model_volume);
+  if (communicator->rank() != 0) {
+    CHECK(ranks.mesh.tet_to_vert.empty());
+    CHECK(ranks.mesh.tri_to_entity == whole.mesh.tri_to_entity);
+    return;
+  }
+  CHECK(ranks.mesh.points == whole.mesh.points);
+  CHECK(ranks.mesh.point_to_entity == whole.mesh.point_to_entity);
+  CHECK(ranks.mesh.edge_to_vert == whole.mesh.edge_to_vert);
+  CHECK(ranks.mesh.tri_to_vert == whole.mesh.tri_to_vert);
+  CHECK(ranks.mesh.tet_to_vert == whole.mesh.tet_to_vert);
+  CHECK(ranks.mesh.tet_to_entity == whole.mesh.tet_to_entity);
 }
 
 /// The parts fit together, and are the mesh of make_mesh.
@@ -61,6 +85,35 @@ TEST_CASE("the parts in which a volume was filled are the mesh of one piece") {
   check_same(*make_sphere({0, 0, 0}, 1), options_of_size(0.13, 4000), 3, 10);
 }
 
+TEST_CASE("ranks make the mesh of one process") {
+  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.07, 4000));
+  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.3));
+  check_on_ranks(*two_bodies(), options_of_size(0.14, 8000));
+  check_on_ranks(*two_bodies(), options_of_size(0.25));
+}
+
+TEST_CASE("ranks mesh what no solid has, too") {
+  check_on_ranks(*make_plate(2, 1), options_of_size(0.2));
+  std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {1, 1, 1}), make_plate(2, 1)};
+  check_on_ranks(*combine(bodies), options_of_size(0.2));
+  MeshOptions options = options_of_size(0.2);
+  options.surface_only = true;
+  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options);
+}
+
+TEST_CASE("what memory cannot hold, and options that are none, end alike on all ranks") {
+  const auto communicator = make_communicator();
+  MeshOptions options = options_of_size(0.05, 4000);
+  options.max_memory = 1 << 20;
+  const MeshResult result = make_mesh_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options, *communicator);
+  CHECK(result.status == MeshStatus::Failed);
+  CHECK(result.mesh.tet_to_vert.empty());
+  REQUIRE(result.errors.size() == 1);
+  CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
+  options.threads = -1;
+  CHECK_THROWS_AS(make_mesh_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options, *communicator), Error);
+}
+
 TEST_CASE("what becomes of the surface while volumes are filled is in their parts") {
   MeshOptions options = options_of_size(0.12, 3000);
   options.sizes.curvature = 20;
@@ -73,6 +126,7 @@ TEST_CASE("what becomes of the surface while volumes are filled is in their part
   REQUIRE(whole.filling.optimizer.vertices_slid > 0);
   REQUIRE(whole.filling.optimizer.edges_swapped > 0);
   check_same(*model, options, 2, 40);
+  check_on_ranks(*model, options);
 }
 
 TEST_CASE("complexes that are filled in one part are a part each") {
