@@ -1,10 +1,13 @@
 #include "core/cad/detail/cad_model.hpp"
 
+#include <algorithm>
 #include <Bnd_Box.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
+#include <utility>
+#include <vector>
 
 #include "core/base/assert.hpp"
 #include "core/cad/detail/cad_edge.hpp"
@@ -27,19 +30,41 @@ Box3 to_box3(Bnd_Box box) {
 
 bool covers(const Box3& outer, const Box3& inner) { return outer.contains(inner.lo) && outer.contains(inner.hi); }
 
-/// The tight box of a face costs an optimisation; most faces lie inside the box of the others anyway.
+/// How far `inner` sticks out of `outer`; 0 where that covers it.
+double overhang(const Box3& outer, const Box3& inner) {
+  double most = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    most = std::max({most, outer.lo[axis] - inner.lo[axis], inner.hi[axis] - outer.hi[axis]});
+  return most;
+}
+
+Box3 loose_box(const TopoDS_Face& face) {
+  Bnd_Box box;
+  BRepBndLib::Add(face, box, false);
+  return to_box3(box);
+}
+
+Box3 tight_box(const TopoDS_Face& face) {
+  Bnd_Box box;
+  BRepBndLib::AddOptimal(face, box, false, false);
+  return to_box3(box);
+}
+
+/// The tight box of a face costs an optimisation; most faces lie inside the box of the others anyway, the more so when
+/// those that may stick out farthest come first.
 Box3 compute_box(const ShapeTables& shapes, std::size_t face_count) {
   Box3 result;
   for (int i = 1; i <= shapes.vertices.Extent(); ++i)
     result.add(to_vec3(BRep_Tool::Pnt(shapes.vertex(ModelVertexId(static_cast<std::size_t>(i - 1))))));
+  std::vector<Box3> loose;
+  std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < face_count; ++i) {
-    const TopoDS_Face face = shapes.face(ModelFaceId(i));
-    Bnd_Box loose, tight;
-    BRepBndLib::Add(face, loose, false);
-    if (covers(result, to_box3(loose))) continue;
-    BRepBndLib::AddOptimal(face, tight, false, false);
-    result.add(to_box3(tight));
+    loose.push_back(loose_box(shapes.face(ModelFaceId(i))));
+    order.emplace_back(-overhang(result, loose.back()), i);
   }
+  std::sort(order.begin(), order.end());
+  for (const auto& [unused, i] : order)
+    if (!covers(result, loose[i])) result.add(tight_box(shapes.face(ModelFaceId(i))));
   if (result.empty()) throw Error(ErrorCode::InputUnsuitable, "the model has no extent");
   return result;
 }
