@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/support/machine.hpp"
 #include "bench/support/prediction.hpp"
 #include "bench/support/session.hpp"
 #include "bench/support/speedup_plot.hpp"
@@ -183,6 +184,7 @@ class Bench {
   void measure(SpeedupCase& one) {
     const auto title = [&](const Way& way) { return name_ + ", h " + std::to_string(one.size) + ", " + way.name(); };
     session_.take_turns(std::span(one.ways), title, [&](Way& way, int) {
+      touch_memory(memory_of(one));
       way.samples.push_back(measure_stages_apart(session_.program(), way.task));
     });
     for (const Way& way : one.ways)
@@ -192,9 +194,16 @@ class Bench {
     record(one);
   }
 
+  /// Bytes that a run needs, about.
+  static std::uint64_t memory_of(const SpeedupCase& one) {
+    constexpr double kBytesPerTet = 90;
+    return static_cast<std::uint64_t>(kBytesPerTet * one.wanted);
+  }
+
   void record(SpeedupCase& one) {
     StageTask task = one.ways[1].task;
     task.trace = options_.trace_path.empty() ? (session_.folder() / "trace.json").string() : options_.trace_path;
+    touch_memory(memory_of(one));
     one.volume.seconds = measure_stages_apart(session_.program(), task).volume;
     one.volume.records = read_trace(task.trace);
     one.predictions = predict(one.volume, options_.workers, options_.costs());

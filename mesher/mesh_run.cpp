@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 #include <new>
+#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -10,6 +11,7 @@
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
+#include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "threading/shared_work.hpp"
 
@@ -23,8 +25,6 @@ class MeshRun {
       : model_(model), options_(options), work_(options.threads, host, ranks), runner_(work_.runner()), fill_(fill) {}
 
   MeshResult run() {
-    for (std::size_t r = 0; r < model_.topology().region_count(); ++r)
-      result_.model_volume += model_.volume(ModelRegionId(r));
     try {
       run_stages();
     } catch (const Error& error) {
@@ -44,11 +44,31 @@ class MeshRun {
 
   void run_stages() {
     bool fits = false;
-    work_.together([&] { fits = mesh_fitting_surface(); });
+    work_.together([&] {
+      measure_model();
+      fits = mesh_fitting_surface();
+    });
     if (!fits) return;
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
+  }
+
+  // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
+  void measure_model() {
+    Stopwatch watch;
+    const ModelTopology& topology = model_.topology();
+    const std::size_t regions = topology.region_count();
+    std::vector<double> volumes(regions);
+    runner_.for_each(regions + topology.face_count(), [&](std::size_t i) {
+      if (i < regions) {
+        volumes[i] = model_.volume(ModelRegionId(i));
+      } else {
+        tolerate_bad_geometry([&] { model_.area(ModelFaceId(i - regions)); });
+      }
+    });
+    result_.model_volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+    result_.seconds.size_field += watch.lap();
   }
 
   // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross

@@ -1,6 +1,7 @@
 #include "bench/support/machine.hpp"
 
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -68,5 +69,15 @@ ProcessMemory read_process_memory(const std::string& status_file) {
 
 std::uint64_t peak_resident_bytes() { return read_process_memory(kOwnStatus).peak; }
 std::uint64_t resident_bytes() { return read_process_memory(kOwnStatus).resident; }
+
+void touch_memory(std::uint64_t bytes) {
+  constexpr std::size_t kPage = 1 << 12;
+  void* const storage =
+      ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (storage == MAP_FAILED) return;
+  ::madvise(storage, bytes, MADV_HUGEPAGE);
+  for (std::size_t at = 0; at < bytes; at += kPage) static_cast<volatile char*>(storage)[at] = 0;
+  ::munmap(storage, bytes);
+}
 
 }  // namespace tetloom::bench

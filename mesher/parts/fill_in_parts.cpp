@@ -41,12 +41,11 @@ class Filler {
     FilledParts result;
     take_figures(result);
     if (result.fault.any()) return result;
-    const HandsOn what = keep_parts ? HandsOn::TetsAndTriangles : HandsOn::Tets;
-    HandedOn handed_on = hand_on_parts(parts_, what);
     if (!keep_parts) {
-      result.filling = put_together(parts_, std::move(handed_on));
+      result.filling = put_together(parts_);
       return result;
     }
+    HandedOn handed_on = hand_on_parts(parts_);
     result.parts = std::move(handed_on.parts);
     result.new_points = handed_on.new_points;
     return result;

@@ -64,8 +64,6 @@ class Numberer {
   }
 
   Numbering& of(PartId part) { return numberings_.at(part); }
-  /// The number of the first new point that the part made.
-  std::uint64_t first_of(std::size_t part) const { return first_[part]; }
   std::uint64_t new_points() const { return first_.back() - given_; }
 
  private:
@@ -226,10 +224,12 @@ class TriangleFinder {
   std::vector<std::pair<TriangleVerts, const ChangedTriangle*>> changed_;
 };
 
+enum class Leaves { Tets, TetsAndTriangles };
+
 // The state with all that is not needed any more is gone.
-Leaving take_leave(const SharedInput& input, PartState& state, HandsOn what) {
+Leaving take_leave(const SharedInput& input, PartState& state, Leaves what) {
   Leaving leaving;
-  if (what == HandsOn::TetsAndTriangles) TriangleFinder(input, state).find(leaving.part);
+  if (what == Leaves::TetsAndTriangles) TriangleFinder(input, state).find(leaving.part);
   leaving.points = std::move(state.mesh.points), leaving.keys = std::move(state.keys);
   leaving.to_vert = std::move(state.mesh.to_vert), leaving.to_region = std::move(state.mesh.to_region);
   leaving.next_index = state.next_index;
@@ -275,53 +275,105 @@ VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
   return part;
 }
 
-// A part writes the points that it made itself; then come those that others have, and the surface's.
-void write_points(const AllParts& all, const HandedOn& handed_on, std::span<Vec3> points) {
-  const std::size_t count = handed_on.parts.size();
-  std::vector<std::vector<std::uint32_t>> part_to_others(count);
-  all.for_each_local("write points", [&](std::size_t i) {
-    const VolumePart& part = handed_on.parts[i];
-    const std::uint64_t begin = handed_on.first_new[i];
-    const std::uint64_t end = i + 1 < count ? handed_on.first_new[i + 1] : points.size();
-    for (std::uint32_t v = 0; v < part.points.size(); ++v) {
-      const std::uint64_t number = part.vert_to_number[v];
-      if (begin <= number && number < end) {
-        points[number] = part.points[v];
-      } else {
-        part_to_others[i].push_back(v);
-      }
-    }
-  });
-  for (std::size_t i = 0; i < count; ++i)
-    for (const std::uint32_t v : part_to_others[i])
-      points[handed_on.parts[i].vert_to_number[v]] = handed_on.parts[i].points[v];
-}
-
-// The part's tets, which begin at tet `first` of the whole; the part is gone then.
-void write_tets(VolumePart& part, std::size_t first, volume::Filling& filling) {
-  for (std::size_t tet = 0; tet < part.tet_to_region.size(); ++tet) {
-    for (std::size_t i = 0; i < 4; ++i)
-      filling.tet_to_vert[first + tet][i] =
-          static_cast<std::uint32_t>(part.vert_to_number[part.tet_to_vert[4 * tet + i]]);
-    filling.tet_to_region[first + tet] = part.tet_to_region[tet];
-  }
-  part = VolumePart();
-}
-
-}  // namespace
-
-HandedOn hand_on_parts(const AllParts& all, HandsOn what) {
+PerPart<Leaving> take_leave_of_all(const AllParts& all, Leaves what) {
   const auto local = all.states.local();
   PerPart<Leaving> leaving(all.states.part_count(), local);
   run_on_all(all.communicator, [&] {
     all.for_each_local(
         "leave", [&](std::size_t i) { leaving.at(local[i]) = take_leave(all.input, all.states.at(local[i]), what); });
   });
+  return leaving;
+}
+
+// All parts in one place. A part writes the points that it made itself; then come those that others have, and the
+// surface's.
+class Whole {
+ public:
+  Whole(const AllParts& all, PerPart<Leaving>& parts, Numberer& numberer)
+      : all_(all), parts_(parts), numberer_(numberer), first_tet_(1, 0) {
+    for (std::size_t p = 0; p < parts.part_count(); ++p)
+      first_tet_.push_back(first_tet_.back() + parts.at(PartId(p)).to_region.size());
+  }
+
+  volume::Filling run() {
+    const std::span<const Vec3> given = all_.input.filling.complex.points;
+    if (given.size() + numberer_.new_points() >= kNone) throw std::bad_alloc();
+    make_room(filling_.points, given.size() + numberer_.new_points());
+    std::copy(given.begin(), given.end(), filling_.points.begin());
+    write_points();
+    all_.for_each_local("drop points", [&](std::size_t p) {
+      parts_.at(PartId(p)).points.release();
+      parts_.at(PartId(p)).keys.release();
+    });
+    make_room(filling_.tet_to_vert, first_tet_.back());
+    make_room(filling_.tet_to_region, first_tet_.back());
+    all_.for_each_local("put together", [&](std::size_t p) { write_tets(PartId(p)); });
+    return std::move(filling_);
+  }
+
+ private:
+  template <class T>
+  void make_room(std::vector<T>& items, std::size_t count) {
+    {
+      const std::size_t pieces = touched_blocks(count * sizeof(T));
+      const TraceSpan span(all_.trace, "make room", all_.runner.threads(), pieces);
+      reserve_touched(items, count, all_.runner);
+    }
+    const TraceSpan span(all_.trace, "clear room");
+    items.resize(count);
+  }
+
+  void write_points() {
+    std::vector<std::vector<std::uint32_t>> part_to_others(parts_.part_count());
+    all_.for_each_local("write points", [&](std::size_t p) {
+      const PartId part(p);
+      const Leaving& leaving = parts_.at(part);
+      const std::vector<std::uint64_t>& to_number = numberer_.of(part).to_number;
+      for (std::uint32_t v = 0; v < to_number.size(); ++v) {
+        if (to_number[v] == kUnused) continue;
+        if (is_of_surface(leaving.keys[v]) || maker_of(leaving.keys[v]) != part) {
+          part_to_others[p].push_back(v);
+        } else {
+          filling_.points[to_number[v]] = leaving.points[v];
+        }
+      }
+    });
+    const TraceSpan span(all_.trace, "write points of several");
+    for (std::size_t p = 0; p < part_to_others.size(); ++p)
+      for (const std::uint32_t v : part_to_others[p])
+        filling_.points[numberer_.of(PartId(p)).to_number[v]] = parts_.at(PartId(p)).points[v];
+  }
+
+  void write_tets(PartId part) {
+    Leaving& leaving = parts_.at(part);
+    Numbering& numbering = numberer_.of(part);
+    const std::size_t first = first_tet_[part.value];
+    for (std::size_t tet = 0; tet < leaving.to_region.size(); ++tet) {
+      for (std::size_t i = 0; i < 4; ++i)
+        filling_.tet_to_vert[first + tet][i] =
+            static_cast<std::uint32_t>(numbering.to_number[leaving.to_vert[4 * tet + i]]);
+      filling_.tet_to_region[first + tet] = leaving.to_region[tet];
+    }
+    leaving = Leaving();
+    numbering = Numbering();
+  }
+
+  const AllParts& all_;
+  PerPart<Leaving>& parts_;
+  Numberer& numberer_;
+  std::vector<std::size_t> first_tet_;  // per part, and one past the last
+  volume::Filling filling_;
+};
+
+}  // namespace
+
+HandedOn hand_on_parts(const AllParts& all) {
+  const auto local = all.states.local();
+  PerPart<Leaving> leaving = take_leave_of_all(all, Leaves::TetsAndTriangles);
   Numberer numberer(all, leaving);
   numberer.run();
   HandedOn result;
   result.new_points = numberer.new_points();
-  for (const PartId part : local) result.first_new.push_back(numberer.first_of(part.value));
   result.parts.resize(local.size());
   run_on_all(all.communicator, [&] {
     all.for_each_local("hand on",
@@ -330,30 +382,11 @@ HandedOn hand_on_parts(const AllParts& all, HandsOn what) {
   return result;
 }
 
-volume::Filling put_together(const AllParts& all, HandedOn&& handed_on) {
-  const std::span<const Vec3> given = all.input.filling.complex.points;
-  if (given.size() + handed_on.new_points >= kNone) throw std::bad_alloc();
-  volume::Filling filling;
-  const std::size_t point_count = given.size() + handed_on.new_points;
-  const auto make_room = [&](auto& items, std::size_t count) {
-    const std::size_t pieces = touched_blocks(count * sizeof(items[0]));
-    const TraceSpan span(all.trace, "make room", all.runner.threads(), pieces);
-    reserve_touched(items, count, all.runner);
-  };
-  make_room(filling.points, point_count);
-  filling.points.assign(given.begin(), given.end());
-  filling.points.resize(point_count);
-  write_points(all, handed_on, filling.points);
-  all.for_each_local("drop points", [&](std::size_t i) { handed_on.parts[i].points.release(); });
-  std::vector<std::size_t> part_to_first(1, 0);
-  for (const VolumePart& part : handed_on.parts)
-    part_to_first.push_back(part_to_first.back() + part.tet_to_region.size());
-  make_room(filling.tet_to_vert, part_to_first.back());
-  filling.tet_to_vert.resize(part_to_first.back());
-  make_room(filling.tet_to_region, part_to_first.back());
-  filling.tet_to_region.resize(part_to_first.back());
-  all.for_each_local("put together", [&](std::size_t i) { write_tets(handed_on.parts[i], part_to_first[i], filling); });
-  return filling;
+volume::Filling put_together(const AllParts& all) {
+  PerPart<Leaving> leaving = take_leave_of_all(all, Leaves::Tets);
+  Numberer numberer(all, leaving);
+  numberer.run();
+  return Whole(all, leaving, numberer).run();
 }
 
 }  // namespace tetloom::parts

@@ -6,19 +6,18 @@
 namespace tetloom::parts {
 
 struct HandedOn {
-  std::vector<VolumePart> parts;         ///< those of this rank; points and triangles numbered as in the complex
-  std::vector<std::uint64_t> first_new;  ///< per part of this rank: the number of the first new point that it made
-  std::uint64_t new_points = 0;          ///< of all parts
+  std::vector<VolumePart> parts;  ///< those of this rank; points and triangles numbered as in the complex
+  std::uint64_t new_points = 0;   ///< of all parts
 };
 
-enum class HandsOn { Tets, TetsAndTriangles };
+// New points are numbered by the part that made them, then in the order in which they were made. The states are emptied
+// first.
 
-/// Each part's tets with the vertices that they use. New points are numbered by the part that made them, then in the
-/// order in which they were made. The states are emptied first. A collective call. Errors: Cancelled.
-HandedOn hand_on_parts(const AllParts& all, HandsOn what);
+/// Each part's tets with the vertices that they use, and its triangles. A collective call. Errors: Cancelled.
+HandedOn hand_on_parts(const AllParts& all);
 
-/// All tets, those of each part together, over the given points and then the new ones. The parts are freed one by one
-/// while the whole grows. Pre: these are all parts. Errors: OutOfMemory; Cancelled.
-volume::Filling put_together(const AllParts& all, HandedOn&& handed_on);
+/// All tets, those of each part together, over the given points and then the new ones. What is left of the states is
+/// freed part by part while the whole grows. Pre: these are all parts. Errors: OutOfMemory; Cancelled.
+volume::Filling put_together(const AllParts& all);
 
 }  // namespace tetloom::parts
