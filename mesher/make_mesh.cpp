@@ -3,6 +3,7 @@
 #include "core/base/page_size.hpp"
 #include "mesher/mesh_on_ranks.hpp"
 #include "mesher/mesh_run_detail.hpp"
+#include "mesher/volume/fill_over_given.hpp"
 #include "mesher/volume/gather_volume.hpp"
 #include "threading/agreement.hpp"
 #include "threading/trace.hpp"
@@ -10,19 +11,23 @@
 namespace tetloom {
 namespace {
 
+constexpr std::size_t kPointsPerTask = 1 << 16;
+
+// The points of `volume` begin with those of the mesh.
 void add_volume(const GeometricModel& model, VolumeMesh&& volume, const TaskRunner& runner, Mesh& mesh) {
   const std::size_t given = mesh.points.size();
   for (const MovedPoint& moved : volume.moved_points) mesh.points[moved.point] = moved.to;
   for (const ChangedTriangle& changed : volume.changed_triangles) mesh.tri_to_vert[changed.triangle] = changed.verts;
-  volume.new_points.insert(volume.new_points.begin(), mesh.points.begin(), mesh.points.end());
+  std::ranges::copy(mesh.points, volume.new_points.begin());
   mesh.points = std::move(volume.new_points);
   reserve_touched(mesh.point_to_entity, mesh.points.size(), runner);
   mesh.point_to_entity.resize(mesh.points.size());
   mesh.tet_to_vert = std::move(volume.tet_to_vert);
   mesh.tet_to_entity = std::move(volume.tet_to_region);
   if (model.topology().region_count() == 1) {
-    std::fill(mesh.point_to_entity.begin() + static_cast<std::ptrdiff_t>(given), mesh.point_to_entity.end(),
-              ModelRegionId(0));
+    runner.for_blocks(mesh.points.size() - given, kPointsPerTask, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) mesh.point_to_entity[given + v] = ModelRegionId(0);
+    });
     return;
   }
   for (std::size_t t = 0; t < mesh.tet_to_vert.size(); ++t)
@@ -35,7 +40,7 @@ void add_volume(const GeometricModel& model, VolumeMesh&& volume, const TaskRunn
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
   return run_mesh(model, options, host,
                   [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
-                    VolumeMesh volume = fill_volume(input, how, runner);
+                    VolumeMesh volume = fill_over_given(input, how, runner);
                     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
                     const TraceSpan span(how.trace, "mesh");
                     if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);

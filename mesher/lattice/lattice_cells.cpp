@@ -17,7 +17,6 @@ constexpr double kFromFinerLattice = 0.65;
 constexpr double kSizesPerCell = 4, kSizesPerUniformCell = 8;
 constexpr int kDeepestCell = 24;
 constexpr double kMostPoints = 1e9;
-constexpr std::size_t kSubtrees = 256;  // at least so many are collected side by side, where there are so many
 
 // The field may hold sizes that this surface does not meet; the lattices follow those that it does.
 Levels levels_of(const LatticeRequest& request) {
@@ -39,15 +38,16 @@ LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runn
   const double width = std::max({extent.x, extent.y, extent.z});
   // Level by level until there are enough subtrees; cells stand in the order of the whole tree in the end.
   std::vector<Node> nodes{{{request.box.lo, request.box.lo + Vec3{width, width, width}}, 0, true}};
-  for (bool grows = true; grows && nodes.size() < kSubtrees;) {
-    std::vector<Node> next;
-    grows = false;
-    for (const Node& node : nodes) {
-      const auto branch = [&](const Node& child) { next.push_back(child), grows = true; };
+  for (std::size_t before = 0; before != nodes.size() && nodes.size() < kSubtrees;) {
+    before = nodes.size();
+    std::vector<std::vector<Node>> node_to_next(nodes.size());
+    runner.for_each(nodes.size(), [&](std::size_t i) {
+      const auto branch = [&](const Node& child) { node_to_next[i].push_back(child); };
       visit(
-          node, [&](const LatticeCell&) { next.push_back(node); }, branch);
-    }
-    nodes = std::move(next);
+          nodes[i], [&](const LatticeCell&) { node_to_next[i].push_back(nodes[i]); }, branch);
+    });
+    nodes.clear();
+    for (const auto& next : node_to_next) nodes.insert(nodes.end(), next.begin(), next.end());
   }
   std::vector<std::vector<LatticeCell>> node_to_cells(nodes.size());
   runner.for_each(nodes.size(), [&](std::size_t i) { collect(nodes[i], node_to_cells[i]); });

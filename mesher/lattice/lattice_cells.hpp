@@ -22,6 +22,8 @@ class LatticeCells {
   /// Pre: the box of the request is not empty. Errors: Cancelled; OutOfMemory when the field asks for more points than
   /// 32-bit ids can name.
   LatticeCells(const LatticeRequest& request, const TaskRunner& runner);
+  /// At least so many are collected side by side, where there are so many.
+  static constexpr std::size_t kSubtrees = 256;
 
   const std::vector<LatticeCell>& cells() const { return cells_; }
   const std::vector<SiteLattice>& lattices() const { return lattices_; }  ///< finest first

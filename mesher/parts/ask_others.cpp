@@ -30,6 +30,7 @@ void ask(const AllParts& parts, PartId part, std::vector<Message>& questions) {
 
 std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& questions) {
   std::vector<Message> answers(questions.size());
+  const TraceSpan span(parts.trace, "answer", parts.runner.threads(), questions.size());
   parts.runner.for_each(questions.size(), [&](std::size_t i) {
     const Message& question = questions[i];
     const auto doubts = MessageReader(question.bytes).get_view<Doubt>();
@@ -48,14 +49,18 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
     auto& list = part_to_points[message.to.value];
     list.insert(list.end(), points.begin(), points.end());
   }
-  const auto local = parts.states.local();
-  std::vector<char> learnt(local.size(), 0);
+  std::vector<PartId> told;  // few: most have asked nobody
+  for (const PartId part : parts.states.local()) {
+    parts.states.at(part).doubts.clear();
+    if (!part_to_points[part.value].empty()) told.push_back(part);
+  }
+  std::vector<char> learnt(told.size(), 0);
   run_on_all(parts.communicator, [&] {
-    parts.runner.for_each(local.size(), [&](std::size_t i) {
-      PartState& state = parts.states.at(local[i]);
-      state.doubts.clear();
-      if (!add_shell_points(parts.input, state, part_to_points[local[i].value])) return;
-      make_shell(parts.input, state, local[i], parts.runner);
+    const TraceSpan span(parts.trace, "take answers", parts.runner.threads(), told.size());
+    parts.runner.for_each(told.size(), [&](std::size_t i) {
+      PartState& state = parts.states.at(told[i]);
+      if (!add_shell_points(parts.input, state, part_to_points[told[i].value])) return;
+      make_shell(parts.input, state, told[i], parts.runner);
       learnt[i] = 1;
     });
   });

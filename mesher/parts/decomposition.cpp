@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace tetloom::parts {
 
@@ -14,6 +15,7 @@ namespace {
 constexpr double kCoreWork = 3, kVaryingWork = 15, kSurfaceWork = 10;
 constexpr double kVaries = 1.1;  // ratio of the sizes in a cell from which on it is taken to vary
 constexpr double kTetsPerCube = 9.5;
+constexpr std::size_t kCellsPerTask = 256;
 
 double volume_in_sizes(const lattice::LatticeCell& cell) {
   const double size = std::sqrt(cell.lo * cell.hi), width = (cell.box.hi.x - cell.box.lo.x) / size;
@@ -68,13 +70,16 @@ double estimate_tets(const lattice::LatticeCells& cells) {
   return tets;
 }
 
-Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count) {
+Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,
+                             Trace* trace) {
+  std::optional<TraceSpan> span(std::in_place, trace, "boxes");
   std::vector<Piece> pieces;
   for (std::uint32_t i = 0; i < cells.cells().size(); ++i)
     pieces.push_back({cells.cells()[i].box, work_of(cells.cells()[i]), i});
   const Vec3 far{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   bisect(std::move(pieces), {-1 * far, far}, part_count);
-  find_neighbors(cells);
+  span.emplace(trace, "neighbours", runner.threads(), cells.cells().size() / kCellsPerTask + 1);
+  find_neighbors(cells, runner);
 }
 
 std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count) {
@@ -130,24 +135,35 @@ PartId Decomposition::owner_of(const Vec3& x) const {
   return PartId(nodes_[index].low);
 }
 
-void Decomposition::find_neighbors(const lattice::LatticeCells& cells) {
-  part_to_neighbors_.resize(boxes_.size());
-  const auto link = [&](PartId a, PartId b) {
-    std::vector<PartId>& list = part_to_neighbors_[a.value];
-    const auto at = std::lower_bound(list.begin(), list.end(), b);
-    if (at == list.end() || *at != b) list.insert(at, b);
-  };
-  for (const lattice::LatticeCell& cell : cells.cells()) {
-    const double reach = kNeighborhood * cells.coarsest_of(cell).size();
-    const Vec3 margin{reach, reach, reach};
+void Decomposition::find_neighbors(const lattice::LatticeCells& cells, const TaskRunner& runner) {
+  using Pair = std::pair<PartId, PartId>;
+  const std::size_t count = cells.cells().size();
+  std::vector<std::vector<Pair>> block_to_pairs((count + kCellsPerTask - 1) / kCellsPerTask);
+  runner.for_blocks(count, kCellsPerTask, [&](std::size_t begin, std::size_t end) {
+    std::vector<Pair>& pairs = block_to_pairs[begin / kCellsPerTask];
     std::vector<PartId> near;
-    for_each_in({cell.box.lo - margin, cell.box.hi + margin}, [&](PartId part) { near.push_back(part); });
-    if (near.size() < 2) continue;
-    for_each_in(cell.box, [&](PartId part) {
-      for (const PartId other : near)
-        if (other != part) link(part, other), link(other, part);
-    });
-  }
+    for (const lattice::LatticeCell& cell : std::span(cells.cells()).subspan(begin, end - begin)) {
+      const double reach = kNeighborhood * cells.coarsest_of(cell).size();
+      const Vec3 margin{reach, reach, reach};
+      near.clear();
+      for_each_in({cell.box.lo - margin, cell.box.hi + margin}, [&](PartId part) { near.push_back(part); });
+      if (near.size() < 2) continue;
+      for_each_in(cell.box, [&](PartId part) {
+        for (const PartId other : near)
+          if (other != part) pairs.emplace_back(part, other), pairs.emplace_back(other, part);
+      });
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  });
+  part_to_neighbors_.resize(boxes_.size());
+  for (const std::vector<Pair>& pairs : block_to_pairs)
+    for (const auto& [part, other] : pairs) part_to_neighbors_[part.value].push_back(other);
+  runner.for_each(boxes_.size(), [&](std::size_t part) {
+    std::vector<PartId>& list = part_to_neighbors_[part];
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  });
 }
 
 }  // namespace tetloom::parts

@@ -15,6 +15,7 @@
 #include "core/base/vec.hpp"
 #include "mesher/lattice/lattice_cells.hpp"
 #include "threading/message.hpp"
+#include "threading/trace.hpp"
 
 namespace tetloom::parts {
 
@@ -24,8 +25,9 @@ double estimate_tets(const lattice::LatticeCells& cells);
 /// Immutable; the same on all ranks. All of space belongs to some part: outer boxes are infinite.
 class Decomposition {
  public:
-  /// Pre: part_count > 0.
-  Decomposition(const lattice::LatticeCells& cells, std::size_t part_count);
+  /// Pre: part_count > 0. `trace` may be null.
+  Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,
+                Trace* trace = nullptr);
 
   std::size_t part_count() const { return boxes_.size(); }
   const Box3& box(PartId part) const { return boxes_[part.value]; }
@@ -58,7 +60,7 @@ class Decomposition {
   };
 
   std::uint32_t bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count);
-  void find_neighbors(const lattice::LatticeCells& cells);
+  void find_neighbors(const lattice::LatticeCells& cells, const TaskRunner& runner);
   template <class Visit>
   void descend(std::uint32_t index, const Box3& box, Visit&& visit) const {
     const Node& node = nodes_[index];

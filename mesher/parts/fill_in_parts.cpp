@@ -189,13 +189,12 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
   std::optional<tets::TriangleIndex> triangles;
   run_on_all(communicator, [&] {
     {
-      const TraceSpan span(request.trace, "cells");
+      const TraceSpan span(request.trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
       cells.emplace(lattice, runner);
     }
     const double parts = std::round(estimate_tets(*cells) / request.tets_per_part);
     if (!(parts >= 2)) return;
-    const TraceSpan span(request.trace, "boxes");
-    decomposition.emplace(*cells, static_cast<std::size_t>(std::min(parts, 1e5)));
+    decomposition.emplace(*cells, static_cast<std::size_t>(std::min(parts, 1e5)), runner, request.trace);
   });
   if (!decomposition) return std::nullopt;
   run_on_all(communicator, [&] {

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/filing.hpp"
 
 namespace tetloom::volume {
 
@@ -31,19 +33,17 @@ struct EdgeUseOfRegion {
   auto key() const { return std::tuple(region, low, high); }
 };
 
-// Calls visit(use) for the edges of all triangles as the regions beside them use them.
+// Calls visit(use) for the edges of triangle t as the regions beside it use them.
 template <class Visit>
-void for_each_use(const VolumeInput& input, const Visit& visit) {
-  for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t) {
-    const FaceSides& sides = input.tri_to_sides[t];
-    if (sides.front == sides.back) continue;  // a sheet inside a region needs no closing
-    for (const auto& [region, sign] : {std::pair(sides.back, 1), std::pair(sides.front, -1)}) {
-      if (!region.valid()) continue;
-      for (int i = 0; i < 3; ++i) {
-        const std::uint32_t a = input.tri_to_vert[t][i], b = input.tri_to_vert[t][(i + 1) % 3];
-        if (a == b) continue;  // opens nothing; that the triangle has no area is told later
-        visit(EdgeUseOfRegion{region.value, std::min(a, b), std::max(a, b), t, a < b ? sign : -sign});
-      }
+void for_each_use(const VolumeInput& input, std::uint32_t t, const Visit& visit) {
+  const FaceSides& sides = input.tri_to_sides[t];
+  if (sides.front == sides.back) return;  // a sheet inside a region needs no closing
+  for (const auto& [region, sign] : {std::pair(sides.back, 1), std::pair(sides.front, -1)}) {
+    if (!region.valid()) continue;
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t a = input.tri_to_vert[t][i], b = input.tri_to_vert[t][(i + 1) % 3];
+      if (a == b) continue;  // opens nothing; that the triangle has no area is told later
+      visit(EdgeUseOfRegion{region.value, std::min(a, b), std::max(a, b), t, a < b ? sign : -sign});
     }
   }
 }
@@ -52,19 +52,27 @@ bool comes_before(const EdgeUseOfRegion& a, const EdgeUseOfRegion& b) {
   return std::pair(a.key(), a.triangle) < std::pair(b.key(), b.triangle);
 }
 
-// By `low`, and among those as comes_before says: buckets first, since sorting all at once takes longer than meshing.
-std::vector<EdgeUseOfRegion> edge_uses(const VolumeInput& input) {
-  std::vector<std::size_t> first(input.points.size() + 1, 0);
-  for_each_use(input, [&](const EdgeUseOfRegion& use) { ++first[use.low + 1]; });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<EdgeUseOfRegion> uses(first.back());
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for_each_use(input, [&](const EdgeUseOfRegion& use) { uses[next[use.low]++] = use; });
-  for (std::size_t v = 0; v < input.points.size(); ++v) {
-    const auto at = [&](std::size_t i) { return uses.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::sort(at(first[v]), at(first[v + 1]), comes_before);
+// Of the uses of edges whose low vertices lie from `begin` on, below `end`: those of edges that are run through more
+// often one way than the other. By vertex first, since sorting all at once takes longer than meshing.
+std::vector<EdgeUseOfRegion> find_open(std::span<const EdgeUseOfRegion> uses, std::size_t begin, std::size_t end) {
+  std::vector<std::size_t> next(end - begin + 1, 0);
+  for (const EdgeUseOfRegion& use : uses) ++next[use.low - begin + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<EdgeUseOfRegion> by_vertex(uses.size()), open;
+  for (const EdgeUseOfRegion& use : uses) by_vertex[next[use.low - begin]++] = use;
+  auto first = by_vertex.begin();
+  for (std::size_t v = begin; v < end; ++v) {  // each place still holds the end of its vertex
+    const auto last = by_vertex.begin() + static_cast<std::ptrdiff_t>(next[v - begin]);
+    std::sort(first, last, comes_before);
+    while (first != last) {
+      const auto other =
+          std::find_if(first, last, [&](const EdgeUseOfRegion& use) { return use.key() != first->key(); });
+      const int balance = std::accumulate(first, other, 0, [](int sum, const auto& use) { return sum + use.step; });
+      if (balance != 0) open.insert(open.end(), first, other);
+      first = other;
+    }
   }
-  return uses;
+  return open;
 }
 
 Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion> open) {
@@ -91,7 +99,16 @@ void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std
       if (std::exchange(to_local[v], 0u) == kNone) vertices.push_back(v);
     }
   }
-  std::sort(vertices.begin(), vertices.end());
+  constexpr std::size_t kFew = 16;
+  if (vertices.size() < input.points.size() / kFew) {
+    std::sort(vertices.begin(), vertices.end());
+  } else {
+    vertices.clear();
+    for (std::uint32_t v = 0; v < to_local.size(); ++v)
+      if (to_local[v] != kNone) vertices.push_back(v);
+  }
+  complex.points.reserve(vertices.size());
+  complex.tri_to_vert.reserve(complex.to_input_tri.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) {
     to_local[vertices[i]] = i;
     complex.points.push_back(input.points[vertices[i]]);
@@ -105,14 +122,21 @@ void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std
 
 }  // namespace
 
-OpenRegions find_open_regions(const VolumeInput& input) {
-  const std::vector<EdgeUseOfRegion> uses = edge_uses(input);
+OpenRegions find_open_regions(const VolumeInput& input, const TaskRunner& runner) {
+  const KeyRanges ranges(input.points.size());
+  std::vector<std::vector<EdgeUseOfRegion>> range_to_open(ranges.count());
+  for_each_filed_range<EdgeUseOfRegion>(
+      input.tri_to_vert.size(), ranges, runner,
+      [&](std::size_t begin, std::size_t end, const auto& file) {
+        for (std::size_t t = begin; t < end; ++t)
+          for_each_use(input, static_cast<std::uint32_t>(t),
+                       [&](const EdgeUseOfRegion& use) { file(ranges.of(use.low), use); });
+      },
+      [&](std::size_t range, std::span<const EdgeUseOfRegion> uses) {
+        range_to_open[range] = find_open(uses, ranges.first(range), ranges.last(range));
+      });
   std::vector<EdgeUseOfRegion> open;
-  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-    int balance = 0;
-    for (end = begin; end < uses.size() && uses[end].key() == uses[begin].key(); ++end) balance += uses[end].step;
-    if (balance != 0) open.insert(open.end(), uses.begin() + begin, uses.begin() + end);
-  }
+  for (const auto& of_range : range_to_open) open.insert(open.end(), of_range.begin(), of_range.end());
   std::sort(open.begin(), open.end(), comes_before);
   OpenRegions result;
   for (std::size_t begin = 0, end = 0; begin < open.size(); begin = end) {
@@ -121,6 +145,12 @@ OpenRegions find_open_regions(const VolumeInput& input) {
     result.diagnostics.push_back(open_shell(input, std::span(open).subspan(begin, end - begin)));
   }
   return result;
+}
+
+// Of triangles, in each pass over them, and then of points: the fewer of the two.
+std::size_t open_region_pieces(const VolumeInput& input) {
+  const FilingPlan plan(input.tri_to_vert.size(), 0);
+  return std::min(input.tri_to_vert.size() / plan.grain() + 1, KeyRanges(input.points.size()).count());
 }
 
 std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const std::uint32_t> without) {

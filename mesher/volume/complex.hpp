@@ -27,7 +27,9 @@ struct OpenRegions {
   std::vector<std::uint32_t> regions;
   std::vector<Diagnostic> diagnostics;
 };
-OpenRegions find_open_regions(const VolumeInput& input);
+OpenRegions find_open_regions(const VolumeInput& input, const TaskRunner& runner);
+/// How many pieces that is done in, about.
+std::size_t open_region_pieces(const VolumeInput& input);
 
 /// The complexes in ascending order of their first region. Triangles that bound no region, or only regions of
 /// `without`, are in none; the sides of the others forget the regions of `without`.

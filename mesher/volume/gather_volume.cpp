@@ -26,10 +26,11 @@ class Assembly {
       : input_(input), runner_(runner), mesh_(mesh) {}
 
   void make_room(std::size_t new_points, std::size_t tets) {
-    const std::size_t points = input_.points.size() + new_points;  // room for the given ones, which may come back
+    const std::size_t points = input_.points.size() + new_points;
     if (points >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
     reserve_touched(mesh_.new_points, points, runner_);
-    mesh_.new_points.resize(new_points);
+    mesh_.new_points.assign(input_.points.begin(), input_.points.end());
+    mesh_.new_points.resize(points);
     reserve_touched(mesh_.tet_to_vert, tets, runner_);
     mesh_.tet_to_vert.resize(tets);
     reserve_touched(mesh_.tet_to_region, tets, runner_);
@@ -56,7 +57,7 @@ class Assembly {
     const std::uint64_t given = input_.points.size();
     runner_.for_blocks(part.points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v)
-        if (part.vert_to_number[v] >= given) mesh_.new_points[part.vert_to_number[v] - given] = part.points[v];
+        if (part.vert_to_number[v] >= given) mesh_.new_points[part.vert_to_number[v]] = part.points[v];
     });
     for (std::size_t v = 0; v < part.points.size(); ++v) {
       const std::uint64_t number = part.vert_to_number[v];

@@ -4,7 +4,7 @@
 
 namespace tetloom {
 
-/// On the first rank what fill_volume gives there, in the same order; on the others no points and no tets. Errors,
+/// On the first rank what fill_over_given gives there, in the same order; on the others no points and no tets. Errors,
 /// warnings and figures are those of `parts` on all ranks. Pre: `input` is what was filled. A collective call. Errors:
 /// Cancelled, OutOfMemory, on all ranks alike.
 VolumeMesh gather_volume(const VolumeInput& input, VolumeParts&& parts, Communicator& communicator,

@@ -11,6 +11,7 @@
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
 #include "mesher/volume/fill_on_ranks.hpp"
+#include "mesher/volume/fill_over_given.hpp"
 #include "mesher/volume/volume_parts.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
@@ -24,7 +25,7 @@ namespace {
 using volume::Complex;
 using volume::FilledComplex;
 
-constexpr std::size_t kTetsPerTask = 1 << 16;
+constexpr std::size_t kTetsPerTask = 1 << 16, kTrianglesPerTask = 1 << 14;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
@@ -50,7 +51,18 @@ bool is_sound(const Vec3& p) {
   throw Error(std::move(diagnostic));
 }
 
-void check_input(const VolumeInput& input) {
+// `count` where all are good.
+template <class IsGood>
+std::size_t find_first_bad(std::size_t count, const TaskRunner& runner, const IsGood& is_good) {
+  std::vector<std::size_t> block_to_bad((count + kTrianglesPerTask - 1) / kTrianglesPerTask, count);
+  runner.for_blocks(count, kTrianglesPerTask, [&](std::size_t begin, std::size_t end) {
+    while (begin < end && is_good(begin)) ++begin;
+    if (begin < end) block_to_bad[begin / kTrianglesPerTask] = begin;
+  });
+  return block_to_bad.empty() ? count : std::ranges::min(block_to_bad);
+}
+
+void check_input(const VolumeInput& input, const TaskRunner& runner) {
   if (!input.sizes) refuse("there is no size field");
   const std::size_t count = input.tri_to_vert.size();
   if (input.tri_to_sides.size() != count || input.tri_to_face.size() != count) refuse("its arrays differ in length");
@@ -60,18 +72,21 @@ void check_input(const VolumeInput& input) {
   for (const auto& edge : input.edge_to_vert) {
     if (std::max(edge[0], edge[1]) >= input.points.size()) refuse("an edge refers to a point that does not exist");
   }
-  for (const auto& triangle : input.tri_to_vert) {
-    for (const std::uint32_t vertex : triangle) {
-      if (vertex >= input.points.size()) refuse("a triangle refers to a point that does not exist");
-    }
-  }
+  const auto exist = [&](std::size_t t) {
+    const auto& verts = input.tri_to_vert[t];
+    return std::ranges::all_of(verts, [&](std::uint32_t vertex) { return vertex < input.points.size(); });
+  };
+  if (find_first_bad(count, runner, exist) < count) refuse("a triangle refers to a point that does not exist");
+  const auto are_sound = [&](std::size_t t) {
+    const auto& verts = input.tri_to_vert[t];
+    return std::ranges::all_of(verts, [&](std::uint32_t vertex) { return is_sound(input.points[vertex]); });
+  };
+  if (const std::size_t bad = find_first_bad(count, runner, are_sound); bad < count)
+    refuse_coordinate(input, static_cast<std::uint32_t>(bad));
+  // One point far from the first is enough; else all are looked at.
   Box3 box;
-  for (std::uint32_t t = 0; t < count; ++t) {
-    for (const std::uint32_t vertex : input.tri_to_vert[t]) {
-      if (!is_sound(input.points[vertex])) refuse_coordinate(input, t);
-      box.add(input.points[vertex]);
-    }
-  }
+  for (std::uint32_t t = 0; t < count && box.diagonal() < kLeastExtent; ++t)
+    for (const std::uint32_t vertex : input.tri_to_vert[t]) box.add(input.points[vertex]);
   if (!box.empty() && box.lo != box.hi && box.diagonal() < kLeastExtent) refuse("its surface is smaller than 1e-40");
 }
 
@@ -100,23 +115,22 @@ void append_changes(const Complex& complex, const FilledComplex& filled, VolumeM
   }
 }
 
+// Here `mesh.new_points` begins with the given ones.
 void append(const VolumeInput& input, const Complex& complex, volume::Filling&& filling, VolumeMesh& mesh,
             const TaskRunner& runner) {
-  const std::size_t given = complex.points.size(), offset = input.points.size() + mesh.new_points.size();
-  if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
-  if (mesh.new_points.empty()) {  // with room for the given ones, which may come back
+  const std::size_t given = complex.points.size(), first = mesh.tet_to_vert.size();
+  if (first == 0 && given == input.points.size()) {  // all numbers are the input's
+    if (filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
     mesh.new_points = std::move(filling.points);
-    mesh.new_points.erase(mesh.new_points.begin(), mesh.new_points.begin() + static_cast<std::ptrdiff_t>(given));
-  } else {
-    mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
-                           filling.points.end());
-  }
-  const std::size_t first = mesh.tet_to_vert.size();
-  if (first == 0 && offset == given) {  // all numbers are the input's
     mesh.tet_to_vert = std::move(filling.tet_to_vert);
     mesh.tet_to_region = std::move(filling.tet_to_region);
     return;
   }
+  if (mesh.new_points.empty()) mesh.new_points.assign(input.points.begin(), input.points.end());
+  const std::size_t offset = mesh.new_points.size();
+  if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
+  mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
+                         filling.points.end());
   mesh.tet_to_vert.resize(first + filling.tet_to_vert.size());
   runner.for_blocks(filling.tet_to_vert.size(), kTetsPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
@@ -141,7 +155,10 @@ struct Plan {
 template <class Result>
 void make_plan(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Plan& plan,
                Result& result) {
-  volume::OpenRegions open = volume::find_open_regions(input);
+  std::optional<TraceSpan> span(std::in_place, options.trace, "shells", runner.threads(),
+                                volume::open_region_pieces(input));
+  volume::OpenRegions open = volume::find_open_regions(input, runner);
+  span.emplace(options.trace, "plan");
   result.errors = std::move(open.diagnostics);
   plan.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
@@ -189,8 +206,13 @@ void take_filled(std::span<const Complex> complexes, std::vector<FilledComplex>&
   }
 }
 
-void check(const VolumeInput& input, const VolumeOptions& options) {
-  check_input(input);
+void check(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  {
+    const std::size_t pieces = input.tri_to_vert.size() / kTrianglesPerTask + 1;
+    const TraceSpan span(options.trace, "check", runner.threads(), pieces);
+    check_input(input, runner);
+  }
+  const TraceSpan span(options.trace, "estimate");
   check_goals(options.goals);
   if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
   check_memory(estimate_filling(input), options.max_memory);
@@ -222,14 +244,12 @@ void FillingFigures::add(const FillingFigures& other) {
     seconds.*member += other.seconds.*member;
 }
 
-VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
-  std::optional<TraceSpan> serial(std::in_place, options.trace, "plan");
-  check(input, options);
+VolumeMesh fill_over_given(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  check(input, options, runner);
   VolumeMesh mesh;
   try {
     Plan plan;
     make_plan(input, options, runner, plan, mesh);
-    serial.reset();
     take_filled(plan.complexes, fill_here(input, plan, runner), mesh,
                 [&](const Complex& complex, FilledComplex& filled) {
                   if (!filled.filling) return;
@@ -240,8 +260,16 @@ VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, c
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
   }
+  if (mesh.new_points.empty()) mesh.new_points.assign(input.points.begin(), input.points.end());
   std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
   std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
+  return mesh;
+}
+
+VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  VolumeMesh mesh = fill_over_given(input, options, runner);
+  const auto begin = mesh.new_points.begin();
+  mesh.new_points.erase(begin, begin + static_cast<std::ptrdiff_t>(input.points.size()));
   return mesh;
 }
 
@@ -252,7 +280,7 @@ VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& 
   std::vector<FilledComplex> filled;
   const bool is_alone = communicator.rank_count() == 1;
   run_on_all(communicator, [&] {
-    check(input, options);
+    check(input, options, runner);
     make_plan(input, options, runner, plan, result);
     plan.how.keep_parts = true;
     if (is_alone) filled = fill_here(input, plan, runner);

@@ -14,12 +14,12 @@ using namespace volume_tests;
 struct Cells {
   Surface surface;
   SizeField sizes;
+  TaskRunner runner{2};
   std::optional<intersection::TriangleTree> tree;
   lattice::LatticeRequest request;
   std::optional<lattice::LatticeCells> cells;
 
   Cells(Surface from, SizeField of) : surface(std::move(from)), sizes(std::move(of)) {
-    const TaskRunner runner(2);
     tree.emplace(surface.points, surface.tri_to_vert, runner);
     request.tree = &*tree, request.tri_to_sides = surface.tri_to_sides, request.sizes = &sizes;
     for (const Vec3& x : surface.points) request.box.add(x);
@@ -27,7 +27,7 @@ struct Cells {
   }
   Cells(const Cells&) = delete;
 
-  Decomposition cut(std::size_t parts) const { return {*cells, parts}; }
+  Decomposition cut(std::size_t parts) const { return {*cells, parts, runner}; }
   Vec3 any_point(std::mt19937_64& random, double margin) const {
     Vec3 x;
     for (int axis = 0; axis < 3; ++axis) {
