@@ -8,6 +8,7 @@
 
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
+#include "apps/tetloom/model_reading.hpp"
 #include "apps/tetloom/options.hpp"
 #include "apps/tetloom/ranks.hpp"
 #include "apps/tetloom/report.hpp"
@@ -33,7 +34,8 @@ struct Dispatch {
   char**& argv;
 
   ExitStatus operator()(const MeshCommand& command) const {
-    return run_mesh(command, Ranks(argc, argv).communicator());
+    ModelReading reading(command);
+    return run_mesh(command, reading, Ranks(argc, argv).communicator());
   }
   ExitStatus operator()(const InfoCommand& command) const {
     return run_info(command, Ranks(argc, argv).communicator());

@@ -21,14 +21,13 @@ struct Sized {
   MeshOptions options;
 };
 
-Sized read_sized_model(const MeshCommand& command, Run& run) {
+Sized read_sized_model(const MeshCommand& command, ModelReading& reading, Run& run) {
   RunReport& report = run.report();
   SizesFile sizes;
   if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
   run.begin(Stage::Read);
   Sized sized{{}, command.options};
-  report.seconds.read = timed(
-      [&] { sized.document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
+  report.seconds.read = timed([&] { sized.document = read_input([&] { return reading.take(run.cancel()); }); });
   report.warnings = sized.document.warnings;
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
   return sized;
@@ -87,16 +86,16 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
 }
 
-void mesh_input(const MeshCommand& command, Communicator& communicator, Run& run) {
+void mesh_input(const MeshCommand& command, ModelReading& reading, Communicator& communicator, Run& run) {
   Sized sized;
-  run_on_all(communicator, [&] { sized = read_sized_model(command, run); });
+  run_on_all(communicator, [&] { sized = read_sized_model(command, reading, run); });
   command.in_parts ? mesh_model_in_parts(command, sized, communicator, run)
                    : mesh_model(command, sized, communicator, run);
 }
 
 }  // namespace
 
-ExitStatus run_mesh(const MeshCommand& command, Communicator& communicator) {
+ExitStatus run_mesh(const MeshCommand& command, ModelReading& reading, Communicator& communicator) {
   Run run({.input = command.input,
            .output = command.output,
            .report = command.report,
@@ -104,7 +103,7 @@ ExitStatus run_mesh(const MeshCommand& command, Communicator& communicator) {
            .threads = TaskRunner(command.options.threads).threads(),
            .parts = std::max(1, command.options.parts),
            .ranks = &communicator});
-  return run.execute([&](Run& r) { mesh_input(command, communicator, r); });
+  return run.execute([&](Run& r) { mesh_input(command, reading, communicator, r); });
 }
 
 }  // namespace tetloom::app

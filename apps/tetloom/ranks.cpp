@@ -26,7 +26,7 @@ struct Ranks::Session {
 };
 
 Ranks::Ranks(int& argc, char**& argv) {
-  if (from_environment({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, 1) > 1) {
+  if (is_one_of_several()) {
     session_.reset(new Session{MpiSession(argc, argv)});
     communicator_ = make_mpi_communicator();
   } else {
@@ -36,6 +36,8 @@ Ranks::Ranks(int& argc, char**& argv) {
 
 bool is_first_process() { return from_environment({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}, 0) == 0; }
 
+bool is_one_of_several() { return from_environment({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, 1) > 1; }
+
 #else
 
 struct Ranks::Session {};
@@ -43,6 +45,8 @@ struct Ranks::Session {};
 Ranks::Ranks(int&, char**&) : communicator_(make_thread_communicator()) {}
 
 bool is_first_process() { return true; }
+
+bool is_one_of_several() { return false; }
 
 #endif
 

@@ -26,5 +26,7 @@ class Ranks {
 /// Whether this process speaks for the run: the only one, or the first of those that were started together, as the
 /// launcher says in the environment.
 bool is_first_process();
+/// Whether others were started together with this process.
+bool is_one_of_several();
 
 }  // namespace tetloom::app
