@@ -210,7 +210,7 @@ void check(const VolumeInput& input, const VolumeOptions& options, const TaskRun
   {
     const std::size_t pieces = input.tri_to_vert.size() / kTrianglesPerTask + 1;
     const TraceSpan span(options.trace, "check", runner.threads(), pieces);
-    check_input(input, runner);
+    check_input(input, runner.uninterruptible());  // so soon that nobody is asked
   }
   const TraceSpan span(options.trace, "estimate");
   check_goals(options.goals);
