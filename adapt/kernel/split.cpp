@@ -58,12 +58,16 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
   for (int i = first; i < 2; ++i) {
     std::uint32_t hint = mesh_.to_hint[a];
     const Tensor metric = source_.at(places[i], hint);
-    const std::uint32_t p =
-        mesh_.add_vertex(places[i], mean(mesh_.to_metric[a].tensor, mesh_.to_metric[b].tensor), entity, hint);
-    const double least = mesh_.evaluate_all(cavity_, p, floor, made_);
-    if (least > floor) {
+    const std::uint32_t p = mesh_.add_vertex(places[i], metric, entity, hint);
+    bool good = mesh_.evaluate_all(cavity_, p, floor, made_) > floor;
+    if (!good) {
+      // Where the metric changes much from a to b, their tets are worth little whatever is done.
+      mesh_.set_metric(p, mean(mesh_.to_metric[a].tensor, mesh_.to_metric[b].tensor));
+      good = mesh_.evaluate_all(cavity_, p, floor, made_) > floor;
       mesh_.set_metric(p, metric);
-      mesh_.evaluate_all(cavity_, p, -1, made_);
+      if (good) mesh_.evaluate_all(cavity_, p, -1, made_);
+    }
+    if (good) {
       mesh_.reconnect(cavity_, p, made_);
       return Verdict::Done;
     }
