@@ -122,8 +122,49 @@ void Adapter::lead_to_model() {
   }
 }
 
+// What all ranks have, by rank; on rank 0.
+std::vector<double> Adapter::gather(std::vector<double>&& own) const {
+  if (work_.rank_count() == 1) return std::move(own);
+  const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
+    to[0].put_array(std::span<const double>(own));
+    own = {};
+  });
+  std::vector<double> all;
+  work_.each([&] {
+    if (work_.rank() != 0) return;
+    for (const Bytes& bytes : given) {
+      MessageReader reader(bytes);
+      const auto values = reader.get_view<double>();
+      all.insert(all.end(), values.begin(), values.end());
+    }
+  });
+  return all;
+}
+
+// Each rank for its share; all of it on rank 0.
+CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
+  CarriedFields carried;
+  if (carrier.has_none()) return carried;
+  work_.each([&] {
+    std::vector<TetVerts> tets(whole_.size());
+    for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
+    // The hints of vertices are those of any number of ranks, and so are the places.
+    std::vector<BackgroundPlace> places(whole_.points.size());
+    runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]);
+    });
+    const auto rank = static_cast<std::size_t>(work_.rank());
+    const std::size_t own = links_.first_verts[rank + 1] - links_.first_verts[rank];
+    const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
+    carried = carrier.carry(share, own, places, options_.cell_shape, runner_);
+  });
+  return {gather(std::move(carried.on_points)), gather(std::move(carried.on_tets))};
+}
+
 void Adapter::finish_result(AdaptResult& result) {
   Stopwatch watch;
+  const FieldCarrier carrier(mesh_, *background_, options_.transfer);
+  CarriedFields carried = carry_fields(carrier);
   whole_ = gather_shares(whole_, links_, work_);
   AdaptReport& report = result.report;
   work_.each([&] {
@@ -133,8 +174,7 @@ void Adapter::finish_result(AdaptResult& result) {
     result.mesh = make_mesh_of(whole_, mesh_);
     metric_of_result_ = std::move(whole_.to_metric);
     whole_ = WholeMesh();
-    report.transfers = transfer_fields(mesh_, *background_, result.mesh, options_.transfer, options_.cell_shape,
-                                       work_.runner_for_one());
+    if (!carrier.has_none()) report.transfers = carrier.finish(std::move(carried), result.mesh, work_.runner_for_one());
   });
   report.operations = sum_of(counts_);
   report.beside_model = sum_of(last_counts_).unled;

@@ -10,6 +10,7 @@
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "adapt/transfer/field_transfer.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom::adapt {
@@ -53,6 +54,8 @@ class Adapter {
   double count_tets() const;
   GrowingArray<float> work_per_tet() const;
   Fit measure() const;
+  std::vector<double> gather(std::vector<double>&& own) const;
+  CarriedFields carry_fields(const FieldCarrier& carrier);
   void finish_result(AdaptResult& result);
   PassCounts sum_of(const PassCounts& counts) const;
 

@@ -28,16 +28,18 @@ struct RegionSums {
 
 class CellTransfer {
  public:
-  CellTransfer(const BackgroundMesh& from, std::span<const std::uint32_t> regions, const CellValues& cells,
-               const TetsInRegions& to, const TaskRunner& runner)
-      : from_(from), from_regions_(regions), cells_(cells), to_(to), runner_(runner) {
-    names_.assign(regions.begin(), regions.end());
+  CellTransfer(const CellSource& from, const TetsInRegions& to, const TaskRunner& runner)
+      : from_(from.mesh), from_regions_(from.regions), cells_(from.cells), to_(to), runner_(runner) {
+    TETLOOM_ASSERT(from_regions_.size() == from_.mesh().tets.size() && to.regions.size() == to.mesh.tets.size());
+    TETLOOM_ASSERT(cells_.values.size() == from_regions_.size() * cells_.components);
+    names_.assign(from_regions_.begin(), from_regions_.end());
     std::sort(names_.begin(), names_.end());
     names_.erase(std::unique(names_.begin(), names_.end()), names_.end());
-    before_ = sums_over({from.mesh(), regions}, cells.values);
+    before_ = sums_over({from_.mesh(), from_regions_}, cells_.values);
   }
 
-  std::vector<double> run(std::span<const BackgroundPlace> places, CellShape shape) {
+  std::vector<double> average_all(std::span<const BackgroundPlace> places, CellShape shape) {
+    TETLOOM_ASSERT(places.size() == to_.mesh.points.size());
     if (shape == CellShape::Linear) slopes_ = limited_slopes(from_, from_regions_, cells_, runner_);
     std::vector<double> values(to_.mesh.tets.size() * cells_.components);
     runner_.for_blocks(to_.mesh.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -50,11 +52,29 @@ class CellTransfer {
         runner_.check_cancelled();
       }
     });
-    put_right(values);
     return values;
   }
 
+  void put_right(std::span<double> values) const {
+    TETLOOM_ASSERT(values.size() == to_.mesh.tets.size() * cells_.components);
+    const std::vector<RegionSums> after = sums_over(to_, values);
+    std::vector<Change> changes;
+    for (std::size_t i = 0; i < after.size(); ++i) changes.push_back(change_of(before_[i], after[i]));
+    const std::size_t n = cells_.components;
+    runner_.for_blocks(to_.mesh.tets.size(), kSumGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tet = begin; tet < end; ++tet) {
+        const Change* const change = &changes[region_index(to_.regions[tet]) * n];
+        for (std::size_t c = 0; c < n; ++c)
+          values[tet * n + c] = values[tet * n + c] * change[c].factor + change[c].shift;
+      }
+    });
+  }
+
  private:
+  struct Change {
+    double factor = 1, shift = 0;
+  };
+
   std::size_t region_index(std::uint32_t region) const {
     return static_cast<std::size_t>(std::lower_bound(names_.begin(), names_.end(), region) - names_.begin());
   }
@@ -112,10 +132,6 @@ class CellTransfer {
     return sums;
   }
 
-  struct Change {
-    double factor = 1, shift = 0;
-  };
-
   static Change change_of(const RegionSums& old, const RegionSums& now) {
     const bool one_sign = old.least >= 0 || old.greatest <= 0;
     const double factor = old.integral / now.integral;
@@ -124,23 +140,9 @@ class CellTransfer {
     return {1, std::isfinite(shift) ? shift : 0};
   }
 
-  void put_right(std::vector<double>& values) const {
-    const std::vector<RegionSums> after = sums_over(to_, values);
-    std::vector<Change> changes;
-    for (std::size_t i = 0; i < after.size(); ++i) changes.push_back(change_of(before_[i], after[i]));
-    const std::size_t n = cells_.components;
-    runner_.for_blocks(to_.mesh.tets.size(), kSumGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tet = begin; tet < end; ++tet) {
-        const Change* const change = &changes[region_index(to_.regions[tet]) * n];
-        for (std::size_t c = 0; c < n; ++c)
-          values[tet * n + c] = values[tet * n + c] * change[c].factor + change[c].shift;
-      }
-    });
-  }
-
   const BackgroundMesh& from_;
   std::span<const std::uint32_t> from_regions_;
-  const CellValues& cells_;
+  CellValues cells_;
   const TetsInRegions& to_;
   const TaskRunner& runner_;
   std::vector<std::uint32_t> names_;  ///< regions, ascending
@@ -150,12 +152,22 @@ class CellTransfer {
 
 }  // namespace
 
-std::vector<double> transfer_cells(const BackgroundMesh& from, std::span<const std::uint32_t> regions,
-                                   const CellValues& cells, const TetsInRegions& to,
+std::vector<double> average_cells(const CellSource& from, const TetsInRegions& to,
+                                  std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner) {
+  return CellTransfer(from, to, runner).average_all(places, shape);
+}
+
+void put_right_cells(const CellSource& from, const TetsInRegions& to, std::span<double> values,
+                     const TaskRunner& runner) {
+  CellTransfer(from, to, runner).put_right(values);
+}
+
+std::vector<double> transfer_cells(const CellSource& from, const TetsInRegions& to,
                                    std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner) {
-  TETLOOM_ASSERT(regions.size() == from.mesh().tets.size() && to.regions.size() == to.mesh.tets.size());
-  TETLOOM_ASSERT(cells.values.size() == regions.size() * cells.components && places.size() == to.mesh.points.size());
-  return CellTransfer(from, regions, cells, to, runner).run(places, shape);
+  CellTransfer transfer(from, to, runner);
+  std::vector<double> values = transfer.average_all(places, shape);
+  transfer.put_right(values);
+  return values;
 }
 
 }  // namespace tetloom::adapt

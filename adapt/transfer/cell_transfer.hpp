@@ -21,6 +21,13 @@ struct TetsInRegions {
   std::span<const std::uint32_t> regions;
 };
 
+/// Values before, `regions` those of the tets of `mesh`. Non-owning. Pre: sizes fit, all values are finite.
+struct CellSource {
+  const BackgroundMesh& mesh;
+  std::span<const std::uint32_t> regions;
+  CellValues cells;
+};
+
 /// New values, as many components as before: the mean, over the part of each new tet that lies in its region as it was,
 /// of the field there, by exact intersections of tets (Farrell & Maddison 2011; Alauzet & Mehrenberger 2010). Where the
 /// meshes cover the same regions, integrals over regions are kept up to round-off, tet by tet.
@@ -30,11 +37,16 @@ struct TetsInRegions {
 /// has one sign in the region as it was, so that what is zero stays zero and nothing changes sign, else shifted. So
 /// integrals are kept up to round-off there too, and constants become what the new volume allows.
 ///
-/// `places`: a tet of `from` near every point of `to`. Pre: sizes fit, all values are finite, `regions` are those of
-/// the tets of `from`. The values do not depend on threads. Errors: Cancelled. About 0.4 µs per overlap of
-/// two tets and 1 µs per old one.
-std::vector<double> transfer_cells(const BackgroundMesh& from, std::span<const std::uint32_t> regions,
-                                   const CellValues& cells, const TetsInRegions& to,
+/// `places`: a tet of `from` near every point of `to`. Pre: sizes fit. The values do not depend on threads. Errors:
+/// Cancelled. About 0.4 µs per overlap of two tets and 1 µs per old one.
+std::vector<double> transfer_cells(const CellSource& from, const TetsInRegions& to,
                                    std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner);
+
+/// The same in two steps: the means alone, for which `to` may be any tets of the mesh, each on its own; and where all
+/// of them are together, what is put right once per region.
+std::vector<double> average_cells(const CellSource& from, const TetsInRegions& to,
+                                  std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner);
+void put_right_cells(const CellSource& from, const TetsInRegions& to, std::span<double> values,
+                     const TaskRunner& runner);
 
 }  // namespace tetloom::adapt

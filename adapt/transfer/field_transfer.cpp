@@ -89,20 +89,21 @@ MeshField take_apart(std::span<const double> joined, std::size_t components, std
   return field;
 }
 
-void transfer_cell_fields(const Mesh& from, const BackgroundMesh& background, Mesh& to,
-                          const std::vector<const MeshField*>& fields, std::span<const BackgroundPlace> places,
-                          CellShape shape, const TaskRunner& runner) {
-  std::size_t components = 0;
-  for (const MeshField* field : fields) components += static_cast<std::size_t>(field->components);
-  if (components == 0) return;
-  const std::vector<double> before = join(fields, from.tet_to_vert.size(), components);
-  const std::vector<double> after = transfer_cells(background, from.tet_to_entity, {before, components},
-                                                   {tets_of(to), to.tet_to_entity}, places, shape, runner);
+std::size_t count_components(const std::vector<const MeshField*>& fields) {
+  std::size_t count = 0;
+  for (const MeshField* field : fields) count += static_cast<std::size_t>(field->components);
+  return count;
+}
+
+std::vector<MeshField> take_all_apart(std::span<const double> joined, const std::vector<const MeshField*>& sources) {
+  std::vector<MeshField> fields;
+  const std::size_t components = count_components(sources);
   std::size_t first = 0;
-  for (const MeshField* field : fields) {
-    to.cell_fields.push_back(take_apart(after, components, first, *field));
-    first += static_cast<std::size_t>(field->components);
+  for (const MeshField* source : sources) {
+    fields.push_back(take_apart(joined, components, first, *source));
+    first += static_cast<std::size_t>(source->components);
   }
+  return fields;
 }
 
 FieldTransfer compare(const TetView& from, const MeshField& before, const TetView& to, const MeshField& after,
@@ -128,23 +129,48 @@ void check_transfer(const Mesh& mesh, const std::vector<std::string>& names) {
   }
 }
 
-std::vector<FieldTransfer> transfer_fields(const Mesh& from, const BackgroundMesh& background, Mesh& to,
-                                           const std::vector<std::string>& names, CellShape shape,
-                                           const TaskRunner& runner) {
-  std::vector<FieldTransfer> transfers;
-  if (names.empty()) return transfers;
-  const auto places = background.locate(to.points, runner);
-  std::vector<const MeshField*> cell_fields;
+FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names)
+    : from_(from), background_(background) {
   for (const std::string& name : names) {
-    if (const MeshField* const field = find_field(from.cell_fields, name)) cell_fields.push_back(field);
-    const MeshField* const field = find_field(from.point_fields, name);
-    if (!field) continue;
-    to.point_fields.push_back(background.interpolate(*field, places, runner));
-    transfers.push_back(compare(background.mesh(), *field, tets_of(to), to.point_fields.back(), false, runner));
+    if (const MeshField* const field = find_field(from.cell_fields, name)) on_tets_.push_back(field);
+    if (const MeshField* const field = find_field(from.point_fields, name)) on_points_.push_back(field);
   }
-  transfer_cell_fields(from, background, to, cell_fields, places, shape, runner);
-  for (std::size_t i = 0; i < cell_fields.size(); ++i)
-    transfers.push_back(compare(background.mesh(), *cell_fields[i], tets_of(to), to.cell_fields[i], true, runner));
+  point_components_ = count_components(on_points_), tet_components_ = count_components(on_tets_);
+}
+
+CellSource FieldCarrier::tet_source(std::span<const double> values) const {
+  return {background_, from_.tet_to_entity, {values, tet_components_}};
+}
+
+CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::size_t point_count,
+                                  std::span<const BackgroundPlace> places, CellShape shape,
+                                  const TaskRunner& runner) const {
+  CarriedFields carried;
+  std::vector<MeshField> fields;
+  for (const MeshField* field : on_points_)
+    fields.push_back(background_.interpolate(*field, places.first(point_count), runner));
+  std::vector<const MeshField*> pointers;
+  for (const MeshField& field : fields) pointers.push_back(&field);
+  carried.on_points = join(pointers, point_count, point_components_);
+  if (on_tets_.empty()) return carried;
+  const std::vector<double> before = join(on_tets_, from_.tet_to_vert.size(), tet_components_);
+  carried.on_tets = average_cells(tet_source(before), to, places, shape, runner);
+  return carried;
+}
+
+std::vector<FieldTransfer> FieldCarrier::finish(CarriedFields&& carried, Mesh& to, const TaskRunner& runner) const {
+  if (!on_tets_.empty()) {
+    const std::vector<double> before = join(on_tets_, from_.tet_to_vert.size(), tet_components_);
+    put_right_cells(tet_source(before), {tets_of(to), to.tet_to_entity}, carried.on_tets, runner);
+  }
+  to.point_fields = take_all_apart(carried.on_points, on_points_);
+  to.cell_fields = take_all_apart(carried.on_tets, on_tets_);
+  carried = CarriedFields();
+  std::vector<FieldTransfer> transfers;
+  for (std::size_t i = 0; i < on_points_.size(); ++i)
+    transfers.push_back(compare(background_.mesh(), *on_points_[i], tets_of(to), to.point_fields[i], false, runner));
+  for (std::size_t i = 0; i < on_tets_.size(); ++i)
+    transfers.push_back(compare(background_.mesh(), *on_tets_[i], tets_of(to), to.cell_fields[i], true, runner));
   return transfers;
 }
 

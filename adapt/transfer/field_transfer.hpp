@@ -36,11 +36,33 @@ struct FieldTransfer {
 /// integral can be made of. Pre: `mesh` is consistent.
 void check_transfer(const Mesh& mesh, const std::vector<std::string>& names);
 
-/// Gives `to` the fields of `from` with those names, on points first: on points by interpolation, on tets as in
-/// transfer_cells. Of a name that is on both, both. `background` is `from`, tet by tet. Pre: check_transfer. Errors:
-/// Cancelled.
-std::vector<FieldTransfer> transfer_fields(const Mesh& from, const BackgroundMesh& background, Mesh& to,
-                                           const std::vector<std::string>& names, CellShape shape,
-                                           const TaskRunner& runner);
+/// Values on some points and tets, all components of all fields side by side.
+struct CarriedFields {
+  std::vector<double> on_points, on_tets;
+};
+
+/// Fields of `from` with certain names, on points by interpolation, on tets as in transfer_cells; of a name that is on
+/// both, both. `background` is `from`, tet by tet. Refers to all that it is given. Pre: check_transfer.
+class FieldCarrier {
+ public:
+  FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names);
+
+  bool has_none() const { return on_points_.empty() && on_tets_.empty(); }
+  /// What the first `point_count` points of `to` get, and its tets, which may be some of the mesh: before integrals are
+  /// put right. `places`: of all of its points. Values do not depend on what else is in `to`. Errors: Cancelled.
+  CarriedFields carry(const TetsInRegions& to, std::size_t point_count, std::span<const BackgroundPlace> places,
+                      CellShape shape, const TaskRunner& runner) const;
+  /// Puts integrals on tets right and gives `to` the fields, on points first. Pre: `carried` is that of all points and
+  /// tets of `to`, in their order.
+  std::vector<FieldTransfer> finish(CarriedFields&& carried, Mesh& to, const TaskRunner& runner) const;
+
+ private:
+  CellSource tet_source(std::span<const double> values) const;
+
+  const Mesh& from_;
+  const BackgroundMesh& background_;
+  std::vector<const MeshField*> on_points_, on_tets_;
+  std::size_t point_components_ = 0, tet_components_ = 0;
+};
 
 }  // namespace tetloom::adapt

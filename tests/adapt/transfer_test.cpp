@@ -61,7 +61,7 @@ struct Transfer {
       : from(from_mesh), to(to_mesh), runner(threads), background(tets_of(from), {}, runner) {}
 
   std::vector<double> operator()(const std::vector<double>& values, CellShape shape, std::size_t components = 1) const {
-    return transfer_cells(background, from.tet_to_entity, {values, components}, {tets_of(to), to.tet_to_entity},
+    return transfer_cells({background, from.tet_to_entity, {values, components}}, {tets_of(to), to.tet_to_entity},
                           background.locate(to.points, runner), shape, runner);
   }
 
@@ -322,6 +322,25 @@ TEST_CASE("transferred values do not depend on threads", "[transfer]") {
   CHECK(Transfer(from, to, 1)(values, CellShape::Linear) == Transfer(from, to, 4)(values, CellShape::Linear));
 }
 
+TEST_CASE("means of any tets, put together and put right, are what all tets have at once", "[transfer]") {
+  const Mesh from = cube(5, 1), to = cube(7, 2);
+  const Transfer transfer(from, to);
+  const std::vector<double> values = sampled(from, [](const Vec3& x) { return 1 + x.x * x.y - x.z; });
+  const CellSource source{transfer.background, from.tet_to_entity, {values, 1}};
+  const auto places = transfer.background.locate(to.points);
+  const std::size_t half = to.tet_to_vert.size() / 2;
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    const TetView tets{to.points, std::span(to.tet_to_vert).subspan(begin, end - begin)};
+    return average_cells(source, {tets, std::span(to.tet_to_entity).subspan(begin, end - begin)}, places,
+                         CellShape::Linear, transfer.runner);
+  };
+  std::vector<double> carried = part(0, half);
+  const std::vector<double> rest = part(half, to.tet_to_vert.size());
+  carried.insert(carried.end(), rest.begin(), rest.end());
+  put_right_cells(source, {tets_of(to), to.tet_to_entity}, carried, transfer.runner);
+  CHECK(carried == transfer(values, CellShape::Linear));
+}
+
 TEST_CASE("a transfer can be cancelled", "[transfer]") {
   const Mesh from = cube(6, 1), to = cube(8, 2);
   const Transfer transfer(from, to);
@@ -330,7 +349,7 @@ TEST_CASE("a transfer can be cancelled", "[transfer]") {
   CancelToken stop;
   stop.cancel();
   const TaskRunner runner(1, {nullptr, &stop});
-  CHECK_THROWS_AS(transfer_cells(transfer.background, from.tet_to_entity, {values, 1}, {tets_of(to), to.tet_to_entity},
-                                 places, CellShape::Linear, runner),
+  CHECK_THROWS_AS(transfer_cells({transfer.background, from.tet_to_entity, {values, 1}},
+                                 {tets_of(to), to.tet_to_entity}, places, CellShape::Linear, runner),
                   Error);
 }
