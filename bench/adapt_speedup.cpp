@@ -3,9 +3,7 @@
 // to 64 threads is predicted from them, and says so.
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,11 +18,10 @@
 #include "bench/support/session.hpp"
 #include "bench/support/speedup_plot.hpp"
 #include "bench/support/trace_file.hpp"
+#include "bench/support/ways.hpp"
 
 namespace tetloom::bench {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> cases = adapt_case_names();
@@ -35,24 +32,16 @@ struct Options {
   SessionOptions session;
 };
 
-/// The runs of one task.
-struct Way {
-  AdaptTask task;
-  std::vector<AdaptSample> samples = {};
+using AdaptWay = Way<AdaptTask, AdaptSample>;
 
-  std::string name() const {
-    return (task.one_part ? "1 part, " : "parts, ") + std::to_string(task.threads) +
-           (task.threads == 1 ? " thread" : " threads");
-  }
-  double bytes_per_tet() const {
-    return static_cast<double>(samples.front().peak_bytes) / static_cast<double>(samples.front().most_tets());
-  }
-};
+double bytes_per_tet(const AdaptWay& way) {
+  return static_cast<double>(way.samples.front().peak_bytes) / static_cast<double>(way.samples.front().most_tets());
+}
 
 /// `ways`: one part on one thread, then parts on each number of threads, one first.
 struct SpeedupCase {
   AdaptCase what;
-  std::vector<Way> ways = {};
+  std::vector<AdaptWay> ways = {};
   RecordedStage recorded = {};  ///< parts on one thread
   std::vector<Prediction> predictions = {};
 
@@ -64,13 +53,7 @@ struct SpeedupCase {
   }
 };
 
-/// 0 where a stage takes no time that can be told.
-double speedup(const AdaptSample& before, const AdaptSample& after, const AdaptStage& stage) {
-  constexpr double kShortest = 1e-4;
-  return after.*stage.seconds > kShortest ? before.*stage.seconds / (after.*stage.seconds) : 0;
-}
-
-void print_fit(const Way& way) {
+void print_fit(const AdaptWay& way) {
   const AdaptSample& sample = way.samples.front();
   const Fit fit = worst_of(sample.fits);
   std::printf(
@@ -85,11 +68,11 @@ void print_case(const SpeedupCase& one) {
   std::printf("  %-20s", "seconds");
   for (const AdaptStage& stage : kAdaptStages) std::printf(" %8s", stage.name);
   std::printf(" %10s %6s\n", "k tets/s", "B/tet");
-  for (const Way& way : one.ways) {
+  for (const AdaptWay& way : one.ways) {
     const AdaptSample sample = median_adapt(way.samples);
     std::printf("  %-20s", way.name().c_str());
     for (const AdaptStage& stage : kAdaptStages) std::printf(" %8.3f", sample.*stage.seconds);
-    std::printf(" %10.1f %6.0f\n", 1e-3 * static_cast<double>(sample.tets_made()) / sample.whole, way.bytes_per_tet());
+    std::printf(" %10.1f %6.0f\n", 1e-3 * static_cast<double>(sample.tets_made()) / sample.whole, bytes_per_tet(way));
   }
   const AdaptSample before = median_adapt(one.ways[1].samples);
   std::printf("  speed-up beside these parts on 1 thread\n");
@@ -108,35 +91,22 @@ void print_case(const SpeedupCase& one) {
 }
 
 Panel draw_speedup(const SpeedupCase& one, std::span<const int> threads) {
-  const AdaptSample before = median_adapt(one.ways[1].samples);
-  Panel panel{one.title(), thread_axis(threads, "threads"), {"times as fast"}, {}};
-  for (const AdaptStage& stage : kAdaptStages) {
-    PlotSeries series{stage.name, {}};
-    for (std::size_t i = 1; i < one.ways.size(); ++i)
-      if (const double times = speedup(before, median_adapt(one.ways[i].samples), stage); times > 0)
-        series.points.push_back({static_cast<double>(one.ways[i].task.threads), times});
-    panel.series.push_back(std::move(series));
-  }
-  panel.series.push_back(ideal_speedup(threads));
-  return panel;
+  return speedup_panel(one.title(), one.ways, median_adapt(one.ways[1].samples), kAdaptStages, threads, median_adapt);
 }
 
 Panel draw_prediction(const SpeedupCase& one) {
   const double before = median_adapt(one.ways[1].samples).whole;
-  std::vector<PlotPoint> measured;
-  for (std::size_t i = 1; i < one.ways.size(); ++i)
-    measured.push_back(
-        {static_cast<double>(one.ways[i].task.threads), before / median_adapt(one.ways[i].samples).whole});
-  return prediction_panel(one.title(), "whole", one.predictions, std::move(measured));
+  return prediction_panel(one.title(), "whole", one.predictions,
+                          measured_speedup(one.ways, before, median_adapt, &AdaptSample::whole));
 }
 
 nlohmann::json to_json(const SpeedupCase& one) {
   nlohmann::json ways = nlohmann::json::array();
-  for (const Way& way : one.ways)
+  for (const AdaptWay& way : one.ways)
     ways.push_back({{"task", way.task},
                     {"median", median_adapt(way.samples)},
                     {"samples", way.samples},
-                    {"bytes_per_tet", way.bytes_per_tet()}});
+                    {"bytes_per_tet", bytes_per_tet(way)}});
   return {{"case", one.what.name},
           {"metrics", one.what.metrics},
           {"ways", ways},
@@ -155,11 +125,7 @@ std::string mesh_path(const std::string& prefix, const std::string& name) {
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options), session_("adapt_speedup", options.session) {
-    std::vector<int>& threads = options_.threads;
-    if (threads.empty()) threads = all_threads(session_.machine().cores);
-    threads.push_back(1);  // what others are compared with
-    std::sort(threads.begin(), threads.end());
-    threads.erase(std::unique(threads.begin(), threads.end()), threads.end());
+    options_.threads = compared_threads(std::move(options_.threads), session_.machine().cores);
   }
 
   void run() {
@@ -184,14 +150,8 @@ class Bench {
   }
 
   void measure(SpeedupCase& one) {
-    const auto title = [&](const Way& way) { return one.what.name + ", " + way.name(); };
-    session_.take_turns(std::span(one.ways), title, [&](Way& way, int) {
-      way.samples.push_back(measure_adapt_apart(session_.program(), way.task));
-    });
-    for (const Way& way : one.ways)
-      for (const AdaptSample& sample : way.samples)
-        if (sample.digest != (way.task.one_part ? one.ways[0] : one.ways[1]).samples.front().digest)
-          throw std::runtime_error(one.what.name + ", " + way.name() + ": not the mesh that other runs gave");
+    measure_ways(session_, one.what.name, one.ways,
+                 [&](const AdaptTask& task) { return measure_adapt_apart(session_.program(), task); });
     record(one);
   }
 
@@ -236,12 +196,12 @@ void run_once(const Options& options, int threads) {
   const std::string input = options.input.empty() ? make_cube(session).string() : options.input;
   for (const std::string& name : options.cases) {
     const AdaptCase one = find_adapt_case(name);
-    Way way{{input, one.metrics, threads, false, options.tets_per_part, "", mesh_path(options.write, name)}};
+    AdaptWay way{{input, one.metrics, threads, false, options.tets_per_part, "", mesh_path(options.write, name)}};
     way.samples.push_back(measure_adapt_apart(session.program(), way.task));
     const AdaptSample& sample = way.samples.front();
     std::printf("%s: %.3f s, %.1f k tets/s, %zu tets, %.0f B/tet\n", name.c_str(), sample.whole,
                 1e-3 * static_cast<double>(sample.tets_made()) / sample.whole,
-                static_cast<std::size_t>(sample.fits.back().tets), way.bytes_per_tet());
+                static_cast<std::size_t>(sample.fits.back().tets), bytes_per_tet(way));
     print_fit(way);
     std::fflush(stdout);
   }

@@ -1,11 +1,9 @@
 // The claim: volumes are filled at least 1.5 times as fast on 2 threads and 2 times on 4 as on one, beside the best
 // serial run (one part, one thread) as beside the same parts on one thread. What the tasks of a run would give on up to
 // 64 threads is predicted from them, and says so.
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +18,7 @@
 #include "bench/support/stage_run.hpp"
 #include "bench/support/trace_file.hpp"
 #include "bench/support/volume_run.hpp"
+#include "bench/support/ways.hpp"
 
 namespace tetloom::bench {
 namespace {
@@ -39,22 +38,13 @@ struct Options {
   MessageCosts costs() const { return {1e-6 * latency_us, 1e9 * bandwidth_gb}; }
 };
 
-/// The runs of one task.
-struct Way {
-  StageTask task;
-  std::vector<StageSample> samples = {};
-
-  std::string name() const {
-    return (task.one_part ? "1 part, " : "parts, ") + std::to_string(task.threads) +
-           (task.threads == 1 ? " thread" : " threads");
-  }
-};
+using StageWay = Way<StageTask, StageSample>;
 
 /// One size of mesh. `ways`: the serial run in one part, then parts on each number of threads, one first.
 struct SpeedupCase {
   double wanted = 0;  ///< tets, about
   double size = 0;
-  std::vector<Way> ways = {};
+  std::vector<StageWay> ways = {};
   RecordedStage volume = {};  ///< parts on one thread
   std::vector<Prediction> predictions = {};
 
@@ -72,12 +62,6 @@ StageSample basis_of(const SpeedupCase& one, Basis basis) {
   return basis == Basis::OnePart ? best_stages(one.ways[0].samples) : median_stages(one.ways[1].samples);
 }
 
-/// 0 where a stage takes no time that can be told.
-double speedup(const StageSample& before, const StageSample& after, const StageKind& stage) {
-  constexpr double kShortest = 1e-4;
-  return after.*stage.seconds > kShortest ? before.*stage.seconds / (after.*stage.seconds) : 0;
-}
-
 void print_line(const char* name, const StageSample& sample, const StageSample* basis) {
   std::printf("  %-20s", name);
   for (const StageKind& stage : kStages)
@@ -89,7 +73,7 @@ void print_case(const SpeedupCase& one) {
   std::printf("%s, h %.4g\n  %-20s", one.title().c_str(), one.size, "seconds");
   for (const StageKind& stage : kStages) std::printf(" %10s", stage.name);
   std::printf(" %10s\n", "B/tet");
-  for (const Way& way : one.ways) {
+  for (const StageWay& way : one.ways) {
     const StageSample sample = median_stages(way.samples);
     print_line(way.name().c_str(), sample, nullptr);
     std::printf(" %10.0f\n", static_cast<double>(sample.peak_bytes) / static_cast<double>(sample.tets));
@@ -112,35 +96,19 @@ void print_case(const SpeedupCase& one) {
 }
 
 Panel draw_speedup(const SpeedupCase& one, Basis basis, std::span<const int> threads) {
-  const StageSample before = basis_of(one, basis);
-  Panel panel{
-      one.title() + (basis == Basis::OnePart ? ", beside 1 part on 1 thread" : ", beside these parts on 1 thread"),
-      thread_axis(threads, "threads"),
-      {"times as fast"},
-      {ideal_speedup(threads)}};
-  for (const StageKind& stage : kStages) {
-    PlotSeries series{stage.name, {}};
-    for (std::size_t i = 1; i < one.ways.size(); ++i)
-      if (const double times = speedup(before, median_stages(one.ways[i].samples), stage); times > 0)
-        series.points.push_back({static_cast<double>(one.ways[i].task.threads), times});
-    panel.series.push_back(std::move(series));
-  }
-  panel.series.push_back(ideal_speedup(threads));
-  return panel;
+  const char* beside = basis == Basis::OnePart ? ", beside 1 part on 1 thread" : ", beside these parts on 1 thread";
+  return speedup_panel(one.title() + beside, one.ways, basis_of(one, basis), kStages, threads, median_stages);
 }
 
 Panel draw_prediction(const SpeedupCase& one) {
-  const StageSample before = basis_of(one, Basis::OneThread);
-  std::vector<PlotPoint> measured;
-  for (std::size_t i = 1; i < one.ways.size(); ++i)
-    measured.push_back(
-        {static_cast<double>(one.ways[i].task.threads), before.volume / median_stages(one.ways[i].samples).volume});
-  return prediction_panel(one.title(), "volume", one.predictions, std::move(measured));
+  const double before = basis_of(one, Basis::OneThread).volume;
+  return prediction_panel(one.title(), "volume", one.predictions,
+                          measured_speedup(one.ways, before, median_stages, &StageSample::volume));
 }
 
 nlohmann::json to_json(const SpeedupCase& one) {
   nlohmann::json ways = nlohmann::json::array();
-  for (const Way& way : one.ways)
+  for (const StageWay& way : one.ways)
     ways.push_back({{"task", way.task}, {"median", median_stages(way.samples)}, {"samples", way.samples}});
   return {{"size", one.size}, {"ways", ways}, {"prediction_of_volume", predictions_json(one.volume, one.predictions)}};
 }
@@ -148,11 +116,7 @@ nlohmann::json to_json(const SpeedupCase& one) {
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options), session_("volume_speedup", options.session) {
-    std::vector<int>& threads = options_.threads;
-    if (threads.empty()) threads = all_threads(session_.machine().cores);
-    threads.push_back(1);  // what others are compared with
-    std::sort(threads.begin(), threads.end());
-    threads.erase(std::unique(threads.begin(), threads.end()), threads.end());
+    options_.threads = compared_threads(std::move(options_.threads), session_.machine().cores);
   }
 
   void run() {
@@ -182,15 +146,10 @@ class Bench {
   }
 
   void measure(SpeedupCase& one) {
-    const auto title = [&](const Way& way) { return name_ + ", h " + std::to_string(one.size) + ", " + way.name(); };
-    session_.take_turns(std::span(one.ways), title, [&](Way& way, int) {
+    measure_ways(session_, name_ + ", h " + std::to_string(one.size), one.ways, [&](const StageTask& task) {
       touch_memory(memory_of(one));
-      way.samples.push_back(measure_stages_apart(session_.program(), way.task));
+      return measure_stages_apart(session_.program(), task);
     });
-    for (const Way& way : one.ways)
-      for (const StageSample& sample : way.samples)
-        if (sample.digest != (way.task.one_part ? one.ways[0] : one.ways[1]).samples.front().digest)
-          throw std::runtime_error(way.name() + ": not the mesh that other runs gave");
     record(one);
   }
 

@@ -1,5 +1,6 @@
 #include "bench/support/session.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 #include <utility>
@@ -27,6 +28,14 @@ std::vector<int> all_threads(int cores) {
   std::vector<int> threads;
   for (int t = 1; t <= cores; t *= 2) threads.push_back(t);
   if (threads.back() != cores) threads.push_back(cores);
+  return threads;
+}
+
+std::vector<int> compared_threads(std::vector<int> asked, int cores) {
+  std::vector<int> threads = asked.empty() ? all_threads(cores) : std::move(asked);
+  threads.push_back(1);
+  std::sort(threads.begin(), threads.end());
+  threads.erase(std::unique(threads.begin(), threads.end()), threads.end());
   return threads;
 }
 

@@ -30,6 +30,8 @@ void add_plot_option(CLI::App& app, SessionOptions& options);
 
 /// 1, 2, 4 ... and all cores.
 std::vector<int> all_threads(int cores);
+/// Those asked for, or all of these where there are none; ascending, with 1, which others are compared with.
+std::vector<int> compared_threads(std::vector<int> asked, int cores);
 
 class Session {
  public:
