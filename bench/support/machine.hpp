@@ -30,8 +30,8 @@ ProcessMemory read_process_memory(const std::string& status_file);
 std::uint64_t peak_resident_bytes();
 std::uint64_t resident_bytes();
 
-/// Touches so much memory and gives it back. The host of a virtual machine hands memory out at its first touch, and takes
-/// back what lies idle for some seconds: a process that runs at once finds it there, as on a machine of metal.
+/// Touches so much memory and gives it back. The host of a virtual machine hands memory out at its first touch, and
+/// takes back what lies idle for some seconds: a process that runs at once finds it there, as on a machine of metal.
 void touch_memory(std::uint64_t bytes);
 
 }  // namespace tetloom::bench
