@@ -52,6 +52,9 @@ void refine(Passes& passes) {
 
 void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
+// The last rounds: where vertices have moved, other swaps pay.
+void polish(Passes& passes) { finish(passes), passes.swap(0.8), passes.smooth(kMovable); }
+
 void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
 
 }  // namespace
@@ -115,7 +118,7 @@ void Adapter::approach_metric() {
 void Adapter::lead_to_model() {
   std::size_t before = ~std::size_t{0};
   for (std::size_t i = 0; i < kMostLeading; ++i) {
-    round(HUGE_VAL, {finish});
+    round(HUGE_VAL, {polish});
     const std::size_t unled = options_.model ? sum_of(last_counts_).unled : 0;
     if (unled == 0 || unled >= before) break;
     before = unled;

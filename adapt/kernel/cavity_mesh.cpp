@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "mesher/tets/pair_detail.hpp"
+#include "mesher/tets/tet_pairs.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-using tets::detail::Pair;
-using tets::detail::pair_of;
-using tets::detail::PairVec;
+using tets::pairs::Pair;
+using tets::pairs::pair_of;
+using tets::pairs::PairVec;
 
 constexpr float kDead = 2;
 

@@ -3,15 +3,15 @@
 
 #include "adapt/kernel/passes.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
-#include "mesher/tets/pair_detail.hpp"
+#include "mesher/tets/tet_pairs.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
 using tets::cube;
-using tets::detail::pair_of;
-using tets::detail::PairVec;
+using tets::pairs::pair_of;
+using tets::pairs::PairVec;
 
 constexpr double kMoved = 0.25;  // in the metric: what is beside may then have another place
 constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;

@@ -3,15 +3,15 @@
 #include <algorithm>
 
 #include "mesher/tets/bad_tets.hpp"
-#include "mesher/tets/pair_detail.hpp"
+#include "mesher/tets/tet_pairs.hpp"
 
 namespace tetloom::tets {
 
 namespace {
 
-using detail::Pair;
-using detail::PairVec;
-using detail::TetPair;
+using pairs::Pair;
+using pairs::PairVec;
+using pairs::TetPair;
 
 constexpr int kHalvings = 3;                // of a step that goes too far
 constexpr double kReach = 1.2;              // over-relaxation: neighbours follow, so that fewer passes do
@@ -31,7 +31,7 @@ struct Badness {
 // w (s / 6 - 1)^2, which is least where the squared edges of a tet have 1 as their mean, up to the same factor.
 class SizeTerm {
  public:
-  explicit SizeTerm(double weight) : weight_(detail::pair_of(432 * weight)) {}
+  explicit SizeTerm(double weight) : weight_(pairs::pair_of(432 * weight)) {}
 
   // Those of no tets count nothing.
   Pair at(Pair squares) const {
@@ -55,22 +55,22 @@ struct BadnessSums {
 
   void add(Pair term) {
     sum += term;
-    worst = detail::max(worst, term);
+    worst = pairs::max(worst, term);
   }
-  Badness badness() const { return {detail::sum(sum), std::max(worst[0], worst[1])}; }
+  Badness badness() const { return {pairs::sum(sum), std::max(worst[0], worst[1])}; }
 };
 
 // False when a tet is not surely positive at `d`.
 bool badness_at(std::span<const StarTet> star, const Vec3& d, const SizeTerm* size, Badness& badness) {
-  const PairVec pair_d = detail::pair_of(d);
-  const Pair squares_of_d = detail::pair_of(3 * norm2(d));
+  const PairVec pair_d = pairs::pair_of(d);
+  const Pair squares_of_d = pairs::pair_of(3 * norm2(d));
   BadnessSums sums;
-  Pair least_volume = detail::pair_of(1), least_margin = detail::pair_of(1);
-  detail::for_each_pair(star, [&](const TetPair& tet) {
+  Pair least_volume = pairs::pair_of(1), least_margin = pairs::pair_of(1);
+  pairs::for_each_pair(star, [&](const TetPair& tet) {
     const Pair v = tet.volume + dot(tet.normal, pair_d), s = tet.squares - 2 * dot(tet.middle, pair_d) + squares_of_d;
-    const Pair v2 = v * v, largest = detail::max(s, tet.squares);
-    least_volume = detail::min(least_volume, v);
-    least_margin = detail::min(least_margin, 432 * v2 - kSurelyPositive * largest * largest * largest);
+    const Pair v2 = v * v, largest = pairs::max(s, tet.squares);
+    least_volume = pairs::min(least_volume, v);
+    least_margin = pairs::min(least_margin, 432 * v2 - kSurelyPositive * largest * largest * largest);
     sums.add(s * s * s / v2);
     if (size) sums.sum += size->at(s);
   });
@@ -95,7 +95,7 @@ class Quadratic {
       const Pair first = size_->first(tet.squares);
       gradient_ = gradient_ + (-2 * first) * m;
       // Where lengths are below 1 the term is concave; what it takes must not outweigh the shape.
-      identity += detail::max(6 * first, -12 * r2);
+      identity += pairs::max(6 * first, -12 * r2);
       mm += 4 * size_->second(tet.squares);
     }
     const PairVec a = mm * m + mn * n, b = mn * m + nn * n;
@@ -111,7 +111,7 @@ class Quadratic {
 
   // -H^-1 g; not finite when H is singular.
   Vec3 step() const {
-    using detail::sum;
+    using pairs::sum;
     const double xy = sum(xy_), xz = sum(xz_), yz = sum(yz_);
     const Vec3 c0{sum(xx_), xy, xz}, c1{xy, sum(yy_), yz}, c2{xz, yz, sum(zz_)};
     const Vec3 r{-sum(gradient_.x), -sum(gradient_.y), -sum(gradient_.z)};
@@ -135,13 +135,13 @@ std::array<const Vec3*, 3> opposite_face(const WorkingMesh& mesh, FaceCode code)
 
 // The star's tets measured from its vertex.
 void measure(const WorkingMesh& mesh, const VertexStar& star, std::span<StarTet> tets) {
-  const PairVec x = detail::pair_of(mesh.point(star.vertex));
+  const PairVec x = pairs::pair_of(mesh.point(star.vertex));
   for (std::size_t i = 0; i < star.count; i += 2) {
     const std::size_t j = std::min(i + 1, star.count - 1);
     const auto f = opposite_face(mesh, star.codes[i]), g = opposite_face(mesh, star.codes[j]);
-    const TetPair pair = detail::star_pair(detail::pair_of(*f[0], *g[0]) - x, detail::pair_of(*f[1], *g[1]) - x,
-                                           detail::pair_of(*f[2], *g[2]) - x);
-    detail::store(pair, tets[i], tets[j]);
+    const TetPair pair = pairs::star_pair(pairs::pair_of(*f[0], *g[0]) - x, pairs::pair_of(*f[1], *g[1]) - x,
+                                           pairs::pair_of(*f[2], *g[2]) - x);
+    pairs::store(pair, tets[i], tets[j]);
   }
 }
 
@@ -160,7 +160,7 @@ Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor
   const SizeTerm term(size_weight);
   const SizeTerm* size = size_weight > 0 ? &term : nullptr;
   Quadratic quadratic(size);
-  detail::for_each_pair(star, [&](const TetPair& tet) { quadratic.add(tet); });
+  pairs::for_each_pair(star, [&](const TetPair& tet) { quadratic.add(tet); });
   const Badness before = quadratic.badness();
   const double bearable = std::max(before.worst, 432 / floor);
   Vec3 step = kReach * quadratic.step();

@@ -3,7 +3,7 @@
 // are most of what its motion costs. Lanes never mix but in `sum`, so results do not depend on the machine's width.
 #include "mesher/tets/vertex_star.hpp"
 
-namespace tetloom::tets::detail {
+namespace tetloom::tets::pairs {
 
 using Pair = double __attribute__((vector_size(16)));
 
@@ -62,4 +62,4 @@ inline TetPair star_pair(const PairVec& a, const PairVec& b, const PairVec& c) {
   return {normal, a + b + c, -dot(normal, a), dot(p, p) + dot(q, q) + dot(r, r) + dot(a, a) + dot(b, b) + dot(c, c)};
 }
 
-}  // namespace tetloom::tets::detail
+}  // namespace tetloom::tets::pairs
