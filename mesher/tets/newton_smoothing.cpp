@@ -140,7 +140,7 @@ void measure(const WorkingMesh& mesh, const VertexStar& star, std::span<StarTet>
     const std::size_t j = std::min(i + 1, star.count - 1);
     const auto f = opposite_face(mesh, star.codes[i]), g = opposite_face(mesh, star.codes[j]);
     const TetPair pair = pairs::star_pair(pairs::pair_of(*f[0], *g[0]) - x, pairs::pair_of(*f[1], *g[1]) - x,
-                                           pairs::pair_of(*f[2], *g[2]) - x);
+                                          pairs::pair_of(*f[2], *g[2]) - x);
     pairs::store(pair, tets[i], tets[j]);
   }
 }
