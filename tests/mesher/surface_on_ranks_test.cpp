@@ -41,6 +41,12 @@ class ToldModel : public GeometricModel {
   std::function<void(ModelFaceId)> tell_;
 };
 
+class NoVolume : public ToldModel {
+ public:
+  explicit NoVolume(const GeometricModel& model) : ToldModel(model, [](ModelFaceId) {}) {}
+  double volume(ModelRegionId) const override { throw Error(ErrorCode::VolumeFailed, "the volume cannot be told"); }
+};
+
 std::unique_ptr<GeometricModel> three_bodies() {
   std::vector<std::shared_ptr<const GeometricModel>> bodies{make_torus(1, 0.4), make_box({2, 0, 0}, {3, 1, 1}),
                                                             make_cone(0.5, 2)};
@@ -214,4 +220,16 @@ TEST_CASE("stopped by the host of one rank, all ranks are cancelled, or none and
   options.surface_only = false;
   options.tets_per_part = 3000;
   check_stops(options, *make_communicator(), test::kSanitized ? 4 : 20);
+}
+
+TEST_CASE("a model that cannot tell its volume is an error of the run, on all ranks") {
+  const auto communicator = make_communicator();
+  const auto box = make_box({0, 0, 0}, {1, 1, 1});
+  SizeOptions sizes;
+  sizes.size = 0.3;
+  const MeshResult result = mesh_together(NoVolume(*box), of_surface(sizes), *communicator);
+  CHECK(result.status == MeshStatus::Failed);
+  CHECK(result.mesh.points.empty());
+  REQUIRE(result.errors.size() == 1);
+  CHECK(result.errors[0].code == ErrorCode::VolumeFailed);
 }
