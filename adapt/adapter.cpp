@@ -57,6 +57,14 @@ void polish(Passes& passes) { finish(passes), passes.swap(0.8), passes.smooth(kM
 
 void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
 
+// Those of the vertices `kept`, of `count`; all where it is empty.
+void keep_values(std::vector<double>& values, const std::vector<std::uint32_t>& kept, std::size_t count) {
+  if (kept.empty() || values.empty()) return;
+  const std::size_t size = values.size() / count;
+  for (std::size_t v = 0; v < kept.size(); ++v) std::copy_n(&values[kept[v] * size], size, &values[v * size]);
+  values.resize(kept.size() * size);
+}
+
 }  // namespace
 
 bool Adapter::Fit::is_good() const { return unit > kEnough && half_to_two > kNearlyAll && least_quality > kFair; }
@@ -173,7 +181,8 @@ void Adapter::finish_result(AdaptResult& result) {
   work_.each([&] {
     if (work_.rank() != 0) return;
     whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
-    join_fans(whole_, touching_);
+    const std::size_t verts = whole_.points.size();
+    keep_values(carried.on_points, join_fans(whole_, touching_), verts);
     result.mesh = make_mesh_of(whole_, mesh_);
     metric_of_result_ = std::move(whole_.to_metric);
     whole_ = WholeMesh();

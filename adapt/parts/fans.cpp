@@ -173,8 +173,9 @@ TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
   return Separator(whole, std::move(pinches)).run();
 }
 
-void join_fans(WholeMesh& whole, const TouchingVerts& touching) {
-  if (touching.to_entity.empty()) return;
+std::vector<std::uint32_t> join_fans(WholeMesh& whole, const TouchingVerts& touching) {
+  std::vector<std::uint32_t> kept;
+  if (touching.to_entity.empty()) return kept;
   std::vector<std::uint32_t> to_new(whole.points.size()), to_vert(touching.to_entity.size(), kNone);
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
@@ -186,6 +187,7 @@ void join_fans(WholeMesh& whole, const TouchingVerts& touching) {
       continue;
     }
     to_new[v] = count;
+    kept.push_back(v);
     if (touches) to_vert[slot] = count;
     whole.points[count] = whole.points[v], whole.to_metric[count] = whole.to_metric[v];
     whole.to_entity[count++] = touches ? touching.to_entity[slot] : whole.to_entity[v];
@@ -197,6 +199,7 @@ void join_fans(WholeMesh& whole, const TouchingVerts& touching) {
   for (ModelEdgePiece& piece : whole.edges)
     piece = {ascending(to_new[piece.verts[0]], to_new[piece.verts[1]]), piece.edge & ~kTouching};
   sort_pieces(whole.edges);
+  return kept;
 }
 
 }  // namespace tetloom::adapt

@@ -31,7 +31,8 @@ struct TouchingVerts {
 /// Complexity: linear in the tets, and sorting for the surface.
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner);
 
-/// Makes one vertex of those that `separate_fans` made of one. Neighbours, hints and states are of no use then.
-void join_fans(WholeMesh& whole, const TouchingVerts& touching);
+/// Makes one vertex of those that `separate_fans` made of one. Returns, of each vertex that is left, the number that it
+/// had, ascending; empty where all are left. Neighbours, hints and states are of no use then.
+std::vector<std::uint32_t> join_fans(WholeMesh& whole, const TouchingVerts& touching);
 
 }  // namespace tetloom::adapt

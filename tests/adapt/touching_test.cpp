@@ -68,3 +68,26 @@ TEST_CASE("edges at which bodies touch become as short as others", "[adapt]") {
     CHECK(after.least_quality > 0.2);
   }
 }
+
+TEST_CASE("fields are carried over where bodies touch", "[adapt]") {
+  const auto linear = [](const Vec3& x) { return 3 + x.x - 2 * x.y + 4 * x.z; };
+  for (const TouchingShape& shape : kTouchingShapes) {
+    CAPTURE(shape.name);
+    Mesh mesh = mesh_of(shape, 2);
+    MeshField on_points{"linear", 2, {}}, on_tets{"mass", 1, std::vector<double>(mesh.tet_to_vert.size(), 2)};
+    for (const Vec3& x : mesh.points) on_points.values.insert(on_points.values.end(), {linear(x), -linear(x)});
+    mesh.point_fields = {on_points}, mesh.cell_fields = {on_tets};
+    AdaptOptions options;
+    options.transfer = {"linear", "mass"};
+    const AdaptResult result = adapt_mesh(mesh, sizes(mesh, 0.12), options);
+    REQUIRE(result.status == AdaptStatus::Ok);
+    REQUIRE(result.mesh.point_fields.size() == 1);
+    REQUIRE(result.mesh.point_fields[0].values.size() == 2 * result.mesh.points.size());
+    for (std::size_t v = 0; v < result.mesh.points.size(); ++v) {
+      const double value = result.mesh.point_fields[0].values[2 * v];
+      CHECK(std::abs(value - linear(result.mesh.points[v])) < 1e-12);
+      CHECK(result.mesh.point_fields[0].values[2 * v + 1] == -value);
+    }
+    for (const double value : result.mesh.cell_fields.at(0).values) CHECK(std::abs(value - 2) < 1e-12);
+  }
+}
