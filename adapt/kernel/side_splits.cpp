@@ -74,7 +74,9 @@ bool SideSplits::is_longest(const SideEdge& edge, std::span<const SideEdge> edge
 // Pre: cavity_ is that of the edge.
 bool SideSplits::can_split(const SideEdge& edge) {
   if (static_cast<double>(mesh_.mesh.size()) >= options_.most_tets) return false;
-  if (options_.follows_model && edge.entity.unpack().dim < 3) return false;
+  const ModelEntity entity = edge.entity.unpack();
+  if (options_.follows_model && entity.dim < 3) return false;
+  if (entity.dim == 1 && (entity.index & kTouching) != 0) return false;
   const auto [a, b] = edge.ends;
   const double floor = floor_of_split(options_.floor, cavity_.least);
   const Tensor metric = 0.5 * (mesh_.to_metric[a].tensor + mesh_.to_metric[b].tensor);

@@ -4,8 +4,11 @@
 #include <set>
 
 #include "adapt/parts/cut_parts.hpp"
+#include "adapt/parts/fans.hpp"
 #include "core/mesh/validate.hpp"
+#include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/one_round.hpp"
+#include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
@@ -121,4 +124,20 @@ TEST_CASE("no tet has two edges that parts agree on at once", "[side_splits]") {
     CHECK(std::ranges::max(to_count) == 1);
   }
   CHECK(accepted > 0);
+}
+
+TEST_CASE("edges at which bodies touch are not split at sides", "[side_splits]") {
+  std::size_t splits = 0;
+  for (const TouchingShape& shape : kTouchingShapes) {
+    CAPTURE(shape.name);
+    const Mesh mesh = mesh_of(shape, 2);
+    test::BeforeRound before(mesh, metric_of(mesh));
+    const TouchingVerts touching = separate_fans(before.whole, before.runner);
+    before.links = take_share(before.whole, before.work);
+    splits += adapt_in_parts(before.whole, before.links, before.deal(9),
+                             {[](std::size_t, CavityMesh&) {}, &before.stage, {.longest = 0.1}}, before.work);
+    join_fans(before.whole, touching);
+    test::check_kept(mesh, make_mesh_of(before.whole, mesh));
+  }
+  CHECK(splits > 100);
 }
