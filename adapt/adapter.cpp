@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "adapt/metric/vertex_metric.hpp"
+#include "adapt/metric/tet_edges.hpp"
 #include "adapt/parts/model_fit.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/volume/model_projector.hpp"
@@ -24,7 +24,7 @@ constexpr std::size_t kMostRounds = 12;  // at the metric itself
 constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
 constexpr double kWorthARound = 0.002;   // of the share of unit edges
 constexpr double kEnough = 0.985;        // of it
-constexpr double kNearlyAll = 0.9999;    // of edges of lengths in [1/2, 2]
+constexpr double kNearlyAll = 0.9998;    // of edges of lengths in [1/2, 2]
 constexpr double kFair = 0.008;          // cubed mean ratio: all tets should have at least that
 constexpr double kFairGain = 1.2;        // of the worst
 constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
@@ -35,7 +35,7 @@ constexpr double kLongestOfStage = 1.6;
 // Equal parts keep 2 threads, or 4, busy where they are as many or a multiple. Few of them: every round leaves
 // something to do at their sides.
 double part_count_for(double tets) {
-  constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 4e5, kForMore = 1.2e6;
+  constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 4e5, kForMore = 1.6e6;
   if (tets < kForEight) return tets < kForTwo ? 1 : tets < kForFour ? 2 : 4;
   return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
 }
@@ -45,17 +45,18 @@ void follow(Passes& passes) {
   passes.split_edges(kLongestOfStage), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
 
-// The first time at the metric itself, with more to come.
+void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
+
+void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
+
+// The first time at the metric itself, and the second in the same round: most of what is left then lies between parts.
 void refine(Passes& passes) {
   passes.split_edges(kLongest), passes.collapse_edges(0.65, kLongest), passes.swap(0.7), passes.smooth(kMovable);
+  refine_and_finish(passes);
 }
-
-void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
 
 // The last rounds: where vertices have moved, other swaps pay.
 void polish(Passes& passes) { finish(passes), passes.swap(0.8), passes.smooth(kMovable); }
-
-void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
 
 // Those of the vertices `kept`, of `count`; all where it is empty.
 void keep_values(std::vector<double>& values, const std::vector<std::uint32_t>& kept, std::size_t count) {
@@ -309,9 +310,7 @@ Adapter::Fit Adapter::measure() const {
           std::array<std::uint32_t, 4> v;
           std::copy_n(&whole_.to_vert[tet * 4], 4, v.begin());
           block.least = std::min(block.least, cubed_mean_ratio(whole_.points, whole_.to_metric, v));
-          for (const auto& [i, j] : kEdgeCorners)
-            block.lengths.add(whole_.to_metric[v[i]].tensor, whole_.to_metric[v[j]].tensor,
-                              whole_.points[v[j]] - whole_.points[v[i]]);
+          block.lengths.add(edges_of_tet(whole_.points, whole_.to_metric, v.data()));
         }
         result = block;
       });

@@ -50,6 +50,12 @@ double CavityMesh::length_of(std::uint32_t a, std::uint32_t b) const {
   return edge_length(to_metric[a].tensor, to_metric[b].tensor, point(b) - point(a));
 }
 
+std::array<std::uint32_t, 2> CavityMesh::beside_edge(const Cavity& shell, std::size_t i) const {
+  const std::uint32_t a = shell.corners[i][0], b = shell.corners[i][1], first = kFirstBeside[a][b];
+  const std::uint32_t* v = verts(shell.tets[i]);
+  return {v[first], v[6 - a - b - first]};
+}
+
 void CavityMesh::add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const {
   cavity.tets.push_back(tet);
   cavity.corners.push_back(corners);

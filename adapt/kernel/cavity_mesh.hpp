@@ -19,7 +19,7 @@
 
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
-#include "adapt/metric/vertex_metric.hpp"
+#include "adapt/metric/tet_edges.hpp"
 #include "core/part/part_mesh.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
@@ -110,6 +110,9 @@ class CavityMesh {
   /// Cubed mean ratio in the metric of the vertex at which the metric's determinant is largest; 0 where inverted.
   double quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const;
   double length_of(std::uint32_t a, std::uint32_t b) const;
+  TetEdges edges_of(std::uint32_t tet) const { return edges_of_tet(mesh.points, to_metric, verts(tet)); }
+  /// The vertices of the i-th tet at an edge that the edge does not have. Pre: `shell` is the cavity of an edge.
+  std::array<std::uint32_t, 2> beside_edge(const Cavity& shell, std::size_t i) const;
   /// Whether anything has changed at a vertex of the tet, in this round or the one before.
   bool is_active(std::uint32_t tet) const {
     const std::uint32_t* v = verts(tet);

@@ -1,8 +1,9 @@
 #include "adapt/kernel/passes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 namespace tetloom::adapt {
 
@@ -21,10 +22,13 @@ void count(Verdicts& verdicts, Verdict verdict) { ++verdicts[static_cast<std::si
 bool Passes::longest_edge(std::uint32_t tet, float least, Edge& edge) const {
   const std::uint32_t* v = mesh_.verts(tet);
   edge = {kNone, kNone, least};
-  for (const auto& [i, j] : kEdgeCorners) {
+  const TetEdges edges = mesh_.edges_of(tet);
+  if (edges.most() < least * least) return false;
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (edges.upper_of(k) < edge.length * edge.length) continue;
+    const auto& [i, j] = kOppositeEdges[k];
     const std::uint32_t a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
-    if (bound_of(a, b) < edge.length * edge.length) continue;
-    const auto length = static_cast<float>(mesh_.length_of(a, b));
+    const auto length = static_cast<float>(edges.length_of(k));
     if (length > edge.length ||
         (length == edge.length && edge.a != kNone && std::pair(a, b) < std::pair(edge.a, edge.b)))
       edge = {a, b, length};
@@ -71,19 +75,21 @@ GrowingArray<Passes::Edge> Passes::short_edges(double shortest) const {
   GrowingArray<Edge> edges;
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
     if (mesh_.mesh.is_dead(tet) || !mesh_.is_active(tet)) continue;
+    const TetEdges of_tet = mesh_.edges_of(tet);
+    if (of_tet.least() >= shortest * shortest) continue;
     const std::uint32_t* v = mesh_.verts(tet);
-    for (const auto& [i, j] : kEdgeCorners) {
-      const std::uint32_t a = std::min(v[i], v[j]), b = std::max(v[i], v[j]);
-      const Vec3 e = mesh_.point(b) - mesh_.point(a);
-      if (std::min(dot(mesh_.to_metric[a].tensor, e), dot(mesh_.to_metric[b].tensor, e)) >= shortest * shortest)
-        continue;
-      const double length = mesh_.length_of(a, b);
-      if (length < shortest) edges.push_back({a, b, static_cast<float>(length)});
+    for (std::size_t k = 0; k < 6; ++k) {
+      if (of_tet.lower_of(k) >= shortest * shortest) continue;
+      const auto& [i, j] = kOppositeEdges[k];
+      const double length = of_tet.length_of(k);
+      if (length < shortest) edges.push_back({std::min(v[i], v[j]), std::max(v[i], v[j]), static_cast<float>(length)});
     }
   }
-  const auto before = [](const Edge& p, const Edge& q) {
-    return std::tuple(p.length, p.a, p.b) < std::tuple(q.length, q.a, q.b);
+  // Lengths are positive, so that their bits have their order.
+  const auto key = [](const Edge& edge) {
+    return std::pair(std::uint64_t{std::bit_cast<std::uint32_t>(edge.length)} << 32 | edge.a, edge.b);
   };
+  const auto before = [&](const Edge& p, const Edge& q) { return key(p) < key(q); };
   std::sort(edges.begin(), edges.end(), before);
   const auto same = [](const Edge& p, const Edge& q) { return p.a == q.a && p.b == q.b; };
   edges.resize(static_cast<std::size_t>(std::unique(edges.begin(), edges.end(), same) - edges.begin()));

@@ -42,17 +42,13 @@ Longest find_longest(const CavityMesh& mesh, const std::array<std::uint32_t, 4>&
 // of the edge.
 bool Passes::find_ring(const std::array<std::uint32_t, 2>& edge) {
   ring_.clear();
-  const auto add = [&](std::uint32_t v) {
-    if (v != edge[0] && v != edge[1] && std::find(ring_.begin(), ring_.end(), v) == ring_.end()) ring_.push_back(v);
-  };
   if (cavity_.surface.empty()) {
-    for (std::size_t i = 0; i < cavity_.tets.size(); ++i) {
-      const auto& corners = cavity_.corners[i];
-      for (std::uint8_t k = 0; k < 4; ++k) {
-        const std::uint32_t v = mesh_.verts(cavity_.tets[i])[k];
-        if (k != corners[0] && k != corners[1] && std::find(ring_.begin(), ring_.end(), v) == ring_.end())
-          ring_.push_back(v);
-      }
+    // Tets lie in their order around the edge: the first has two of its vertices, each but the last one more.
+    const auto first = mesh_.beside_edge(cavity_, 0);
+    ring_.assign(first.begin(), first.end());
+    for (std::size_t i = 1; i + 1 < cavity_.tets.size(); ++i) {
+      const auto [p, q] = mesh_.beside_edge(cavity_, i);
+      ring_.push_back(p == ring_.back() ? q : p);
     }
     return true;
   }
@@ -61,7 +57,8 @@ bool Passes::find_ring(const std::array<std::uint32_t, 2>& edge) {
   const Triangle s = verts_of(mesh_.mesh, cavity_.surface[0]), t = verts_of(mesh_.mesh, cavity_.surface[1]);
   if (mesh_.surface.find(s)->face != mesh_.surface.find(t)->face) return false;
   for (const Triangle& triangle : {s, t})
-    for (const std::uint32_t v : triangle) add(v);
+    for (const std::uint32_t v : triangle)
+      if (v != edge[0] && v != edge[1]) ring_.push_back(v);
   return true;
 }
 

@@ -93,25 +93,6 @@ inline double edge_length(const Tensor& ma, const Tensor& mb, const Vec3& e) {
   return logarithmic_mean(std::sqrt(dot(ma, e)), std::sqrt(dot(mb, e)));
 }
 
-/// How many edges have which lengths.
-struct LengthCounts {
-  std::int64_t unit = 0;         ///< in [1/√2, √2]
-  std::int64_t half_to_two = 0;  ///< in [1/2, 2]
-
-  /// Counts the edge e between two vertices with these metrics. Its length is between those in either of them, so most
-  /// edges need no root and no logarithm.
-  void add(const Tensor& ma, const Tensor& mb, const Vec3& e) {
-    const double a = dot(ma, e), b = dot(mb, e);
-    if (std::min(a, b) >= 0.5 && std::max(a, b) <= 2) {
-      ++unit, ++half_to_two;
-      return;
-    }
-    const double length = logarithmic_mean(std::sqrt(a), std::sqrt(b));
-    unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
-    half_to_two += length >= 0.5 && length <= 2;
-  }
-};
-
 /// Where on an edge the length from its first end is `share` of the whole, by the lengths that its ends give it: sizes
 /// change geometrically on the way. Not within a tenth of an end.
 inline double place_on_edge(double la, double lb, double share) {
