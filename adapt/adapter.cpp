@@ -35,7 +35,7 @@ constexpr double kLongestOfStage = 1.6;
 // Equal parts keep 2 threads, or 4, busy where they are as many or a multiple. Few of them: every round leaves
 // something to do at their sides.
 double part_count_for(double tets) {
-  constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 4e5, kForMore = 1.6e6;
+  constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 6e5, kForMore = 1.6e6;
   if (tets < kForEight) return tets < kForTwo ? 1 : tets < kForFour ? 2 : 4;
   return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
 }
