@@ -145,6 +145,9 @@ class CavityMesh {
   /// one have no tets any more.
   void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made);
 
+  /// A tet with nothing in it, to be filled.
+  std::uint32_t take_tet();
+  void drop_tet(std::uint32_t tet);
   std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);
   void set_metric(std::uint32_t v, const Tensor& metric);
   void drop_last_vertex();
@@ -167,8 +170,6 @@ class CavityMesh {
   GrowingArray<std::uint32_t> find_tets(bool by_verts) const;
   void permute_verts(std::span<const std::uint32_t> sources);
   void permute_tets(std::span<const std::uint32_t> sources);
-  std::uint32_t take_tet();
-  void drop_tet(std::uint32_t tet);
   void change_surface(const Cavity& cavity, std::uint32_t p);
 
   std::uint32_t first_dead_ = kNone;

@@ -107,7 +107,22 @@ std::optional<Verdict> Passes::collapse(std::uint32_t a, std::uint32_t b, double
     return Verdict::Done;
   }
   const Verdict refused = std::max(first, second);
-  return std::min(first, second) > Verdict::TooLarge && refused >= Verdict::Quality ? merge(a, b, longest) : refused;
+  if (std::min(first, second) <= Verdict::TooLarge || refused < Verdict::Quality) return refused;
+  const Verdict merged = merge(a, b, longest);
+  if (merged == Verdict::Done) return merged;
+  const bool done = (first == Verdict::Quality && collapse_with_swaps(cavity_, b, longest)) ||
+                    (second == Verdict::Quality && collapse_with_swaps(other_, a, longest));
+  return done ? Verdict::Done : merged;
+}
+
+// A collapse into `to` that needs swaps first. Pre: `ball` is that of the vertex that goes.
+bool Passes::collapse_with_swaps(const Cavity& ball, std::uint32_t to, double longest) {
+  if (mesh_.dim_of(ball.core[0]) < 3) return false;
+  if (!star_cavity_.find(ball, to, bearable_collapse(ball.least))) return false;
+  for (const std::uint32_t v : star_cavity_.link())
+    if (bound_of(v, to) > longest * longest && mesh_.length_of(v, to) > longest) return false;
+  star_cavity_.fill();
+  return true;
 }
 
 // A collapse of two vertices of the same entity into the middle between them: b moves there, then a is collapsed into

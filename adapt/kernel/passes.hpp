@@ -10,6 +10,7 @@
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/kernel/pass_counts.hpp"
+#include "adapt/kernel/star_cavity.hpp"
 #include "mesher/tets/surface_geometry.hpp"
 #include "mesher/tets/vertex_star.hpp"
 #include "threading/task_runner.hpp"
@@ -69,6 +70,7 @@ class Passes {
   bool has_vertex(const Cavity& cavity, std::uint32_t v) const;
   Verdict merge(std::uint32_t a, std::uint32_t b, double longest);
   Verdict merge_at(std::uint32_t a, std::uint32_t b, const std::vector<Vec3>& normals, double longest);
+  bool collapse_with_swaps(const Cavity& ball, std::uint32_t to, double longest);
   bool can_collapse(std::uint32_t a, std::uint32_t b) const;
   bool mark_new_ends(const Cavity& cavity, std::uint32_t to, double longest);
   bool makes_long_edge(std::uint32_t from, std::uint32_t to, double longest);
@@ -104,6 +106,7 @@ class Passes {
   const TaskRunner& runner_;
   PassCounts counts_;
   Cavity cavity_, other_, scratch_;
+  StarCavity star_cavity_{mesh_};
   MadeQualities made_, other_made_;
   std::vector<float> beside_;        // qualities of tets that move with a merged edge
   std::vector<std::uint32_t> ring_;  // vertices around an edge that may take its place

@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "adapt/kernel/star_cavity.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "core/mesh/validate.hpp"
 #include "tests/support/mixed_mesh.hpp"
@@ -167,7 +168,7 @@ class Mangler {
  public:
   Mangler(CavityMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed) {}
 
-  enum class Kind { Split, FacePoint, TetPoint, Collapse, EdgeSwap, FaceSwap, Move, Count };
+  enum class Kind { Split, FacePoint, TetPoint, Collapse, EdgeSwap, FaceSwap, Move, SwapsAndCollapse, Count };
 
   /// Whether one was carried out.
   bool attempt(Kind kind) {
@@ -183,6 +184,7 @@ class Mangler {
       case Kind::EdgeSwap: return swap_edge({v[0], v[1]}, tet);
       case Kind::FaceSwap: return swap_face({v[0], v[1], v[2]}, tet, v[3]);
       case Kind::Move: return move(v[0], tet);
+      case Kind::SwapsAndCollapse: return collapse_with_swaps();
       case Kind::Count: break;
     }
     return false;
@@ -300,9 +302,44 @@ class Mangler {
     return true;
   }
 
+  // Where a plain collapse would invert tets: few edges inside do.
+  bool collapse_with_swaps() {
+    for (int i = 0; i < 400; ++i) {
+      const std::uint32_t tet = live_tet(), j = below(4), from = mesh_.verts(tet)[j];
+      if (mesh_.dim_of(from) == 3 && collapse_with_swaps(from, tet, mesh_.verts(tet)[(j + 1 + below(3)) % 4]))
+        return true;
+    }
+    return false;
+  }
+
+  bool collapse_with_swaps(std::uint32_t from, std::uint32_t tet, std::uint32_t to) {
+    REQUIRE(mesh_.collect(std::span(&from, 1), tet, cavity_));
+    MadeQualities made;
+    if (mesh_.evaluate(cavity_, to, 0, made) > 1e-9 || !star_cavity_.find(cavity_, to, 1e-9)) return false;
+    const Contents before = contents_of(mesh_);
+    const auto volumes = volumes_of(mesh_);
+    star_cavity_.fill();
+    check_invariants(mesh_);
+    const Contents after = contents_of(mesh_);
+    REQUIRE(after.triangles == before.triangles);
+    REQUIRE(after.edges == before.edges);
+    for (const auto& [region, volume] : volumes_of(mesh_)) REQUIRE(volume == Approx(volumes.at(region)).epsilon(1e-12));
+    // What is new has `to`, and no other vertex than `from` has gone.
+    for (const NamedTet& one : after.tets)
+      REQUIRE((std::ranges::binary_search(before.tets, one) || std::ranges::find(one.verts, to) != one.verts.end()));
+    std::set<std::uint32_t> verts_before, verts_after;
+    for (const NamedTet& one : before.tets) verts_before.insert(one.verts.begin(), one.verts.end());
+    for (const NamedTet& one : after.tets) verts_after.insert(one.verts.begin(), one.verts.end());
+    verts_before.erase(from);
+    REQUIRE(verts_after == verts_before);
+    REQUIRE(mesh_.vert_to_tet[from] == kNone);
+    return true;
+  }
+
   CavityMesh& mesh_;
   std::mt19937 random_;
   Cavity cavity_;
+  StarCavity star_cavity_{mesh_};
 };
 
 /// Calls `visit` with the only part of a box of tets.

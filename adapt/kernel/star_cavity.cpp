@@ -1,0 +1,135 @@
+#include "adapt/kernel/star_cavity.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace tetloom::adapt {
+
+namespace {
+
+constexpr std::size_t kMostMore = 4;  // tets beside the ball
+constexpr std::size_t kMostBad = 2;   // faces at once
+
+std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
+}  // namespace
+
+void StarCavity::add(std::uint32_t tet) {
+  tets_.push_back(tet);
+  marks_[tet] = mark_;
+}
+
+// Fills made_ and sides_ for the tets at hand, and bad_ with faces whose tets would not be good enough. False: what
+// lies between two of the tets has to stay, or too much is bad.
+bool StarCavity::collect(double goal) {
+  made_.clear(), sides_.clear(), bad_.clear();
+  for (const std::uint32_t tet : tets_) {
+    const std::uint32_t* v = mesh_.verts(tet);
+    const std::uint32_t own = mesh_.corner_of(tet, p_);
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      const FaceCode face = tet * 4 + j, behind = mesh_.mesh.to_neighbor[face];
+      const bool fixed = mesh_.mesh.is_fixed(face);
+      if (behind != kNone && has(behind / 4)) {
+        if (fixed) return false;
+        continue;
+      }
+      if (own < 4 && own != j) {
+        std::uint64_t edge[2];
+        std::size_t count = 0;
+        for (std::uint32_t k = 0; k < 4; ++k)
+          if (k != own && k != j) edge[count++] = v[k];
+        sides_.push_back(
+            {key_of(static_cast<std::uint32_t>(edge[0]), static_cast<std::uint32_t>(edge[1])), behind, kNone, fixed});
+        continue;
+      }
+      Made one{{v[0], v[1], v[2], v[3]}, j, mesh_.mesh.to_region[tet], behind, 0, fixed};
+      one.verts[j] = p_;
+      const double quality = mesh_.quality_of(one.verts[0], one.verts[1], one.verts[2], one.verts[3]);
+      if (!(quality > goal)) {
+        if (fixed || behind == kNone || bad_.size() == kMostBad) return false;
+        bad_.push_back(behind / 4);
+      }
+      one.quality = static_cast<float>(quality);
+      made_.push_back(one);
+    }
+  }
+  return true;
+}
+
+// Whether what is made closes around p, and no vertex but the core goes. Fills link_.
+bool StarCavity::is_closed() {
+  link_.clear();
+  vert_marks_.resize(std::max(vert_marks_.size(), mesh_.mesh.points.size()), 0);
+  vert_marks_[p_] = mark_;
+  for (std::uint32_t n = 0; n < made_.size(); ++n) {
+    const Made& one = made_[n];
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      if (j == one.corner) continue;
+      const std::uint32_t v = one.verts[j];
+      if (vert_marks_[v] != mark_) link_.push_back(v), vert_marks_[v] = mark_;
+      const std::uint32_t a = one.verts[(j + 1) % 4], b = one.verts[(j + 2) % 4], c = one.verts[(j + 3) % 4];
+      sides_.push_back({a == p_ ? key_of(b, c) : b == p_ ? key_of(a, c) : key_of(a, b), j, n, false});
+    }
+  }
+  for (const std::uint32_t tet : tets_)
+    for (std::uint32_t j = 0; j < 4; ++j)
+      if (mesh_.verts(tet)[j] != core_ && vert_marks_[mesh_.verts(tet)[j]] != mark_) return false;
+  std::ranges::sort(sides_, [](const Side& a, const Side& b) {
+    return std::tuple(a.edge, a.made, a.face) < std::tuple(b.edge, b.made, b.face);
+  });
+  if (sides_.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < sides_.size(); i += 2) {
+    if (sides_[i].edge != sides_[i + 1].edge || sides_[i].made == kNone) return false;
+    if (i > 0 && sides_[i - 1].edge == sides_[i].edge) return false;
+  }
+  return true;
+}
+
+bool StarCavity::find(const Cavity& ball, std::uint32_t p, double goal) {
+  core_ = ball.core[0], p_ = p;
+  marks_.resize(std::max(marks_.size(), mesh_.mesh.size()), 0);
+  ++mark_;
+  tets_.clear();
+  for (const std::uint32_t tet : ball.tets) add(tet);
+  for (;;) {
+    if (!collect(goal)) return false;
+    if (bad_.empty()) return !made_.empty() && is_closed();
+    for (const std::uint32_t tet : bad_)
+      if (!has(tet)) add(tet);
+    if (tets_.size() > ball.tets.size() + kMostMore) return false;
+  }
+}
+
+void StarCavity::fill() {
+  std::vector<std::uint32_t> ids(made_.size());
+  for (std::size_t n = 0; n < made_.size(); ++n) ids[n] = n < tets_.size() ? tets_[n] : mesh_.take_tet();
+  const auto link = [&](FaceCode face, FaceCode behind, bool fixed) {
+    for (const auto& [one, other] : {std::pair(face, behind), std::pair(behind, face)}) {
+      if (one == kNone) continue;
+      mesh_.mesh.to_neighbor[one] = other;
+      if (fixed) mesh_.mesh.to_fixed[one / 4] |= static_cast<std::uint8_t>(1u << one % 4);
+    }
+  };
+  for (std::size_t n = 0; n < made_.size(); ++n) {
+    const std::uint32_t tet = ids[n];
+    std::copy_n(made_[n].verts.begin(), 4, &mesh_.mesh.to_vert[std::size_t{tet} * 4]);
+    mesh_.mesh.to_region[tet] = made_[n].region;
+    mesh_.mesh.to_fixed[tet] = 0;
+    mesh_.to_quality[tet] = made_[n].quality;
+    for (const std::uint32_t v : made_[n].verts) {
+      mesh_.vert_to_tet[v] = tet;
+      mesh_.to_state[v] |= kChanged | kUnsettled;
+    }
+  }
+  for (std::size_t n = 0; n < made_.size(); ++n) link(ids[n] * 4 + made_[n].corner, made_[n].behind, made_[n].fixed);
+  for (std::size_t i = 0; i < sides_.size(); i += 2) {
+    const Side &one = sides_[i], &other = sides_[i + 1];
+    link(ids[one.made] * 4 + one.face, other.made == kNone ? other.face : ids[other.made] * 4 + other.face,
+         other.fixed);
+  }
+  for (std::size_t n = made_.size(); n < tets_.size(); ++n) mesh_.drop_tet(tets_[n]);
+  mesh_.vert_to_tet[core_] = kNone;
+}
+
+}  // namespace tetloom::adapt
