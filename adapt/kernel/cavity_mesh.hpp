@@ -145,6 +145,15 @@ class CavityMesh {
   /// one have no tets any more.
   void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made);
 
+  /// Has the tets around one fetched, which will be asked for soon.
+  void prefetch_behind(std::uint32_t tet) const {
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + j];
+      if (behind == kNone) continue;
+      __builtin_prefetch(&mesh.to_vert[behind & ~3u]);
+      __builtin_prefetch(&mesh.to_neighbor[behind & ~3u]);
+    }
+  }
   /// A tet with nothing in it, to be filled.
   std::uint32_t take_tet();
   void drop_tet(std::uint32_t tet);

@@ -14,6 +14,9 @@ using tets::cube;
 constexpr double kLengthGain = 0.9;
 constexpr float kPoor = 0.03f;  // cubed quality: below, everything is tried again and again
 
+constexpr std::uint32_t kAhead = 8;  // tets whose neighbours are fetched before they are asked for
+constexpr int kLengthBits = 12;      // of a float: exponent and three bits of the mantissa
+
 void count(Verdicts& verdicts, Verdict verdict) { ++verdicts[static_cast<std::size_t>(verdict)]; }
 
 }  // namespace
@@ -70,7 +73,8 @@ std::size_t Passes::split_edges(double longest) {
   return done;
 }
 
-// The active edges shorter than `shortest`, the shortest first.
+// The active edges shorter than `shortest`, the shortest first; lengths within an eighth count as the same, and such
+// edges follow each other as their vertices do, which lie where they were last.
 GrowingArray<Passes::Edge> Passes::short_edges(double shortest) const {
   GrowingArray<Edge> edges;
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
@@ -87,7 +91,8 @@ GrowingArray<Passes::Edge> Passes::short_edges(double shortest) const {
   }
   // Lengths are positive, so that their bits have their order.
   const auto key = [](const Edge& edge) {
-    return std::pair(std::uint64_t{std::bit_cast<std::uint32_t>(edge.length)} << 32 | edge.a, edge.b);
+    return std::pair(std::uint64_t{std::bit_cast<std::uint32_t>(edge.length) >> (32 - kLengthBits)} << 32 | edge.a,
+                     edge.b);
   };
   const auto before = [&](const Edge& p, const Edge& q) { return key(p) < key(q); };
   std::sort(edges.begin(), edges.end(), before);
@@ -117,6 +122,7 @@ std::size_t Passes::swap(double limit) {
   const auto size = static_cast<std::uint32_t>(mesh_.mesh.size());
   for (std::uint32_t tet = 0; tet < size; ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
+    if (tet + kAhead < size && mesh_.to_quality[tet + kAhead] < bound) mesh_.prefetch_behind(tet + kAhead);
     const float quality = mesh_.to_quality[tet];
     if (!(quality < bound) || (quality > kPoor && !mesh_.is_active(tet))) continue;
     const Verdict verdict = swap_at(tet);
@@ -132,6 +138,7 @@ std::size_t Passes::smooth(double limit) {
   std::vector<std::uint8_t> visited(mesh_.mesh.points.size(), 0);
   for (std::uint32_t tet = 0; tet < mesh_.mesh.size(); ++tet) {
     if (tet % 4096 == 0) runner_.check_cancelled();
+    if (tet + kAhead < mesh_.mesh.size() && mesh_.to_quality[tet + kAhead] < bound) mesh_.prefetch_behind(tet + kAhead);
     if (!(mesh_.to_quality[tet] < bound)) continue;
     // What cannot be led to the model goes, and tets with it.
     for (std::uint32_t i = 0; i < 4 && !mesh_.mesh.is_dead(tet); ++i) {
