@@ -359,7 +359,8 @@ TEST_CASE("stopped by the host of one rank at any moment, all ranks are cancelle
   REQUIRE(all > 100);
   std::mt19937 random(5);
   int cancelled = 0;
-  for (int i = 0; i < (test::kSanitized ? 4 : 15); ++i) {
+  // A busy machine may have come to an end before so many looks.
+  for (int i = 0; i < 15 && (cancelled <= 2 || !test::kSanitized); ++i) {
     const int last = static_cast<int>(random() % static_cast<unsigned>(all)), stopping = i % 3;
     CAPTURE(last, stopping, all);
     looks = 0;
