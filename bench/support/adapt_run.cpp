@@ -88,6 +88,8 @@ AdaptSample measure_adapt_here(const AdaptTask& task) {
 }
 
 AdaptSample measure_adapt_apart(const std::string& program, const AdaptTask& task) {
+  constexpr std::uint64_t kMemory = 500'000'000;  // more than a million tets need
+  touch_memory(kMemory);
   const ChildResult child = run_child({program, "--measure", nlohmann::json(task).dump()});
   if (child.exit_status != 0) throw std::runtime_error("adapting '" + task.input + "' failed: " + child.output);
   return nlohmann::json::parse(child.output).get<AdaptSample>();

@@ -58,7 +58,8 @@ inline constexpr AdaptStage kAdaptStages[] = {{"set up", &AdaptSample::set_up}, 
 /// In this very process; for a process started for nothing else. Throws Error, std::invalid_argument.
 AdaptSample measure_adapt_here(const AdaptTask& task);
 
-/// In a process of its own: `program --measure`. Throws std::runtime_error with what it said when it fails.
+/// In a process of its own, in memory that was touched right before: `program --measure`. Throws std::runtime_error
+/// with what it said when it fails.
 AdaptSample measure_adapt_apart(const std::string& program, const AdaptTask& task);
 
 /// The median of each stage, which may be of different runs; what is no time is the first sample's. Pre: not empty.
