@@ -89,7 +89,8 @@ Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFuncti
   for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
   const TetView view{whole_.points.span(), tets};
   implied_ = implied_metric(view, runner_);
-  background_.emplace(view, metric, runner_);
+  const auto links = whole_.to_neighbor.span();
+  background_.emplace(view, std::vector<std::uint32_t>(links.begin(), links.end()), metric, runner_);
   touching_ = separate_fans(whole_, runner_);
   links_ = take_share(whole_, work_);
 }

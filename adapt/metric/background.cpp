@@ -28,9 +28,13 @@ void clamp(std::array<double, 4>& weights) {
 }  // namespace
 
 BackgroundMesh::BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner)
+    : BackgroundMesh(mesh, link_tets(mesh, runner), std::move(metric), runner) {}
+
+BackgroundMesh::BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric,
+                               const TaskRunner& runner)
     : points_(mesh.points.begin(), mesh.points.end()),
       tets_(mesh.tets.begin(), mesh.tets.end()),
-      links_(link_tets(mesh, runner)),
+      links_(std::move(links)),
       metric_(std::move(metric)) {
   TETLOOM_ASSERT(!tets_.empty() && (metric_.size() == points_.size() || metric_.size() == 0));
   std::vector<std::uint32_t> open;

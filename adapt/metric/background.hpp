@@ -29,6 +29,8 @@ class BackgroundMesh {
   /// Pre: at least one tet, all of positive volume; indices in range; one metric per point, or none, and fewer than
   /// 2^30 tets. Errors: Cancelled.
   BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner);
+  /// The same where the links of the tets are known; see link_tets.
+  BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric, const TaskRunner& runner);
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }
