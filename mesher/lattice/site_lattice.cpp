@@ -9,7 +9,6 @@ namespace tetloom::lattice {
 namespace {
 
 constexpr double kStep = 1.5874010519681994;  // the cube root of 4
-constexpr double kJitter = 1e-4;
 
 }  // namespace
 

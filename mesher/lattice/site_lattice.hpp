@@ -43,9 +43,10 @@ class SiteLattice {
   /// `is_alone`: there are no other levels. Pre: size > 0 and finite.
   SiteLattice(LatticeKind kind, const Vec3& origin, double size, int level, bool is_alone);
 
-  Vec3 point(const Site& site) const {
-    return origin_ + part_ * Vec3{double(site.i), double(site.j), double(site.k)} + shift(site);
-  }
+  Vec3 point(const Site& site) const { return place(site) + shift(site); }
+  /// Where the point would be if it was not moved, and how far it is moved along an axis at most.
+  Vec3 place(const Site& site) const { return origin_ + part_ * Vec3{double(site.i), double(site.j), double(site.k)}; }
+  double most_moved() const { return kJitter * size_; }
   double size() const { return size_; }
   LatticeKind kind() const { return kind_; }
   const LatticeShape& shape() const { return *shape_; }
@@ -73,6 +74,8 @@ class SiteLattice {
   }
 
  private:
+  static constexpr double kJitter = 1e-4;
+
   Vec3 shift(const Site& site) const;
 
   LatticeKind kind_;

@@ -227,8 +227,8 @@ Neighborhood find_neighborhood(const SharedInput& input, const PartState& state,
     if (!cluster.box.contains(state.shell.points[v])) return;
     found.points.push_back(shell_point(state, v));
     if (v < state.surface_count()) return;
-    any_pure_around(state, v, [&](const Vec3& pure) {
-      found.pure.push_back({state.keys[v], pure});
+    any_pure_around(state, v, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
+      found.pure.push_back({state.keys[v], lattice.point(site)});
       return false;
     });
   });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <compare>
 
 namespace tetloom::parts {
@@ -48,9 +49,13 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
       items.erase(std::unique(items.begin(), items.end()), items.end());
     });
   };
+  std::vector<double> margins(complex.points.size());
+  runner.for_blocks(margins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) margins[i] = reach * sizes.size_at(complex.points[i]);
+  });
   const auto find_parts = [&](std::uint32_t point, auto&& visit) {
     const Vec3& x = complex.points[point];
-    const double margin = reach * sizes.size_at(x);
+    const double margin = margins[point];
     const Vec3 around{margin, margin, margin};
     decomposition.for_each_in({x - around, x + around}, visit);
   };
@@ -67,8 +72,12 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
   });
   deal(part_to_points_);
   block_to_pairs.clear();
+  std::atomic<bool> any_large = false;  // set by the blocks, read once all of them are done
   collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, std::vector<Pair>& pairs) {
     const auto& [a, b, c] = complex.tri_to_vert[triangle];
+    const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
+    const double margin = std::min({margins[a], margins[b], margins[c]});
+    if (std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin) any_large = true;
     const auto add = [&](PartId part) {
       const auto known = points_of(part);
       for (const std::uint32_t v : {a, b, c})
@@ -84,6 +93,7 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     if (!added_c) add(owner_of(c));
   });
   deal(part_to_triangles_);
+  knows_all_in_boxes_ = !any_large;
 }
 
 }  // namespace tetloom::parts

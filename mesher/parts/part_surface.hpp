@@ -26,12 +26,15 @@ class PartSurface {
     return part_to_triangles_[part.value];
   }  ///< ascending
   PartId owner_of(std::uint32_t point) const { return point_to_owner_[point]; }
+  /// Whether every part knows all triangles that meet its box. So it is unless triangles are larger than `reach` sizes.
+  bool knows_all_in_boxes() const { return knows_all_in_boxes_; }
 
  private:
   struct Pair;
 
   std::vector<PartId> point_to_owner_;
   std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
+  bool knows_all_in_boxes_ = true;
 };
 
 }  // namespace tetloom::parts

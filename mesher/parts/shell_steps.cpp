@@ -7,6 +7,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
+#include "mesher/parts/shell_sides.hpp"
 #include "mesher/parts/shell_tets.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
@@ -68,6 +69,9 @@ class Shell {
     fix_surface();
     state_.kept.clear(), state_.doubts.clear();
     find_own_verts();
+    sides_.emplace(
+        input_,
+        ShellView{mesh_, surface_count_, first_outer_, is_own_vert_, {*index_, state_.triangles}, missing_boxes_});
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (!has_own_vert(tet) || !is_kept(tet)) continue;
       if (is_own(tet)) state_.kept.push_back(tet);
@@ -130,7 +134,7 @@ class Shell {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     const auto of_surface = [&](std::uint32_t vert) { return vert < surface_count_; };
     const auto count = std::count_if(v, v + 4, of_surface);
-    if (count == 4) return is_in_region(tet);
+    if (count == 4) return sides_->is_inside(tet);
     return count > 0 || !is_in_core(tet);
   }
 
@@ -140,34 +144,10 @@ class Shell {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
       if (state_.pure_around[v[i]] == 0) return false;
-    return any_pure_around(state_, own_, [&](const Vec3& pure) { return ball_holds(mesh_, tet, pure); });
-  }
-
-  bool is_in_region(std::uint32_t tet) const {
-    if (const auto told = is_inside_by_faces(input_, mesh_, tet, {*index_, state_.triangles})) return *told;
-    if (is_at_outside(tet) && !may_meet_missing(tet)) return false;
-    return is_inside_by_center(input_, mesh_, tet);
-  }
-
-  bool is_at_outside(std::uint32_t tet) const {
-    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-      const FaceCode behind = mesh_.to_neighbor[face];
-      if (!mesh_.is_fixed(face) && (behind == kNone || has_outer(behind / 4))) return true;
-    }
-    return false;
-  }
-
-  // Only where a triangle is missing, the surface may lie between a tet and the outside that it has behind a face.
-  bool may_meet_missing(std::uint32_t tet) const {
-    Box3 box;
-    for (int i = 0; i < 4; ++i) box.add(mesh_.point_of(tet, i));
-    return std::any_of(missing_boxes_.begin(), missing_boxes_.end(),
-                       [&](const Box3& missing) { return missing.overlaps(box); });
-  }
-
-  bool has_outer(std::uint32_t tet) const {
-    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
-    return std::max({v[0], v[1], v[2], v[3]}) >= first_outer_;
+    const TetBall ball(mesh_, tet);
+    return any_pure_around(state_, own_, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
+      return ball.holds(lattice, site);
+    });
   }
 
   // Tets of other parts are doubted, too: where the part does not know a point of a tet of its own, another one stands
@@ -195,6 +175,7 @@ class Shell {
   std::vector<char> is_own_vert_;
   std::optional<tets::TriangleIndex> index_;
   std::vector<Box3> missing_boxes_;  // of all triangles that the part knows and the shell does not have
+  std::optional<ShellSides> sides_;
 };
 
 // Own points of the shell along x, so that a ball meets a range of them.

@@ -20,7 +20,7 @@ struct ShellPoint {
   std::uint32_t has_pure = 0;
 };
 
-/// Whether `holds` does for any of the pure sites next to an own point of the shell.
+/// Whether holds(lattice, site) does for any of the pure sites next to an own point of the shell.
 template <class Predicate>
 bool any_pure_around(const PartState& state, std::uint32_t vert, Predicate&& holds) {
   std::size_t l = 0;
@@ -30,7 +30,7 @@ bool any_pure_around(const PartState& state, std::uint32_t vert, Predicate&& hol
   const auto& around = level.lattice.shape().around(level.lattice.shape().kind_of(site));
   for (std::size_t i = 0; i < around.size(); ++i) {
     if (!(state.pure_around[vert] >> i & 1)) continue;
-    if (holds(level.lattice.point({site.i + around[i].i, site.j + around[i].j, site.k + around[i].k}))) return true;
+    if (holds(level.lattice, {site.i + around[i].i, site.j + around[i].j, site.k + around[i].k})) return true;
   }
   return false;
 }

@@ -12,6 +12,19 @@ Vec3 center_of(const tets::TetMesh& mesh, std::uint32_t tet);
 /// Whether the point lies in the open ball around the tet; exact.
 bool ball_holds(const tets::TetMesh& mesh, std::uint32_t tet, const Vec3& point);
 
+/// The same for sites of lattices, most of them by a distance. Refers to the mesh.
+class TetBall {
+ public:
+  TetBall(const tets::TetMesh& mesh, std::uint32_t tet);
+  bool holds(const lattice::SiteLattice& lattice, const lattice::Site& site) const;
+
+ private:
+  const tets::TetMesh& mesh_;
+  std::uint32_t tet_;
+  Vec3 center_;
+  double radius_ = -1;  // negative: not known well enough
+};
+
 /// Triangles of the complex by their vertices in a mesh.
 struct KnownTriangles {
   const tets::TriangleIndex& index;
