@@ -32,11 +32,13 @@ class LevelEmitter {
       : mesh_(mesh), core_(core), runner_(runner), tables_(level.lattice.shape()) {
     const auto first_vert = static_cast<std::uint32_t>(mesh.points.size());
     own_end_ = first_vert + static_cast<std::uint32_t>(level.sites.size() - level.foreign);
+    if (core.level_to_vert.empty()) core.first_own_end = own_end_;
     core.level_to_vert.push_back(first_vert);
     mesh.points.reserve(mesh.points.size() + level.sites.size());
     for (const Site& site : level.sites) mesh.points.push_back(level.lattice.point(site));
     runner.check_cancelled();
     blocks_ = make_site_blocks<Kinds>(level, first_vert);
+    own_blocks_ = count_own_blocks();
   }
 
   void emit(bool is_alone) {
@@ -46,10 +48,10 @@ class LevelEmitter {
     for_each_block([&](std::size_t b) { find_complete(b); });
     for_each_block([&](std::size_t b) { find_pure(b, is_alone); });
     std::size_t count = mesh_.size();
-    for_each_block([&](std::size_t b) { count = number_tets(b, count); });
+    for_each_own_block([&](std::size_t b) { count = number_tets(b, count); });
     reserve(count);
-    for_each_block([&](std::size_t b) { write_tets(b); });
-    for_each_block([&](std::size_t b) { note_shell(b); });
+    for_each_own_block([&](std::size_t b) { write_tets(b, b + 1 < own_blocks_ ? tets_[b + 1].first_tet[0] : count); });
+    for_each_own_block([&](std::size_t b) { note_shell(b); });
     std::sort(shell_.begin(), shell_.end(), [](const Shell& s, const Shell& t) { return s.vert < t.vert; });
     for (const Shell& site : shell_) {
       core_.shell_verts.push_back(site.vert);
@@ -58,10 +60,27 @@ class LevelEmitter {
   }
 
  private:
+  // Blocks stand in the order of their first sites, and those of the part come before all others.
+  std::size_t count_own_blocks() const {
+    const auto is_own = [&](const SiteBlock<Kinds>& block) {
+      return std::any_of(block.to_vert.begin(), block.to_vert.end(), [&](std::uint32_t v) { return v < own_end_; });
+    };
+    return static_cast<std::size_t>(std::partition_point(blocks_.begin(), blocks_.end(), is_own) - blocks_.begin());
+  }
+
   template <class Visit>
   void for_each_block(const Visit& visit) const {
+    for_each_block_before(blocks_.size(), visit);
+  }
+  // Those with sites of the part stand first: tets and shell vertices begin at these.
+  template <class Visit>
+  void for_each_own_block(const Visit& visit) const {
+    for_each_block_before(own_blocks_, visit);
+  }
+  template <class Visit>
+  void for_each_block_before(std::size_t end, const Visit& visit) const {
     constexpr std::size_t kBetweenChecks = 1024;  // some ten milliseconds
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    for (std::size_t b = 0; b < end; ++b) {
       if (b % kBetweenChecks == 0) runner_.check_cancelled();
       visit(b);
     }
@@ -166,8 +185,10 @@ class LevelEmitter {
     mesh_.to_fixed.resize(count, 0);
   }
 
-  void write_tets(std::size_t b) {
+  void write_tets(std::size_t b, std::size_t end) {
+    if (tets_[b].first_tet[0] == end) return;
     const Padded<std::uint32_t> verts = pad_verts(b);
+    note_beyond_first(verts, tets_[b].first_tet[0], static_cast<std::uint32_t>(end));
     std::array<std::uint32_t, kPaddedCubes> first{};
     std::array<TypeSet, kPaddedCubes> types{};
     for (std::size_t place = 0; place < kPaddedCubes; ++place) {
@@ -194,6 +215,17 @@ class LevelEmitter {
         }
       }
     });
+  }
+
+  void note_beyond_first(const Padded<std::uint32_t>& verts, std::uint32_t begin, std::uint32_t end) {
+    unsigned any = 0;
+    for (const std::uint32_t v : verts) any |= (v >= core_.first_own_end) & (v != kNone);
+    if (any == 0) return;
+    if (!core_.beyond_first.empty() && core_.beyond_first.back()[1] == begin) {
+      core_.beyond_first.back()[1] = end;
+    } else {
+      core_.beyond_first.push_back({begin, end});
+    }
   }
 
   void note_shell(std::size_t b) {
@@ -256,6 +288,7 @@ class LevelEmitter {
   std::vector<Shell> shell_;
   Tables tables_;
   std::vector<SiteBlock<Kinds>> blocks_;
+  std::size_t own_blocks_ = 0;
   std::vector<Bits> complete_, pure_;  // per block
   std::vector<BlockTets<TypeSet>> tets_;
 };

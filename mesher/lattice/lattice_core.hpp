@@ -7,6 +7,7 @@
 // and wherever a foreign point comes as near, it displaces the lattice point next to it). So the tetrahedra at a pure
 // site are tetrahedra of the Delaunay tetrahedralisation of all points, and whatever else that has needs no pure site:
 // the Delaunay tetrahedralisation of all but the pure ones holds it.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,6 +22,9 @@ struct LatticeCore {
   std::vector<std::uint16_t> pure_around;    ///< per shell vertex: which sites of LatticeShape::around() are pure
   std::vector<tets::FaceCode> open_faces;    ///< faces of core tets with no core tet behind them, ascending
   std::vector<std::uint32_t> level_to_vert;  ///< the first vertex of each level, and one past the last
+  std::uint32_t first_own_end = 0;           ///< one past the first level's own vertices
+  /// Tets in ranges, ascending: all that have vertices from first_own_end on, and few others.
+  std::vector<std::array<std::uint32_t, 2>> beyond_first;
 };
 
 /// How far the neighbourhood of a part has to be known, in cubes of a level.

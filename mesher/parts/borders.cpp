@@ -90,6 +90,11 @@ double reach_of(const TetMesh& mesh, FaceCode open_face) {
                                    distance(mesh.points[c], mesh.points[a])});
 }
 
+double least_reach_of(const TetMesh& mesh, FaceCode open_face) {
+  const auto [a, b, c] = verts_of(mesh, open_face);
+  return kReachInEdges * distance(mesh.points[a], mesh.points[b]);
+}
+
 void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
   const std::vector<Placed<std::uint64_t>> names = name_open_faces(state);
   const std::vector<Placed<std::uint32_t>> points = find_border_points(input, state, task.part());
@@ -97,13 +102,15 @@ void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
   state.known_least_angle = tets::dihedral_of_worst(state.mesh, qualities);
   const bool stays = qualities.empty() || !wants_improvement(input, std::ranges::min(qualities));
   const double told_angle = stays ? state.known_least_angle : HUGE_VAL;
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
+  const auto neighbors = input.decomposition.neighbors(task.part());
+  const auto near_names = near_neighbors(names, input.decomposition, task.part());
+  const auto near_points = near_neighbors(points, input.decomposition, task.part());
+  for (std::size_t n = 0; n < neighbors.size(); ++n) {
     MessageWriter writer;
     writer.put(told_angle);
-    writer.put_array<std::uint64_t>(near_box(names, box));
-    writer.put_array<std::uint32_t>(near_box(points, box));
-    task.send(other, writer.take());
+    writer.put_array<std::uint64_t>(near_names[n]);
+    writer.put_array<std::uint32_t>(near_points[n]);
+    task.send(neighbors[n], writer.take());
   }
 }
 

@@ -8,6 +8,9 @@ namespace tetloom::parts {
 /// How far from an open face the boxes of parts are looked for that may have it, too.
 double reach_of(const tets::TetMesh& mesh, tets::FaceCode open_face);
 
+/// No more than that, for a third of the work.
+double least_reach_of(const tets::TetMesh& mesh, tets::FaceCode open_face);
+
 /// Tells the neighbours of the part's open faces, of its points of the surface, and of the angle of its worst tet where
 /// that will stay.
 void send_borders(const SharedInput& input, PartState& state, PartTask& task);

@@ -93,10 +93,15 @@ class Joiner {
   // Points around the part that none of its tets has got. The first ones are those of the surface, whose places are
   // counted on, and the part's own of the first level, which most tets have.
   void drop_points_of_others() {
-    const auto first = state_.core.level_to_vert[1] - static_cast<std::uint32_t>(state_.levels[0].foreign);
+    const std::uint32_t first = state_.core.first_own_end;
+    state_.core.beyond_first.push_back({core_size_, static_cast<std::uint32_t>(mesh_.size())});
+    const auto for_each_beyond = [&](auto&& visit) {
+      for (const auto& [begin, end] : state_.core.beyond_first)
+        for (std::uint32_t& v : mesh_.to_vert.span().subspan(std::size_t{begin} * 4, std::size_t{end - begin} * 4))
+          if (v >= first) visit(v);
+    };
     std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
-    for (const std::uint32_t v : mesh_.to_vert)
-      if (v >= first) to_new[v - first] = 0;
+    for_each_beyond([&](std::uint32_t& v) { to_new[v - first] = 0; });
     std::uint32_t next = first;
     for (std::uint32_t v = first; v < mesh_.points.size(); ++v) {
       if (to_new[v - first] == kNone) continue;
@@ -104,8 +109,7 @@ class Joiner {
       state_.keys[next] = state_.keys[v];
       to_new[v - first] = next++;
     }
-    for (std::uint32_t& v : mesh_.to_vert)
-      if (v >= first) v = to_new[v - first];
+    for_each_beyond([&](std::uint32_t& v) { v = to_new[v - first]; });
     mesh_.points.resize(next), mesh_.points.shrink_to_fit();
     state_.keys.resize(next), state_.keys.shrink_to_fit();
   }

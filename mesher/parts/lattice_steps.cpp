@@ -34,48 +34,45 @@ double cube_of(const SharedInput& input, const LevelPoints& level) {
   return level.lattice.size() * (input.is_graded() ? shape.graded_cube_per_size() : shape.cube_per_size());
 }
 
-// A site that lies near some side of the part's box.
-struct BorderSite {
-  Vec3 point;
-  std::size_t index;  // of its level
+// What one neighbour is told of the sites of a level.
+struct SentSites {
+  std::vector<SentSite> sites;
+  std::vector<char> near;  // whether each is near the surface
 };
 
-// Per level: the sites within `margins` of any other part's box.
-std::vector<std::vector<BorderSite>> find_border_sites(const PartState& state, const Box3& box,
-                                                       std::span<const double> margins) {
-  std::vector<std::vector<BorderSite>> level_to_border(state.levels.size());
-  for (std::size_t l = 0; l < state.levels.size(); ++l) {
-    const LevelPoints& level = state.levels[l];
-    for (std::size_t i = 0; i < level.sites.size(); ++i) {
-      const Vec3 x = level.lattice.point(level.sites[i]);
-      if (depth_inside(x, box) <= margins[l]) level_to_border[l].push_back({x, i});
-    }
+// Per neighbour: the level's sites within the margin of its box. Most sites lie deep inside of the part's, which shows
+// before they are moved to where they are.
+std::vector<SentSites> find_sent_sites(const SharedInput& input, const LevelPoints& level, std::uint32_t first,
+                                       double margin, PartId part) {
+  const Box3& box = input.decomposition.box(part);
+  const NeighborBoxes neighbors(input.decomposition, part);
+  const double deep = margin + level.lattice.most_moved();
+  std::vector<SentSites> sent(neighbors.size());
+  for (std::size_t i = 0; i < level.sites.size(); ++i) {
+    const Site& site = level.sites[i];
+    if (depth_inside(level.lattice.place(site), box) > deep) continue;
+    neighbors.for_each_near(level.lattice.point(site), margin, [&](std::size_t n) {
+      sent[n].sites.push_back({site, first + static_cast<std::uint32_t>(i)});
+      sent[n].near.push_back(level.near_surface[i]);
+    });
   }
-  return level_to_border;
+  return sent;
 }
 
 // Per level: its sites within so many cubes of the other part's box, and whether each is near the surface.
 void send_sites(const SharedInput& input, const PartState& state, double reach, PartTask& task) {
-  std::vector<double> margins;
-  for (const LevelPoints& level : state.levels) margins.push_back(reach * cube_of(input, level));
-  const auto level_to_border = find_border_sites(state, input.decomposition.box(task.part()), margins);
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const Box3& box = input.decomposition.box(other);
-    MessageWriter writer;
-    for (std::size_t l = 0; l < state.levels.size(); ++l) {
-      const LevelPoints& level = state.levels[l];
-      std::vector<SentSite> sites;
-      std::vector<char> near;
-      for (const BorderSite& site : level_to_border[l]) {
-        if (distance_outside(site.point, box) > margins[l]) continue;
-        sites.push_back({level.sites[site.index], state.own_first[l] + static_cast<std::uint32_t>(site.index)});
-        near.push_back(level.near_surface[site.index]);
-      }
-      writer.put_array<SentSite>(sites);
-      writer.put_array<char>(near);
+  const auto neighbors = input.decomposition.neighbors(task.part());
+  std::vector<MessageWriter> writers(neighbors.size());
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    const LevelPoints& level = state.levels[l];
+    const double margin = reach * cube_of(input, level);
+    const auto sent = find_sent_sites(input, level, state.own_first[l], margin, task.part());
+    for (std::size_t n = 0; n < neighbors.size(); ++n) {
+      writers[n].put_array<SentSite>(sent[n].sites);
+      writers[n].put_array<char>(sent[n].near);
     }
-    task.send(other, writer.take());
   }
+  for (std::size_t n = 0; n < neighbors.size(); ++n) task.send(neighbors[n], writers[n].take());
 }
 
 void number_own(PartState& state) {
@@ -122,12 +119,13 @@ void send_shell_points(const SharedInput& input, const PartState& state, PartTas
     const auto index = static_cast<std::uint32_t>(state.keys[vert]);
     border.push_back({x, reach, {x, index, state.pure_around[vert] != 0}});
   }
-  for (const PartId other : input.decomposition.neighbors(task.part())) {
-    const std::vector<SentShellPoint> sent = near_box(border, input.decomposition.box(other));
-    if (sent.empty()) continue;
+  const auto neighbors = input.decomposition.neighbors(task.part());
+  const auto near = near_neighbors(border, input.decomposition, task.part());
+  for (std::size_t n = 0; n < neighbors.size(); ++n) {
+    if (near[n].empty()) continue;
     MessageWriter writer;
-    writer.put_array<SentShellPoint>(sent);
-    task.send(other, writer.take());
+    writer.put_array<SentShellPoint>(near[n]);
+    task.send(neighbors[n], writer.take());
   }
 }
 

@@ -71,6 +71,17 @@ struct PartState {
     bool is_poor;  // waits, and tets at it are poor
   };
   std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
+  bool open_faces_changed = true;          ///< since what follows was found
+  struct BorderVert {
+    std::uint32_t vert;
+    tets::FaceCode face;  // the first open one that has it
+  };
+  std::vector<BorderVert> border;  ///< the vertices of open faces
+  struct ToldVert {
+    std::uint32_t vert;
+    double reach;  // parts farther away are not told of it
+  };
+  std::vector<ToldVert> told_verts;        ///< those of `poor` and `astray`, ascending
   std::vector<VertKey> poor;               ///< of their vertices, those that wait and have poor tets, ascending
   std::vector<VertKey> astray;             ///< of their vertices, those far outside of the part's box, ascending
   std::vector<SharedVert> shared;          ///< those at which any part's tets are poor, ascending

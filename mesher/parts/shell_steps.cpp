@@ -209,6 +209,7 @@ void add_surface_points(const SharedInput& input, PartState& state, std::span<co
   for (std::uint32_t& v : state.mesh.to_vert) v += shift;
   for (std::uint32_t& v : state.core.shell_verts) v += shift;
   for (std::uint32_t& v : state.core.level_to_vert) v += shift;
+  state.core.first_own_end += shift;
   for (std::uint32_t& v : state.shell_verts) v = v < before ? v : v + shift;
   for (std::uint32_t v = before; v < before + shift; ++v) state.shell_verts.push_back(v);
   const auto& triangles = input.filling.complex.tri_to_vert;

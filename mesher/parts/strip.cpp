@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
+#include "mesher/parts/key_filter.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 #include "mesher/tets/working_mesh.hpp"
 
@@ -22,7 +24,8 @@ struct PackedVert {
 };
 
 struct PackedTet {
-  std::array<std::uint32_t, 4> verts;  // of those packed
+  std::array<std::uint32_t, 4> verts;   // of those packed
+  std::array<FaceCode, 4> to_neighbor;  // the same; kNone: not packed
   std::uint32_t region, fixed;
 };
 
@@ -31,6 +34,31 @@ struct Side {
   TriangleVerts verts;
   FaceCode face;
   friend bool operator<(const Side& a, const Side& b) { return a.verts < b.verts; }
+};
+
+// Places of tets in a list, by an open table.
+class TetPlaces {
+ public:
+  explicit TetPlaces(std::span<const std::uint32_t> tets)
+      : tets_(tets),
+        shift_(32 - static_cast<int>(std::bit_width(tets.size() * 2 | 1))),
+        to_place_(std::size_t{1} << (32 - shift_), kNone) {
+    for (std::uint32_t i = 0; i < tets.size(); ++i) to_place_[slot_of(tets[i])] = i;
+  }
+  /// kNone where the tet is not in the list.
+  std::uint32_t find(std::uint32_t tet) const { return to_place_[slot_of(tet)]; }
+
+ private:
+  // Where the tet stands, or is to.
+  std::size_t slot_of(std::uint32_t tet) const {
+    std::size_t slot = tet * 0x9e3779b9u >> shift_;
+    while (to_place_[slot] != kNone && tets_[to_place_[slot]] != tet) slot = (slot + 1) % to_place_.size();
+    return slot;
+  }
+
+  std::span<const std::uint32_t> tets_;
+  int shift_;
+  std::vector<std::uint32_t> to_place_;
 };
 
 // Links sides in pairs, those of `mesh`; the others stay as they are.
@@ -62,10 +90,16 @@ Bytes TetPacker::pack(std::span<const std::uint32_t> tets) {
   const std::span<PackedVert> packed = writer.put_room<PackedVert>(verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i)
     packed[i] = {mesh.points[verts[i]], state_.keys[verts[i]], state_.waits[verts[i]]};
+  const TetPlaces places(tets);
   const std::span<PackedTet> packed_tets = writer.put_room<PackedTet>(tets.size());
   for (std::size_t t = 0; t < tets.size(); ++t) {
     PackedTet& to = packed_tets[t];
-    for (std::size_t i = 0; i < 4; ++i) to.verts[i] = to_packed_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
+    for (std::size_t i = 0; i < 4; ++i) {
+      to.verts[i] = to_packed_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
+      const FaceCode behind = mesh.to_neighbor[std::size_t{tets[t]} * 4 + i];
+      const std::uint32_t place = behind == kNone ? kNone : places.find(behind / 4);
+      to.to_neighbor[i] = place == kNone ? kNone : place * 4 + behind % 4;
+    }
     to.region = mesh.to_region[tets[t]], to.fixed = mesh.to_fixed[tets[t]];
   }
   for (const std::uint32_t v : verts) to_packed_[v] = kNone;
@@ -123,8 +157,11 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
     for (const PackedVert& vert : piece.verts)
       to_vert.push_back(static_cast<std::uint32_t>(std::lower_bound(strip.keys.begin(), strip.keys.end(), vert.key) -
                                                    strip.keys.begin()));
+    const auto first = static_cast<FaceCode>(mesh.to_vert.size());
     for (const PackedTet& tet : piece.tets) {
       for (const std::uint32_t v : tet.verts) mesh.to_vert.push_back(to_vert[v]);
+      for (const FaceCode behind : tet.to_neighbor)
+        mesh.to_neighbor.push_back(behind == kNone ? kNone : first + behind);
       mesh.to_region.push_back(tet.region);
       mesh.to_fixed.push_back(static_cast<std::uint8_t>(tet.fixed));
     }
@@ -135,21 +172,19 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
 
 void link_strip(Strip& strip) {
   TetMesh& mesh = strip.mesh;
-  mesh.to_neighbor.clear();
   mesh.to_neighbor.resize(mesh.to_vert.size(), kNone);
   // By lowest vertex first: there are few at each.
-  std::vector<Side> sides(mesh.to_neighbor.size());
+  std::vector<Side> alone;
+  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
+    if (mesh.to_neighbor[face] == kNone) alone.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
   std::vector<std::uint32_t> end(mesh.points.size() + 1, 0);
-  const auto side_of = [&](FaceCode face) { return Side{tets::sorted(verts_of(mesh, face)).verts, face}; };
-  for (FaceCode face = 0; face < sides.size(); ++face) ++end[side_of(face).verts[0] + 1];
+  for (const Side& side : alone) ++end[side.verts[0] + 1];
   for (std::size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
-  for (FaceCode face = 0; face < sides.size(); ++face) {
-    const Side side = side_of(face);
-    sides[end[side.verts[0]]++] = side;
-  }
+  std::vector<Side> sides(alone.size());
+  for (const Side& side : alone) sides[end[side.verts[0]]++] = side;
   std::uint32_t begin = 0;
   for (std::size_t v = 0; v < mesh.points.size(); begin = end[v++])
-    link_pairs(mesh, std::span(sides).subspan(begin, end[v] - begin));
+    if (end[v] - begin > 1) link_pairs(mesh, std::span(sides).subspan(begin, end[v] - begin));
 }
 
 void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>& open) {
@@ -159,9 +194,10 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
   // Vertices that the part has are those of its open faces.
   std::vector<std::uint32_t> to_vert(strip.mesh.points.size(), kNone);
   std::vector<char> seen(first_point, 0), is_in_strip(first_point, 0);
+  const KeyFilter filter(strip.keys.span());
   for (const FaceCode face : open) {
     for (const std::uint32_t v : verts_of(mesh, face)) {
-      if (std::exchange(seen[v], 1)) continue;
+      if (std::exchange(seen[v], 1) || !filter.may_hold(state.keys[v])) continue;
       const auto at = std::lower_bound(strip.keys.begin(), strip.keys.end(), state.keys[v]);
       if (at == strip.keys.end() || *at != state.keys[v] || to_vert[at - strip.keys.begin()] != kNone) continue;
       to_vert[at - strip.keys.begin()] = v;

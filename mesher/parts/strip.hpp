@@ -34,7 +34,7 @@ void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector
 /// One strip of the pieces that parts have packed, in this order, linked where they meet. Pre: they do not overlap.
 Strip unpack_strip(std::span<const Bytes> pieces);
 
-/// Links the strip's tets through the faces that they share.
+/// Links the strip's tets through the faces that they share and are not linked through yet.
 void link_strip(Strip& strip);
 
 /// Appends the strip, linked to those of `open`, the part's open faces, that it has too; its points that have no key

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/borders.hpp"
+#include "mesher/parts/extraction.hpp"
+#include "mesher/parts/key_filter.hpp"
+#include "mesher/parts/near_box.hpp"
 #include "mesher/parts/optimize_part.hpp"
-#include "mesher/parts/send_found.hpp"
+
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
@@ -26,30 +30,56 @@ struct SharedVert {
   std::uint64_t is_poor;
 };
 
+// Most faces have a neighbour: many are looked at in one go, without branches.
 std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
+  constexpr std::size_t kGlance = 64;
   std::vector<FaceCode> open;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
-    if (mesh.to_neighbor[face] == kNone && !mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
+  const std::span<const FaceCode> behind = mesh.to_neighbor;
+  for (std::size_t begin = 0; begin < behind.size(); begin += kGlance) {
+    const std::size_t end = std::min(begin + kGlance, behind.size());
+    unsigned any = 0;
+    if (end - begin == kGlance) {
+      for (std::size_t i = 0; i < kGlance; ++i) any |= behind[begin + i] == kNone;
+      if (any == 0) continue;
+    }
+    for (auto face = static_cast<FaceCode>(begin); face < end; ++face)
+      if (behind[face] == kNone && !mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
+  }
   return open;
 }
 
+using ToldVert = PartState::ToldVert;
+
+// The vertices of open faces.
+std::vector<PartState::BorderVert> find_border(const PartState& state) {
+  std::vector<PartState::BorderVert> border;
+  std::vector<char> seen(state.mesh.points.size(), 0);
+  for (const FaceCode face : state.open_faces)
+    for (const std::uint32_t v : verts_of(state.mesh, face))
+      if (!std::exchange(seen[v], 1)) border.push_back({v, face});
+  return border;
+}
+
 // Of every vertex, the farthest reach.
-void keep_farthest(std::vector<std::pair<std::uint32_t, double>>& verts) {
-  std::sort(verts.begin(), verts.end(),
-            [](const auto& s, const auto& t) { return s.first != t.first ? s.first < t.first : s.second > t.second; });
-  verts.erase(std::unique(verts.begin(), verts.end(), [](const auto& s, const auto& t) { return s.first == t.first; }),
-              verts.end());
+void keep_farthest(std::vector<ToldVert>& verts) {
+  std::sort(verts.begin(), verts.end(), [](const ToldVert& s, const ToldVert& t) {
+    return s.vert != t.vert ? s.vert < t.vert : s.reach > t.reach;
+  });
+  const auto end =
+      std::unique(verts.begin(), verts.end(), [](const ToldVert& s, const ToldVert& t) { return s.vert == t.vert; });
+  verts.erase(end, verts.end());
 }
 
 // Vertices that wait at poor tets that have an open face or lie next to one; with how far neighbours are looked for.
-std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) {
+std::vector<ToldVert> find_poor(const PartState& state) {
   const TetMesh& mesh = state.mesh;
-  std::vector<std::pair<std::uint32_t, double>> poor;
+  std::vector<ToldVert> poor;
   const auto look_at = [&](std::uint32_t tet, FaceCode open) {
     if (state.qualities[tet] >= kPoor) return;
+    const double reach = reach_of(mesh, open);
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
-      if (state.waits[v]) poor.emplace_back(v, reach_of(mesh, open));
+      if (state.waits[v]) poor.push_back({v, reach});
     }
   };
   for (const FaceCode open : state.open_faces) {
@@ -62,113 +92,81 @@ std::vector<std::pair<std::uint32_t, double>> find_poor(const PartState& state) 
   return poor;
 }
 
+// Whether any vertex lies so far outside of the box as others do not look for the part at any open face.
+bool may_be_astray(const PartState& state, const Box3& own_box) {
+  double outside = 0, least = HUGE_VAL;
+  for (const auto& [v, face] : state.border)
+    if (state.waits[v]) outside = std::max(outside, distance_outside(state.mesh.points[v], own_box));
+  if (outside <= 0) return false;
+  for (const FaceCode open : state.open_faces) least = std::min(least, least_reach_of(state.mesh, open));
+  return outside > least;
+}
+
 // Vertices of open faces so far outside of the part's box that others do not look for the part there: a patch may reach
 // that far. In the same form.
-std::vector<std::pair<std::uint32_t, double>> find_astray(const PartState& state, const Box3& own_box) {
+std::vector<ToldVert> find_astray(const PartState& state, const Box3& own_box) {
   const TetMesh& mesh = state.mesh;
-  std::vector<std::pair<std::uint32_t, double>> astray;
+  std::vector<ToldVert> astray;
+  if (!may_be_astray(state, own_box)) return astray;
   for (const FaceCode open : state.open_faces) {
     for (const std::uint32_t v : verts_of(mesh, open)) {
       const double outside = state.waits[v] ? distance_outside(mesh.points[v], own_box) : 0;
       if (outside <= 0) continue;
-      if (const double reach = reach_of(mesh, open); outside > reach) astray.emplace_back(v, reach);
+      if (const double reach = reach_of(mesh, open); outside > reach) astray.push_back({v, reach});
     }
   }
   keep_farthest(astray);
   return astray;
 }
 
-std::vector<VertKey> keys_of(const PartState& state, std::span<const std::pair<std::uint32_t, double>> verts) {
+std::vector<VertKey> keys_of(const PartState& state, std::span<const ToldVert> verts) {
   std::vector<VertKey> keys;
-  for (const auto& [v, reach] : verts) keys.push_back(state.keys[v]);
+  for (const ToldVert& told : verts) keys.push_back(state.keys[told.vert]);
   std::sort(keys.begin(), keys.end());
   return keys;
 }
 
-// The tets of a part within two layers around some of its vertices, each for the part that claims it.
-class Extraction {
- public:
-  explicit Extraction(const PartState& state)
-      : state_(state),
-        mesh_(state.mesh),
-        tet_to_claim_(state.mesh.size()),
-        corner_is_walked_(state.mesh.size(), 0),
-        vert_is_shared_(state.mesh.points.size(), 0),
-        vert_is_done_(state.mesh.points.size(), 0) {
-    for (const FaceCode face : state.open_faces)
-      for (const std::uint32_t v : verts_of(mesh_, face)) vert_is_shared_[v] = 1;
+// After a round, open faces are often as they were.
+void look_at_border(const SharedInput& input, PartState& state, PartId part) {
+  if (!std::exchange(state.open_faces_changed, false)) return;
+  state.border = find_border(state);
+  state.told_verts = find_poor(state);
+  state.poor = keys_of(state, state.told_verts);
+  const std::vector<ToldVert> astray = find_astray(state, input.decomposition.box(part));
+  state.astray = keys_of(state, astray);
+  state.told_verts.insert(state.told_verts.end(), astray.begin(), astray.end());
+  keep_farthest(state.told_verts);
+}
+
+// What each neighbour is told, if anything.
+template <class T>
+void send_lists(const SharedInput& input, PartTask& task, const std::vector<std::vector<T>>& lists) {
+  const auto neighbors = input.decomposition.neighbors(task.part());
+  for (std::size_t n = 0; n < lists.size(); ++n) {
+    if (lists[n].empty()) continue;
+    MessageWriter writer;
+    writer.put_array<T>(lists[n]);
+    task.send(neighbors[n], writer.take());
   }
+}
 
-  /// `claims`: vertices with who claims them, ascending by claimant.
-  std::vector<std::pair<PartId, std::vector<std::uint32_t>>> run(
-      std::span<const std::pair<PartId, std::uint32_t>> claims) {
-    std::vector<PartId> vert_to_claim(mesh_.points.size());
-    for (const auto& [part, vert] : claims) vert_to_claim[vert] = part;
-    // Where a star is in several pieces, each has an open face at its vertex.
-    std::vector<std::pair<PartId, FaceCode>> seeds;
-    for (const FaceCode face : state_.open_faces)
-      for (const std::uint32_t v : verts_of(mesh_, face))
-        if (vert_to_claim[v].valid()) seeds.emplace_back(vert_to_claim[v], face / 4 * 4 + corner_of(face / 4, v));
-    std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [part, code] : seeds) claim_star(code, part);
-    const std::vector<std::uint32_t> first_layer = claimed_;
-    for (const std::uint32_t tet : first_layer)
-      for (std::uint32_t corner = 0; corner < 4; ++corner) claim_star(tet * 4 + corner, tet_to_claim_[tet]);
-    std::vector<std::pair<PartId, std::vector<std::uint32_t>>> result;
-    std::stable_sort(claimed_.begin(), claimed_.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return tet_to_claim_[a] < tet_to_claim_[b]; });
-    for (const std::uint32_t tet : claimed_) {
-      if (result.empty() || result.back().first != tet_to_claim_[tet]) result.push_back({tet_to_claim_[tet], {}});
-      result.back().second.push_back(tet);
-    }
-    for (auto& [part, tets] : result) std::sort(tets.begin(), tets.end());
-    return result;
+// Who has told of each vertex, ascending.
+using Tellers = std::vector<std::pair<VertKey, PartId>>;
+
+// Those of the border whose keys are wanted, ascending, with their reaches.
+std::vector<std::pair<PartState::SharedVert, double>> find_shared(const PartState& state,
+                                                                  std::span<const VertKey> wanted) {
+  const KeyFilter filter(wanted);
+  std::vector<std::pair<PartState::SharedVert, double>> shared;
+  for (const auto& [v, face] : state.border) {
+    const VertKey key = state.keys[v];
+    if (!filter.may_hold(key) || !std::binary_search(wanted.begin(), wanted.end(), key)) continue;
+    const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
+    shared.push_back({{key, v, is_poor}, reach_of(state.mesh, face)});
   }
-
- private:
-  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vert) const {
-    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
-    return v[0] == vert ? 0 : v[1] == vert ? 1 : v[2] == vert ? 2 : 3;
-  }
-
-  // Tets around the vertex at a corner, as far as they hang together, that nobody claims yet. Stars are not cut where
-  // others have claimed a part of them.
-  void claim_star(FaceCode code, PartId part) {
-    const std::uint32_t vert = mesh_.to_vert[code];
-    // Stars that are no part's border hang together: one walk is enough.
-    if (vert_is_shared_[vert] ? is_walked(code) : std::exchange(vert_is_done_[vert], 1) != 0) return;
-    stack_.assign(1, code / 4);
-    walk(code);
-    while (!stack_.empty()) {
-      const std::uint32_t tet = stack_.back();
-      stack_.pop_back();
-      if (!tet_to_claim_[tet].valid()) {
-        tet_to_claim_[tet] = part;
-        claimed_.push_back(tet);
-      }
-      const std::uint32_t corner = corner_of(tet, vert);
-      for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
-        if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
-        const FaceCode next = behind / 4 * 4 + corner_of(behind / 4, vert);
-        if (is_walked(next)) continue;
-        walk(next);
-        stack_.push_back(behind / 4);
-      }
-    }
-  }
-
-  // Whether the star of the vertex at this corner was walked through the tet.
-  bool is_walked(FaceCode code) const { return (corner_is_walked_[code / 4] >> code % 4 & 1) != 0; }
-  void walk(FaceCode code) { corner_is_walked_[code / 4] |= static_cast<std::uint8_t>(1u << code % 4); }
-
-  const PartState& state_;
-  const TetMesh& mesh_;
-  std::vector<PartId> tet_to_claim_;
-  std::vector<std::uint8_t> corner_is_walked_;  // a bit per corner of a tet
-  std::vector<std::uint32_t> claimed_, stack_;
-  std::vector<char> vert_is_shared_, vert_is_done_;
-};
+  std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
+  return shared;
+}
 
 struct Heard {
   PartId from;
@@ -185,52 +183,44 @@ void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
     for (const FaceCode face : state.open_faces)
       for (const std::uint32_t v : verts_of(mesh, face)) state.waits[v] = 1;
   }
-  std::vector<std::pair<std::uint32_t, double>> told = find_poor(state);
-  state.poor = keys_of(state, told);
-  const auto astray = find_astray(state, input.decomposition.box(task.part()));
-  state.astray = keys_of(state, astray);
-  told.insert(told.end(), astray.begin(), astray.end());
-  keep_farthest(told);
-  send_found<VertKey>(input, task, [&](PartId, const Box3& box, std::vector<VertKey>& near) {
-    for (const auto& [v, reach] : told)
-      if (distance_outside(mesh.points[v], box) <= reach) near.push_back(state.keys[v]);
-  });
+  look_at_border(input, state, task.part());
+  std::vector<Placed<VertKey>> told;
+  for (const auto& [v, reach] : state.told_verts) told.push_back({mesh.points[v], reach, state.keys[v]});
+  send_lists(input, task, near_neighbors(told, input.decomposition, task.part()));
 }
 
 void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
   std::vector<VertKey> wanted = state.poor;
   wanted.insert(wanted.end(), state.astray.begin(), state.astray.end());
-  std::vector<std::pair<VertKey, PartId>> told;
+  Tellers tellers;
   for (const Message& message : task.inbox()) {
     for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>()) {
       wanted.push_back(key);
-      told.emplace_back(key, message.from);
+      tellers.emplace_back(key, message.from);
     }
   }
   std::sort(wanted.begin(), wanted.end());
-  std::sort(told.begin(), told.end());
+  std::sort(tellers.begin(), tellers.end());
+  tellers.erase(std::unique(tellers.begin(), tellers.end()), tellers.end());
   state.shared.clear();
   if (wanted.empty()) return;
-  const TetMesh& mesh = state.mesh;
-  std::vector<char> seen(mesh.points.size(), 0);
-  std::vector<std::pair<PartState::SharedVert, double>> shared;
-  for (const FaceCode face : state.open_faces) {
-    for (const std::uint32_t v : verts_of(mesh, face)) {
-      if (std::exchange(seen[v], 1)) continue;
-      const VertKey key = state.keys[v];
-      if (!std::binary_search(wanted.begin(), wanted.end(), key)) continue;
-      const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
-      shared.push_back({{key, v, is_poor}, reach_of(mesh, face)});
+  const NeighborBoxes boxes(input.decomposition, task.part());
+  const auto neighbors = input.decomposition.neighbors(task.part());
+  std::vector<std::vector<SharedVert>> lists(boxes.size());
+  auto teller = tellers.begin();
+  for (const auto& [vert, reach] : find_shared(state, wanted)) {
+    state.shared.push_back(vert);
+    const SharedVert told{vert.key, std::uint64_t{vert.is_poor}};
+    const Vec3& x = state.mesh.points[vert.vert];
+    boxes.for_each_near(x, reach, [&](std::size_t n) { lists[n].push_back(told); });
+    while (teller != tellers.end() && teller->first < vert.key) ++teller;
+    for (; teller != tellers.end() && teller->first == vert.key; ++teller) {
+      if (is_within(x, input.decomposition.box(teller->second), reach)) continue;
+      const auto at = std::lower_bound(neighbors.begin(), neighbors.end(), teller->second);
+      lists[static_cast<std::size_t>(at - neighbors.begin())].push_back(told);
     }
   }
-  std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
-  for (const auto& [vert, reach] : shared) state.shared.push_back(vert);
-  send_found<SharedVert>(input, task, [&](PartId other, const Box3& box, std::vector<SharedVert>& near) {
-    for (const auto& [vert, reach] : shared)
-      if (distance_outside(mesh.points[vert.vert], box) <= reach ||
-          std::binary_search(told.begin(), told.end(), std::pair{vert.key, other}))
-        near.push_back({vert.key, std::uint64_t{vert.is_poor}});
-  });
+  send_lists(input, task, lists);
 }
 
 void send_strips(PartState& state, std::size_t round, PartTask& task) {
@@ -259,8 +249,9 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
   state.opened.clear();
   if (claims.empty()) return;
   std::sort(claims.begin(), claims.end());
+  state.open_faces_changed = true;
   TetPacker packer(state);
-  for (const auto& [part, tets] : Extraction(state).run(claims)) {
+  for (const auto& [part, tets] : find_claimed_tets(state, claims)) {
     Bytes bytes = packer.pack(tets);
     take_out(state, tets, state.opened);
     state.figures.parts.strips[round].tets += tets.size();
@@ -285,6 +276,7 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
   for (const FaceCode face : state.opened)
     if (!state.mesh.is_dead(face / 4)) state.open_faces.push_back(face);
   if (!pieces.empty()) {
+    state.open_faces_changed = true;
     Strip strip = unpack_strip(pieces);
     optimize_strip(input, strip, state, task.runner());
     put_in(state, task.part(), std::move(strip), state.open_faces);

@@ -1,0 +1,118 @@
+#include "mesher/parts/extraction.hpp"
+
+#include <algorithm>
+
+#include "mesher/tets/triangle_verts.hpp"
+
+namespace tetloom::parts {
+
+namespace {
+
+using tets::FaceCode;
+using tets::TetMesh;
+
+// Strips are a small share of the part: a byte per tet and per vertex is all that grows with it.
+class Extraction {
+ public:
+  explicit Extraction(const PartState& state)
+      : mesh_(state.mesh), tet_flags_(state.mesh.size(), 0), vert_flags_(state.mesh.points.size(), 0) {
+    for (const auto& [vert, face] : state.border) vert_flags_[vert] = kShared;
+  }
+
+  std::vector<ClaimedTets> run(std::span<const FaceCode> open_faces,
+                               std::span<const std::pair<PartId, std::uint32_t>> claims) {
+    for (const auto& [part, code] : find_seeds(open_faces, claims)) claim_star(code, part);
+    const std::size_t first_layer = claimed_.size();
+    for (std::size_t i = 0; i < first_layer; ++i) {
+      const auto [part, tet] = claimed_[i];
+      for (std::uint32_t corner = 0; corner < 4; ++corner) claim_star(tet * 4 + corner, part);
+    }
+    std::sort(claimed_.begin(), claimed_.end());
+    std::vector<ClaimedTets> result;
+    for (const auto& [part, tet] : claimed_) {
+      if (result.empty() || result.back().by != part) result.push_back({part, {}});
+      result.back().tets.push_back(tet);
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::uint8_t kClaimed = 16;                        // of a tet, beside a bit per corner
+  static constexpr std::uint8_t kShared = 1, kDone = 2, kWanted = 4;  // of a vertex
+
+  // Where a star is in several pieces, each has an open face at its vertex.
+  std::vector<std::pair<PartId, FaceCode>> find_seeds(std::span<const FaceCode> open_faces,
+                                                      std::span<const std::pair<PartId, std::uint32_t>> claims) {
+    std::vector<std::pair<std::uint32_t, PartId>> vert_to_part;
+    for (const auto& [part, vert] : claims) {
+      vert_to_part.emplace_back(vert, part);
+      vert_flags_[vert] |= kWanted;
+    }
+    std::sort(vert_to_part.begin(), vert_to_part.end());
+    std::vector<std::pair<PartId, FaceCode>> seeds;
+    for (const FaceCode face : open_faces) {
+      for (const std::uint32_t v : verts_of(mesh_, face)) {
+        if (!(vert_flags_[v] & kWanted)) continue;
+        const auto claim = std::lower_bound(vert_to_part.begin(), vert_to_part.end(), std::pair{v, PartId(0)});
+        seeds.emplace_back(claim->second, face / 4 * 4 + corner_of(face / 4, v));
+      }
+    }
+    std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    return seeds;
+  }
+
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vert) const {
+    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
+    return v[0] == vert ? 0 : v[1] == vert ? 1 : v[2] == vert ? 2 : 3;
+  }
+
+  // Tets around the vertex at a corner, as far as they hang together, that nobody claims yet. Stars are not cut where
+  // others have claimed a part of them.
+  void claim_star(FaceCode code, PartId part) {
+    std::uint8_t& flags = vert_flags_[mesh_.to_vert[code]];
+    // Stars that are no part's border hang together: one walk is enough.
+    if (flags & kShared ? is_walked(code) : (flags & kDone) != 0) return;
+    flags |= kDone;
+    walk_star(code, part);
+  }
+
+  void walk_star(FaceCode code, PartId part) {
+    const std::uint32_t vert = mesh_.to_vert[code];
+    stack_.assign(1, code);
+    walk(code);
+    while (!stack_.empty()) {
+      const std::uint32_t tet = stack_.back() / 4, corner = stack_.back() % 4;
+      stack_.pop_back();
+      if (!(tet_flags_[tet] & kClaimed)) {
+        tet_flags_[tet] |= kClaimed;
+        claimed_.emplace_back(part, tet);
+      }
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
+        if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
+        const FaceCode next = behind / 4 * 4 + corner_of(behind / 4, vert);
+        if (is_walked(next)) continue;
+        walk(next);
+        stack_.push_back(next);
+      }
+    }
+  }
+
+  // Whether the star of the vertex at this corner was walked through the tet.
+  bool is_walked(FaceCode code) const { return (tet_flags_[code / 4] >> code % 4 & 1) != 0; }
+  void walk(FaceCode code) { tet_flags_[code / 4] |= static_cast<std::uint8_t>(1u << code % 4); }
+
+  const TetMesh& mesh_;
+  std::vector<std::uint8_t> tet_flags_, vert_flags_;
+  std::vector<std::pair<PartId, std::uint32_t>> claimed_;
+  std::vector<FaceCode> stack_;
+};
+
+}  // namespace
+
+std::vector<ClaimedTets> find_claimed_tets(const PartState& state,
+                                           std::span<const std::pair<PartId, std::uint32_t>> claims) {
+  return Extraction(state).run(state.open_faces, claims);
+}
+
+}  // namespace tetloom::parts
