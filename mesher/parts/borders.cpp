@@ -9,6 +9,7 @@
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/parts/near_box.hpp"
 #include "mesher/tets/acute_tets.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
@@ -100,7 +101,7 @@ void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
   const std::vector<Placed<std::uint32_t>> points = find_border_points(input, state, task.part());
   const std::span<const float> qualities = state.qualities.span();
   state.known_least_angle = tets::dihedral_of_worst(state.mesh, qualities);
-  const bool stays = qualities.empty() || !wants_improvement(input, std::ranges::min(qualities));
+  const bool stays = qualities.empty() || !wants_improvement(input, tets::least_of(qualities));
   const double told_angle = stays ? state.known_least_angle : HUGE_VAL;
   const auto neighbors = input.decomposition.neighbors(task.part());
   const auto near_names = near_neighbors(names, input.decomposition, task.part());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mesher/intersection/triangle_tree.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
@@ -159,14 +160,17 @@ void improve_part(const SharedInput& input, PartState& state, PartId part, const
 std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const PartState& state, PartId part) {
   std::vector<char> seen(state.keys.size(), 0);
   std::vector<std::uint32_t> used;
-  for (std::uint32_t tet = 0; tet < state.mesh.size(); ++tet) {
-    if (state.mesh.to_fixed[tet] == 0 || state.mesh.is_dead(tet)) continue;
+  const std::uint8_t* fixed = state.mesh.to_fixed.data();
+  const auto has_fixed = [fixed](std::size_t tet) { return fixed[tet] != 0; };
+  tets::for_each_that(0, state.mesh.size(), has_fixed, [&](std::size_t at) {
+    const auto tet = static_cast<std::uint32_t>(at);
+    if (state.mesh.is_dead(tet)) return;
     for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
       if (!state.mesh.is_fixed(face)) continue;
       for (const std::uint32_t v : verts_of(state.mesh, face))
         if (!std::exchange(seen[v], 1)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));
     }
-  }
+  });
   sort_unique(used);
   std::vector<Placed<std::uint32_t>> border;
   for (const std::uint32_t point : used) {

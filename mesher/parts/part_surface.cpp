@@ -60,8 +60,13 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     decomposition.for_each_in({x - around, x + around}, visit);
   };
   point_to_owner_.resize(complex.points.size());
+  std::vector<char> is_deep(complex.points.size());  // no part but its own is within reach
   collect(complex.points.size(), [&](std::uint32_t point, std::vector<Pair>& pairs) {
-    point_to_owner_[point] = decomposition.owner_of(complex.points[point]);
+    const Vec3& x = complex.points[point];
+    const PartId owner = decomposition.owner_of(x);
+    point_to_owner_[point] = owner;
+    is_deep[point] = depth_inside(x, decomposition.box(owner)) > margins[point] * (1 + 1e-9);
+    if (is_deep[point]) return pairs.push_back({owner, point});
     find_parts(point, [&](PartId part) { pairs.push_back({part, point}); });
   });
   collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, std::vector<Pair>& pairs) {
@@ -78,6 +83,8 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
     const double margin = std::min({margins[a], margins[b], margins[c]});
     if (std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin) any_large = true;
+    if (is_deep[a] && owner_of(b) == owner_of(a) && owner_of(c) == owner_of(a))
+      return pairs.push_back({owner_of(a), triangle});
     const auto add = [&](PartId part) {
       const auto known = points_of(part);
       for (const std::uint32_t v : {a, b, c})

@@ -13,6 +13,7 @@
 #include "mesher/parts/optimize_part.hpp"
 
 #include "mesher/parts/strip.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
@@ -30,21 +31,15 @@ struct SharedVert {
   std::uint64_t is_poor;
 };
 
-// Most faces have a neighbour: many are looked at in one go, without branches.
 std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
-  constexpr std::size_t kGlance = 64;
   std::vector<FaceCode> open;
   const std::span<const FaceCode> behind = mesh.to_neighbor;
-  for (std::size_t begin = 0; begin < behind.size(); begin += kGlance) {
-    const std::size_t end = std::min(begin + kGlance, behind.size());
-    unsigned any = 0;
-    if (end - begin == kGlance) {
-      for (std::size_t i = 0; i < kGlance; ++i) any |= behind[begin + i] == kNone;
-      if (any == 0) continue;
-    }
-    for (auto face = static_cast<FaceCode>(begin); face < end; ++face)
-      if (behind[face] == kNone && !mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
-  }
+  tets::for_each_that(
+      0, behind.size(), [=](std::size_t face) { return behind[face] == kNone; },
+      [&](std::size_t at) {
+        const auto face = static_cast<FaceCode>(at);
+        if (!mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
+      });
   return open;
 }
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "mesher/tets/dihedral.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 #include "mesher/tets/working_mesh.hpp"
 
@@ -140,8 +141,9 @@ void count(const AcuteTet& tet, DihedralSummary& summary) {
 }  // namespace
 
 double dihedral_of_worst(const TetMesh& mesh, std::span<const float> qualities) {
-  const auto worst = std::min_element(qualities.begin(), qualities.end());
-  if (worst == qualities.end() || *worst == WorkingMesh::kDeadQuality) return kRegularAngle;
+  if (qualities.empty()) return kRegularAngle;
+  const auto worst = std::find(qualities.begin(), qualities.end(), least_of(qualities));
+  if (*worst == WorkingMesh::kDeadQuality) return kRegularAngle;
   return std::min(kRegularAngle, smallest_dihedral(mesh, static_cast<std::uint32_t>(worst - qualities.begin())).angle);
 }
 

@@ -4,29 +4,18 @@
 #include <array>
 #include <cstdint>
 
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/working_mesh.hpp"
 #include "threading/task_runner.hpp"
 
 namespace tetloom::tets {
-
-namespace detail {
-
-/// Whether any of so many values is below the bound; without branches, for vector instructions.
-template <std::size_t Count>
-bool any_below(const float* values, float bound) {
-  unsigned any = 0;
-  for (std::size_t i = 0; i < Count; ++i) any |= values[i] < bound;
-  return any != 0;
-}
-
-}  // namespace detail
 
 /// Calls visit(tet) for the tets of cubed quality below `limit` among those that are there at the start, in ascending
 /// order. Tets are found a block ahead, so that what a visit reads is under way before it; each is looked at again just
 /// before its visit. `visit` may change the mesh. Errors: Cancelled.
 template <class Visit>
 void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner, Visit&& visit) {
-  constexpr std::uint32_t kBlock = 4096, kGlance = 32;  // most tets are good: many are looked at in one go
+  constexpr std::uint32_t kBlock = 4096;
   std::array<std::uint32_t, kBlock> bad;
   const auto bound = static_cast<float>(limit);
   const auto count = static_cast<std::uint32_t>(mesh.qualities().size());
@@ -35,14 +24,9 @@ void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner,
     const std::uint32_t end = std::min(count, begin + kBlock);
     const float* quality = mesh.qualities().data();
     std::uint32_t bad_count = 0;
-    for (std::uint32_t tet = begin; tet < end; tet += kGlance) {
-      const std::uint32_t glance_end = std::min(end, tet + kGlance);
-      if (glance_end - tet == kGlance && !detail::any_below<kGlance>(quality + tet, bound)) continue;
-      for (std::uint32_t t = tet; t < glance_end; ++t) {
-        bad[bad_count] = t;
-        bad_count += quality[t] < bound;
-      }
-    }
+    for_each_that(
+        begin, end, [=](std::size_t tet) { return quality[tet] < bound; },
+        [&](std::size_t tet) { bad[bad_count++] = static_cast<std::uint32_t>(tet); });
     for (std::uint32_t i = 0; i < bad_count; ++i) {
       if (i + 8 < bad_count) mesh.prefetch(bad[i + 8]);
       if (i + 4 < bad_count) mesh.prefetch_neighbors(bad[i + 4]);

@@ -23,11 +23,15 @@ QualitySummary summarize(WorkingMesh& mesh, double goal) {
   QualitySummary summary;
   float least = 1;
   const auto bound = static_cast<float>(cube(goal));
-  for (const float quality : mesh.qualities()) {
+  const std::span<const float> qualities = mesh.qualities();
+  for (std::size_t begin = 0, end = 0; begin < qualities.size(); begin = end) {
+    const float quality = qualities[begin];  // tets of the lattice stand side by side and are alike
+    while (end < qualities.size() && qualities[end] == quality) ++end;
     if (quality == WorkingMesh::kDeadQuality) continue;
+    const auto alike = static_cast<std::uint32_t>(end - begin);
     least = std::min(least, quality);
-    summary.below += quality < bound;
-    ++histogram[static_cast<std::size_t>(std::min(quality, 1.0f) * kBins)];
+    summary.below += quality < bound ? alike : 0;
+    histogram[static_cast<std::size_t>(std::min(quality, 1.0f) * kBins)] += alike;
   }
   summary.least = std::cbrt(double{least});
   double count = 0;

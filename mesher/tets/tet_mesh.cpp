@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/predicates/predicates.hpp"
+#include "mesher/tets/many_values.hpp"
 
 namespace tetloom::tets {
 
@@ -43,12 +44,15 @@ std::string find_face_fault(const TetMesh& mesh, std::uint32_t tet, std::uint32_
 
 void compact(TetMesh& mesh) {
   auto count = static_cast<std::uint32_t>(mesh.size());
-  for (std::uint32_t hole = 0; hole < count; ++hole) {
-    if (!mesh.is_dead(hole)) continue;
+  const std::uint32_t* verts = mesh.to_vert.data();
+  const auto is_dead = [verts](std::size_t tet) { return verts[tet * 4] == kNone; };
+  for_each_that(0, mesh.size(), is_dead, [&](std::size_t at) {
+    const auto hole = static_cast<std::uint32_t>(at);
+    if (hole >= count) return;
     while (count > hole + 1 && mesh.is_dead(count - 1)) --count;
     --count;
     if (count > hole) move_tet(mesh, count, hole);
-  }
+  });
   mesh.to_vert.resize(std::size_t{count} * 4);
   mesh.to_neighbor.resize(std::size_t{count} * 4);
   mesh.to_region.resize(count);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/tets/many_values.hpp"
+
 namespace tetloom::tets {
 
 namespace {
@@ -230,12 +232,14 @@ std::uint32_t WorkingMesh::add_point(const Vec3& point) {
 // As compact does it with the tets.
 void WorkingMesh::compact_qualities() {
   std::size_t count = to_quality_.size();
-  for (std::size_t hole = 0; hole < count; ++hole) {
-    if (to_quality_[hole] != kDeadQuality) continue;
+  const float* qualities = to_quality_.data();
+  const auto is_dead = [qualities](std::size_t tet) { return qualities[tet] == kDeadQuality; };
+  for_each_that(0, count, is_dead, [&](std::size_t hole) {
+    if (hole >= count) return;
     while (count > hole + 1 && to_quality_[count - 1] == kDeadQuality) --count;
     --count;
     if (count > hole) to_quality_[hole] = to_quality_[count];
-  }
+  });
   to_quality_.resize(count);
 }
 
