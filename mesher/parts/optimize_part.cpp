@@ -4,6 +4,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/improve_part.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
@@ -19,6 +20,14 @@ tets::OptimizeOptions options_of(const SharedInput& input, std::uint32_t surface
   options.fixed_points = surface_points;
   options.keep_points = true;
   return options;
+}
+
+std::vector<std::uint32_t> find_dead(std::span<const float> qualities) {
+  std::vector<std::uint32_t> dead;
+  tets::for_each_that(
+      0, qualities.size(), [=](std::size_t tet) { return qualities[tet] == tets::WorkingMesh::kDeadQuality; },
+      [&](std::size_t tet) { dead.push_back(static_cast<std::uint32_t>(tet)); });
+  return dead;
 }
 
 void count(const tets::OptimizeReport& done, tets::OptimizeReport& all) {
@@ -58,11 +67,13 @@ void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, co
 void finish_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
   Stopwatch watch;
   tets::OptimizeReport& report = state.figures.optimizer;
+  const std::vector<std::uint32_t> dead =
+      state.has_dead ? find_dead(state.qualities.span()) : std::vector<std::uint32_t>();
   {
     tets::WorkingMesh working(state.mesh, std::move(state.qualities));
     tets::summarize_result(working, input.filling.goals, state.known_least_angle, report);
   }
-  if (state.has_dead) compact(state.mesh);
+  compact(state.mesh, dead);
   report.tets = state.mesh.size();
   state.figures.seconds.optimize += watch.lap();
   const bool improved = wants_improvement(input, tets::cube(report.least));

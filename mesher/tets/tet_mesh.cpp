@@ -42,21 +42,27 @@ std::string find_face_fault(const TetMesh& mesh, std::uint32_t tet, std::uint32_
 
 }  // namespace
 
-void compact(TetMesh& mesh) {
+void compact(TetMesh& mesh, std::span<const std::uint32_t> dead) {
   auto count = static_cast<std::uint32_t>(mesh.size());
-  const std::uint32_t* verts = mesh.to_vert.data();
-  const auto is_dead = [verts](std::size_t tet) { return verts[tet * 4] == kNone; };
-  for_each_that(0, mesh.size(), is_dead, [&](std::size_t at) {
-    const auto hole = static_cast<std::uint32_t>(at);
-    if (hole >= count) return;
+  for (const std::uint32_t hole : dead) {
+    if (hole >= count) break;
     while (count > hole + 1 && mesh.is_dead(count - 1)) --count;
     --count;
     if (count > hole) move_tet(mesh, count, hole);
-  });
+  }
   mesh.to_vert.resize(std::size_t{count} * 4);
   mesh.to_neighbor.resize(std::size_t{count} * 4);
   mesh.to_region.resize(count);
   mesh.to_fixed.resize(count);
+}
+
+void compact(TetMesh& mesh) {
+  std::vector<std::uint32_t> dead;
+  const std::uint32_t* verts = mesh.to_vert.data();
+  for_each_that(
+      0, mesh.size(), [verts](std::size_t tet) { return verts[tet * 4] == kNone; },
+      [&](std::size_t tet) { dead.push_back(static_cast<std::uint32_t>(tet)); });
+  compact(mesh, dead);
 }
 
 std::string find_fault(const TetMesh& mesh) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "core/base/growing_array.hpp"
@@ -41,6 +42,8 @@ struct TetMesh {
 
 /// Moves the last tets into the places of dead ones, in ascending order, so that none is dead. Linear.
 void compact(TetMesh& mesh);
+/// The same where the dead tets are known, ascending: what they leave is all that is looked at.
+void compact(TetMesh& mesh, std::span<const std::uint32_t> dead);
 
 /// What breaks the invariants of TetMesh first, in words; empty: nothing. Linear, with exact predicates.
 std::string find_fault(const TetMesh& mesh);

@@ -229,23 +229,31 @@ std::uint32_t WorkingMesh::add_point(const Vec3& point) {
   return static_cast<std::uint32_t>(mesh_.points.size() - 1);
 }
 
-// As compact does it with the tets.
-void WorkingMesh::compact_qualities() {
-  std::size_t count = to_quality_.size();
+std::vector<std::uint32_t> WorkingMesh::find_dead() const {
+  std::vector<std::uint32_t> dead;
   const float* qualities = to_quality_.data();
-  const auto is_dead = [qualities](std::size_t tet) { return qualities[tet] == kDeadQuality; };
-  for_each_that(0, count, is_dead, [&](std::size_t hole) {
-    if (hole >= count) return;
+  for_each_that(
+      0, to_quality_.size(), [qualities](std::size_t tet) { return qualities[tet] == kDeadQuality; },
+      [&](std::size_t tet) { dead.push_back(static_cast<std::uint32_t>(tet)); });
+  return dead;
+}
+
+// As compact does it with the tets.
+void WorkingMesh::compact_qualities(std::span<const std::uint32_t> dead) {
+  std::size_t count = to_quality_.size();
+  for (const std::uint32_t hole : dead) {
+    if (hole >= count) break;
     while (count > hole + 1 && to_quality_[count - 1] == kDeadQuality) --count;
     --count;
     if (count > hole) to_quality_[hole] = to_quality_[count];
-  });
+  }
   to_quality_.resize(count);
 }
 
 void WorkingMesh::finish(bool keep_points) {
-  compact_qualities();
-  compact(mesh_);
+  const std::vector<std::uint32_t> dead = find_dead();
+  compact_qualities(dead);
+  compact(mesh_, dead);
   if (unused_points_.empty() || keep_points) return;
   std::sort(unused_points_.begin(), unused_points_.end());
   GrowingArray<std::uint32_t> to_new;

@@ -103,7 +103,8 @@ class WorkingMesh {
  private:
   void read_tet(std::uint32_t tet);
   void fix_points_of(std::uint32_t tet);
-  void compact_qualities();
+  std::vector<std::uint32_t> find_dead() const;  // ascending
+  void compact_qualities(std::span<const std::uint32_t> dead);
   void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
   std::uint32_t take_tet();

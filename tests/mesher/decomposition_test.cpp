@@ -3,6 +3,9 @@
 #include <optional>
 
 #include "mesher/parts/decomposition.hpp"
+#include "mesher/parts/key_filter.hpp"
+#include "mesher/parts/near_box.hpp"
+#include "mesher/parts/part_surface.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 
 namespace tetloom::parts {
@@ -145,6 +148,61 @@ TEST_CASE("neighbours are so on both sides, and whoever has anything near is one
       const PartId b = decomposition.owner_of(x + Vec3{step(random), step(random), step(random)});
       if (a != b) REQUIRE(are_neighbors(decomposition, a, b));
     }
+  }
+}
+
+TEST_CASE("what is near a neighbour's box is told to that neighbour, and to no other") {
+  const Cells cells(ball(3), SizeField::uniform(0.04));
+  const Decomposition decomposition = cells.cut(12);
+  std::mt19937_64 random(11);
+  std::vector<Placed<int>> placed;
+  for (int i = 0; i < 500; ++i) placed.push_back({cells.any_point(random, 0.1), 0.001 * i, i});
+  for (std::uint32_t p = 0; p < 12; ++p) {
+    const auto neighbors = decomposition.neighbors(PartId(p));
+    const auto near = near_neighbors(placed, decomposition, PartId(p));
+    REQUIRE(near.size() == neighbors.size());
+    for (std::size_t n = 0; n < near.size(); ++n) {
+      std::vector<int> expected;
+      for (const Placed<int>& one : placed)
+        if (distance_outside(one.place, decomposition.box(neighbors[n])) <= one.reach) expected.push_back(one.what);
+      CHECK(near[n] == expected);
+    }
+  }
+}
+
+TEST_CASE("a part knows the triangles that meet its box, and says so unless triangles are large") {
+  const Cells cells(ball(4), SizeField::uniform(0.1));
+  const Decomposition decomposition = cells.cut(10);
+  volume::Complex complex;
+  complex.points = cells.surface.points;
+  complex.tri_to_vert = cells.surface.tri_to_vert;
+  const PartSurface surface(complex, cells.sizes, decomposition, 2, cells.runner);
+  CHECK(surface.knows_all_in_boxes());
+  std::size_t met = 0;
+  for (std::uint32_t p = 0; p < 10; ++p) {
+    const auto known = surface.triangles_of(PartId(p));
+    for (std::uint32_t t = 0; t < complex.tri_to_vert.size(); ++t) {
+      const auto& [a, b, c] = complex.tri_to_vert[t];
+      const Vec3 center = (complex.points[a] + complex.points[b] + complex.points[c]) / 3;
+      if (!is_in(center, decomposition.box(PartId(p)))) continue;
+      CHECK(std::binary_search(known.begin(), known.end(), t));
+      ++met;
+    }
+  }
+  CHECK(met == complex.tri_to_vert.size());
+  CHECK_FALSE(PartSurface(complex, SizeField::uniform(0.02), decomposition, 2, cells.runner).knows_all_in_boxes());
+}
+
+TEST_CASE("a filter of keys holds those that it was given, and few others") {
+  for (const std::size_t count : {0u, 1u, 5u, 1000u}) {
+    std::mt19937_64 random(count);
+    std::vector<VertKey> keys;
+    for (std::size_t i = 0; i < count; ++i) keys.push_back(random());
+    const KeyFilter filter(keys);
+    for (const VertKey key : keys) CHECK(filter.may_hold(key));
+    int others = 0;
+    for (int i = 0; i < 10000; ++i) others += filter.may_hold(random());
+    CHECK(others < 2000);
   }
 }
 
