@@ -39,19 +39,34 @@ bench=build/release/bench
 numbers=$images
 [[ "$images" -ef docs/images ]] && numbers=$bench
 
+# Waits, for five minutes at most, until nothing runs: the load is a mean of the last minute, with the bench before in it.
+quiet=0.5 patience=60
+[[ "$images" -ef docs/images ]] || patience=0
+wait_until_quiet() {
+  for ((i = 0; i < patience; ++i)); do
+    awk -v most="$quiet" '{ exit !($1 < most) }' /proc/loadavg && break
+    sleep 5
+  done
+  uptime
+}
+
 say "Building"
 configure_and_build release tetloom volume_peers volume_speedup volume_scale adapt_peers adapt_speedup
-uptime
 
 say "Beside HXT"
+wait_until_quiet
 "$bench/volume_peers" "${peer_options[@]}" --svg "$images/volume_peers.svg" --json "$numbers/volume_peers.json"
 say "Speed-up"
+wait_until_quiet
 "$bench/volume_speedup" "${speedup_options[@]}" --svg "$images/volume_speedup.svg" \
   --prediction "$images/volume_prediction.svg" --json "$numbers/volume_speedup.json"
 say "Scale"
+wait_until_quiet
 "$bench/volume_scale" "${scale_options[@]}" --svg "$images/volume_scale.svg" --json "$numbers/volume_scale.json"
 say "Adaptation"
+wait_until_quiet
 "$bench/adapt_peers" "${adapt_options[@]}" --svg "$images/adapt_peers.svg" --json "$numbers/adapt_peers.json"
+wait_until_quiet
 "$bench/adapt_speedup" "${adapt_options[@]}" --svg "$images/adapt_speedup.svg" \
   --prediction "$images/adapt_prediction.svg" --json "$numbers/adapt_speedup.json"
 
