@@ -1,7 +1,7 @@
 #pragma once
 // Collapses that need swaps first: the ball of the vertex that goes, with tets behind faces that the other end cannot
 // see well, filled anew by the star of that end. Where the tets of a plain collapse would be inverted or too bad, this
-// is the swap of such a face, or of an edge of it, and then the collapse (de Cougny & Shephard 1999a; as one cavity:
+// is the swap of such a face, or of an edge of it, and then the collapse (de Cougny & Shephard 1999b; as one cavity:
 // Loseille & Löhner 2013).
 #include <cstdint>
 #include <span>
