@@ -85,8 +85,7 @@ Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFuncti
       whole_(make_whole_mesh(mesh, runner_)) {
   if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
   // Tets may have been turned when they were linked.
-  std::vector<TetVerts> tets(whole_.size());
-  for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
+  const std::vector<TetVerts> tets = tets_of(whole_);
   const TetView view{whole_.points.span(), tets};
   implied_ = implied_metric(view, runner_);
   const auto links = whole_.to_neighbor.span();
@@ -159,8 +158,7 @@ CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
   CarriedFields carried;
   if (carrier.has_none()) return carried;
   work_.each([&] {
-    std::vector<TetVerts> tets(whole_.size());
-    for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole_.to_vert[tet * 4], 4, tets[tet].begin());
+    const std::vector<TetVerts> tets = tets_of(whole_);
     // The hints of vertices are those of any number of ranks, and so are the places.
     std::vector<BackgroundPlace> places(whole_.points.size());
     runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {

@@ -178,6 +178,12 @@ void name_the_new(Mesh& mesh) {
 
 }  // namespace
 
+std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole) {
+  std::vector<std::array<std::uint32_t, 4>> tets(whole.size());
+  for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole.to_vert[tet * 4], 4, tets[tet].begin());
+  return tets;
+}
+
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
 
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
@@ -193,9 +199,7 @@ Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
     mesh.tri_to_vert.push_back(t.triangle.verts);
     mesh.tri_to_entity.push_back(t.triangle.face);
   }
-  mesh.tet_to_vert.resize(whole.size());
-  for (std::size_t tet = 0; tet < whole.size(); ++tet)
-    std::copy_n(&whole.to_vert[tet * 4], 4, mesh.tet_to_vert[tet].begin());
+  mesh.tet_to_vert = tets_of(whole);
   mesh.tet_to_entity.assign(whole.to_region.begin(), whole.to_region.end());
   mesh.face_to_sides = source.face_to_sides;
   mesh.entities = source.entities;

@@ -11,13 +11,56 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
-}  // namespace
+// What concerns which part: blocks of items find their pairs side by side, then each part picks its own from the
+// blocks.
+class Pairs {
+ public:
+  struct Pair {
+    PartId part;
+    std::uint32_t item;
+    friend auto operator<=>(const Pair&, const Pair&) = default;
+  };
 
-struct PartSurface::Pair {
-  PartId part;
-  std::uint32_t item;
-  friend auto operator<=>(const Pair&, const Pair&) = default;
+  Pairs(std::size_t part_count, const TaskRunner& runner) : part_count_(part_count), runner_(runner) {}
+
+  /// Adds the pairs that find(item, pairs) appends, for all items below `count`.
+  template <class Find>
+  void collect(std::size_t count, const Find& find) {
+    const std::size_t before = block_to_pairs_.size();
+    block_to_pairs_.resize(before + (count + kBlock - 1) / kBlock);
+    runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+      std::vector<Pair>& pairs = block_to_pairs_[before + begin / kBlock];
+      for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(i), pairs);
+      std::sort(pairs.begin(), pairs.end());
+      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    });
+  }
+
+  /// The items of each part, ascending, and none is left.
+  std::vector<std::vector<std::uint32_t>> deal() {
+    std::vector<std::vector<std::uint32_t>> part_to_items(part_count_);
+    runner_.for_each(part_count_, [&](std::size_t p) {
+      std::vector<std::uint32_t>& items = part_to_items[p];
+      for (const auto& pairs : block_to_pairs_) {
+        auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{PartId(p), 0});
+        for (; at != pairs.end() && at->part == PartId(p); ++at) items.push_back(at->item);
+      }
+      if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
+      items.erase(std::unique(items.begin(), items.end()), items.end());
+    });
+    block_to_pairs_.clear();
+    return part_to_items;
+  }
+
+ private:
+  std::size_t part_count_;
+  const TaskRunner& runner_;
+  std::vector<std::vector<Pair>> block_to_pairs_;
 };
+
+using PairList = std::vector<Pairs::Pair>;
+
+}  // namespace
 
 std::size_t PartSurface::pieces(const volume::Complex& complex) {
   return (complex.tri_to_vert.size() + kBlock - 1) / kBlock;
@@ -25,30 +68,7 @@ std::size_t PartSurface::pieces(const volume::Complex& complex) {
 
 PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
                          double reach, const TaskRunner& runner) {
-  // Blocks find their pairs side by side, by part; then each part picks its own from the blocks.
-  std::vector<std::vector<Pair>> block_to_pairs;
-  const auto collect = [&](std::size_t count, const auto& find) {
-    const std::size_t before = block_to_pairs.size();
-    block_to_pairs.resize(before + (count + kBlock - 1) / kBlock);
-    runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
-      std::vector<Pair>& pairs = block_to_pairs[before + begin / kBlock];
-      for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(i), pairs);
-      std::sort(pairs.begin(), pairs.end());
-      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    });
-  };
-  const auto deal = [&](std::vector<std::vector<std::uint32_t>>& part_to_items) {
-    part_to_items.resize(decomposition.part_count());
-    runner.for_each(part_to_items.size(), [&](std::size_t p) {
-      std::vector<std::uint32_t>& items = part_to_items[p];
-      for (const auto& pairs : block_to_pairs) {
-        auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{PartId(p), 0});
-        for (; at != pairs.end() && at->part == PartId(p); ++at) items.push_back(at->item);
-      }
-      if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
-      items.erase(std::unique(items.begin(), items.end()), items.end());
-    });
-  };
+  Pairs all(decomposition.part_count(), runner);
   std::vector<double> margins(complex.points.size());
   runner.for_blocks(margins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) margins[i] = reach * sizes.size_at(complex.points[i]);
@@ -61,7 +81,7 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
   };
   point_to_owner_.resize(complex.points.size());
   std::vector<char> is_deep(complex.points.size());  // no part but its own is within reach
-  collect(complex.points.size(), [&](std::uint32_t point, std::vector<Pair>& pairs) {
+  all.collect(complex.points.size(), [&](std::uint32_t point, PairList& pairs) {
     const Vec3& x = complex.points[point];
     const PartId owner = decomposition.owner_of(x);
     point_to_owner_[point] = owner;
@@ -69,16 +89,15 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     if (is_deep[point]) return pairs.push_back({owner, point});
     find_parts(point, [&](PartId part) { pairs.push_back({part, point}); });
   });
-  collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, std::vector<Pair>& pairs) {
+  all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
     const auto& verts = complex.tri_to_vert[triangle];
     for (const std::uint32_t v : verts)
       for (const std::uint32_t other : verts)
         if (owner_of(other) != owner_of(v)) pairs.push_back({owner_of(v), other});
   });
-  deal(part_to_points_);
-  block_to_pairs.clear();
+  part_to_points_ = all.deal();
   std::atomic<bool> any_large = false;  // set by the blocks, read once all of them are done
-  collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, std::vector<Pair>& pairs) {
+  all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
     const auto& [a, b, c] = complex.tri_to_vert[triangle];
     const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
     const double margin = std::min({margins[a], margins[b], margins[c]});
@@ -99,7 +118,7 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     if (!added_b) add(owner_of(b));  // where that of the first is farther away
     if (!added_c) add(owner_of(c));
   });
-  deal(part_to_triangles_);
+  part_to_triangles_ = all.deal();
   knows_all_in_boxes_ = !any_large;
 }
 

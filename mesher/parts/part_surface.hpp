@@ -30,8 +30,6 @@ class PartSurface {
   bool knows_all_in_boxes() const { return knows_all_in_boxes_; }
 
  private:
-  struct Pair;
-
   std::vector<PartId> point_to_owner_;
   std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
   bool knows_all_in_boxes_ = true;
