@@ -26,8 +26,13 @@ struct ProcessOptions {
 struct ProcessResult {
   int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string out, err;
-  double seconds_after_signal = 0;
+  double cpu_seconds_after_signal =
+      0;  ///< of the process and the children it waited for: what a busy machine does not change
 };
+
+/// Repeats `run` until it returns true, which says that the signal came before the end of the process: a busy machine
+/// may deliver it late. False if that never happened.
+bool comes_in_time(const std::function<bool()>& run);
 
 /// argv[0] is the path of the program.
 ProcessResult run_process(const std::vector<std::string>& argv, const ProcessOptions& options = {});
@@ -60,5 +65,8 @@ std::string cube_stl(int facets = 12);
 
 /// Whether this build is instrumented: limits on memory do not work then, and everything takes longer.
 bool is_sanitized();
+
+/// What a run that was told to stop may still use.
+inline const double kMostCpuSecondsToCancel = is_sanitized() ? 3.0 : 1.3;
 
 }  // namespace tetloom::test

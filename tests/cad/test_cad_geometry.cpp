@@ -1,6 +1,6 @@
 // Questions to faces and edges of every kind of surface: derivatives, normals, curvatures, projection, facets.
 #include <catch2/catch.hpp>
-#include <chrono>
+#include <ctime>
 #include <map>
 #include <random>
 #include <thread>
@@ -367,15 +367,15 @@ TEST_CASE("evaluation is fast enough for the inner loop of a mesher") {
     const ParameterBox box = face->parameter_box();
     constexpr int count = 200000;
     Vec3 sum;
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     for (int i = 0; i < count; ++i) {
       const double a = (i % 997) / 997.0, b = (i % 991) / 991.0;
       sum += face->derivatives({box.lo.u + a * (box.hi.u - box.lo.u), box.lo.v + b * (box.hi.v - box.lo.v)}).du;
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     std::printf("derivatives of %s: %.0f ns\n", sample == Sample::Torus ? "a torus" : "a B-spline",
                 1e9 * seconds / count);
     CHECK(is_finite(sum));
-    CHECK(seconds / count < 20e-6);  // generous: sanitizers and loaded machines
+    CHECK(seconds / count < 20e-6);  // of the processor; generous for sanitizers
   }
 }
