@@ -39,6 +39,9 @@ std::uint32_t corner_with(const std::uint32_t* verts, std::uint32_t vert) {
 
 // The lower of the two corners beside two others.
 constexpr std::uint32_t kFirstBeside[4][4]{{4, 2, 1, 1}, {2, 4, 0, 0}, {1, 0, 4, 0}, {1, 0, 0, 4}};
+// Whether two corners, the lower and the higher of those beside them are an even permutation.
+constexpr bool kIsEven[4][4]{
+    {false, true, false, true}, {false, false, true, false}, {true, false, false, true}, {false, true, false, false}};
 
 }  // namespace
 
@@ -420,6 +423,60 @@ void CavityMesh::start() {
     for (std::size_t j = 0; j < 4; ++j) vert_to_tet[v[j]] = tet;
     to_quality[tet] = static_cast<float>(quality_of(v[0], v[1], v[2], v[3]));
   }
+}
+
+bool CavityMesh::find_ring(const Cavity& shell, tets::EdgeRing& ring) const {
+  const std::size_t count = shell.tets.size();
+  if (count > tets::kMostRingVerts) return false;
+  // The lower of the first tet's other two corners was left behind the tet: the ring goes from there to the higher one.
+  const std::uint32_t a = shell.corners[0][0], b = shell.corners[0][1], first = kFirstBeside[a][b];
+  const bool even = kIsEven[a][b];
+  ring.a = shell.core[even ? 0 : 1], ring.b = shell.core[even ? 1 : 0];
+  const std::uint32_t* v = verts(shell.tets[0]);
+  ring.verts[0] = v[first], ring.verts[1] = v[6 - a - b - first];
+  ring.count = static_cast<int>(count);
+  std::copy(shell.tets.begin(), shell.tets.end(), ring.tets.begin());
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const auto [p, q] = beside_edge(shell, i);
+    ring.verts[i + 1] = p == ring.verts[i] ? q : p;
+  }
+  return true;
+}
+
+void CavityMesh::replace_ring(const tets::EdgeRing& ring, std::span<const tets::RingTriangle> triangles) {
+  const tets::RingFilling filling(mesh, ring);
+  const std::size_t count = 2 * triangles.size(), old = ring.old().size();
+  std::array<std::uint32_t, std::size_t{2} * tets::kMostRingVerts> ids;
+  for (std::size_t i = 0; i < count; ++i) ids[i] = i < old ? ring.tets[i] : take_tet();
+  for (std::size_t i = count; i < old; ++i) drop_tet(ring.tets[i]);
+  filling.fill(mesh, triangles, std::span(ids).first(count));
+  refresh_qualities(std::span(ids).first(count));
+  for (const std::uint32_t tet : std::span(ids).first(count)) {
+    for (int j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
+    mark_changed(tet);
+  }
+}
+
+RingInMetric::RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring)
+    : a_(mesh.point(ring.a)),
+      b_(mesh.point(ring.b)),
+      metric_of_a_(mesh.to_metric[ring.a]),
+      metric_of_b_(mesh.to_metric[ring.b]) {
+  for (std::size_t i = 0; i < ring.old().size(); ++i)
+    points_[i] = &mesh.point(ring.verts[i]), metrics_[i] = &mesh.to_metric[ring.verts[i]];
+}
+
+double RingInMetric::worse_over(int i, int j, int k) const {
+  const auto at = [](int place) { return static_cast<std::size_t>(place); };
+  const Vec3 &p = *points_[at(i)], &q = *points_[at(j)], &r = *points_[at(k)];
+  const VertexMetric* metric = metrics_[at(i)];
+  for (const int other : {j, k})
+    if (metrics_[at(other)]->det > metric->det) metric = metrics_[at(other)];
+  const Vec3 pq = q - p, pr = r - p;
+  const Pair qualities = cubed_mean_ratio(pair_of(pq, pr), pair_of(pr, pq), pair_of(b_ - p, a_ - p),
+                                          metric_of_b_.det > metric->det ? metric_of_b_ : *metric,
+                                          metric_of_a_.det > metric->det ? metric_of_a_ : *metric);
+  return std::min(qualities[0], qualities[1]);
 }
 
 std::uint32_t CavityMesh::take_tet() {

@@ -11,7 +11,8 @@
 // Motion changes no links: it is evaluated alone, with a as both core and p, and never carried out.
 // Triangles of the surface and pieces of model edges that have the core change in the same way. So all of them are one
 // piece of code: what fills the cavity anew is the star of p (the cavity operator of Loseille & Löhner 2013, here with
-// cavities that follow from the core, so that links follow by counting, without a search).
+// cavities that follow from the core, so that links follow by counting, without a search). Where nothing of the surface
+// lies at an edge, any triangulation of its ring may take its place, not only those of one vertex: `replace_ring`.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,6 +22,7 @@
 #include "adapt/kernel/surface_map.hpp"
 #include "adapt/metric/tet_edges.hpp"
 #include "core/part/part_mesh.hpp"
+#include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
 
@@ -145,6 +147,13 @@ class CavityMesh {
   /// one have no tets any more.
   void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made);
 
+  /// The ring of an edge, with its ends in the order that the ring's sense asks for. False where it has more vertices
+  /// than there is room for. Pre: `shell` is the cavity of an edge without fixed faces, collected from `shell.tets[0]`.
+  bool find_ring(const Cavity& shell, tets::EdgeRing& ring) const;
+  /// Puts the tets over a triangulation of the ring in the place of those around the edge; their qualities are
+  /// computed.
+  void replace_ring(const tets::EdgeRing& ring, std::span<const tets::RingTriangle> triangles);
+
   /// Has the tets around one fetched, which will be asked for soon.
   void prefetch_behind(std::uint32_t tet) const {
     for (std::uint32_t j = 0; j < 4; ++j) {
@@ -187,6 +196,19 @@ class CavityMesh {
   std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
   std::vector<std::uint8_t> old_fixed_;
   std::vector<std::uint32_t> free_;
+};
+
+/// Mean ratios in the metric of the tets over a ring, for tets::RingTriangulation.
+class RingInMetric {
+ public:
+  RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring);
+  double worse_over(int i, int j, int k) const;
+
+ private:
+  std::array<const Vec3*, tets::kMostRingVerts> points_;
+  std::array<const VertexMetric*, tets::kMostRingVerts> metrics_;
+  const Vec3 &a_, &b_;
+  const VertexMetric &metric_of_a_, &metric_of_b_;
 };
 
 }  // namespace tetloom::adapt

@@ -52,6 +52,7 @@ class Passes {
     double least;  // quality of what it makes
     std::array<std::uint32_t, 3> core{};
     std::uint32_t core_size = 0, target = kNone;
+    tets::RingTriangles triangles{};  // of ring_; none: the core is to be reconnected to the target
   };
 
   bool longest_edge(std::uint32_t tet, float least, Edge& edge) const;
@@ -79,7 +80,8 @@ class Passes {
   Verdict swap_at(std::uint32_t tet);
   void try_edge_swaps(std::uint32_t tet, const std::array<std::uint32_t, 2>& edge, Choice& best);
   void try_face_swap(std::uint32_t tet, std::uint32_t corner, Choice& best);
-  bool find_ring(const std::array<std::uint32_t, 2>& edge);
+  void try_ring(const tets::EdgeRing& ring, Choice& best);
+  bool find_ends(const std::array<std::uint32_t, 2>& edge);
 
   Verdict move(std::uint32_t v);
   Verdict lead_to_model(std::uint32_t v);
@@ -109,7 +111,8 @@ class Passes {
   StarCavity star_cavity_{mesh_};
   MadeQualities made_, other_made_;
   std::vector<float> beside_;        // qualities of tets that move with a merged edge
-  std::vector<std::uint32_t> ring_;  // vertices around an edge that may take its place
+  tets::EdgeRing ring_;              // of an edge whose place others may take
+  std::vector<std::uint32_t> ends_;  // of edges of the surface that may take an edge's place
   std::vector<tets::StarTet> star_;  // of a vertex that moves, in its metric
   std::vector<std::uint32_t> marks_;
   std::uint32_t mark_ = 0;

@@ -50,29 +50,27 @@ EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, Edge
 EdgeVerdict remove_edge_of(WorkingMesh& mesh, std::uint32_t tet) {
   double goal = std::max(double{mesh.quality(tet)} * kGain, kSurelyPositive);
   EdgeVerdict verdict = EdgeVerdict::OnSurface;
-  EdgeRing ring;
-  RingTriangulation::Tets made;
-  std::array<std::uint32_t, kMostRingVerts> old;
-  int made_count = 0, old_count = 0;
+  EdgeRing ring, best;
+  RingTriangles made;
   for (int edge = 0; edge < 6; ++edge) {
     const EdgeVerdict found = find_ring(mesh, tet, edge, ring);
     if (found != EdgeVerdict::Removed) {
-      if (made_count == 0) verdict = std::max(verdict, found);
+      if (best.count == 0) verdict = std::max(verdict, found);
       continue;
     }
-    RingTriangulation triangulation(mesh, ring);
+    const RingInSpace qualities(mesh, ring);
+    RingTriangulation triangulation(qualities, ring.count);
     const double value = triangulation.maximize(goal);
     if (value <= goal) {
-      if (made_count == 0) verdict = EdgeVerdict::NoGain;
+      if (best.count == 0) verdict = EdgeVerdict::NoGain;
       continue;
     }
     goal = value;
-    made_count = triangulation.build(made);
-    old = ring.tets, old_count = ring.count;
+    made = triangulation.triangles();
+    best = ring;
   }
-  if (made_count == 0) return verdict;
-  mesh.replace(std::span(old).first(static_cast<std::size_t>(old_count)),
-               std::span(made).first(static_cast<std::size_t>(made_count)));
+  if (best.count == 0) return verdict;
+  mesh.replace_ring(best, made.list());
   return EdgeVerdict::Removed;
 }
 

@@ -1,18 +1,11 @@
 #pragma once
 // Edge removal: the tets around an edge are replaced by those over the best triangulation of the edge's ring.
 //
-//            b
-//          / | \           the ring r0, r1, ... of edge a-b, counter-clockwise seen from b; a triangulation of it
-//        r0--|--r1  ...    with n - 2 triangles gives 2 (n - 2) tets in place of n
-//          \ | /
-//            a
-//
 // The triangulation whose worst tet is best is found by dynamic programming over sub-polygons (Klincsek 1980), pruned
 // by what has to be beaten.
-#include <array>
 #include <cstdint>
-#include <span>
 
+#include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/working_mesh.hpp"
 #include "threading/task_runner.hpp"
 
@@ -27,16 +20,6 @@ enum class EdgeVerdict {
 };
 
 inline constexpr int kLongestRing = 7;
-inline constexpr int kMostRingVerts = 12;  // that there is room for
-
-/// The tets around the edge a-b: tet i is (a, b, verts[i], verts[i + 1]).
-struct EdgeRing {
-  std::uint32_t a, b;
-  int count = 0;
-  std::array<std::uint32_t, kMostRingVerts> verts, tets;
-
-  std::span<const std::uint32_t> old() const { return {tets.data(), static_cast<std::size_t>(count)}; }
-};
 
 /// The ring of edge `edge` (0 to 5) of `tet`; Removed when it may be removed, as far as its neighbours are concerned.
 EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring);

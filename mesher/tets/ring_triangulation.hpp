@@ -7,39 +7,31 @@
 #include <array>
 #include <cstdint>
 
-#include "mesher/tets/edge_removal.hpp"
+#include "mesher/tets/edge_ring.hpp"
+#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom::tets {
 
-// Chooses the triangulation of one ring.
+/// Chooses the triangulation of one ring. `Qualities::worse_over(i, j, k)` is the cubed quality of the worse of the two
+/// tets over the triangle of these places of the ring, 0 where one is inverted: the metric is the caller's.
+template <class Qualities>
 class RingTriangulation {
  public:
-  using Tets = std::array<NewTet, std::size_t{2} * kMostRingVerts>;
+  RingTriangulation(const Qualities& qualities, int count) : qualities_(qualities), count_(count) {}
 
-  RingTriangulation(const WorkingMesh& mesh, const EdgeRing& ring) : ring_(ring), origin_(mesh.point(ring.a)) {
-    b_ = mesh.point(ring.b) - origin_;
-    for (int i = 0; i < ring.count; ++i) {
-      points_[i] = mesh.point(ring.verts[i]) - origin_;
-      to_a_[i] = norm2(points_[i]);
-      to_b_[i] = norm2(points_[i] - b_);
-    }
-  }
-
-  // The largest minimum, or something not above `goal` when there is none above it.
+  /// The largest minimum, or something not above `goal` when there is none above it.
   double maximize(double goal) {
-    const int n = ring_.count;
-    for (int i = 0; i + 1 < n; ++i) best_[i][i + 1] = 2;
-    for (int width = 2; width < n; ++width) {
-      for (int i = 0; i + width < n; ++i) best_[i][i + width] = best_of(i, i + width, goal);
-    }
-    return best_[0][n - 1];
+    for (int i = 0; i + 1 < count_; ++i) best_[i][i + 1] = 2;
+    for (int width = 2; width < count_; ++width)
+      for (int i = 0; i + width < count_; ++i) best_[i][i + width] = best_of(i, i + width, goal);
+    return best_[0][count_ - 1];
   }
 
-  // The tets of the triangulation that `maximize` found.
-  int build(Tets& made) const {
-    int count = 0;
-    build(0, ring_.count - 1, made, count);
-    return count;
+  /// The triangulation that `maximize` found.
+  RingTriangles triangles() const {
+    RingTriangles result;
+    collect(0, count_ - 1, result);
+    return result;
   }
 
  private:
@@ -48,14 +40,40 @@ class RingTriangulation {
     for (int k = i + 1; k < j; ++k) {
       const double bound = std::min(best_[i][k], best_[k][j]);
       if (bound <= std::max(best, goal)) continue;
-      const double value = std::min(bound, quality_of(i, k, j));
+      const double value = std::min(bound, qualities_.worse_over(i, k, j));
       if (value > best) best = value, apex_[i][j] = static_cast<std::uint8_t>(k);
     }
     return best;
   }
 
-  // Of the worse of the two tets over one triangle.
-  double quality_of(int i, int j, int k) const {
+  void collect(int i, int j, RingTriangles& result) const {
+    if (j - i < 2) return;
+    const std::uint8_t k = apex_[i][j];
+    result.items[static_cast<std::size_t>(result.count++)] = {static_cast<std::uint8_t>(i), k,
+                                                              static_cast<std::uint8_t>(j)};
+    collect(i, k, result);
+    collect(k, j, result);
+  }
+
+  const Qualities& qualities_;
+  int count_;
+  double best_[kMostRingVerts][kMostRingVerts];
+  std::uint8_t apex_[kMostRingVerts][kMostRingVerts];
+};
+
+/// Mean ratios in space of the tets over a ring, whose vertices are measured from a.
+class RingInSpace {
+ public:
+  RingInSpace(const WorkingMesh& mesh, const EdgeRing& ring) : ring_(ring), origin_(mesh.point(ring.a)) {
+    b_ = mesh.point(ring.b) - origin_;
+    for (int i = 0; i < ring.count; ++i) {
+      points_[i] = mesh.point(ring.verts[i]) - origin_;
+      to_a_[i] = norm2(points_[i]);
+      to_b_[i] = norm2(points_[i] - b_);
+    }
+  }
+
+  double worse_over(int i, int j, int k) const {
     const Vec3 &p = points_[i], &q = points_[j], &r = points_[k];
     const Vec3 normal = cross(q - p, r - p);
     const double below = dot(normal, p), above = dot(normal, b_ - p);
@@ -65,23 +83,18 @@ class RingTriangulation {
                     cubed_quality(above, sides + to_b_[i] + to_b_[j] + to_b_[k]));
   }
 
-  void build(int i, int j, Tets& made, int& count) const {
-    if (j - i < 2) return;
-    const int k = apex_[i][j];
-    const std::uint32_t p = ring_.verts[i], q = ring_.verts[k], r = ring_.verts[j];
-    const Vec3 zero;
-    made[count++] = {{p, q, r, ring_.b}, cubed_quality(points_[i], points_[k], points_[j], b_)};
-    made[count++] = {{p, r, q, ring_.a}, cubed_quality(points_[i], points_[j], points_[k], zero)};
-    build(i, k, made, count);
-    build(k, j, made, count);
+  /// The tets over a triangle, at b and at a.
+  std::array<NewTet, 2> tets(const RingTriangle& triangle) const {
+    const auto [at_b, at_a] = tets_over(ring_, triangle);
+    const Vec3 &p = points_[triangle.first], &q = points_[triangle.middle], &r = points_[triangle.last];
+    return {{{at_b, cubed_quality(p, q, r, b_)}, {at_a, cubed_quality(p, r, q, {})}}};
   }
 
+ private:
   const EdgeRing& ring_;
   Vec3 origin_, b_;
   std::array<Vec3, kMostRingVerts> points_;
   std::array<double, kMostRingVerts> to_a_, to_b_;
-  double best_[kMostRingVerts][kMostRingVerts];
-  std::uint8_t apex_[kMostRingVerts][kMostRingVerts];
 };
 
 }  // namespace tetloom::tets

@@ -96,10 +96,12 @@ SwapVerdict SurfaceSwapper::triangulate(double goal) {
   for (std::size_t side = 0; side < 2; ++side) {
     now_.made_counts[side] = 0;
     if (now_.rings[side].count == 0) continue;
-    RingTriangulation triangulation(mesh_, now_.rings[side]);
+    const RingInSpace qualities(mesh_, now_.rings[side]);
+    RingTriangulation triangulation(qualities, now_.rings[side].count);
     now_.value = std::min(now_.value, triangulation.maximize(goal));
     if (now_.value <= goal) return SwapVerdict::NoGain;
-    now_.made_counts[side] = static_cast<std::size_t>(triangulation.build(now_.made[side]));
+    for (const RingTriangle& triangle : triangulation.triangles().list())
+      for (const NewTet& tet : qualities.tets(triangle)) now_.made[side][now_.made_counts[side]++] = tet;
     for (const NewTet& tet : std::span(now_.made[side]).first(now_.made_counts[side])) poor -= tet.quality < limit_;
   }
   return poor < 0 ? SwapVerdict::NoGain : SwapVerdict::Swapped;

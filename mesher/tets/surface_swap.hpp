@@ -41,7 +41,7 @@ class SurfaceSwapper {
   SwapVerdict swap_edge_of(std::uint32_t tet);
 
  private:
-  using Tets = RingTriangulation::Tets;
+  using Tets = std::array<NewTet, std::size_t{2} * kMostRingVerts>;
   struct Candidate {
     SurfaceTriangles::Diamond diamond;
     std::array<EdgeRing, 2> rings;  // open; `count` is that of their vertices, 0: nothing on that side

@@ -173,15 +173,34 @@ void WorkingMesh::write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t
   set_quality(tet, made.quality);
 }
 
-void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
-  FaceList list;
-  collect_outer_faces(mesh_, old, list);
+// Of `count` tets in the place of `old`.
+std::array<std::uint32_t, WorkingMesh::kMostTets> WorkingMesh::take_ids(std::span<const std::uint32_t> old,
+                                                                        std::size_t count) {
   std::array<std::uint32_t, kMostTets> ids;
   std::copy(old.begin(), old.end(), ids.begin());
   std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(old.size()));
+  for (std::size_t i = count; i < old.size(); ++i) drop_tet(ids[i]);
+  for (std::size_t i = old.size(); i < count; ++i) ids[i] = take_tet();
+  return ids;
+}
+
+void WorkingMesh::replace_ring(const EdgeRing& ring, std::span<const RingTriangle> triangles) {
+  const RingFilling filling(mesh_, ring);
+  const auto ids = take_ids(ring.old(), 2 * triangles.size());
+  filling.fill(mesh_, triangles, std::span(ids).first(2 * triangles.size()));
+  const Vec3 origin = point(ring.a);
+  for (const std::uint32_t tet : std::span(ids).first(2 * triangles.size())) {
+    const auto v = verts(tet);
+    set_quality(tet,
+                cubed_quality(point(v[0]) - origin, point(v[1]) - origin, point(v[2]) - origin, point(v[3]) - origin));
+  }
+}
+
+void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
+  FaceList list;
+  collect_outer_faces(mesh_, old, list);
   const std::uint32_t region = mesh_.to_region[old[0]];
-  for (std::size_t i = made.size(); i < old.size(); ++i) drop_tet(ids[i]);
-  for (std::size_t i = old.size(); i < made.size(); ++i) ids[i] = take_tet();
+  const auto ids = take_ids(old, made.size());
   for (std::size_t i = 0; i < made.size(); ++i) {
     const std::uint32_t tet = ids[i];
     write_tet(tet, made[i], region);

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
 
@@ -85,6 +86,9 @@ class WorkingMesh {
   /// inside the cavity is fixed. Post: neighbours, fixed faces, regions and qualities are right.
   void replace(std::span<const std::uint32_t> old, std::span<const NewTet> made);
 
+  /// The same for the tets around an edge inside of one region and those over a triangulation of its ring.
+  void replace_ring(const EdgeRing& ring, std::span<const RingTriangle> triangles);
+
   /// The same on both sides of a surface at once, where two of its triangles are exchanged: they alone, of the fixed
   /// faces, may lie inside the cavity. Each side is of one region; a side may be filled by nothing, the surface then
   /// passes to the tets behind it.
@@ -105,6 +109,7 @@ class WorkingMesh {
   void fix_points_of(std::uint32_t tet);
   std::vector<std::uint32_t> find_dead() const;  // ascending
   void compact_qualities(std::span<const std::uint32_t> dead);
+  std::array<std::uint32_t, kMostTets> take_ids(std::span<const std::uint32_t> old, std::size_t count);
   void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
   std::uint32_t take_tet();

@@ -12,6 +12,7 @@
 #include "adapt/kernel/star_cavity.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "core/mesh/validate.hpp"
+#include "mesher/tets/ring_triangulation.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
@@ -168,7 +169,7 @@ class Mangler {
  public:
   Mangler(CavityMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed) {}
 
-  enum class Kind { Split, FacePoint, TetPoint, Collapse, EdgeSwap, FaceSwap, Move, SwapsAndCollapse, Count };
+  enum class Kind { Split, FacePoint, TetPoint, Collapse, EdgeSwap, FaceSwap, Move, SwapsAndCollapse, RingSwap, Count };
 
   /// Whether one was carried out.
   bool attempt(Kind kind) {
@@ -185,6 +186,7 @@ class Mangler {
       case Kind::FaceSwap: return swap_face({v[0], v[1], v[2]}, tet, v[3]);
       case Kind::Move: return move(v[0], tet);
       case Kind::SwapsAndCollapse: return collapse_with_swaps();
+      case Kind::RingSwap: return swap_ring({v[0], v[1]}, tet);
       case Kind::Count: break;
     }
     return false;
@@ -251,6 +253,47 @@ class Mangler {
         for (const std::uint32_t u : tets::verts_of(mesh_.mesh, face)) add(u);
     }
     return carry_out(core, tet, ring[below(ring.size())]);
+  }
+
+  // The best triangulation of a ring's places from i to j, among all.
+  double best_of_all(const tets::EdgeRing& ring, int i, int j) const {
+    if (j - i < 2) return 2;
+    double best = 0;
+    for (int k = i + 1; k < j; ++k) {
+      double worst = std::min(best_of_all(ring, i, k), best_of_all(ring, k, j));
+      const tets::RingTriangle triangle{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(k),
+                                        static_cast<std::uint8_t>(j)};
+      for (const Tet& v : tets_over(ring, triangle)) worst = std::min(worst, mesh_.quality_of(v[0], v[1], v[2], v[3]));
+      best = std::max(best, worst);
+    }
+    return best;
+  }
+
+  bool swap_ring(const Core& core, std::uint32_t tet) {
+    collect(core, tet);
+    tets::EdgeRing ring;
+    if (!cavity_.surface.empty() || cavity_.tets.size() > 8 || !mesh_.find_ring(cavity_, ring)) return false;
+    Contents goal = contents_of(mesh_);
+    for (std::size_t i = 0; i < ring.old().size(); ++i) {
+      const Tet around{ring.a, ring.b, ring.verts[i], ring.verts[(i + 1) % ring.old().size()]};
+      const auto old = std::ranges::find(goal.tets, canonical(around), &NamedTet::verts);
+      REQUIRE(old != goal.tets.end());
+      goal.tets.erase(old);
+    }
+    const RingInMetric qualities(mesh_, ring);
+    tets::RingTriangulation triangulation(qualities, ring.count);
+    const double least = triangulation.maximize(0);
+    REQUIRE(least == Approx(best_of_all(ring, 0, ring.count - 1)).epsilon(1e-9));
+    if (!(least > 1e-9)) return false;
+    const tets::RingTriangles triangles = triangulation.triangles();
+    const std::uint32_t region = mesh_.mesh.to_region[tet];
+    for (const tets::RingTriangle& triangle : triangles.list())
+      for (const Tet& v : tets_over(ring, triangle)) goal.tets.push_back({canonical(v), region});
+    goal.sort();
+    mesh_.replace_ring(ring, triangles.list());
+    REQUIRE(contents_of(mesh_) == goal);
+    check_invariants(mesh_);
+    return true;
   }
 
   bool swap_face(const Core& core, std::uint32_t tet, std::uint32_t own) {
