@@ -88,8 +88,10 @@ using MadeQualities = std::vector<float>;
 
 class CavityMesh {
  public:
+  static constexpr float kDeadQuality = 2;
+
   TetMesh mesh;
-  GrowingArray<float> to_quality;           ///< cubed quality of each tet in the metric; 2 for dead ones
+  GrowingArray<float> to_quality;           ///< cubed quality of each tet in the metric; kDeadQuality for dead ones
   GrowingArray<VertexMetric> to_metric;     ///< per vertex
   GrowingArray<PackedEntity> to_entity;     ///< per vertex: what it is classified on
   GrowingArray<std::uint32_t> vert_to_tet;  ///< a tet that has the vertex; kNone: none has
@@ -196,19 +198,6 @@ class CavityMesh {
   std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
   std::vector<std::uint8_t> old_fixed_;
   std::vector<std::uint32_t> free_;
-};
-
-/// Mean ratios in the metric of the tets over a ring, for tets::RingTriangulation.
-class RingInMetric {
- public:
-  RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring);
-  double worse_over(int i, int j, int k) const;
-
- private:
-  std::array<const Vec3*, tets::kMostRingVerts> points_;
-  std::array<const VertexMetric*, tets::kMostRingVerts> metrics_;
-  const Vec3 &a_, &b_;
-  const VertexMetric &metric_of_a_, &metric_of_b_;
 };
 
 }  // namespace tetloom::adapt

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "adapt/kernel/passes.hpp"
+#include "adapt/kernel/ring_in_metric.hpp"
 #include "mesher/tets/ring_triangulation.hpp"
 
 namespace tetloom::adapt {

@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "adapt/kernel/ring_in_metric.hpp"
 #include "adapt/kernel/star_cavity.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "core/mesh/validate.hpp"

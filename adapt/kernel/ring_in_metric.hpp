@@ -1,0 +1,23 @@
+#pragma once
+// What tets::RingTriangulation asks of a ring.
+#include <array>
+
+#include "adapt/kernel/cavity_mesh.hpp"
+#include "mesher/tets/edge_ring.hpp"
+
+namespace tetloom::adapt {
+
+/// Mean ratios in the metric of the tets over a ring.
+class RingInMetric {
+ public:
+  RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring);
+  double worse_over(int i, int j, int k) const;
+
+ private:
+  std::array<const Vec3*, tets::kMostRingVerts> points_;
+  std::array<const VertexMetric*, tets::kMostRingVerts> metrics_;
+  const Vec3 &a_, &b_;
+  const VertexMetric &metric_of_a_, &metric_of_b_;
+};
+
+}  // namespace tetloom::adapt
