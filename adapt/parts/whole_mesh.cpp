@@ -27,6 +27,8 @@ void check_cells(const Mesh& mesh) {
     throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
 }
 
+constexpr std::size_t kGrain = std::size_t{1} << 14;
+
 class Builder {
  public:
   Builder(const Mesh& mesh, const TaskRunner& runner) : mesh_(mesh), runner_(runner) {}
@@ -65,22 +67,32 @@ class Builder {
   void find_triangles() {
     const tets::TriangleIndex index(mesh_.tri_to_vert, mesh_.points.size());
     triangles_.resize(mesh_.tri_to_vert.size());
-    for (FaceCode face = 0; face < tets_.to_neighbor.size(); ++face) {
-      const FaceCode behind = tets_.to_neighbor[face];
-      const std::uint32_t tet = face / 4;
-      const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
-      if (!between && !tets_.is_fixed(face)) continue;
-      if (behind != kNone && behind < face) continue;
-      const Triangle verts = tets::verts_of(tets_, face);
-      const auto* found = index.find(tets::sorted(verts));
-      if (!found || mesh_.tri_to_entity[found->triangle] == kNone)
-        refuse(behind == kNone ? "a face of the mesh's boundary has no triangle that names its model face"
-                               : "two regions meet in a face without a triangle that names its model face",
-               tets_.points[verts[0]], tet);
-      triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
-                                     {tet, behind == kNone ? kNone : behind / 4}};
+    const auto unnamed =
+        map_blocks(runner_, tets_.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
+          for (auto face = static_cast<FaceCode>(4 * begin); face < 4 * end; ++face)
+            if (!find_triangle(face, index)) first = std::min(first, face);
+        });
+    for (const FaceCode face : unnamed) {
+      if (face == kNone) continue;
+      refuse(tets_.to_neighbor[face] == kNone
+                 ? "a face of the mesh's boundary has no triangle that names its model face"
+                 : "two regions meet in a face without a triangle that names its model face",
+             tets_.points[tets::verts_of(tets_, face)[0]], face / 4);
     }
     std::erase_if(triangles_, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
+  }
+
+  // False: the face should be a triangle, and is none. No two faces have the same triangle.
+  bool find_triangle(FaceCode face, const tets::TriangleIndex& index) {
+    const FaceCode behind = tets_.to_neighbor[face];
+    const std::uint32_t tet = face / 4;
+    const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
+    if ((!between && !tets_.is_fixed(face)) || (behind != kNone && behind < face)) return true;
+    const auto* found = index.find(tets::sorted(tets::verts_of(tets_, face)));
+    if (!found || mesh_.tri_to_entity[found->triangle] == kNone) return false;
+    triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
+                                   {tet, behind == kNone ? kNone : behind / 4}};
+    return true;
   }
 
   // Pieces of model edges: those that the mesh has, and edges where two model faces meet without one.

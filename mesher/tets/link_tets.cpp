@@ -1,63 +1,82 @@
 #include "mesher/tets/link_tets.hpp"
 
+#include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
-#include "mesher/tets/find_triangles.hpp"
+#include "mesher/tets/face_groups.hpp"
 
 namespace tetloom::tets {
 
 namespace {
 
-constexpr std::uint32_t kBetweenChecks = 1 << 14;  // tets or faces between two looks at the cancellation
+constexpr std::size_t kGrain = 1 << 12;
 
+// Of the first tet without volume.
 Fault turn_tets(TetMesh& mesh, const TaskRunner& runner) {
-  for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
-    if (tet % kBetweenChecks == 0) runner.check_cancelled();
-    const Vec3& a = mesh.point_of(tet, 0);
-    const int sign = orient3d(a, mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
-    if (sign == 0) return {"a tetrahedron has no volume", {}, a};
-    if (sign < 0) std::swap(mesh.to_vert[std::size_t{tet} * 4 + 2], mesh.to_vert[std::size_t{tet} * 4 + 3]);
-  }
+  const auto flat =
+      map_blocks(runner, mesh.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
+        for (auto tet = static_cast<std::uint32_t>(begin); tet < end; ++tet) {
+          const int sign =
+              orient3d(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
+          if (sign == 0) first = std::min(first, tet);
+          if (sign < 0) std::swap(mesh.to_vert[std::size_t{tet} * 4 + 2], mesh.to_vert[std::size_t{tet} * 4 + 3]);
+        }
+      });
+  for (const std::uint32_t tet : flat)
+    if (tet != kNone) return {"a tetrahedron has no volume", {}, mesh.point_of(tet, 0)};
   return {};
 }
 
-std::vector<TriangleVerts> faces_of(const TetMesh& mesh) {
-  std::vector<TriangleVerts> faces(mesh.to_neighbor.size());
-  for (FaceCode face = 0; face < faces.size(); ++face) faces[face] = verts_of(mesh, face);
-  return faces;
-}
-
-// Each face with the first one of the same vertices.
-Fault link_faces(TetMesh& mesh, const TriangleIndex& faces, const TaskRunner& runner) {
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (face % kBetweenChecks == 0) runner.check_cancelled();
-    const SortedTriangle key = sorted(verts_of(mesh, face));
-    const TriangleIndex::Entry& first = *faces.find(key);
-    if (first.triangle == face) continue;
-    const Vec3& point = mesh.points[key.verts[0]];
-    if (mesh.to_neighbor[first.triangle] != kNone) return {"more than two tetrahedra share a face", {}, point};
-    if (first.turned == key.turned) return {"two tetrahedra lie on one side of a face", {}, point};
-    mesh.to_neighbor[face] = first.triangle;
-    mesh.to_neighbor[first.triangle] = face;
+// The fault at the lowest face, of those that several tasks tell.
+class LowestFault {
+ public:
+  void tell(FaceCode face, const char* message) {
+    const std::lock_guard lock(mutex_);
+    if (face < face_) face_ = face, message_ = message;
   }
-  return {};
+  Fault fault(const TetMesh& mesh) const {
+    if (face_ == kNone) return {};
+    return {message_, {}, mesh.points[sorted(verts_of(mesh, face_)).verts[0]]};
+  }
+
+ private:
+  std::mutex mutex_;
+  FaceCode face_ = kNone;
+  const char* message_ = nullptr;
+};
+
+Fault link_faces(TetMesh& mesh, const FaceGroups& groups, const TaskRunner& runner) {
+  LowestFault lowest;
+  groups.for_each(runner, [&](std::span<const FaceCode> faces) {
+    if (faces.size() == 1) return;
+    if (sorted(verts_of(mesh, faces[0])).turned == sorted(verts_of(mesh, faces[1])).turned)
+      return lowest.tell(faces[1], "two tetrahedra lie on one side of a face");
+    if (faces.size() > 2) return lowest.tell(faces[2], "more than two tetrahedra share a face");
+    mesh.to_neighbor[faces[0]] = faces[1], mesh.to_neighbor[faces[1]] = faces[0];
+  });
+  return lowest.fault(mesh);
 }
 
 void fix(TetMesh& mesh, FaceCode face) {
   mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
 }
 
-Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const TriangleIndex& faces) {
+Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const FaceGroups& groups,
+                  const TaskRunner& runner) {
+  std::vector<FaceCode> faces(triangles.size());
+  runner.for_blocks(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) faces[t] = groups.find(sorted(triangles[t]).verts);
+  });
   Fault fault;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const TriangleIndex::Entry* found = faces.find(sorted(triangles[t]));
-    if (!found) {
+    if (faces[t] == kNone) {
       fault.triangles.push_back(t);
       continue;
     }
-    fix(mesh, found->triangle);
-    if (const FaceCode behind = mesh.to_neighbor[found->triangle]; behind != kNone) fix(mesh, behind);
+    fix(mesh, faces[t]);
+    if (const FaceCode behind = mesh.to_neighbor[faces[t]]; behind != kNone) fix(mesh, behind);
   }
   if (fault.triangles.empty()) return fault;
   const auto& [a, b, c] = triangles[fault.triangles[0]];
@@ -76,10 +95,9 @@ Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet
   mesh.to_region.resize(tet_to_vert.size(), kNone);
   mesh.to_fixed.resize(tet_to_vert.size(), 0);
   if (Fault fault = turn_tets(mesh, runner); fault.any()) return fault;
-  const std::vector<TriangleVerts> verts = faces_of(mesh);
-  const TriangleIndex faces(verts, mesh.points.size());
-  if (Fault fault = link_faces(mesh, faces, runner); fault.any()) return fault;
-  return fix_surface(mesh, triangles, faces);
+  const FaceGroups groups(mesh.to_vert.span(), mesh.points.size(), runner);
+  if (Fault fault = link_faces(mesh, groups, runner); fault.any()) return fault;
+  return fix_surface(mesh, triangles, groups, runner);
 }
 
 }  // namespace tetloom::tets
