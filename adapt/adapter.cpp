@@ -85,7 +85,7 @@ Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFuncti
       whole_(make_whole_mesh(mesh, runner_)) {
   if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
   // Tets may have been turned when they were linked.
-  const std::vector<TetVerts> tets = tets_of(whole_);
+  const std::vector<TetVerts> tets = tets_of(whole_, runner_);
   const TetView view{whole_.points.span(), tets};
   implied_ = implied_metric(view, runner_);
   const auto links = whole_.to_neighbor.span();
@@ -158,7 +158,7 @@ CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
   CarriedFields carried;
   if (carrier.has_none()) return carried;
   work_.each([&] {
-    const std::vector<TetVerts> tets = tets_of(whole_);
+    const std::vector<TetVerts> tets = tets_of(whole_, runner_);
     // The hints of vertices are those of any number of ranks, and so are the places.
     std::vector<BackgroundPlace> places(whole_.points.size());
     runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -183,7 +183,7 @@ void Adapter::finish_result(AdaptResult& result) {
     whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
     const std::size_t verts = whole_.points.size();
     keep_values(carried.on_points, join_fans(whole_, touching_), verts);
-    result.mesh = make_mesh_of(whole_, mesh_);
+    result.mesh = make_mesh_of(whole_, mesh_, work_.runner_for_one());
     metric_of_result_ = std::move(whole_.to_metric);
     whole_ = WholeMesh();
     if (!carrier.has_none()) report.transfers = carrier.finish(std::move(carried), result.mesh, work_.runner_for_one());

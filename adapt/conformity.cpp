@@ -1,7 +1,10 @@
 #include "adapt/conformity.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+
+#include "core/base/growing_array.hpp"
 
 namespace tetloom {
 
@@ -9,7 +12,7 @@ namespace adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 12;
+constexpr std::size_t kGrain = std::size_t{1} << 10;
 
 MetricConformity nothing_yet() {
   MetricConformity blank;
@@ -61,14 +64,21 @@ class Measure {
   }
 
   void find_stars() {
-    begins_.assign(mesh_.points.size() + 2, 0);
-    for (const TetVerts& tet : mesh_.tet_to_vert)
-      for (const std::uint32_t v : tet) ++begins_[v + 2];
-    for (std::size_t v = 2; v < begins_.size(); ++v) begins_[v] += begins_[v - 1];
-    // begins_[v + 1] is where the next tet of v goes, and ends up as the end of v's.
-    to_tet_.resize(mesh_.tet_to_vert.size() * 4);
-    for (std::size_t tet = 0; tet < mesh_.tet_to_vert.size(); ++tet)
-      for (const std::uint32_t v : mesh_.tet_to_vert[tet]) to_tet_[begins_[v + 1]++] = static_cast<std::uint32_t>(tet);
+    begins_.resize(mesh_.points.size() + 1, 0);
+    const auto for_each_corner = [&](const auto& visit) {
+      loop_.for_blocks(mesh_.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tet = begin; tet < end; ++tet)
+          for (const std::uint32_t v : mesh_.tet_to_vert[tet]) visit(static_cast<std::uint32_t>(tet), v);
+      });
+    };
+    // Partner of each access: the same for other tets of the vertex, in any order, which add_edges does not depend on.
+    for_each_corner(
+        [&](std::uint32_t, std::uint32_t v) { std::atomic_ref(begins_[v]).fetch_add(1, std::memory_order_relaxed); });
+    for (std::size_t v = 0; v + 1 < begins_.size(); ++v) begins_[v + 1] += begins_[v];
+    to_tet_.resize_for_overwrite(mesh_.tet_to_vert.size() * 4);
+    for_each_corner([&](std::uint32_t tet, std::uint32_t v) {
+      to_tet_[std::atomic_ref(begins_[v]).fetch_sub(1, std::memory_order_relaxed) - 1] = tet;
+    });
   }
 
   // Those to higher vertices.
@@ -104,8 +114,8 @@ class Measure {
   std::span<const VertexMetric> metrics_;
   const BlockLoop& loop_;
   MetricConformity all_;
-  std::vector<std::size_t> begins_;
-  std::vector<std::uint32_t> to_tet_;  // tets of one vertex after the other
+  GrowingArray<std::size_t> begins_;    // of the tets of each vertex
+  GrowingArray<std::uint32_t> to_tet_;  // tets of one vertex after the other
 };
 
 }  // namespace

@@ -27,7 +27,7 @@ void check_cells(const Mesh& mesh) {
     throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
 }
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
+constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 class Builder {
  public:
@@ -190,19 +190,23 @@ void name_the_new(Mesh& mesh) {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole) {
+std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner) {
   std::vector<std::array<std::uint32_t, 4>> tets(whole.size());
-  for (std::size_t tet = 0; tet < tets.size(); ++tet) std::copy_n(&whole.to_vert[tet * 4], 4, tets[tet].begin());
+  runner.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) std::copy_n(&whole.to_vert[tet * 4], 4, tets[tet].begin());
+  });
   return tets;
 }
 
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
 
-Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
+Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner) {
   Mesh mesh;
-  mesh.points.assign(whole.points.begin(), whole.points.end());
-  mesh.point_to_entity.reserve(whole.points.size());
-  for (const PackedEntity entity : whole.to_entity) mesh.point_to_entity.push_back(entity.unpack());
+  mesh.points.resize(whole.points.size()), mesh.point_to_entity.resize(whole.points.size());
+  runner.for_blocks(whole.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      mesh.points[v] = whole.points[v], mesh.point_to_entity[v] = whole.to_entity[v].unpack();
+  });
   for (const ModelEdgePiece& piece : whole.edges) {
     mesh.edge_to_vert.push_back(piece.verts);
     mesh.edge_to_entity.push_back(piece.edge);
@@ -211,7 +215,7 @@ Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source) {
     mesh.tri_to_vert.push_back(t.triangle.verts);
     mesh.tri_to_entity.push_back(t.triangle.face);
   }
-  mesh.tet_to_vert = tets_of(whole);
+  mesh.tet_to_vert = tets_of(whole, runner);
   mesh.tet_to_entity.assign(whole.to_region.begin(), whole.to_region.end());
   mesh.face_to_sides = source.face_to_sides;
   mesh.entities = source.entities;

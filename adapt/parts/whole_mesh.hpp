@@ -79,9 +79,9 @@ void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visi
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
 
 /// The vertices of its tets.
-std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole);
+std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner);
 
 /// The mesh as it is now, with the names, sides and entities of `source`; without fields.
-Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source);
+Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner);
 
 }  // namespace tetloom::adapt

@@ -54,7 +54,7 @@ class FaceGroups {
   }
 
  private:
-  static constexpr std::size_t kGrain = 1 << 12;
+  static constexpr std::size_t kGrain = 1 << 10;
 
   std::span<const std::uint32_t> to_vert_;
   GrowingArray<std::uint32_t> begins_;  // of the faces of each lowest vertex

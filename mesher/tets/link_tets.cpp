@@ -11,7 +11,7 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kGrain = 1 << 11;
 
 // Of the first tet without volume.
 Fault turn_tets(TetMesh& mesh, const TaskRunner& runner) {

@@ -429,7 +429,7 @@ TEST_CASE("operations on cavities do what their definition says", "[cavity_mesh]
   };
   with_part(box, mangle, &whole);
   for (const int count : done) CHECK(count >= 5);
-  const ValidationReport validation = validate_mesh(make_mesh_of(whole, box));
+  const ValidationReport validation = validate_mesh(make_mesh_of(whole, box, TaskRunner(1)));
   for (const MeshProblem& problem : validation.problems) FAIL_CHECK(problem.message);
 }
 

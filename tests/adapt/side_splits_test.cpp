@@ -35,7 +35,7 @@ Mesh with_sides_split(const Mesh& mesh, const SideSplitOptions& sides, std::size
   test::BeforeRound before(mesh, metric_of(mesh));
   count = adapt_in_parts(before.whole, before.links, before.deal(part_count),
                          {[](std::size_t, CavityMesh&) {}, &before.stage, sides}, before.work);
-  return make_mesh_of(before.whole, mesh);
+  return make_mesh_of(before.whole, mesh, TaskRunner(1));
 }
 
 double volume_of(const Mesh& mesh) {
@@ -137,7 +137,7 @@ TEST_CASE("edges at which bodies touch are not split at sides", "[side_splits]")
     splits += adapt_in_parts(before.whole, before.links, before.deal(9),
                              {[](std::size_t, CavityMesh&) {}, &before.stage, {.longest = 0.1}}, before.work);
     join_fans(before.whole, touching);
-    test::check_kept(mesh, make_mesh_of(before.whole, mesh));
+    test::check_kept(mesh, make_mesh_of(before.whole, mesh, TaskRunner(1)));
   }
   CHECK(splits > 100);
 }

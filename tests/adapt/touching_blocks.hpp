@@ -33,7 +33,7 @@ class Blocks {
       for (std::size_t i = 0; i < 4; ++i) add_face(box, {v[i == 0], v[i <= 1 ? 2 : 1], v[i <= 2 ? 3 : 2]});
     drop_unused(box);
     // Edges and corners get their names.
-    return make_mesh_of(make_whole_mesh(mesh_, TaskRunner(1)), mesh_);
+    return make_mesh_of(make_whole_mesh(mesh_, TaskRunner(1)), mesh_, TaskRunner(1));
   }
 
  private:

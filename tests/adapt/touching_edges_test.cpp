@@ -100,7 +100,7 @@ TEST_CASE("edges at which bodies touch are split for all of them alike, with fie
         split_touching_edges(mesh, sizes(mesh, h), has_function ? function : MetricFunction(), nullptr, kAny);
     REQUIRE(split);
     require_consistent(split->mesh);
-    test::check_kept(mesh, make_mesh_of(make_whole_mesh(split->mesh, TaskRunner(1)), split->mesh));
+    test::check_kept(mesh, make_mesh_of(make_whole_mesh(split->mesh, TaskRunner(1)), split->mesh, TaskRunner(1)));
     CHECK(longest_shared(split->mesh) <= std::sqrt(2.0) * h);
     REQUIRE(split->metric.size() == split->mesh.points.size());
     for (std::size_t v = 0; v < split->mesh.points.size(); ++v) {
