@@ -58,15 +58,27 @@ class Curve {
   }
 
   std::uint64_t key_of(std::size_t tet) const {
-    Vec3 sum;
-    for (std::size_t i = 0; i < 4; ++i) sum += share_.points[share_.to_vert[tet * 4 + i]];
-    const Vec3 x = scale_ * (0.25 * sum - lo_);
-    const std::array<std::int64_t, 3> at{static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y),
-                                         static_cast<std::int64_t>(x.z)};
-    return hilbert_key(at[round_ % 3], at[(round_ + 1) % 3], at[(round_ + 2) % 3]);
+    const Cell at = cell_of(tet);
+    return hilbert_key(at[0], at[1], at[2]);
+  }
+  // The part that has the tet, where the curve is cut.
+  std::uint32_t part_of(std::size_t tet, std::span<const std::uint64_t> cuts) const {
+    if (cuts.empty()) return 0;
+    const Cell at = cell_of(tet);
+    return static_cast<std::uint32_t>(hilbert_piece(at[0], at[1], at[2], cuts));
   }
 
  private:
+  using Cell = std::array<std::int64_t, 3>;
+
+  Cell cell_of(std::size_t tet) const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < 4; ++i) sum += share_.points[share_.to_vert[tet * 4 + i]];
+    const Vec3 x = scale_ * (0.25 * sum - lo_);
+    const Cell at{static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y), static_cast<std::int64_t>(x.z)};
+    return {at[round_ % 3], at[(round_ + 1) % 3], at[(round_ + 2) % 3]};
+  }
+
   const WholeMesh& share_;
   std::size_t round_;
   Vec3 lo_;
@@ -133,11 +145,6 @@ std::vector<std::uint64_t> find_cuts(std::vector<Sample> samples, std::size_t pa
   return cuts;
 }
 
-std::uint32_t part_at(const std::vector<std::uint64_t>& cuts, const Curve& curve, std::size_t tet) {
-  if (cuts.empty()) return 0;
-  return static_cast<std::uint32_t>(std::upper_bound(cuts.begin(), cuts.end(), curve.key_of(tet)) - cuts.begin());
-}
-
 }  // namespace
 
 double sum_of_work(std::span<const float> to_work, const SharedWork& work) {
@@ -162,7 +169,7 @@ Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<con
                                [&](std::size_t begin, std::size_t end, std::vector<std::int64_t>& units) {
                                  units.resize(part_count);
                                  for (std::size_t tet = begin; tet < end; ++tet) {
-                                   const std::uint32_t part = part_at(cuts, curve, tet);
+                                   const std::uint32_t part = curve.part_of(tet, cuts);
                                    dealing.to_part[tet] = part;
                                    units[part] += work_units(to_work[tet]);
                                  }

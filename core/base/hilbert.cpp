@@ -1,5 +1,6 @@
 #include "core/base/hilbert.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -59,21 +60,52 @@ constexpr auto kDoubleSteps = [] {
   return table;
 }();
 
+static_assert(kHilbertBits % 2 == 1);
+constexpr int kTop = kHilbertBits - 1;
+
+/// The way down to a cell: its key from the most significant bits on.
+class Descent {
+ public:
+  Descent(std::int64_t x, std::int64_t y, std::int64_t z) : x_(x), y_(y), z_(z) {
+    const unsigned first = kSteps[static_cast<unsigned>((x >> kTop & 1) | (y >> kTop & 1) << 1 | (z >> kTop & 1) << 2)];
+    key = first & 7;
+    pose_ = (first & ~7U) << 3;
+  }
+  /// Two levels; `bit` is the lower one of them.
+  void go_down(int bit) {
+    const auto place = static_cast<unsigned>((x_ >> bit & 3) | (y_ >> bit & 3) << 2 | (z_ >> bit & 3) << 4);
+    const unsigned next = kDoubleSteps[pose_ + place];
+    key = key << 6 | (next & 63);
+    pose_ = next & ~63U;
+  }
+
+  std::uint64_t key;  ///< as far as it is known
+
+ private:
+  std::int64_t x_, y_, z_;
+  unsigned pose_;  // times 64
+};
+
 }  // namespace
 
 std::uint64_t hilbert_key(std::int64_t x, std::int64_t y, std::int64_t z) {
-  static_assert(kHilbertBits % 2 == 1);
-  constexpr int kTop = kHilbertBits - 1;
-  const unsigned first = kSteps[static_cast<unsigned>((x >> kTop & 1) | (y >> kTop & 1) << 1 | (z >> kTop & 1) << 2)];
-  std::uint64_t key = first & 7;
-  unsigned pose = (first & ~7U) << 3;  // times 64
-  for (int bit = kTop - 2; bit >= 0; bit -= 2) {
-    const auto place = static_cast<unsigned>((x >> bit & 3) | (y >> bit & 3) << 2 | (z >> bit & 3) << 4);
-    const unsigned next = kDoubleSteps[pose + place];
-    key = key << 6 | (next & 63);
-    pose = next & ~63U;
+  Descent descent(x, y, z);
+  for (int bit = kTop - 2; bit >= 0; bit -= 2) descent.go_down(bit);
+  return descent.key;
+}
+
+std::size_t hilbert_piece(std::int64_t x, std::int64_t y, std::int64_t z, std::span<const std::uint64_t> cuts) {
+  Descent descent(x, y, z);
+  // Those before `first` are not above the key, those from `last` on are.
+  auto first = cuts.begin(), last = cuts.end();
+  for (int bit = kTop;; descent.go_down(bit)) {
+    const auto known = [bit](std::uint64_t cut) { return cut >> (3 * bit); };
+    first = std::ranges::lower_bound(first, last, descent.key, {}, known);
+    last = std::ranges::upper_bound(first, last, descent.key, {}, known);
+    if (bit == 0 || first == last) break;
+    bit -= 2;
   }
-  return key;
+  return static_cast<std::size_t>(last - cuts.begin());
 }
 
 }  // namespace tetloom

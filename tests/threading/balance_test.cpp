@@ -220,3 +220,23 @@ TEST_CASE("neighbours along the curve share a face") {
     REQUIRE(apart == 1);
   }
 }
+
+TEST_CASE("a cell lies in the piece of a cut curve that its key tells") {
+  std::mt19937_64 random(31);
+  const auto coordinate = [&](int bits) {
+    return static_cast<std::int64_t>(random() >> (64 - bits)) << (kHilbertBits - bits);
+  };
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 65u}) {
+    CAPTURE(count);
+    for (int i = 0; i < 2000; ++i) {
+      // Few bits, so that cells are cuts themselves, which may be repeated.
+      const int bits = 1 + i % kHilbertBits;
+      std::vector<std::uint64_t> cuts(count);
+      for (std::uint64_t& cut : cuts) cut = hilbert_key(coordinate(bits), coordinate(bits), coordinate(bits));
+      std::sort(cuts.begin(), cuts.end());
+      const std::int64_t x = coordinate(bits), y = coordinate(bits), z = coordinate(bits);
+      const auto expected = std::upper_bound(cuts.begin(), cuts.end(), hilbert_key(x, y, z)) - cuts.begin();
+      REQUIRE(hilbert_piece(x, y, z, cuts) == static_cast<std::size_t>(expected));
+    }
+  }
+}
