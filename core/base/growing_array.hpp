@@ -87,8 +87,9 @@ class GrowingArray {
   }
   void push_back(const T& value) {
     const T copy = value;  // may lie in this array
-    resize_for_overwrite(size_ + 1);
-    data_[size_ - 1] = copy;
+    if (size_ == capacity_) [[unlikely]]
+      grow();
+    data_[size_++] = copy;
   }
   /// Pre: `values` does not lie in this array.
   void append(std::span<const T> values) {
@@ -112,6 +113,7 @@ class GrowingArray {
   }
 
  private:
+  void grow() { set_capacity(std::max(size_ + 1, capacity_ + capacity_ / 2)); }
   void set_capacity(std::size_t count) {
     data_ = static_cast<T*>(
         detail::resize_storage(data_, capacity_ * sizeof(T), std::min(size_, count) * sizeof(T), count * sizeof(T)));
