@@ -18,7 +18,7 @@ using tets::TetMesh;
 using tets::TriangleVerts;
 using volume::Complex;
 
-constexpr double kFromOtherBoxes = 1;  // in sizes
+constexpr double kFromOtherBoxes = 2;  // in sizes: triangles at two points that change must not meet
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -110,12 +110,7 @@ class Improvement {
 
   void freeze() {
     is_frozen_.assign(points_.size(), 0);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double margin = kFromOtherBoxes * input_.size_at(surface_.points[i]);
-      const Vec3& x = surface_.points[i];
-      for (int axis = 0; axis < 3; ++axis)
-        if (x[axis] < box_.lo[axis] + margin || x[axis] > box_.hi[axis] - margin) is_frozen_[i] = 1;
-    }
+    for (std::size_t i = 0; i < points_.size(); ++i) is_frozen_[i] = !is_own(surface_.points[i]);
     for (const std::uint32_t point : state_.surface_elsewhere)
       if (const auto at = std::lower_bound(points_.begin(), points_.end(), point); at != points_.end() && *at == point)
         is_frozen_[static_cast<std::size_t>(at - points_.begin())] = 1;
@@ -124,6 +119,16 @@ class Improvement {
       for (const std::uint32_t v : verts_of(mesh_, face))
         if (v < is_frozen_.size()) is_frozen_[v] = 1;
     }
+  }
+
+  // Whether the part may change what lies there. Where two parts do, each in its own box, triangles at the two places
+  // are apart, since the place in the box of the higher number is farther than that from the other box.
+  bool is_own(const Vec3& x) const {
+    const double margin = kFromOtherBoxes * input_.size_at(x);
+    if (distance_outside(x, box_) > 0) return false;
+    return std::ranges::none_of(input_.decomposition.neighbors(part_), [&](PartId other) {
+      return other < part_ && is_within(x, input_.decomposition.box(other), margin);
+    });
   }
 
   void note_changes(const std::vector<TriangleVerts>& after) {

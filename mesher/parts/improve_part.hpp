@@ -9,8 +9,9 @@
 
 namespace tetloom::parts {
 
-/// As volume::improve, for the surface inside of the part: points stay that other parts have, too, or that lie within a
-/// size of their boxes, where another part may change what lies across a gap. Vertices get new numbers.
+/// As volume::improve, for the surface inside of the part: points stay that other parts have, too, that lie outside of
+/// the part's box, or within two sizes of the box of a part with a lower number, which may change what lies across a
+/// gap. Vertices get new numbers.
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
 /// Whether the surface of a part whose tets have at least this quality is looked at.
 bool wants_improvement(const SharedInput& input, double least_cubed);

@@ -50,21 +50,41 @@ std::vector<Neighborhood> gather_neighborhoods(const AllParts& parts, const std:
   return around;
 }
 
-// Notes which parts the patches belong to; what all patches have removed.
-std::vector<TetKeys> note_patches(const AllParts& parts, const std::vector<Cluster>& clusters,
-                                  std::span<const Patch> patches) {
+// What all patches have removed.
+std::vector<TetKeys> gather_removed(const AllParts& parts, const std::vector<Cluster>& clusters,
+                                    std::span<const Patch> patches) {
   std::vector<TetKeys> own;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     if (!parts.states.is_local(clusters[c].part)) continue;
     PartState& state = parts.states.at(clusters[c].part);
     own.insert(own.end(), patches[c].removed.begin(), patches[c].removed.end());
-    state.patches.push_back(static_cast<std::uint32_t>(c));
-    state.figures.recovery_points += patches[c].new_points.size();
+    state.figures.recovery_points += patches[c].tets.new_points.size();
     if (!patches[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
   }
   std::vector<TetKeys> removed = parts.gather<TetKeys>(own);
   std::sort(removed.begin(), removed.end());
   return removed;
+}
+
+// The patches' tets to the parts that are to have them; those of this rank.
+std::vector<PatchTets> deal_patches(const AllParts& parts, const std::vector<Cluster>& clusters,
+                                    std::span<const Patch> patches) {
+  std::vector<Message> messages;
+  for (std::uint32_t c = 0; c < clusters.size(); ++c) {
+    if (!parts.states.is_local(clusters[c].part)) continue;
+    for (const auto& [part, tets] : deal_patch(parts.input, patches[c].tets)) {
+      MessageWriter writer;
+      put(writer, tets);
+      messages.push_back({clusters[c].part, part, c, writer.take()});
+    }
+  }
+  std::vector<PatchTets> dealt;
+  for (const Message& message : parts.exchange(std::move(messages))) {
+    MessageReader reader(message.bytes);
+    parts.states.at(message.to).patches.push_back(static_cast<std::uint32_t>(dealt.size()));
+    dealt.push_back(get_patch(reader));
+  }
+  return dealt;
 }
 
 }  // namespace
@@ -79,14 +99,15 @@ Mending mend_surface(const AllParts& parts) {
   }
   const std::vector<Cluster> clusters = make_clusters(parts.input, missing);
   std::vector<Neighborhood> around = gather_neighborhoods(parts, clusters);
-  mending.patches.resize(clusters.size());
+  std::vector<Patch> patches(clusters.size());
   run_on_all(parts.communicator, [&] {
     parts.runner.for_each(clusters.size(), [&](std::size_t c) {
       if (!parts.states.is_local(clusters[c].part)) return;
-      mending.patches[c] = recover_cluster(parts.input, clusters[c], std::move(around[c]), parts.runner);
+      patches[c] = recover_cluster(parts.input, clusters[c], std::move(around[c]), parts.runner);
     });
   });
-  mending.removed = note_patches(parts, clusters, mending.patches);
+  mending.removed = gather_removed(parts, clusters, patches);
+  mending.patches = deal_patches(parts, clusters, patches);
   return mending;
 }
 

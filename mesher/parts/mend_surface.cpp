@@ -64,15 +64,16 @@ class ClusterRecovery {
     if (!patch_.recovered) return std::move(patch_);
     const std::vector<TetKeys> after = name_tets();
     std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(patch_.removed));
-    for (std::size_t v = first_outer_ + 4; v < mesh_.points.size(); ++v) patch_.new_points.push_back(mesh_.points[v]);
+    for (std::size_t v = first_outer_ + 4; v < mesh_.points.size(); ++v)
+      patch_.tets.new_points.push_back(mesh_.points[v]);
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (mesh_.is_dead(tet) || has_outer(tet) || std::binary_search(before.begin(), before.end(), name_of(tet)))
         continue;
       if (is_inside(tet)) make(tet);
     }
     for (const std::uint32_t v : used_) {
-      patch_.keys.push_back(keys_[v]);
-      patch_.points.push_back(mesh_.points[v]);
+      patch_.tets.keys.push_back(keys_[v]);
+      patch_.tets.points.push_back(mesh_.points[v]);
     }
     return std::move(patch_);
   }
@@ -167,8 +168,8 @@ class ClusterRecovery {
   }
 
   void make(std::uint32_t tet) {
-    patch_.made.push_back(keys_of(tet));
-    std::uint8_t& fixed = patch_.fixed.emplace_back(mesh_.to_fixed[tet]);
+    patch_.tets.made.push_back(keys_of(tet));
+    std::uint8_t& fixed = patch_.tets.fixed.emplace_back(mesh_.to_fixed[tet]);
     for (std::uint32_t i = 0; i < 4; ++i)
       if (verts_of(mesh_, tet * 4 + i)[0] >= surface_count_) fixed &= static_cast<std::uint8_t>(~(1u << i));
     for (std::size_t i = 0; i < 4; ++i) {
@@ -239,7 +240,74 @@ Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighbor
   return ClusterRecovery(input, cluster, std::move(around), runner).run();
 }
 
-void put_in_patch(PartState& state, PartId part, const Patch& patch, std::uint32_t region) {
+std::vector<std::pair<PartId, PatchTets>> deal_patch(const SharedInput& input, const PatchTets& patch) {
+  const auto owner_of = [&](VertKey key) {
+    return is_of_surface(key) ? input.surface.owner_of(static_cast<std::uint32_t>(key)) : maker_of(key);
+  };
+  const auto count = static_cast<std::uint32_t>(patch.made.size());
+  DisjointSets sets(count);
+  std::vector<std::uint32_t> tet_at(patch.new_points.size(), kNone);
+  for (std::uint32_t t = 0; t < count; ++t)
+    for (const VertKey key : patch.made[t]) {
+      if (key < kNewPoint) continue;
+      if (std::uint32_t& other = tet_at[key - kNewPoint]; other == kNone) {
+        other = t;
+      } else {
+        sets.join(t, other);
+      }
+    }
+  std::vector<VertKey> lowest(count, kNewPoint);  // of the tets that go with the one that names their set
+  for (std::uint32_t t = 0; t < count; ++t)
+    for (const VertKey key : patch.made[t]) lowest[sets.find(t)] = std::min(lowest[sets.find(t)], key);
+  std::vector<std::pair<PartId, std::uint32_t>> tets;
+  for (std::uint32_t t = 0; t < count; ++t) tets.emplace_back(owner_of(lowest[sets.find(t)]), t);
+  std::sort(tets.begin(), tets.end());
+  std::vector<std::pair<PartId, PatchTets>> dealt;
+  for (std::size_t i = 0; i < tets.size();) {
+    auto& [part, piece] = dealt.emplace_back(tets[i].first, PatchTets());
+    std::vector<VertKey> added;  // new points, by what they are in the patch
+    for (; i < tets.size() && tets[i].first == part; ++i) {
+      auto& made = piece.made.emplace_back(patch.made[tets[i].second]);
+      piece.fixed.push_back(patch.fixed[tets[i].second]);
+      for (VertKey& key : made) {
+        if (key < kNewPoint) {
+          piece.keys.push_back(key);
+          continue;
+        }
+        const auto at = std::find(added.begin(), added.end(), key);
+        if (at == added.end()) piece.new_points.push_back(patch.new_points[key - kNewPoint]), added.push_back(key);
+        key = kNewPoint + static_cast<VertKey>(std::find(added.begin(), added.end(), key) - added.begin());
+      }
+    }
+    std::sort(piece.keys.begin(), piece.keys.end());
+    piece.keys.erase(std::unique(piece.keys.begin(), piece.keys.end()), piece.keys.end());
+    for (const VertKey key : piece.keys) {
+      const auto at = std::lower_bound(patch.keys.begin(), patch.keys.end(), key);
+      piece.points.push_back(patch.points[static_cast<std::size_t>(at - patch.keys.begin())]);
+    }
+  }
+  return dealt;
+}
+
+void put(MessageWriter& writer, const PatchTets& patch) {
+  writer.put_array(std::span<const std::array<VertKey, 4>>(patch.made));
+  writer.put_array(std::span<const std::uint8_t>(patch.fixed));
+  writer.put_array(std::span<const VertKey>(patch.keys));
+  writer.put_array(std::span<const Vec3>(patch.points));
+  writer.put_array(std::span<const Vec3>(patch.new_points));
+}
+
+PatchTets get_patch(MessageReader& reader) {
+  PatchTets patch;
+  patch.made = reader.get_array<std::array<VertKey, 4>>();
+  patch.fixed = reader.get_array<std::uint8_t>();
+  patch.keys = reader.get_array<VertKey>();
+  patch.points = reader.get_array<Vec3>();
+  patch.new_points = reader.get_array<Vec3>();
+  return patch;
+}
+
+void put_in_patch(PartState& state, PartId part, const PatchTets& patch, std::uint32_t region) {
   Strip strip;
   for (std::size_t v = 0; v < patch.keys.size(); ++v) {
     strip.keys.push_back(patch.keys[v]);

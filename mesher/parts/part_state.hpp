@@ -57,7 +57,7 @@ struct PartState {
   std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
   GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
 
-  std::vector<std::uint32_t> patches;  ///< clusters of missing triangles that this part has recovered
+  std::vector<std::uint32_t> patches;  ///< of tets where triangles have been recovered, those that this part has
 
   GrowingArray<float> qualities;  ///< cubed, per tet, once optimised; of dead ones as in a WorkingMesh
   bool has_dead = false;          ///< tets, once optimised

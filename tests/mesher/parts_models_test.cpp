@@ -1,7 +1,9 @@
 // Real CAD models filled in parts of a few thousand tets: nothing is given up, and threads do not matter. Skipped with
 // a message where the models are not there.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
+#include <tuple>
 
 #include "core/cad/read_model.hpp"
 #include "core/mesh/digest.hpp"
@@ -70,7 +72,26 @@ TEST_CASE("a real model filled in parts is the same for any number of threads", 
   if (!any) WARN("skipped: no models in " << test::kRealModels);
 }
 
-// A patch of recovered triangles lies in one part, also where it reaches far into the boxes of others.
+// Of the first two, triangles are missing all over the model; of the third, the surface has to change between parts.
+TEST_CASE("the worst tet of a real model is as good in parts as in one", "[worst]") {
+  bool any = false;
+  for (const auto& [name, size, tets_per_part] : {std::tuple{"elmerfem__step_pump_carter_sup.stp", 0.015, 2e4},
+                                                  {"netgen__tutorials_frame.step", 0.015, 2e4},
+                                                  {"tigl__TestData_simplewing.brep", 0.008, 1e5}}) {
+    const fs::path file = test::kRealModels / name;
+    if (!fs::exists(file)) continue;
+    any = true;
+    INFO(file);
+    const ModelDocument document = read_model(file);
+    const MeshResult one = make(*document.model, size, HUGE_VAL, 2),
+                     parts = make(*document.model, size, tets_per_part, 2);
+    check_valid(parts);
+    CHECK(parts.filling.parts.parts > 1);
+    CHECK(parts.filling.optimizer.least > 0.9 * one.filling.optimizer.least);
+  }
+  if (!any) WARN("skipped: no models in " << test::kRealModels);
+}
+
 TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[strips]") {
   const fs::path file = test::kRealModels / "Voron-0__Electronics_Mounts_SKR_3_EZ_Din_Mount.step";
   if (!fs::exists(file)) {
@@ -81,7 +102,7 @@ TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[
   const MeshResult result = make(*document.model, 0.0125, 1e4, 2);
   check_valid(result);
   const auto& strips = result.filling.parts.strips;
-  CHECK(strips[0].waiting > 500);
+  CHECK(strips[0].waiting > 300);
   CHECK(strips[0].moved > 1000);
   CHECK(strips[1].waiting < 50);
 }
