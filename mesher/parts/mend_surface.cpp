@@ -1,13 +1,11 @@
 #include "mesher/parts/mend_surface.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <numeric>
 #include <optional>
 
 #include "core/base/disjoint_sets.hpp"
 #include "mesher/parts/shell_tets.hpp"
-#include "mesher/parts/strip.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recovery.hpp"
@@ -238,99 +236,6 @@ Neighborhood find_neighborhood(const SharedInput& input, const PartState& state,
 
 Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner) {
   return ClusterRecovery(input, cluster, std::move(around), runner).run();
-}
-
-std::vector<std::pair<PartId, PatchTets>> deal_patch(const SharedInput& input, const PatchTets& patch) {
-  const auto owner_of = [&](VertKey key) {
-    return is_of_surface(key) ? input.surface.owner_of(static_cast<std::uint32_t>(key)) : maker_of(key);
-  };
-  const auto count = static_cast<std::uint32_t>(patch.made.size());
-  DisjointSets sets(count);
-  std::vector<std::uint32_t> tet_at(patch.new_points.size(), kNone);
-  for (std::uint32_t t = 0; t < count; ++t)
-    for (const VertKey key : patch.made[t]) {
-      if (key < kNewPoint) continue;
-      if (std::uint32_t& other = tet_at[key - kNewPoint]; other == kNone) {
-        other = t;
-      } else {
-        sets.join(t, other);
-      }
-    }
-  std::vector<VertKey> lowest(count, kNewPoint);  // of the tets that go with the one that names their set
-  for (std::uint32_t t = 0; t < count; ++t)
-    for (const VertKey key : patch.made[t]) lowest[sets.find(t)] = std::min(lowest[sets.find(t)], key);
-  std::vector<std::pair<PartId, std::uint32_t>> tets;
-  for (std::uint32_t t = 0; t < count; ++t) tets.emplace_back(owner_of(lowest[sets.find(t)]), t);
-  std::sort(tets.begin(), tets.end());
-  std::vector<std::pair<PartId, PatchTets>> dealt;
-  for (std::size_t i = 0; i < tets.size();) {
-    auto& [part, piece] = dealt.emplace_back(tets[i].first, PatchTets());
-    std::vector<VertKey> added;  // new points, by what they are in the patch
-    for (; i < tets.size() && tets[i].first == part; ++i) {
-      auto& made = piece.made.emplace_back(patch.made[tets[i].second]);
-      piece.fixed.push_back(patch.fixed[tets[i].second]);
-      for (VertKey& key : made) {
-        if (key < kNewPoint) {
-          piece.keys.push_back(key);
-          continue;
-        }
-        const auto at = std::find(added.begin(), added.end(), key);
-        if (at == added.end()) piece.new_points.push_back(patch.new_points[key - kNewPoint]), added.push_back(key);
-        key = kNewPoint + static_cast<VertKey>(std::find(added.begin(), added.end(), key) - added.begin());
-      }
-    }
-    std::sort(piece.keys.begin(), piece.keys.end());
-    piece.keys.erase(std::unique(piece.keys.begin(), piece.keys.end()), piece.keys.end());
-    for (const VertKey key : piece.keys) {
-      const auto at = std::lower_bound(patch.keys.begin(), patch.keys.end(), key);
-      piece.points.push_back(patch.points[static_cast<std::size_t>(at - patch.keys.begin())]);
-    }
-  }
-  return dealt;
-}
-
-void put(MessageWriter& writer, const PatchTets& patch) {
-  writer.put_array(std::span<const std::array<VertKey, 4>>(patch.made));
-  writer.put_array(std::span<const std::uint8_t>(patch.fixed));
-  writer.put_array(std::span<const VertKey>(patch.keys));
-  writer.put_array(std::span<const Vec3>(patch.points));
-  writer.put_array(std::span<const Vec3>(patch.new_points));
-}
-
-PatchTets get_patch(MessageReader& reader) {
-  PatchTets patch;
-  patch.made = reader.get_array<std::array<VertKey, 4>>();
-  patch.fixed = reader.get_array<std::uint8_t>();
-  patch.keys = reader.get_array<VertKey>();
-  patch.points = reader.get_array<Vec3>();
-  patch.new_points = reader.get_array<Vec3>();
-  return patch;
-}
-
-void put_in_patch(PartState& state, PartId part, const PatchTets& patch, std::uint32_t region) {
-  Strip strip;
-  for (std::size_t v = 0; v < patch.keys.size(); ++v) {
-    strip.keys.push_back(patch.keys[v]);
-    strip.mesh.points.push_back(patch.points[v]);
-    strip.waits.push_back(0);
-  }
-  for (const Vec3& point : patch.new_points) strip.mesh.points.push_back(point);
-  for (std::size_t t = 0; t < patch.made.size(); ++t) {
-    for (const VertKey key : patch.made[t]) {
-      const auto at = std::lower_bound(patch.keys.begin(), patch.keys.end(), key);
-      strip.mesh.to_vert.push_back(key >= kNewPoint ? static_cast<std::uint32_t>(patch.keys.size() + (key - kNewPoint))
-                                                    : static_cast<std::uint32_t>(at - patch.keys.begin()));
-    }
-    strip.mesh.to_region.push_back(region);
-    strip.mesh.to_fixed.push_back(patch.fixed[t]);
-    state.seen_sides += static_cast<std::size_t>(std::popcount(patch.fixed[t]));
-  }
-  state.figures.shell_tets += patch.made.size();
-  link_strip(strip);
-  std::vector<FaceCode> open;
-  for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face)
-    if (state.mesh.to_neighbor[face] == kNone && !state.mesh.is_fixed(face)) open.push_back(face);
-  put_in(state, part, std::move(strip), open);
 }
 
 }  // namespace tetloom::parts

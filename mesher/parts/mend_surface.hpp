@@ -7,10 +7,10 @@
 // to each part those of its own that take their place. A cluster may reach through the whole model.
 #include <array>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "mesher/parts/part_state.hpp"
+#include "mesher/parts/patch.hpp"
 #include "mesher/parts/shell_steps.hpp"
 
 namespace tetloom::parts {
@@ -40,16 +40,6 @@ struct Neighborhood {
 /// Own points of the shell in the cluster's box.
 Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster);
 
-/// Tets that take the place of others.
-struct PatchTets {
-  std::vector<std::array<VertKey, 4>> made;  ///< tets inside, positive; new points by their index with kNewPoint
-  std::vector<std::uint8_t> fixed;           ///< per made tet: which of its faces are of the surface
-  std::vector<VertKey> keys;                 ///< of the other vertices in `made`, ascending
-  std::vector<Vec3> points;                  ///< with these keys
-  std::vector<Vec3> new_points;
-};
-inline constexpr VertKey kNewPoint = VertKey{1} << 63;
-
 /// What recovering a cluster has changed.
 struct Patch {
   std::vector<TetKeys> removed;  ///< tets of the shell, each ascending
@@ -59,15 +49,5 @@ struct Patch {
 
 /// `around`: of all parts, in the cluster's box.
 Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner);
-
-/// The tets of a patch by the parts that are to have them, ascending: as all tets of the shell, a tet belongs to the
-/// part of its lowest vertex; tets at one new point go together.
-std::vector<std::pair<PartId, PatchTets>> deal_patch(const SharedInput& input, const PatchTets& patch);
-
-void put(MessageWriter& writer, const PatchTets& patch);
-PatchTets get_patch(MessageReader& reader);
-
-/// Puts tets of a patch into their part's mesh, whose own ones have been joined.
-void put_in_patch(PartState& state, PartId part, const PatchTets& patch, std::uint32_t region);
 
 }  // namespace tetloom::parts

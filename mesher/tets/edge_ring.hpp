@@ -36,7 +36,8 @@ struct RingTriangles {
   std::array<RingTriangle, kMostRingVerts - 2> items;
   int count = 0;
 
-  std::span<const RingTriangle> list() const { return {items.data(), static_cast<std::size_t>(count)}; }
+  std::span<const RingTriangle> list() const& { return {items.data(), static_cast<std::size_t>(count)}; }
+  std::span<const RingTriangle> list() && = delete;
 };
 
 /// Of the two tets over a triangle, the vertices of the one at b and of the one at a, positively oriented.

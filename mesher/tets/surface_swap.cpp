@@ -100,7 +100,8 @@ SwapVerdict SurfaceSwapper::triangulate(double goal) {
     RingTriangulation triangulation(qualities, now_.rings[side].count);
     now_.value = std::min(now_.value, triangulation.maximize(goal));
     if (now_.value <= goal) return SwapVerdict::NoGain;
-    for (const RingTriangle& triangle : triangulation.triangles().list())
+    const RingTriangles triangles = triangulation.triangles();
+    for (const RingTriangle& triangle : triangles.list())
       for (const NewTet& tet : qualities.tets(triangle)) now_.made[side][now_.made_counts[side]++] = tet;
     for (const NewTet& tet : std::span(now_.made[side]).first(now_.made_counts[side])) poor -= tet.quality < limit_;
   }
