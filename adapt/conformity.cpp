@@ -1,10 +1,9 @@
 #include "adapt/conformity.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
-#include "core/base/growing_array.hpp"
+#include "core/base/grouping.hpp"
 
 namespace tetloom {
 
@@ -64,28 +63,19 @@ class Measure {
   }
 
   void find_stars() {
-    begins_.resize(mesh_.points.size() + 1, 0);
-    const auto for_each_corner = [&](const auto& visit) {
+    stars_ = Grouping(mesh_.points.size(), mesh_.tet_to_vert.size() * 4, [&](const auto& visit) {
       loop_.for_blocks(mesh_.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet)
           for (const std::uint32_t v : mesh_.tet_to_vert[tet]) visit(static_cast<std::uint32_t>(tet), v);
       });
-    };
-    // Partner of each access: the same for other tets of the vertex, in any order, which add_edges does not depend on.
-    for_each_corner(
-        [&](std::uint32_t, std::uint32_t v) { std::atomic_ref(begins_[v]).fetch_add(1, std::memory_order_relaxed); });
-    for (std::size_t v = 0; v + 1 < begins_.size(); ++v) begins_[v + 1] += begins_[v];
-    to_tet_.resize_for_overwrite(mesh_.tet_to_vert.size() * 4);
-    for_each_corner([&](std::uint32_t tet, std::uint32_t v) {
-      to_tet_[std::atomic_ref(begins_[v]).fetch_sub(1, std::memory_order_relaxed) - 1] = tet;
     });
   }
 
   // Those to higher vertices.
   void add_edges(std::uint32_t a, std::vector<std::uint32_t>& ends, MetricConformity& sum) const {
     ends.clear();
-    for (std::size_t i = begins_[a]; i < begins_[a + 1]; ++i)
-      for (const std::uint32_t v : mesh_.tet_to_vert[to_tet_[i]])
+    for (const std::uint32_t tet : stars_[a])
+      for (const std::uint32_t v : mesh_.tet_to_vert[tet])
         if (v > a) ends.push_back(v);
     std::sort(ends.begin(), ends.end());
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
@@ -114,8 +104,7 @@ class Measure {
   std::span<const VertexMetric> metrics_;
   const BlockLoop& loop_;
   MetricConformity all_;
-  GrowingArray<std::size_t> begins_;    // of the tets of each vertex
-  GrowingArray<std::uint32_t> to_tet_;  // tets of one vertex after the other
+  Grouping stars_;  // tets by their vertices
 };
 
 }  // namespace

@@ -54,16 +54,11 @@ class Extraction {
       for (const std::uint32_t v : verts_of(mesh_, face)) {
         if (!(vert_flags_[v] & kWanted)) continue;
         const auto claim = std::lower_bound(vert_to_part.begin(), vert_to_part.end(), std::pair{v, PartId(0)});
-        seeds.emplace_back(claim->second, face / 4 * 4 + corner_of(face / 4, v));
+        seeds.emplace_back(claim->second, face / 4 * 4 + corner_of(mesh_, face / 4, v));
       }
     }
     std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     return seeds;
-  }
-
-  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vert) const {
-    const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
-    return v[0] == vert ? 0 : v[1] == vert ? 1 : v[2] == vert ? 2 : 3;
   }
 
   // Tets around the vertex at a corner, as far as they hang together, that nobody claims yet. Stars are not cut where
@@ -90,7 +85,7 @@ class Extraction {
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
         if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
-        const FaceCode next = behind / 4 * 4 + corner_of(behind / 4, vert);
+        const FaceCode next = behind / 4 * 4 + corner_of(mesh_, behind / 4, vert);
         if (is_walked(next)) continue;
         walk(next);
         stack_.push_back(next);

@@ -7,11 +7,6 @@ namespace tetloom::tets {
 
 namespace {
 
-std::uint32_t corner_of(const TetMesh& mesh, std::uint32_t tet, std::uint32_t vert) {
-  const std::uint32_t* verts = &mesh.to_vert[std::size_t{tet} * 4];
-  return verts[0] == vert ? 0 : verts[1] == vert ? 1 : verts[2] == vert ? 2 : 3;
-}
-
 // Of a triangle's sides, the corners opposite to them in the tets at b and at a: see tets_over.
 constexpr std::array<std::uint32_t, 2> kOppositeFirst{0, 0}, kOppositeMiddle{1, 2}, kOppositeLast{2, 1};
 

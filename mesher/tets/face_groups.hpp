@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "core/base/block_loop.hpp"
-#include "core/base/growing_array.hpp"
+#include "core/base/grouping.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
 
 /// The faces of tets by their lowest vertices. Looks at the vertices that it was made of, which have to stay. 16 bytes
-/// per tet and 4 per point.
+/// per tet and 8 per point.
 class FaceGroups {
  public:
   /// `to_vert`: four vertices of each tet. Pre: they are below `point_count`; fewer than 2^30 tets. Errors: Cancelled.
@@ -23,14 +23,14 @@ class FaceGroups {
   /// but for vertices that are the lowest of very many faces.
   template <class Visit>
   void for_each(const BlockLoop& loop, const Visit& visit) const {
-    loop.for_blocks(begins_.size() - 1, kGrain, [&](std::size_t begin, std::size_t end) {
+    loop.for_blocks(by_lowest_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       std::vector<std::pair<std::uint64_t, FaceCode>> keys;
       std::vector<FaceCode> group;
       for (std::size_t v = begin; v < end; ++v) {
         keys.clear();
-        for (std::size_t i = begins_[v]; i < begins_[v + 1]; ++i) {
-          const TriangleVerts verts = sorted(verts_of(faces_[i])).verts;
-          keys.emplace_back(std::uint64_t{verts[1]} << 32 | verts[2], faces_[i]);
+        for (const FaceCode face : by_lowest_[v]) {
+          const TriangleVerts verts = sorted(verts_of(face)).verts;
+          keys.emplace_back(std::uint64_t{verts[1]} << 32 | verts[2], face);
         }
         std::sort(keys.begin(), keys.end());
         for (std::size_t i = 0; i < keys.size();) {
@@ -57,8 +57,7 @@ class FaceGroups {
   static constexpr std::size_t kGrain = 1 << 10;
 
   std::span<const std::uint32_t> to_vert_;
-  GrowingArray<std::uint32_t> begins_;  // of the faces of each lowest vertex
-  GrowingArray<FaceCode> faces_;
+  Grouping by_lowest_;  // faces by their lowest vertices
 };
 
 }  // namespace tetloom::tets

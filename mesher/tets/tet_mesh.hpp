@@ -48,4 +48,10 @@ void compact(TetMesh& mesh, std::span<const std::uint32_t> dead);
 /// What breaks the invariants of TetMesh first, in words; empty: nothing. Linear, with exact predicates.
 std::string find_fault(const TetMesh& mesh);
 
+/// The corner of `tet` at which `vertex` is. Pre: it is one.
+inline std::uint32_t corner_of(const TetMesh& mesh, std::uint32_t tet, std::uint32_t vertex) {
+  const std::uint32_t* verts = &mesh.to_vert[std::size_t{tet} * 4];
+  return verts[0] == vertex ? 0 : verts[1] == vertex ? 1 : verts[2] == vertex ? 2 : 3;
+}
+
 }  // namespace tetloom::tets

@@ -58,10 +58,7 @@ class WorkingMesh {
   void set_quality(std::uint32_t tet, double quality) { to_quality_[tet] = static_cast<float>(quality); }
   std::span<float> qualities() { return to_quality_; }
   /// The corner of `tet` at which `vertex` is. Pre: it is one.
-  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vertex) const {
-    const std::uint32_t* verts = &mesh_.to_vert[std::size_t{tet} * 4];
-    return verts[0] == vertex ? 0 : verts[1] == vertex ? 1 : verts[2] == vertex ? 2 : 3;
-  }
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vertex) const { return tets::corner_of(mesh_, tet, vertex); }
 
   /// Fetches what a visit of `tet` reads first.
   void prefetch(std::uint32_t tet) const {

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,7 +11,6 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 namespace tetloom::test {
 namespace {
@@ -20,22 +18,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-double seconds_of(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-/// What the threads of a running process have used so far.
-double cpu_seconds(pid_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string text(std::istreambuf_iterator<char>(file), {});
-  std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
-  std::string skipped;
-  for (int i = 0; i < 11; ++i) fields >> skipped;  // fields 3 to 13 of proc(5)
-  double user = 0, system = 0;
-  fields >> user >> system;
-  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
 
 [[noreturn]] void become(const std::vector<std::string>& argv, const ProcessOptions& options) {
   std::vector<char*> pointers;
@@ -76,10 +58,8 @@ class Listener {
       send_signals(child);
     }
     int status = 0;
-    rusage usage{};
-    ::wait4(child, &status, 0, &usage);
-    if (signalled_)
-      result_.cpu_seconds_after_signal = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime) - cpu_before_signal_;
+    ::waitpid(child, &status, 0);
+    if (signalled_) result_.seconds_after_signal = seconds_since(signal_time_);
     result_.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return result_;
   }
@@ -105,7 +85,7 @@ class Listener {
   void send_signals(pid_t child) {
     if (signalled_ || !options_.signal_when || result_.err.find(*options_.signal_when) == std::string::npos) return;
     signalled_ = true;
-    cpu_before_signal_ = cpu_seconds(child);
+    signal_time_ = Clock::now();
     for (const int signal : options_.signals) {
       ::kill(child, signal);
       ::usleep(20'000);  // two signals of a kind at once would become one
@@ -116,7 +96,7 @@ class Listener {
   ProcessResult result_;
   std::array<int, 2> out_{}, err_{};
   bool signalled_ = false;
-  double cpu_before_signal_ = 0;
+  Clock::time_point signal_time_;
 };
 
 }  // namespace
@@ -131,12 +111,6 @@ ProcessResult run_process(const std::vector<std::string>& argv, const ProcessOpt
     become(argv, options);
   }
   return listener.listen(child);
-}
-
-bool comes_in_time(const std::function<bool()>& run) {
-  for (int i = 0; i < 20; ++i)
-    if (run()) return true;
-  return false;
 }
 
 ProcessResult run_tetloom(std::vector<std::string> arguments, const ProcessOptions& options) {
@@ -190,6 +164,15 @@ std::string cube_stl(int facets) {
     text += "endloop\nendfacet\n";
   }
   return text + "endsolid cube\n";
+}
+
+void check_cancelled(const ProcessResult& result, const TestFolder& folder, const std::vector<std::string>& files) {
+  CAPTURE(result.err);
+  CHECK(result.status == 5);
+  CHECK(folder.files() == files);
+  const nlohmann::json report = read_json(folder / "r.json");
+  CHECK(report["status"] == "cancelled");
+  CHECK(report["errors"][0]["code"] == "cancelled");
 }
 
 bool is_sanitized() {

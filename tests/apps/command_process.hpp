@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/in_time.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace tetloom::test {
@@ -26,13 +27,8 @@ struct ProcessOptions {
 struct ProcessResult {
   int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string out, err;
-  double cpu_seconds_after_signal =
-      0;  ///< of the process and the children it waited for: what a busy machine does not change
+  double seconds_after_signal = 0;
 };
-
-/// Repeats `run` until it returns true, which says that the signal came before the end of the process: a busy machine
-/// may deliver it late. False if that never happened.
-bool comes_in_time(const std::function<bool()>& run);
 
 /// argv[0] is the path of the program.
 ProcessResult run_process(const std::vector<std::string>& argv, const ProcessOptions& options = {});
@@ -66,7 +62,10 @@ std::string cube_stl(int facets = 12);
 /// Whether this build is instrumented: limits on memory do not work then, and everything takes longer.
 bool is_sanitized();
 
-/// What a run that was told to stop may still use.
-inline const double kMostCpuSecondsToCancel = is_sanitized() ? 3.0 : 1.3;
+/// What a run that was told to stop may take.
+inline const double kMostSecondsToCancel = is_sanitized() ? 3.0 : 1.3;
+
+/// A run that was told to stop has said so in `folder`/r.json and left nothing but `files`.
+void check_cancelled(const ProcessResult& result, const TestFolder& folder, const std::vector<std::string>& files);
 
 }  // namespace tetloom::test

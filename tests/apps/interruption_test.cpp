@@ -12,11 +12,10 @@
 
 using namespace tetloom;
 using namespace tetloom::app;
+using tetloom::test::in_time;
 using tetloom::test::TestFolder;
 
 namespace {
-
-constexpr unsigned kSleep = 60;  ///< seconds; a child that is not ended sleeps so long
 
 struct ChildEnd {
   int status = 0;
@@ -42,41 +41,48 @@ ChildEnd run_child(const Body& body) {
 }  // namespace
 
 TEST_CASE("a run that ignores the signal is left within a second, without its temporaries") {
-  const TestFolder folder;
-  const std::string target = folder / "out.vtu";
-  const ChildEnd end = run_child([&] {
-    const Interruption interruption([&] { remove_temporaries_of(target); });
-    AtomicFile file(target);
-    file.write("half");
-    std::raise(SIGINT);
-    ::sleep(kSleep);
-  });
-  CHECK(end.status == 5);
-  CHECK(end.seconds > 0.8);
-  CHECK(end.seconds < kSleep / 2.0);
-  CHECK(folder.files().empty());
+  CHECK(in_time([] {
+    const TestFolder folder;
+    const std::string target = folder / "out.vtu";
+    const ChildEnd end = run_child([&] {
+      const Interruption interruption([&] { remove_temporaries_of(target); });
+      AtomicFile file(target);
+      file.write("half");
+      std::raise(SIGINT);
+      ::sleep(20);
+    });
+    CHECK(end.status == 5);
+    CHECK(end.seconds > 0.8);
+    CHECK(folder.files().empty());
+    return end.seconds < 1.5;
+  }));
 }
 
 TEST_CASE("a second signal leaves at once") {
-  const ChildEnd end = run_child([] {
-    const Interruption interruption([] {});
-    std::raise(SIGINT);
-    std::raise(SIGTERM);
-    ::sleep(kSleep);
-  });
-  CHECK(end.status == 5);
-  CHECK(end.seconds < kSleep / 2.0);
+  CHECK(in_time([] {
+    const ChildEnd end = run_child([] {
+      const Interruption interruption([] {});
+      std::raise(SIGINT);
+      std::raise(SIGTERM);
+      ::sleep(20);
+    });
+    CHECK(end.status == 5);
+    return end.seconds < 0.7;
+  }));
 }
 
 TEST_CASE("a signal raises the token, and a run that listens to it ends by itself") {
-  const ChildEnd end = run_child([] {
-    const Interruption interruption([] { ::_exit(9); });
-    if (interruption.token().cancelled()) ::_exit(1);
-    std::raise(SIGTERM);
-    for (int i = 0; i < 1000 && !interruption.token().cancelled(); ++i) ::usleep(1000);
-    if (!interruption.token().cancelled()) ::_exit(2);
-  });
-  CHECK(end.status == 0);
+  CHECK(in_time([] {
+    const ChildEnd end = run_child([] {
+      const Interruption interruption([] { ::_exit(9); });
+      if (interruption.token().cancelled()) ::_exit(1);
+      std::raise(SIGTERM);
+      for (int i = 0; i < 1000 && !interruption.token().cancelled(); ++i) ::usleep(1000);
+      if (!interruption.token().cancelled()) ::_exit(2);
+    });
+    CHECK(end.status == 0);
+    return end.seconds < 0.8;
+  }));
 }
 
 TEST_CASE("temporaries of other files and of other processes are left alone") {

@@ -92,6 +92,7 @@ TEST_CASE("the worst tet of a real model is as good in parts as in one", "[worst
   if (!any) WARN("skipped: no models in " << test::kRealModels);
 }
 
+// The tets of a patch of recovered triangles belong to many parts.
 TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[strips]") {
   const fs::path file = test::kRealModels / "Voron-0__Electronics_Mounts_SKR_3_EZ_Din_Mount.step";
   if (!fs::exists(file)) {
@@ -99,10 +100,10 @@ TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[
     return;
   }
   const ModelDocument document = read_model(file);
-  const MeshResult result = make(*document.model, 0.0125, 1e4, 2);
+  const MeshResult result = make(*document.model, 0.0125, 9e3, 2);
   check_valid(result);
   const auto& strips = result.filling.parts.strips;
-  CHECK(strips[0].waiting > 300);
+  CHECK(strips[0].waiting > 500);
   CHECK(strips[0].moved > 1000);
   CHECK(strips[1].waiting < 50);
 }
