@@ -83,16 +83,36 @@ std::vector<SizeSource> collect_sources(const Workpiece& piece, const SharedWork
 /// What a build leaves to the next one, which has more refinements.
 struct GrownTree {
   std::vector<SizeRefinement> refinements;
-  std::optional<OctreeFrame> frame;  ///< none: the field was uniform
+  OctreeFrame frame;
   OctreeLevels levels;
   CornerSizes corners;
 };
 
-/// Whether the refinements are those of `grown` and then others.
-bool continues(const GrownTree& grown, std::span<const SizeRefinement> refinements) {
-  return grown.frame && refinements.size() >= grown.refinements.size() &&
-         std::equal(grown.refinements.begin(), grown.refinements.end(), refinements.begin());
-}
+/// The last trees that others may continue.
+class GrownTrees {
+ public:
+  /// The one with the most of the first refinements, all of which it must have in this order; null where there is none.
+  const GrownTree* find(std::span<const SizeRefinement> refinements) const {
+    const GrownTree* best = nullptr;
+    for (const GrownTree& tree : trees_) {
+      if (tree.refinements.size() > refinements.size() ||
+          !std::equal(tree.refinements.begin(), tree.refinements.end(), refinements.begin()))
+        continue;
+      if (best == nullptr || tree.refinements.size() > best->refinements.size()) best = &tree;
+    }
+    return best;
+  }
+
+  /// Keeps `tree`, and the one that it continues: with other refinements that one may be continued again.
+  void add(GrownTree tree, const GrownTree* continued) {
+    if (continued != nullptr && continued != &trees_.front()) std::swap(trees_.front(), trees_.back());
+    trees_.resize(continued != nullptr ? 1 : 0);
+    trees_.push_back(std::move(tree));
+  }
+
+ private:
+  std::vector<GrownTree> trees_;  // two at most
+};
 
 std::vector<SizeSource> refinement_sources(std::span<const SizeRefinement> refinements, double global) {
   std::vector<SizeSource> sources;
@@ -113,25 +133,24 @@ OctreeFrame choose_frame(const Workpiece& piece, const ModelSources& sources, st
   return fit_frame(piece.model.bounding_box(), refined, width_at_source);
 }
 
-/// `grown`: of an earlier call for the same piece, or none; it becomes that of this one.
 SizeField grow_tree(const Workpiece& piece, const ModelSources& sources, std::span<const SizeRefinement> refinements,
-                    std::uint64_t max_memory, const SharedWork& work, GrownTree& grown) {
-  GrownTree tree = continues(grown, refinements) ? std::exchange(grown, {}) : GrownTree{};
+                    std::uint64_t max_memory, const SharedWork& work, GrownTrees& grown) {
   const double global = piece.targets.global, gradation = piece.targets.gradation;
   const std::vector<SizeSource> refined = refinement_sources(refinements, global);
   if (sources.list.empty() && refined.empty() && !piece.options.callback) return SizeField::uniform(global);
   check_sources(sources.list, refined, max_memory);
+  const GrownTree none, *const continued = grown.find(refinements), &before = continued ? *continued : none;
   const SourceTree all_refined(refined, gradation, work.runner());
-  const SourceTree latest(refinement_sources(refinements.subspan(tree.refinements.size()), global), gradation,
+  const SourceTree latest(refinement_sources(refinements.subspan(before.refinements.size()), global), gradation,
                           work.runner());
   const TargetField field(piece.targets, {sources.tree, all_refined, latest}, piece.tree, piece.options.callback);
-  if (!tree.frame) tree.frame = choose_frame(piece, sources, refined, field.width_at_source());
-  OctreeBuilder builder(field, *tree.frame, piece.model.bounding_box(), cell_limit(max_memory), work);
+  GrownTree tree{{refinements.begin(), refinements.end()}, before.frame, {}, {}};
+  if (!continued) tree.frame = choose_frame(piece, sources, refined, field.width_at_source());
+  OctreeBuilder builder(field, tree.frame, piece.model.bounding_box(), cell_limit(max_memory), work);
   std::vector<OctreeLeaf> leaves;
-  SizeOctree octree = builder.build(tree.levels, leaves);
-  fill_corner_ratios(octree, leaves, field, work, tree.corners);
-  tree.refinements.assign(refinements.begin(), refinements.end());
-  grown = std::move(tree);
+  SizeOctree octree = builder.build(before.levels, tree.levels, leaves);
+  tree.corners = fill_corner_ratios(octree, leaves, field, before.corners, work);
+  grown.add(std::move(tree), continued);
   return SizeField::from_octree(std::move(octree));
 }
 
@@ -180,7 +199,7 @@ struct SizeFieldBuilder::State {
   std::vector<Tessellation> facets;
   std::optional<FacetTree> tree;
   std::optional<ModelSources> sources;
-  GrownTree grown;
+  GrownTrees grown;
 };
 
 SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,

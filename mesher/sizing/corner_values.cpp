@@ -187,12 +187,12 @@ void drop_global_leaves(SizeOctree& tree) {
 
 }  // namespace
 
-void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const SharedWork& work, CornerSizes& known) {
+CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+                               const CornerSizes& known, const SharedWork& work) {
   const TaskRunner& runner = work.runner();
   const CornerTable table(leaves, runner);
   std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, known, work);
-  known = {table.codes(), sizes};
+  CornerSizes found{table.codes(), sizes};
   lower_deepest_leaves(tree, leaves, table.ids(), field, sizes);
   if (field.may_be_steep()) enforce_gradation(tree, leaves, table.ids(), sizes, runner);
   tree.corner_ratios.resize(leaves.size());
@@ -202,6 +202,7 @@ void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
         tree.corner_ratios[i][octant] = static_cast<float>(std::min(1.0, sizes[table.ids()[i][octant]] / tree.size));
   });
   drop_global_leaves(tree);
+  return found;
 }
 
 }  // namespace tetloom

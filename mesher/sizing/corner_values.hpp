@@ -20,8 +20,8 @@ struct CornerSizes {
 /// steeper than the gradation (a callback), corners are lowered until |h(a) - h(b)| <= g |a - b| for any two corners of
 /// a leaf: the largest such values, which are unique, whatever the order of the sweeps. Leaves that turn out to hold
 /// the global size throughout lose their entry. `known`: of a tree in the same frame without the field's latest
-/// refinements, or none; it becomes that of this tree.
-void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const SharedWork& work, CornerSizes& known);
+/// refinements, or none. Returns what the field says at the corners.
+CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+                               const CornerSizes& known, const SharedWork& work);
 
 }  // namespace tetloom

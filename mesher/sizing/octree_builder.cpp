@@ -207,9 +207,7 @@ SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeLea
   return tree;
 }
 
-SizeOctree OctreeBuilder::build(OctreeLevels& levels, std::vector<OctreeLeaf>& leaves) {
-  const OctreeLevels before = std::move(levels);
-  levels.clear();
+SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves) {
   std::vector<Codes> cuts;
   std::vector<OctreeCell> cells{{0, {}}};
   std::size_t total = 0;

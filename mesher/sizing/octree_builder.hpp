@@ -43,9 +43,9 @@ class OctreeBuilder {
                 const SharedWork& work);
 
   /// The tree, with corner_ratios still to be filled: one entry per leaf of `leaves`, in the same (Morton) order.
-  /// `levels`: of a build with the same frame and without the field's latest refinements, or none; they become those of
-  /// this build. What the refinements do not lower is not judged again, and the tree is the same as without them.
-  SizeOctree build(OctreeLevels& levels, std::vector<OctreeLeaf>& leaves);
+  /// `before`: of a build with the same frame and without the field's latest refinements, or none. What the refinements
+  /// do not lower is not judged again, and the tree is the same as without `before`. `levels` become those of this one.
+  SizeOctree build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves);
 
  private:
   using Codes = std::vector<std::uint64_t>;

@@ -255,6 +255,10 @@ TEST_CASE("refinements that come in rounds give the field that they give at once
       const Vec3 x = Vec3{3 * std::cos(turn), 3 * std::sin(turn), 0} + 0.8 * random.unit() * random.direction();
       refinements.push_back({{x, x, x + 0.1 * random.direction()}, 0.01 + 0.05 * random.unit()});
     }
+    std::vector<SizeRefinement> not_taken = refinements;
+    not_taken.resize(refinements.size() - 5);
+    not_taken.push_back({refinements[0].corners, 0.01});
+    in_rounds.build(not_taken);
     last = in_rounds.build(refinements).sizes.serialize();
   }
   CHECK(last == at_once.build(refinements).sizes.serialize());
