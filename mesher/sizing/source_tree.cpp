@@ -57,12 +57,12 @@ SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const 
     NodeBounds& bounds = bounds_[i];
     if (node.right != 0) {
       bounds.size = std::min(bounds_[i + 1].size, bounds_[node.right].size);
-      bounds.hold = std::max(bounds_[i + 1].hold, bounds_[node.right].hold);
+      bounds.base = std::min(bounds_[i + 1].base, bounds_[node.right].base);
       continue;
     }
     for (std::uint32_t j = node.begin; j < node.end; ++j) {
       bounds.size = std::min(bounds.size, sources_[j].size);
-      bounds.hold = std::max(bounds.hold, sources_[j].hold);
+      bounds.base = std::min(bounds.base, sources_[j].size - gradation * sources_[j].hold);
     }
   }
 }
@@ -94,7 +94,7 @@ double SourceTree::least_within(const Vec3& x, double radius, double cap, std::u
   const double per_growth = 1 / gradation_;
   const auto is_near = [&](std::uint32_t node, double distance2) {
     if (bounds_[node].size >= best) return false;
-    const double reach = (best - bounds_[node].size) * per_growth + bounds_[node].hold + radius;
+    const double reach = (best - bounds_[node].base) * per_growth + radius;
     return distance2 < reach * reach;
   };
   const auto offer = [&](std::uint32_t i) {

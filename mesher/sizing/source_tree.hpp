@@ -53,9 +53,9 @@ class SourceTree {
     double size = 0, hold = 0;
   };
 
-  /// The smallest size and the largest hold below a node.
+  /// The least below a node of the sizes, and of the sizes that growth would begin from at distance 0.
   struct NodeBounds {
-    double size = HUGE_VAL, hold = 0;
+    double size = HUGE_VAL, base = HUGE_VAL;
   };
 
   static Triangle prepare(const SizeSource& source);
