@@ -1,5 +1,7 @@
 #pragma once
 // Where small sizes come from, and the size that they allow at any point. Private to mesher/sizing.
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -33,7 +35,7 @@ class SourceTree {
   SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner);
 
   bool empty() const { return sources_.empty(); }
-  double smallest() const { return bounds_.empty() ? HUGE_VAL : bounds_[0].size; }
+  double smallest() const { return smallest_; }
   double source_size(std::uint32_t source) const { return sources_[source].size; }
 
   /// min(f(x), cap). `winner` speeds the search up when it comes in as the winner at a nearby point; it goes out as the
@@ -53,17 +55,29 @@ class SourceTree {
     double size = 0, hold = 0;
   };
 
-  /// The least below a node of the sizes, and of the sizes that growth would begin from at distance 0.
-  struct NodeBounds {
-    double size = HUGE_VAL, base = HUGE_VAL;
+  /// Up to four subtrees side by side, so that the processor bounds them at once. Coordinates are seen from `origin_`;
+  /// rounding makes boxes larger and sizes smaller.
+  struct Node {
+    static constexpr std::size_t kWidth = 4;
+    static constexpr std::uint32_t kLeaf = 0x80000000u;
+    using Lanes = float __attribute__((vector_size(kWidth * sizeof(float))));
+    std::array<Lanes, 3> lo, hi;
+    Lanes size;                               ///< the least below
+    Lanes base;                               ///< the least that growth would begin from at distance 0
+    std::array<std::uint32_t, kWidth> child;  ///< a node, or kLeaf | the first source
+    std::array<std::uint32_t, kWidth> count;  ///< of the sources of a leaf
   };
 
   static Triangle prepare(const SizeSource& source);
+  std::uint32_t add_node(const Bvh& bvh, std::uint32_t root);
+  void set_child(Node& node, std::size_t place, const Bvh& bvh, std::uint32_t child) const;
 
   double gradation_;
+  double smallest_ = HUGE_VAL;
   std::vector<Triangle> sources_;  ///< in the order of the hierarchy
-  Bvh bvh_;
-  std::vector<NodeBounds> bounds_;
+  std::vector<Node> nodes_;        ///< the root comes first
+  Vec3 origin_;
+  float slack_ = 0;  ///< of distances, for rounding
 };
 
 }  // namespace tetloom
