@@ -40,8 +40,18 @@ class RimCleaner {
     for (const Stage& stage : kStages) {
       while (!pending_.empty() && sweep(stage)) {}
     }
-    if (!pending_.empty()) throw PatchFailure{FacetPatchVerdict::Stuck, vertices_.points[pending_.front()]};
+    force_pending();
     repair();
+  }
+
+  /// The triangles that face away from the surface; `place` is moved to one.
+  std::size_t count_inverted(Vec3& place) const {
+    std::size_t count = 0;
+    for (std::uint32_t tri = 0; tri < mesh_.slots(); ++tri) {
+      if (!mesh_.alive(tri) || !faces_away(tri)) continue;
+      if (count++ == 0) place = vertices_.points[mesh_.origin(3 * tri)];
+    }
+    return count;
   }
 
  private:
@@ -143,10 +153,16 @@ class RimCleaner {
         }
       }
     }
-    for (std::uint32_t tri = 0; tri < mesh_.slots(); ++tri) {
-      if (!mesh_.alive(tri) || !faces_away(tri)) continue;
-      throw PatchFailure{FacetPatchVerdict::Inverted, vertices_.points[mesh_.origin(3 * tri)]};
+  }
+
+  /// What no stage could remove goes whatever the triangles then look like.
+  void force_pending() {
+    for (const std::uint32_t v : pending_) {
+      check_going();
+      if (!remover_.force(v)) throw PatchFailure{FacetPatchVerdict::Stuck, vertices_.points[v]};
     }
+    pending_.clear();
+    on_rim_.resize(vertices_.size(), false);
   }
 
   bool is_good(std::uint32_t tri) const {
@@ -173,31 +189,6 @@ class RimCleaner {
   std::uint32_t round_ = 0;
 };
 
-/// Fails where two nodes share more than one edge: an edge of nodes has two triangles at most, both sides of a seam
-/// taken together.
-void check_edges_between_nodes(const FacetPatch& patch) {
-  struct Use {
-    std::uint32_t low, high, tri;
-    auto operator<=>(const Use&) const = default;
-  };
-  std::vector<Use> uses;
-  for (std::uint32_t tri = 0; tri < patch.tri_to_vert.size(); ++tri) {
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t a = patch.node[patch.tri_to_vert[tri][i]],
-                          b = patch.node[patch.tri_to_vert[tri][(i + 1) % 3]];
-      if (a == FacetPatch::kNoNode || b == FacetPatch::kNoNode) continue;
-      if (a == b) throw PatchFailure{FacetPatchVerdict::Stuck, patch.points[patch.tri_to_vert[tri][i]]};
-      uses.push_back({std::min(a, b), std::max(a, b), tri});
-    }
-  }
-  std::sort(uses.begin(), uses.end());
-  for (std::size_t i = 2; i < uses.size(); ++i) {
-    if (uses[i].low == uses[i - 2].low && uses[i].high == uses[i - 2].high) {
-      throw PatchFailure{FacetPatchVerdict::Stuck, patch.points[patch.tri_to_vert[uses[i].tri][0]]};
-    }
-  }
-}
-
 FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertices) {
   FacetPatch patch;
   std::vector<std::uint32_t> number(vertices.size(), kNone);
@@ -214,22 +205,29 @@ FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertice
     patch.node.push_back(vertices.node[v]);
   }
   for (auto& t : patch.tri_to_vert) t = {number[t[0]], number[t[1]], number[t[2]]};
-  check_edges_between_nodes(patch);
   return patch;
 }
 
 }  // namespace
 
 FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const BoundaryChain> chains,
-                            const std::function<bool()>& keep_going) {
+                            const std::function<bool()>& keep_going,
+                            const std::function<double(const Vec3&)>& size_at) {
   try {
     Triangulation mesh;
     PatchVertices vertices;
     detail::join_facets(tessellation, mesh, vertices);
     std::vector<Run> runs = detail::match_runs(mesh, vertices, chains);
     for (Run& run : runs) detail::insert_nodes(mesh, vertices, run);
-    RimCleaner(mesh, vertices, runs, keep_going).clean();
-    return collect_patch(mesh, vertices);
+    if (size_at) detail::halve_long_edges(mesh, vertices, size_at, keep_going);
+    RimCleaner cleaner(mesh, vertices, runs, keep_going);
+    cleaner.clean();
+    Vec3 place;
+    const std::size_t inverted = cleaner.count_inverted(place);
+    detail::halve_repeated_edges(mesh, vertices);
+    FacetPatch patch = collect_patch(mesh, vertices);
+    patch.inverted = inverted, patch.trouble = place;
+    return patch;
   } catch (const PatchFailure& failure) {
     FacetPatch refused;
     refused.verdict = failure.verdict, refused.trouble = failure.point;

@@ -283,13 +283,28 @@ class PatchOptimizer {
     return true;
   }
 
+  // Whether no edge of the two triangles that may be split is longer. Splitting only such edges leaves no triangle thinner
+  // than half of what it was, also where the longest edge refuses (Rivara 1984).
+  bool longest_around(std::uint32_t h) const {
+    constexpr double kAlike = 1.01;
+    const double length = kAlike * relative_length(mesh_.origin(h), mesh_.target(h));
+    const auto is_longer = [&](std::uint32_t other) {
+      return mesh_.twin(other) != kNone && !mesh_.fixed(other) &&
+             relative_length(mesh_.origin(other), mesh_.target(other)) > length;
+    };
+    const std::uint32_t g = mesh_.twin(h);
+    return !is_longer(Triangulation::next(h)) && !is_longer(Triangulation::prev(h)) &&
+           !is_longer(Triangulation::next(g)) && !is_longer(Triangulation::prev(g));
+  }
+
   bool split_long(double longest) {
     bool any = false;
     const std::uint32_t end = mesh_.half_edges();
     for (std::uint32_t h = 0; h < end; ++h) {
       if (!mesh_.alive(h / 3) || mesh_.twin(h) == kNone) continue;
       const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
-      if ((relative_length(a, b) > longest || same_node(a, b)) && split(h)) any = true;
+      if (!same_node(a, b) && (relative_length(a, b) <= longest || (adapting_ && !longest_around(h)))) continue;
+      if (split(h)) any = true;
     }
     return any;
   }
@@ -320,6 +335,7 @@ class PatchOptimizer {
 
   void adapt_density() {
     constexpr int kMostPasses = 12;
+    adapting_ = true;
     for (int pass = 0; pass < kMostPasses && keep_going_(); ++pass) {
       const bool split_some = split_long(kLongest);
       const bool collapsed_some = collapse_short(kShortest, 0.02);
@@ -327,6 +343,7 @@ class PatchOptimizer {
       smooth_all();
       if (!split_some && !collapsed_some) break;
     }
+    adapting_ = false;
   }
 
   // Inner vertices with three or four triangles spoil their neighbours: collapse them where the result is better.
@@ -350,6 +367,7 @@ class PatchOptimizer {
   const std::function<bool()>& keep_going_;
   std::vector<std::array<std::uint32_t, 2>> link_;
   std::vector<std::uint32_t> queue_;
+  bool adapting_ = false;
   std::vector<std::uint8_t> to_smooth_, to_flip_;  // per vertex: something near it has changed
 };
 
