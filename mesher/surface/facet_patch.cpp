@@ -1,6 +1,7 @@
 #include "mesher/surface/facet_patch.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <utility>
 
 #include "mesher/surface/facet_patch_detail.hpp"
@@ -15,11 +16,11 @@ constexpr std::uint32_t kNone = Triangulation::kNone;
 class RimCleaner {
  public:
   RimCleaner(Triangulation& mesh, PatchVertices& vertices, const std::vector<Run>& runs,
-             const std::function<bool()>& keep_going)
+             const detail::PatchCallbacks& callbacks)
       : mesh_(mesh),
         vertices_(vertices),
         remover_(mesh, vertices),
-        keep_going_(keep_going),
+        callbacks_(callbacks),
         on_rim_(vertices.size(), false),
         touched_(vertices.size(), 0) {
     for (const Run& run : runs) {
@@ -33,13 +34,14 @@ class RimCleaner {
   void clean() {
     flip_near_rim();
     // Strict first: a turn of 60°, and nothing inside is given up. Then points beyond the new rim, then the rest.
-    static constexpr Stage kStages[] = {{0.5, Reach::Ball, Sacrifice::Nothing}, {0.5, Reach::Ball, Sacrifice::Beyond},
-                                        {0.5, Reach::Near, Sacrifice::Beyond},  {0.2, Reach::Near, Sacrifice::Beyond},
-                                        {0.5, Reach::Far, Sacrifice::Any},      {0.2, Reach::Far, Sacrifice::Any},
-                                        {1e-3, Reach::Far, Sacrifice::Any}};
-    for (const Stage& stage : kStages) {
-      while (!pending_.empty() && sweep(stage)) {}
-    }
+    sweep_all({{0.5, Reach::Ball, Sacrifice::Nothing},
+               {0.5, Reach::Ball, Sacrifice::Beyond},
+               {0.5, Reach::Near, Sacrifice::Beyond}});
+    if (callbacks_.size_at) halve_around_pending();
+    sweep_all({{0.2, Reach::Near, Sacrifice::Beyond},
+               {0.5, Reach::Far, Sacrifice::Any},
+               {0.2, Reach::Far, Sacrifice::Any},
+               {1e-3, Reach::Far, Sacrifice::Any}});
     force_pending();
     repair();
   }
@@ -61,6 +63,21 @@ class RimCleaner {
     Reach reach;
     Sacrifice sacrifice;
   };
+
+  void sweep_all(std::initializer_list<Stage> stages) {
+    for (const Stage& stage : stages) {
+      while (!pending_.empty() && sweep(stage)) {}
+    }
+  }
+
+  void halve_around_pending() {
+    detail::halve_long_edges(mesh_, vertices_, pending_, callbacks_);
+    on_rim_.resize(vertices_.size(), false);
+    touched_.resize(vertices_.size(), 0);
+    sweep_all({{0.5, Reach::Ball, Sacrifice::Nothing},
+               {0.5, Reach::Ball, Sacrifice::Beyond},
+               {0.5, Reach::Near, Sacrifice::Beyond}});
+  }
 
   /// Evens out the fans that inserted nodes leave around far corners of coarse facets.
   void flip_near_rim() {
@@ -86,7 +103,7 @@ class RimCleaner {
   }
 
   void check_going() const {
-    if (keep_going_ && !keep_going_()) throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
+    if (callbacks_.keep_going && !callbacks_.keep_going()) throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
   }
 
   /// Tries every pending point once, but no two neighbours, so that the rim thins out evenly. False without progress.
@@ -183,7 +200,7 @@ class RimCleaner {
   Triangulation& mesh_;
   PatchVertices& vertices_;
   detail::VertexRemover remover_;
-  const std::function<bool()>& keep_going_;
+  const detail::PatchCallbacks& callbacks_;
   std::vector<bool> on_rim_;
   std::vector<std::uint32_t> touched_, pending_;
   std::uint32_t round_ = 0;
@@ -219,8 +236,8 @@ FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const Bo
     detail::join_facets(tessellation, mesh, vertices);
     std::vector<Run> runs = detail::match_runs(mesh, vertices, chains);
     for (Run& run : runs) detail::insert_nodes(mesh, vertices, run);
-    if (size_at) detail::halve_long_edges(mesh, vertices, size_at, keep_going);
-    RimCleaner cleaner(mesh, vertices, runs, keep_going);
+    const detail::PatchCallbacks callbacks{keep_going, size_at};
+    RimCleaner cleaner(mesh, vertices, runs, callbacks);
     cleaner.clean();
     Vec3 place;
     const std::size_t inverted = cleaner.count_inverted(place);

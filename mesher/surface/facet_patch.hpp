@@ -56,9 +56,8 @@ struct FacetPatch {
 /// triangulation of the points around avoids it. Points inside of the face are points of the tessellation, of which some
 /// near the rim are gone, and points in the middle of its edges. Otherwise the arrays are empty.
 ///
-/// A face's facets may be as long as the face. With `size_at`, edges inside that are longer than the size at their ends
-/// are first halved, longest first: what is then removed around a rim point is small, so that the rest keeps to the
-/// surface.
+/// A face's facets may be as long as the face. With `size_at`, edges near a rim point that cannot be removed are halved
+/// until they are as short as the size: what is then removed around it is small, so that the rest keeps to the surface.
 ///
 /// Triangles turn by at most 60° against the mean of the tessellation's normals at their corners where that can be
 /// had, by up to 90° or else by any angle where there is no other way. The hole around a removed point is filled optimally (the worst

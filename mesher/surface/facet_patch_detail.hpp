@@ -56,10 +56,16 @@ void insert_nodes(Triangulation& mesh, PatchVertices& vertices, Run& run);
 /// Puts a point in the middle of an edge inside.
 std::uint32_t halve_edge(Triangulation& mesh, PatchVertices& vertices, std::uint32_t half);
 
-/// Halves edges inside that are longer than the size at their ends, longest first. That moves no surface, and ends
-/// because halves are shorter. Throws PatchFailure (Cancelled).
-void halve_long_edges(Triangulation& mesh, PatchVertices& vertices, const std::function<double(const Vec3&)>& size_at,
-                      const std::function<bool()>& keep_going);
+/// What make_facet_patch asks its caller; either may be empty.
+struct PatchCallbacks {
+  const std::function<bool()>& keep_going;
+  const std::function<double(const Vec3&)>& size_at;
+};
+
+/// Halves edges inside of the triangles at `centers` that are longer than the size at their ends, longest first. That
+/// moves no surface, and ends because halves are shorter. Pre: size_at. Throws PatchFailure (Cancelled).
+void halve_long_edges(Triangulation& mesh, PatchVertices& vertices, std::span<const std::uint32_t> centers,
+                      const PatchCallbacks& callbacks);
 
 /// Halves edges inside between two copies of one node, and all but one of those between the same two nodes.
 void halve_repeated_edges(Triangulation& mesh, PatchVertices& vertices);

@@ -12,13 +12,12 @@ constexpr std::uint32_t kNone = Triangulation::kNone;
 class LongEdgeHalver {
  public:
   LongEdgeHalver(Triangulation& mesh, PatchVertices& vertices, const std::function<double(const Vec3&)>& size_at)
-      : mesh_(mesh), vertices_(vertices), size_at_(size_at) {
-    for (const Vec3& p : vertices.points) sizes_.push_back(size_at(p));
-  }
+      : mesh_(mesh), vertices_(vertices), size_at_(size_at) {}
 
-  void run(const std::function<bool()>& keep_going) {
+  void run(std::span<const std::uint32_t> centers, const std::function<bool()>& keep_going) {
     constexpr std::size_t kAskEvery = 1024;
-    for (std::uint32_t h = 0; h < mesh_.half_edges(); ++h) offer(h);
+    near_.assign(vertices_.size(), false);
+    for (const std::uint32_t v : centers) offer_around(v);
     for (std::size_t step = 0; !queue_.empty(); ++step) {
       if (step % kAskEvery == 0 && keep_going && !keep_going()) {
         throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
@@ -37,28 +36,34 @@ class LongEdgeHalver {
     auto operator<=>(const Entry&) const = default;
   };
 
+  void offer_around(std::uint32_t center) {
+    near_[center] = true;
+    mesh_.for_each_outgoing(center, [&](std::uint32_t h) {
+      near_[mesh_.target(h)] = near_[mesh_.apex(h)] = true;
+      for (const std::uint32_t side : {h, Triangulation::next(h), Triangulation::prev(h)}) offer(side);
+      return true;
+    });
+  }
+
   void offer(std::uint32_t half) {
     constexpr double kLongest = 1.42;
     const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half);
-    if (mesh_.twin(half) == kNone || half > mesh_.twin(half)) return;
-    const double length = 2 * distance(vertices_.points[a], vertices_.points[b]) / (sizes_[a] + sizes_[b]);
-    if (length > kLongest) queue_.push({length, a, b});
+    if (mesh_.twin(half) == kNone || !near_[a] || !near_[b]) return;
+    const double size = 0.5 * (size_at_(vertices_.points[a]) + size_at_(vertices_.points[b]));
+    const double length = distance(vertices_.points[a], vertices_.points[b]) / size;
+    if (length > kLongest) queue_.push({length, std::min(a, b), std::max(a, b)});
   }
 
   void halve(std::uint32_t half) {
     const std::uint32_t vertex = halve_edge(mesh_, vertices_, half);
-    sizes_.push_back(size_at_(vertices_.points[vertex]));
-    mesh_.for_each_outgoing(vertex, [&](std::uint32_t h) {
-      const std::uint32_t twin = mesh_.twin(h);
-      offer(twin == kNone ? h : std::min(h, twin));
-      return true;
-    });
+    near_.push_back(true);
+    mesh_.for_each_outgoing(vertex, [&](std::uint32_t h) { return offer(h), true; });
   }
 
   Triangulation& mesh_;
   PatchVertices& vertices_;
   const std::function<double(const Vec3&)>& size_at_;
-  std::vector<double> sizes_;
+  std::vector<bool> near_;  // the corners of the triangles at the centers, and what was added between them
   std::priority_queue<Entry> queue_;
 };
 
@@ -94,9 +99,9 @@ std::uint32_t halve_edge(Triangulation& mesh, PatchVertices& vertices, std::uint
   return vertex;
 }
 
-void halve_long_edges(Triangulation& mesh, PatchVertices& vertices, const std::function<double(const Vec3&)>& size_at,
-                      const std::function<bool()>& keep_going) {
-  LongEdgeHalver(mesh, vertices, size_at).run(keep_going);
+void halve_long_edges(Triangulation& mesh, PatchVertices& vertices, std::span<const std::uint32_t> centers,
+                      const PatchCallbacks& callbacks) {
+  LongEdgeHalver(mesh, vertices, callbacks.size_at).run(centers, callbacks.keep_going);
 }
 
 void halve_repeated_edges(Triangulation& mesh, PatchVertices& vertices) {
