@@ -201,9 +201,12 @@ class MeshRun {
   std::vector<Misfit> find_misfits(const Candidate& candidate) const {
     const Mesh& mesh = candidate.surface.mesh;
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
+    // By default no smaller than what fits a feature that is just not eliminated.
     const auto floor = [&](const Vec3& x) {
+      if (options_.sizes.min_size > 0) return options_.sizes.min_size;
       constexpr double kLeastShare = 0.1;
-      return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
+      const double first = first_sizes_.size_at(x), least = kLeastShare * first;
+      return features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
     };
     return tetloom::find_misfits(mesh, model_.topology(), candidate.sizes, floor, tree, work_);
   }
