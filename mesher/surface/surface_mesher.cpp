@@ -56,6 +56,7 @@ class SurfaceMesher {
     for (const FaceMesh& face : faces_)
       for (const ModelEdgeId edge : face.crossing_edges)
         if (!topology_.edges[edge.value].degenerate) refined[edge.value] = true;
+    refine_joined(refined);
     std::vector<std::size_t> pending;
     for (std::size_t f = 0; f < topology_.face_count(); ++f) {
       bool touched = false;
@@ -66,6 +67,14 @@ class SurfaceMesher {
     for (std::size_t e = 0; e < refined.size(); ++e)
       if (refined[e]) options_.finer[e] *= 2;
     return pending;
+  }
+
+  // Edges with the same nodes become finer together.
+  void refine_joined(std::vector<bool>& refined) const {
+    for (std::size_t e = 0; e < refined.size(); ++e)
+      if (edges_[e].joined_to.valid() && refined[e]) refined[edges_[e].joined_to.value] = true;
+    for (std::size_t e = 0; e < refined.size(); ++e)
+      if (edges_[e].joined_to.valid() && refined[edges_[e].joined_to.value]) refined[e] = true;
   }
 
   // Two narrow faces may both have an edge between the same two rim nodes (a tube of two halves, a few pieces each),
@@ -185,7 +194,7 @@ class SurfaceMesher {
 
   void add_edges(const RimNodes& rim) {
     for (std::size_t e = 0; e < edges_.size(); ++e) {
-      if (topology_.edges[e].degenerate) continue;
+      if (topology_.edges[e].degenerate || edges_[e].joined_to.valid()) continue;
       for (std::size_t i = 0; i + 1 < edges_[e].t.size(); ++i) {
         result_.mesh.edge_to_vert.push_back({rim.node(ModelEdgeId(e), i), rim.node(ModelEdgeId(e), i + 1)});
         result_.mesh.edge_to_entity.push_back(static_cast<std::uint32_t>(e));
