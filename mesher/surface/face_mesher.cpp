@@ -80,13 +80,14 @@ class FaceMesher {
         result_.verdict = FaceVerdict::NotTriangulated;
       }
       FaceMesh other = std::exchange(result_, {});
-      const bool better = other.verdict == FaceVerdict::Ok &&
-                          (best.verdict != FaceVerdict::Ok || other.inverted < best.inverted);
+      const bool better =
+          other.verdict == FaceVerdict::Ok && (best.verdict != FaceVerdict::Ok || other.inverted < best.inverted);
       if (better) best = std::move(other);
     };
     const bool crosses = best.verdict == FaceVerdict::RimCrosses;
     if (!crosses || last_attempt_) try_other([&] { mesh_facets(); });
-    if (!is_sound(best)) try_other([&] { mesh_over_plane(); });
+    for (const bool follow : {true, false})
+      if (!is_sound(best)) try_other([&] { mesh_over_plane(follow); });
     return best;
   }
 
@@ -152,30 +153,18 @@ class FaceMesher {
     return chains;
   }
 
-  void mesh_in_plane() {
-    fill(make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_), *geometry_);
-  }
+  void mesh_in_plane() { fill(make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_), *geometry_); }
 
-  // From the nodes of the edges and the surface alone, over the plane that fits the edges best.
-  void mesh_over_plane() {
+  // From the nodes of the edges, over the plane that fits them best; inside, on the surface where `follow` says so.
+  void mesh_over_plane(bool follow) {
     result_.verdict = FaceVerdict::NotTriangulated;
     const std::optional<FittedPlane> plane = fit_plane(model_.topology(), face_, rim_);
     if (!plane) return;
     FaceRim rim = trace_rim(model_.topology(), face_, *plane, rim_);
     if (rim.segments.empty()) return;
-    const double reach = norm(extent_of(rim));
-    FaceOverPlane geometry(*geometry_, *plane, rim, reach);
+    FaceOverPlane geometry(*geometry_, *plane, rim, rim_, follow);
     result_.verdict = FaceVerdict::Ok;
     fill(fill_rim_patch(std::move(rim), geometry, rim_, sizes_), geometry);
-  }
-
-  static Vec2 extent_of(const FaceRim& rim) {
-    Vec2 lo = rim.vertices.front().uv, hi = lo;
-    for (const FaceRim::Vertex& vertex : rim.vertices) {
-      lo = {std::min(lo.u, vertex.uv.u), std::min(lo.v, vertex.uv.v)};
-      hi = {std::max(hi.u, vertex.uv.u), std::max(hi.v, vertex.uv.v)};
-    }
-    return hi - lo;
   }
 
   void fill(RimPatch given, FaceGeometry& geometry) {
@@ -263,6 +252,26 @@ class FaceMesher {
       }
     }
     if (result_.tri_to_vert.empty()) result_.verdict = FaceVerdict::RimNotClosed;
+    count_folds(patch);
+  }
+
+  // A parametrisation that folds over turns the normals with it: its triangles agree with them, and not with each
+  // other.
+  void count_folds(const Patch& patch) {
+    constexpr double kFolded = -0.5;  // cosine
+    const Triangulation& topology = patch.topology;
+    const auto normal = [&](std::uint32_t tri) {
+      const auto [a, b, c] = topology.triangle(tri);
+      const Vec3& origin = patch.vertices[a].place.point;
+      return normalized(cross(patch.vertices[b].place.point - origin, patch.vertices[c].place.point - origin));
+    };
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
+      const std::uint32_t g = topology.twin(h);
+      if (!topology.alive(h / 3) || g == Triangulation::kNone || g < h) continue;
+      if (dot(normal(h / 3), normal(g / 3)) > kFolded) continue;
+      ++result_.inverted;
+      result_.point = patch.vertices[topology.origin(h)].place.point;
+    }
   }
 
   const GeometricModel& model_;

@@ -25,12 +25,14 @@ FaceRim trace_rim(const ModelTopology& topology, ModelFaceId face, const FittedP
 /// The length of the rim where every piece is run through as often forward as backward; none where it bounds an area.
 std::optional<double> length_of_cancelled_rim(const ModelTopology& topology, ModelFaceId face, const RimNodes& rim);
 
-/// The geometry of a face with (u,v) in the plane: every point is the surface's point above or below it, as near to the
-/// plane as there is one, or a point of the plane where there is none within `reach` (model length). Only what the
-/// plane path of the face mesher asks for is answered: evaluate, derivatives and normal.
+/// The geometry of a face with (u,v) in the plane: every point is the surface's point above or below it. Where there is
+/// none, or one so high that the face would be a cliff seen from the rim (it lies on another sheet of a surface that
+/// folds over), and everywhere unless `follow`, the point has the height of the rim around it, by mean value
+/// coordinates (Hormann & Floater 2006). Only what the plane path of the face mesher asks for is answered: evaluate,
+/// derivatives and normal. Complexity of a question: linear in the rim.
 class FaceOverPlane : public FaceGeometry {
  public:
-  FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim, double reach);
+  FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim, const RimNodes& nodes, bool follow);
 
   Parametrization parametrization() override { return Parametrization::Smooth; }
   ParameterBox parameter_box() override { return box_; }
@@ -45,10 +47,26 @@ class FaceOverPlane : public FaceGeometry {
   Tessellation tessellate(double chord, double angle) override { return face_.tessellate(chord, angle); }
 
  private:
+  struct RimPoint {
+    Vec2 place;
+    double height;
+  };
+  struct RimPiece {
+    RimPoint start, end;
+  };
+  struct RimHeight {
+    double height, distance;  // of the rim around a point, and of the nearest rim node from it
+  };
+  RimHeight rim_height(const Vec2& uv) const;
+  SurfaceDerivatives spanned_at(const Vec2& uv, double height) const;
+  std::optional<SurfaceDerivatives> surface_above(const Vec3& base);
+
   FaceGeometry& face_;
   FittedPlane plane_;
+  std::vector<RimPiece> rim_;
   ParameterBox box_;
-  double reach_;
+  bool follow_;
+  double reach_ = 0;           // the extent of the rim
   std::optional<Vec2> guess_;  // of the last point found
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/surface/coincident_faces.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/edge_mesher.hpp"
 #include "mesher/surface/face_mesher.hpp"
 #include "mesher/surface/mesh_faces.hpp"
@@ -185,11 +187,47 @@ class SurfaceMesher {
     mesh.points = rim.points();
     for (std::uint32_t node = 0; node < rim.count(); ++node) mesh.point_to_entity.push_back(rim.classification(node));
     add_edges(rim);
+    const std::vector<bool> cancelled = find_cancelled(rim);
     add_faces();
+    const bool joined =
+        std::any_of(edges_.begin(), edges_.end(), [](const EdgeMesh& e) { return e.joined_to.valid(); });
+    if (joined || std::find(cancelled.begin(), cancelled.end(), true) != cancelled.end()) drop_faces(cancelled, mesh);
     mesh.face_to_sides = topology_.face_to_sides;
     for (int dim = 0; dim < 4; ++dim)
       for (std::size_t i = 0; i < topology_.count(dim); ++i)
         mesh.entities[static_cast<std::size_t>(dim)].push_back(model_.attributes({dim, static_cast<std::uint32_t>(i)}));
+  }
+
+  // By face. What lies between two coincident faces has no thickness, and the mesh goes without it.
+  std::vector<bool> find_cancelled(const RimNodes& rim) {
+    std::vector<bool> cancelled(faces_.size(), false);
+    for (const auto& [first, second] : find_cancelling_faces(model_, rim, faces_)) {
+      cancelled[first.value] = cancelled[second.value] = true;
+      const Vec3 place = model_.vertex_point(
+          topology_.edges[topology_.face_to_loops[first.value].front().front().edge.value].vertices[0]);
+      result_.warnings.push_back({ErrorCode::InputUnsuitable,
+                                  "two faces lie on each other with nothing between them, and are left out",
+                                  {model_.named(first), model_.named(second)},
+                                  place,
+                                  {}});
+    }
+    for (std::uint32_t r = 0; r < topology_.region_count(); ++r) report_flat_region(ModelRegionId(r), cancelled);
+    return cancelled;
+  }
+
+  void report_flat_region(ModelRegionId region, const std::vector<bool>& cancelled) {
+    std::vector<NamedEntity> entities{model_.named(region)};
+    for (const ModelFaceId face : topology_.region_to_faces[region.value]) {
+      if (!cancelled[face.value] &&
+          !(faces_[face.value].verdict == FaceVerdict::Ok && faces_[face.value].tri_to_vert.empty()))
+        return;
+      entities.push_back(model_.named(face));
+    }
+    result_.errors.push_back({ErrorCode::VolumeFailed,
+                              "the solid encloses no volume: its faces lie on each other",
+                              std::move(entities),
+                              {},
+                              {}});
   }
 
   void add_edges(const RimNodes& rim) {
