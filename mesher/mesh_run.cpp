@@ -7,11 +7,13 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/failed_complexes.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "threading/shared_work.hpp"
 
@@ -22,7 +24,12 @@ class MeshRun {
  public:
   MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
           Communicator* ranks)
-      : model_(model), options_(options), work_(options.threads, host, ranks), runner_(work_.runner()), fill_(fill) {}
+      : model_(model),
+        options_(options),
+        work_(options.threads, host, ranks),
+        runner_(work_.runner()),
+        fill_(fill),
+        on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
     try {
@@ -52,6 +59,18 @@ class MeshRun {
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
+    if (!failed_.empty()) finish_partial();
+  }
+
+  void finish_partial() {
+    result_.status = MeshStatus::Failed;
+    result_.is_partial = true;
+    append(failed_.errors(), {});
+    const std::vector<bool> missing = failed_.faces();
+    const auto& region_to_faces = model_.topology().region_to_faces;
+    for (std::size_t r = 0; r < region_to_faces.size(); ++r)
+      if (!region_to_faces[r].empty() && missing[region_to_faces[r].front().value])
+        result_.model_volume -= model_.volume(ModelRegionId(r));
   }
 
   // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
@@ -89,6 +108,7 @@ class MeshRun {
         return accept(std::move(*good), Refined::TooLarge);
       }
       if (round == 0) first_sizes_ = candidate.sizes;
+      set_aside(candidate.surface);
       const Mesh& mesh = candidate.surface.mesh;
       Stopwatch watch;
       const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
@@ -106,6 +126,12 @@ class MeshRun {
       result_.refinement.rounds = round + 1;
       if (hits.empty()) good = std::move(candidate);
     }
+  }
+
+  // The complexes that failed go out of the surface, as far as the host wants the others.
+  void set_aside(SurfaceMeshResult& surface) {
+    if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
+    if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
   }
 
   enum class Refined { Done, TooLarge };
@@ -220,6 +246,10 @@ class MeshRun {
       const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
     }
+    if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
+      errors.clear();
+      set_aside(candidate.surface);
+    }
     append(errors, warnings);
     take(std::move(candidate));
     if (!errors.empty()) result_.status = MeshStatus::Failed;
@@ -231,7 +261,22 @@ class MeshRun {
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
   }
 
+  // What one rank cannot fill no other one knows of before the end, so ranks give up together.
   bool mesh_volume() {
+    for (;;) {
+      std::vector<Diagnostic> errors = fill_volume();
+      if (errors.empty()) return true;
+      const bool others = options_.keep_going && !on_several_ranks_ && !runner_.cancelled() && failed_.take(errors);
+      if (!others) {
+        append(errors, {});
+        result_.status = MeshStatus::Failed;
+        return false;
+      }
+      drop_faces(failed_.faces(), result_.mesh);
+    }
+  }
+
+  std::vector<Diagnostic> fill_volume() {
     Stopwatch watch;
     const Mesh& mesh = result_.mesh;
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
@@ -244,9 +289,8 @@ class MeshRun {
     FillingReport filling = fill_(input, options, runner_, result_.mesh);
     result_.seconds.volume += watch.lap();
     result_.filling = std::move(filling.figures);
-    append(filling.errors, filling.warnings);
-    if (!filling.errors.empty()) result_.status = MeshStatus::Failed;
-    return filling.errors.empty();
+    append({}, filling.warnings);
+    return filling.errors;
   }
 
   const GeometricModel& model_;
@@ -254,7 +298,9 @@ class MeshRun {
   const SharedWork work_;
   const TaskRunner& runner_;
   const FillVolume& fill_;
+  const bool on_several_ranks_;
   MeshResult result_;
+  FailedComplexes failed_{model_};
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   std::map<std::uint32_t, std::size_t> refined_faces_;
   Vec3 smallest_place_;

@@ -22,7 +22,7 @@ struct Meshed {
   MeshResult result;
 };
 
-Meshed mesh_faulty(Fault fault, double size, double curvature = 0) {
+Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false) {
   const test::TemporaryFolder folder;
   test::write_faulty(fault, folder / "model.brep");
   Meshed meshed{read_model(folder / "model.brep"), {}};
@@ -30,6 +30,7 @@ Meshed mesh_faulty(Fault fault, double size, double curvature = 0) {
   options.sizes.size = size;
   options.sizes.curvature = curvature;
   options.threads = 1;
+  options.keep_going = keep_going;
   options.volume_worker = TETLOOM_WORKER;
   meshed.result = make_mesh(*meshed.document.model, options);
   return meshed;
@@ -132,4 +133,15 @@ TEST_CASE("a solid of two faces on each other is refused by name") {
   CHECK(meshed.result.errors.front().message.find("encloses no volume") != std::string::npos);
   REQUIRE(meshed.result.errors.front().entities.size() == 3);
   CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
+}
+
+TEST_CASE("beside a solid that is refused the others are meshed where the host wants to keep going") {
+  const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2, 0, true);
+  CHECK(meshed.result.status == MeshStatus::Failed);
+  CHECK(meshed.result.is_partial);
+  REQUIRE(meshed.result.errors.size() == 1);
+  CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
+  CHECK(validate_mesh(meshed.result.mesh).problems.empty());
+  CHECK(volume_of(meshed) == Approx(1000));
+  CHECK(meshed.result.model_volume == Approx(1000));
 }
