@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <new>
 #include <numeric>
@@ -7,6 +8,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/failed_complexes.hpp"
 #include "mesher/features/small_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
@@ -14,6 +16,7 @@
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "threading/shared_work.hpp"
 
@@ -24,7 +27,12 @@ class MeshRun {
  public:
   MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
           Communicator* ranks)
-      : model_(model), options_(options), work_(options.threads, host, ranks), runner_(work_.runner()), fill_(fill) {}
+      : model_(model),
+        options_(options),
+        work_(options.threads, host, ranks),
+        runner_(work_.runner()),
+        fill_(fill),
+        on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
     try {
@@ -54,6 +62,18 @@ class MeshRun {
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
+    if (!failed_.empty()) finish_partial();
+  }
+
+  void finish_partial() {
+    result_.status = MeshStatus::Failed;
+    result_.is_partial = true;
+    append(failed_.errors(), {});
+    const std::vector<bool> missing = failed_.faces();
+    const auto& region_to_faces = model_.topology().region_to_faces;
+    for (std::size_t r = 0; r < region_to_faces.size(); ++r)
+      if (!region_to_faces[r].empty() && missing[region_to_faces[r].front().value])
+        result_.model_volume -= model_.volume(ModelRegionId(r));
   }
 
   // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
@@ -98,6 +118,7 @@ class MeshRun {
     for (int round = 0;; ++round) {
       Candidate candidate;
       work_.together([&] { candidate = make_surface(sized); });
+      set_aside(candidate.surface);
       Stopwatch watch;
       const std::vector<TriangleIntersection> hits = settle_features(candidate, complexes);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
@@ -150,6 +171,12 @@ class MeshRun {
       refinements = std::move(more);
       return sized;
     }
+  }
+
+  // The complexes that failed go out of the surface, as far as the host wants the others.
+  void set_aside(SurfaceMeshResult& surface) {
+    if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
+    if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
   }
 
   // Without those from curvature and proximity.
@@ -305,6 +332,10 @@ class MeshRun {
       const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
     }
+    if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
+      errors.clear();
+      set_aside(candidate.surface);
+    }
     append(errors, warnings);
     take(std::move(candidate));
     if (!errors.empty()) result_.status = MeshStatus::Failed;
@@ -316,7 +347,22 @@ class MeshRun {
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
   }
 
+  // What one rank cannot fill no other one knows of before the end, so ranks give up together.
   bool mesh_volume() {
+    for (;;) {
+      std::vector<Diagnostic> errors = fill_volume();
+      if (errors.empty()) return true;
+      const bool others = options_.keep_going && !on_several_ranks_ && !runner_.cancelled() && failed_.take(errors);
+      if (!others) {
+        append(errors, {});
+        result_.status = MeshStatus::Failed;
+        return false;
+      }
+      drop_faces(failed_.faces(), result_.mesh);
+    }
+  }
+
+  std::vector<Diagnostic> fill_volume() {
     Stopwatch watch;
     const Mesh& mesh = result_.mesh;
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
@@ -329,9 +375,8 @@ class MeshRun {
     FillingReport filling = fill_(input, options, runner_, result_.mesh);
     result_.seconds.volume += watch.lap();
     result_.filling = std::move(filling.figures);
-    append(filling.errors, filling.warnings);
-    if (!filling.errors.empty()) result_.status = MeshStatus::Failed;
-    return filling.errors.empty();
+    append({}, filling.warnings);
+    return filling.errors;
   }
 
   const GeometricModel& model_;
@@ -339,8 +384,10 @@ class MeshRun {
   const SharedWork work_;
   const TaskRunner& runner_;
   const FillVolume& fill_;
+  const bool on_several_ranks_;
   MeshResult result_;
   std::optional<SmallFeatures> features_;
+  FailedComplexes failed_{model_};
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   double first_elements_ = 0;                      // the elements estimated for those
   bool refined_ = false;                           // in the last round
@@ -356,6 +403,9 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
   if (!(options.tets_per_part >= 0))
     throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
+  if (!(options.small_feature >= 0 && std::isfinite(options.small_feature)))
+    throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
+  if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   return MeshRun(model, options, host, fill, ranks).run();
 }
 
