@@ -7,6 +7,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/features/small_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/sizing/build_size_field.hpp"
@@ -77,6 +78,7 @@ class MeshRun {
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
     SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
+    if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
     std::vector<SizeRefinement> refinements;
     std::optional<Candidate> good;
     constexpr int kMostRounds = 6, kMostFittingRounds = 3;
@@ -89,10 +91,10 @@ class MeshRun {
         return accept(std::move(*good), Refined::TooLarge);
       }
       if (round == 0) first_sizes_ = candidate.sizes;
-      const Mesh& mesh = candidate.surface.mesh;
       Stopwatch watch;
+      const std::vector<TriangleIntersection> hits = settle_features(candidate, complexes);
+      const Mesh& mesh = candidate.surface.mesh;
       const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
-      const std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes, tree);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
       const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate, tree);
       result_.seconds.surface += watch.lap();
@@ -113,14 +115,39 @@ class MeshRun {
   struct Candidate {
     SizeField sizes = SizeField::uniform(1);
     SurfaceMeshResult surface;
+    std::vector<AbsorbedEntity> absorbed;
   };
+
+  // Without those from curvature and proximity.
+  SizeField build_asked_sizes() const {
+    SizeOptions asked = options_.sizes;
+    asked.curvature = asked.proximity = 0;
+    return SizeFieldBuilder(model_, asked, work_, options_.max_memory).build({}).sizes;
+  }
+
+  // Eliminates small features from the surface, and returns where it crosses itself afterwards. Where it does so at a
+  // place where something was eliminated, that is undone.
+  std::vector<TriangleIntersection> settle_features(Candidate& candidate, const std::vector<std::uint32_t>& complexes) {
+    if (!features_ || !candidate.surface.errors.empty()) return find_intersections(candidate.surface.mesh, complexes);
+    const Mesh given = std::move(candidate.surface.mesh);
+    constexpr int kMostTries = 4;
+    for (int tries = 1;; ++tries) {
+      EliminationResult eliminated = features_->eliminate(given, candidate.sizes, runner_);
+      const Mesh& mesh = eliminated.mesh ? *eliminated.mesh : given;
+      std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes);
+      if (tries < kMostTries && features_->keep_where_crossing(eliminated, hits)) continue;
+      candidate.surface.mesh = eliminated.mesh ? std::move(*eliminated.mesh) : given;
+      candidate.absorbed = std::move(eliminated.absorbed);
+      return hits;
+    }
+  }
 
   Candidate make_surface(SizeFieldBuilder& sizing, const std::vector<SizeRefinement>& refinements) {
     Stopwatch watch;
     const SizedModel sized = sizing.build(refinements);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
     result_.seconds.size_field += watch.lap();
-    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, work_)};
+    Candidate candidate{sized.sizes, mesh_surface(model_, sized.sizes, work_), {}};
     result_.seconds.surface += watch.lap();
     return candidate;
   }
@@ -133,8 +160,9 @@ class MeshRun {
     return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, tree, work_);
   }
 
-  std::vector<TriangleIntersection> find_intersections(const Mesh& mesh, const std::vector<std::uint32_t>& complexes,
-                                                       const intersection::TriangleTree& tree) const {
+  std::vector<TriangleIntersection> find_intersections(const Mesh& mesh,
+                                                       const std::vector<std::uint32_t>& complexes) const {
+    const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
     std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
     runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
@@ -206,6 +234,7 @@ class MeshRun {
   void take(Candidate&& candidate) {
     result_.mesh = std::move(candidate.surface.mesh);
     result_.sizes = candidate.sizes;
+    result_.absorbed = std::move(candidate.absorbed);
   }
 
   // Crossings spoil a solid; sheets may cross.
@@ -255,6 +284,7 @@ class MeshRun {
   const TaskRunner& runner_;
   const FillVolume& fill_;
   MeshResult result_;
+  std::optional<SmallFeatures> features_;
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   std::map<std::uint32_t, std::size_t> refined_faces_;
   Vec3 smallest_place_;
