@@ -21,7 +21,9 @@ namespace tetloom::intersection {
 class SegmentBoxTest {
  public:
   SegmentBoxTest(const Vec3& x, const Vec3& along)
-      : middle_(x + 0.5 * along), half_(0.5 * along), absolute_{std::abs(half_.x), std::abs(half_.y), std::abs(half_.z)} {
+      : middle_(x + 0.5 * along),
+        half_(0.5 * along),
+        absolute_{std::abs(half_.x), std::abs(half_.y), std::abs(half_.z)} {
     constexpr double kRounding = 1e-12;
     rounding_ = kRounding * (std::abs(middle_.x) + std::abs(middle_.y) + std::abs(middle_.z) + absolute_.x +
                              absolute_.y + absolute_.z);
