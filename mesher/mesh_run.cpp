@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include "core/base/stage_clock.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/failed_complexes.hpp"
@@ -79,6 +80,7 @@ class MeshRun {
   // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
   void measure_model() {
     Stopwatch watch;
+    runner_.begin_stage(Stage::SizeField, 0);
     const ModelTopology& topology = model_.topology();
     const std::size_t regions = topology.region_count();
     std::vector<double> volumes(regions);
@@ -205,6 +207,7 @@ class MeshRun {
 
   SizedModel build_sizes(SizeFieldBuilder& sizing, const std::vector<SizeRefinement>& refinements) {
     Stopwatch watch;
+    runner_.begin_stage(Stage::SizeField, 0);
     SizedModel sized = sizing.build(refinements);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
     result_.seconds.size_field += watch.lap();
@@ -240,12 +243,15 @@ class MeshRun {
 
   std::vector<TriangleIntersection> find_intersections(const Mesh& mesh,
                                                        const std::vector<std::uint32_t>& complexes) const {
+    runner_.begin_stage(Stage::Intersections, mesh.tri_to_vert.size());
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
     std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
     runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
     });
-    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, work_);
+    IntersectionSearch search{mesh.points, mesh.tri_to_vert, groups};
+    search.tells_progress = true;
+    return find_self_intersections(search, tree, work_);
   }
 
   static double longest_edge(const Mesh& mesh, std::uint32_t tri) {
@@ -395,6 +401,23 @@ class MeshRun {
   Vec3 smallest_place_;
 };
 
+Host with_clock(const Host& host, StageClock& clock) {
+  Host timed = host;
+  timed.progress = [&clock, progress = host.progress](const ProgressEvent& event) {
+    clock.enter(event.stage);
+    return !progress || progress(event);
+  };
+  return timed;
+}
+
+// A stage that was left by an exception has not been counted.
+void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
+  seconds.size_field = std::max(seconds.size_field, clock.seconds(Stage::SizeField));
+  seconds.surface = std::max(
+      seconds.surface, clock.seconds(Stage::Edges) + clock.seconds(Stage::Faces) + clock.seconds(Stage::Intersections));
+  seconds.volume = std::max(seconds.volume, clock.seconds(Stage::Volume));
+}
+
 }  // namespace
 
 MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
@@ -406,7 +429,10 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (!(options.small_feature >= 0 && std::isfinite(options.small_feature)))
     throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
-  return MeshRun(model, options, host, fill, ranks).run();
+  StageClock clock;
+  MeshResult result = MeshRun(model, options, with_clock(host, clock), fill, ranks).run();
+  if (result.status != MeshStatus::Ok) count_unfinished_stage(clock, result.seconds);
+  return result;
 }
 
 }  // namespace tetloom
