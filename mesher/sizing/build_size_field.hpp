@@ -17,6 +17,7 @@ namespace tetloom {
 struct SizeRefinement {
   std::array<Vec3, 3> corners;
   double size = 0;  ///< model length, > 0
+  friend bool operator==(const SizeRefinement&, const SizeRefinement&) = default;
 };
 
 /// The size field that meets all of `options`. At a point the smallest wins of
@@ -49,8 +50,10 @@ struct SizedModel {
 };
 
 /// build_size_field and estimate_mesh in one, again and again with other refinements: the model is facetted, and its
-/// own sources are found, once. Ranks share facets, sources, cells and corners; all have the whole field in the end.
-/// Refers to its arguments, which must outlive it. Thread safety: one call at a time.
+/// own sources are found, once. Where refinements are added at the end of those of the last call, what they do not
+/// change is not made again: the field is then the one that would be built anew in the same cube. Ranks share facets,
+/// sources, cells and corners; all have the whole field in the end. Refers to its arguments, which must outlive it.
+/// Thread safety: one call at a time.
 class SizeFieldBuilder {
  public:
   /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.
