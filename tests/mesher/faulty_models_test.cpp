@@ -145,3 +145,9 @@ TEST_CASE("beside a solid that is refused the others are meshed where the host w
   CHECK(volume_of(meshed) == Approx(1000));
   CHECK(meshed.result.model_volume == Approx(1000));
 }
+
+TEST_CASE("a rod far thinner than the size keeps its volume where curvature is asked for") {
+  const Meshed meshed = mesh_faulty(Fault::ThinRod, 1, 12);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(std::numbers::pi * 0.01 * 10).epsilon(0.04));
+}
