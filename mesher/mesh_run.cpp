@@ -14,8 +14,8 @@
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
-#include "mesher/surface/drop_faces.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "threading/shared_work.hpp"
 
@@ -177,7 +177,6 @@ class MeshRun {
       return sized;
     }
   }
-
 
   // Without those from curvature and proximity.
   SizeField build_asked_sizes() const {

@@ -51,8 +51,7 @@ struct RawMeshOptions {
   std::optional<int> threads, parts, rounds;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement;
   bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
-       keep_going = false, imprint = false,
-       no_heal = false, quiet = false, tetgen = false;
+       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
 };
 
 struct RawPartition {

@@ -185,13 +185,13 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
                                      const std::vector<Tessellation>& facets, const SharedWork& work) {
+  const WireFinder wires(model, targets);
   return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      const bool thin =
-          targets.floor_is_default && encloses_wire(*geometry, model.topology().face_to_sides[f], facets[f], targets);
+      const bool thin = wires.is_wire(ModelFaceId(f), *geometry, facets[f]);
       const double floor = thin ? kWireFloor * targets.floor : targets.floor;
       list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });

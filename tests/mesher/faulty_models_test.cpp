@@ -31,6 +31,7 @@ Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_goi
   options.sizes.curvature = curvature;
   options.threads = 1;
   options.keep_going = keep_going;
+  options.keep_small_features = true;
   options.volume_worker = TETLOOM_WORKER;
   meshed.result = make_mesh(*meshed.document.model, options);
   return meshed;
