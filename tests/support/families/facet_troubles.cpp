@@ -17,13 +17,14 @@ namespace tetloom::test {
 namespace {
 
 int random_cells(Random& random, FamilyScale scale) {
-  return scale == FamilyScale::Full ? static_cast<int>(random.log_uniform(12, 290)) : random.integer(8, 16);
+  return scale == FamilyScale::Full ? static_cast<int>(random.log_uniform(12, 290)) : random.integer(10, 16);
 }
 
 FamilyModel facet_model(const FacetSurface& surface, const std::string& what) {
   FamilyModel model;
   model.what = std::to_string(surface.triangles.size()) + " facets" + what;
   model.volume = enclosed_volume(surface);
+  model.relative_size = .04, model.curvature = 0;  // the grid's facets turn everywhere
   return model;
 }
 

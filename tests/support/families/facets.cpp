@@ -167,7 +167,7 @@ FacetSurface random_blob(Random& random, int cells) {
   std::vector<Ball> balls;
   Vec3 centre{.5, .5, .5};
   for (int i = random.integer(1, 6); i > 0; --i) {
-    balls.push_back({centre, random.uniform(.08, .18)});
+    balls.push_back({centre, random.uniform(.1, .18)});
     // The next begins within this one, so that all of them are one body.
     const Vec3 next = centre + 1.2 * balls.back().radius * random.direction();
     for (int axis = 0; axis < 3; ++axis) centre[axis] = std::clamp(next[axis], .25, .75);
