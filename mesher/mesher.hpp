@@ -15,6 +15,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/features/absorbed_entity.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "threading/task_runner.hpp"
 
@@ -46,13 +47,22 @@ struct SizeOptions {
                                                 ///< any thread at once
 };
 
+/// The share of the size asked for below which a feature of the model is small.
+inline constexpr double kSmallFeature = 0.05;
+
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
-  bool refine_surface = true;   ///< sizes become smaller where they do not fit: where walls, faces or model edges are
-                                ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
-                                ///< at the place), and where the surface mesh would cross itself; false: the sizes
-                                ///< stay, whatever the shape of the elements
+  bool keep_small_features = false;  ///< false: edges, faces, steps and spikes of the model that are too small for the
+                                     ///< size are eliminated from the mesh; the model itself stays as it is
+  double small_feature = 0;    ///< what is smaller is small; model length; 0: kSmallFeature of the size asked for at a
+                               ///< place. Never below the model's own tolerance there, nor above .4 of the size there
+  bool refine_surface = true;  ///< sizes become smaller where they do not fit: where walls, faces or model edges are
+                               ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
+                               ///< at the place), and where the surface mesh would cross itself; false: the sizes
+                               ///< stay, whatever the shape of the elements
+  double most_refinement = 2;  ///< by refinement at narrow places the mesh may have so many times the elements that the
+                               ///< sizes ask for; infinite: as many as it takes. What is left is in the result
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
@@ -77,6 +87,7 @@ struct StageSeconds {
 struct SurfaceRefinement {
   std::size_t crossings = 0;      ///< of triangles, in all rounds but the last
   std::size_t narrow_places = 0;  ///< triangles at walls, faces or edges that are too narrow, in all rounds
+  std::size_t left = 0;           ///< triangles at narrow places for which `most_refinement` did not suffice
   int rounds = 0;                 ///< of meshing the surface anew
   double smallest_size = 0;       ///< model length; 0: nothing was refined
 };
@@ -91,8 +102,9 @@ struct MeshResult {
   std::vector<Diagnostic> warnings;
   StageSeconds seconds;
   SurfaceRefinement refinement;
-  double model_volume = 0;  ///< sum over the regions; model length³
-  FillingFigures filling;   ///< how the volume came to be filled
+  std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
+  double model_volume = 0;               ///< sum over the regions; model length³
+  FillingFigures filling;                ///< how the volume came to be filled
 };
 
 /// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.

@@ -44,7 +44,7 @@ SizeField build_size_field(const GeometricModel& model, const SizeOptions& optio
 
 /// A size field and what a mesh on it will hold.
 struct SizedModel {
-  SizeField sizes;
+  SizeField sizes = SizeField::uniform(1);
   MeshEstimate estimate;
 };
 
