@@ -129,8 +129,8 @@ class MeshRun {
     result_.refinement.crossings += hits.size();
     const double allowed = std::max(0.0, options_.most_refinement * first_elements_ - candidate.elements);
     double budget = allowed;
-    constexpr int kMostTries = 4;
-    constexpr double kOver = 1.1;
+    constexpr int kMostTries = 6;
+    constexpr double kOver = 1.1, kUnder = 0.9;
     for (int tries = 1;; ++tries) {
       const bool give_up = tries == kMostTries;
       const AffordableMisfits chosen = choose_affordable(misfits, mesh, candidate.sizes, give_up ? 0 : budget);
@@ -141,7 +141,7 @@ class MeshRun {
       SizedModel sized = build_sizes(sizing, more);
       const double added = count_elements(sized.estimate) - candidate.elements;
       if (added > kOver * allowed && !chosen.refined.empty()) {
-        budget *= 0.9 * allowed / added;
+        budget = kUnder * chosen.cost * allowed / added;
         continue;
       }
       for (const Misfit& misfit : chosen.refined) note(misfit, mesh);

@@ -48,7 +48,7 @@ struct SizeOptions {
 };
 
 /// The share of the size asked for below which a feature of the model is small.
-inline constexpr double kSmallFeature = 0.05;
+inline constexpr double kSmallFeature = 0.1;
 
 struct MeshOptions {
   SizeOptions sizes;

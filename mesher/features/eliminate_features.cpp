@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "mesher/features/displacement.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
 
@@ -54,7 +55,7 @@ class Eliminator {
       : mesh_(mesh),
         how_(how),
         runner_(runner),
-        moved_(mesh.points.size(), 0),
+        displacement_(mesh.points),
         is_touched_(mesh.points.size(), 0),
         merged_into_(mesh.points.size(), kNone) {}
 
@@ -145,22 +146,26 @@ class Eliminator {
     const bool is_feature = edge < tolerance;
     if (!is_feature && !(edge < kShort * size_of_edge(a, b) && (is_touched_[a] || is_touched_[b]))) return false;
     std::optional<LocalChange> best;
-    double best_shape = 0, best_moved = 0;
+    Motion best_motion;
+    double best_shape = 0;
     for (const auto& [gone, kept] : {std::pair{a, b}, std::pair{b, a}}) {
       if (locked_[gone] || locked_[kept]) continue;
       std::optional<LocalChange> change = plan_collapse(*surface_, gone, kept);
       if (!change) continue;
-      const std::optional<double> moved = allowed_motion(*change, tolerance);
-      if (!moved) continue;
+      const std::optional<Motion> motion = allowed_motion(*change, tolerance);
+      if (!motion) continue;
       const BeforeAfter shapes = compare_shapes(*surface_, *change), heights = compare_heights(*surface_, *change);
       const bool gains = is_feature ? heights.after > kCollapseHeight * heights.before : shapes.after > shapes.before;
       if (!gains || (best && shapes.after <= best_shape) || !keeps_shape(*surface_, *change, tolerance)) continue;
       best_shape = shapes.after;
-      best_moved = *moved;
+      best_motion = *motion;
       best = std::move(change);
     }
     if (!best) return false;
-    moved_[best->kept] = std::max(moved_[best->kept], best_moved);
+    if (best_motion.is_direct)
+      displacement_.merge(best->gone, best->kept, best->place);
+    else
+      displacement_.note(best->kept, best_motion.distance);
     is_touched_[best->kept] = 1;
     merged_into_[best->gone] = best->kept;
     ++result_.collapses;
@@ -168,15 +173,20 @@ class Eliminator {
     return true;
   }
 
-  // How far points of the given surface will have been moved beside the kept vertex; none where that is too far.
-  std::optional<double> allowed_motion(const LocalChange& change, double tolerance) const {
-    const double before = std::max(moved_[change.gone], moved_[change.kept]);
-    const double direct = moved_[change.gone] + length(change.gone, change.kept);
-    if (direct <= tolerance) return std::max(before, direct);
+  struct Motion {
+    double distance = 0;     ///< of the surface from the given one
+    bool is_direct = false;  ///< all of the vertex that goes is now at the one that stays
+  };
+
+  // How far the surface will be from the given one; none where that is too far.
+  std::optional<Motion> allowed_motion(const LocalChange& change, double tolerance) const {
+    const double direct = displacement_.from(change.gone, change.place);
+    if (direct <= tolerance) return Motion{direct, true};
+    const double before = displacement_.from(change.gone, surface_->point(change.gone));
     const std::optional<double> beside = distance_beside(change);
     const double most = std::max(tolerance, kSmoothing * size_of_edge(change.gone, change.kept));
-    if (!beside || moved_[change.gone] + *beside > most) return {};
-    return std::max(before, moved_[change.gone] + *beside);
+    if (!beside || before + *beside > most) return {};
+    return Motion{before + *beside, false};
   }
 
   // The distance of a vertex from the surface without it, where it lies inside of a face, or inside of a model edge
@@ -209,10 +219,14 @@ class Eliminator {
     if (!change || (!is_feature && !is_flat_swap(*change))) return;
     const BeforeAfter heights = compare_heights(*surface_, *change), shapes = compare_shapes(*surface_, *change);
     if (!(is_feature ? heights.after > kSnapHeight * heights.before : shapes.after > shapes.before)) return;
-    const double moved = std::max({moved_[apex], moved_[u], moved_[v]}) + (is_feature ? height : 0);
+    const Vec3& start = surface_->point(u);
+    const Vec3 along = surface_->point(v) - start;
+    const double share = std::clamp(dot(change->place - start, along) / norm2(along), 0.0, 1.0);
+    const double moved = std::max(displacement_.from_edge(u, v, share, change->place),
+                                  displacement_.from(apex, change->place));
     if ((is_feature && moved > tolerance) || !keeps_shape(*surface_, *change, tolerance)) return;
     if (is_feature) {
-      moved_[apex] = std::max(moved_[apex], moved);
+      displacement_.merge_edge(u, v, share, apex, change->place);
       is_touched_[apex] = 1;
     }
     ++result_.snaps;
@@ -293,14 +307,14 @@ class Eliminator {
   void add_absorbed(ModelEntity entity, std::uint32_t point) {
     const std::uint32_t now = root(point);
     result_.absorbed.push_back(
-        {entity, surface_->entity(now), std::max(moved_[now], distance(mesh_.points[point], surface_->point(now)))});
+        {entity, surface_->entity(now), displacement_.from(now, surface_->point(now))});
   }
 
   const Mesh& mesh_;
   const FeatureElimination& how_;
   const TaskRunner& runner_;
   std::optional<SurfaceComplex> surface_;
-  std::vector<double> moved_;               // per point: how far the surface has been moved beside it, at most
+  Displacement displacement_;
   std::vector<std::uint8_t> is_touched_;    // per point: something was merged there
   std::vector<std::uint32_t> merged_into_;  // per point, kNone for those that are there
   std::vector<std::uint8_t> locked_;        // per point

@@ -62,7 +62,9 @@ AffordableMisfits choose_affordable(const std::vector<Misfit>& misfits, const Me
   for (const Place& place : places) {
     if (share < kLeastWidth) ++result.left;
     const double size = share > 0 ? place.size_for(share) : place.present;
-    if (size < kWorthwhile * place.present) result.refined.push_back({place.misfit.triangle, size});
+    if (!(size < kWorthwhile * place.present)) continue;
+    result.refined.push_back({place.misfit.triangle, size});
+    result.cost += place.cost(share);
   }
   return result;
 }

@@ -13,6 +13,7 @@ namespace tetloom {
 struct AffordableMisfits {
   std::vector<Misfit> refined;  ///< in ascending order of triangles
   std::size_t left = 0;         ///< misfits that do not get the size that fits
+  double cost = 0;              ///< of those refined, as estimated
 };
 
 /// The sizes that raise the narrowest places, in widths per size, as far as the budget allows, and no place further
