@@ -222,8 +222,8 @@ class Eliminator {
     const Vec3& start = surface_->point(u);
     const Vec3 along = surface_->point(v) - start;
     const double share = std::clamp(dot(change->place - start, along) / norm2(along), 0.0, 1.0);
-    const double moved = std::max(displacement_.from_edge(u, v, share, change->place),
-                                  displacement_.from(apex, change->place));
+    const double moved =
+        std::max(displacement_.from_edge(u, v, share, change->place), displacement_.from(apex, change->place));
     if ((is_feature && moved > tolerance) || !keeps_shape(*surface_, *change, tolerance)) return;
     if (is_feature) {
       displacement_.merge_edge(u, v, share, apex, change->place);
@@ -306,8 +306,7 @@ class Eliminator {
 
   void add_absorbed(ModelEntity entity, std::uint32_t point) {
     const std::uint32_t now = root(point);
-    result_.absorbed.push_back(
-        {entity, surface_->entity(now), displacement_.from(now, surface_->point(now))});
+    result_.absorbed.push_back({entity, surface_->entity(now), displacement_.from(now, surface_->point(now))});
   }
 
   const Mesh& mesh_;

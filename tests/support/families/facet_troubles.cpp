@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mesher/intersection/self_intersection.hpp"
 #include "tests/support/families/facets.hpp"
 #include "tests/support/families/families.hpp"
 #include "tests/support/families/shapes.hpp"
@@ -20,10 +21,15 @@ int random_cells(Random& random, FamilyScale scale) {
   return scale == FamilyScale::Full ? static_cast<int>(random.log_uniform(12, 290)) : random.integer(10, 16);
 }
 
-FamilyModel facet_model(const FacetSurface& surface, const std::string& what) {
+/// Of a closed surface, which is rounded to what files of facets hold. It is sound where it does not cross itself.
+FamilyModel facet_model(FacetSurface& surface, const std::string& what) {
+  for (Vec3& point : surface.points)
+    for (int axis = 0; axis < 3; ++axis) point[axis] = static_cast<float>(point[axis]);
   FamilyModel model;
   model.what = std::to_string(surface.triangles.size()) + " facets" + what;
   model.volume = enclosed_volume(surface);
+  const IntersectionSearch search{surface.points, surface.triangles, {}, 1};
+  model.sound = find_self_intersections(search, TaskRunner(1)).empty();
   model.relative_size = .04, model.curvature = 0;  // the grid's facets turn everywhere
   return model;
 }
@@ -77,7 +83,7 @@ void add_face(FacetSurface& surface, const TopoDS_Face& face) {
 
 FamilyModel make_blobs(std::uint64_t seed, FamilyScale scale, const std::filesystem::path& folder) {
   Random random(12, seed);
-  const FacetSurface surface = random_blob(random, random_cells(random, scale));
+  FacetSurface surface = random_blob(random, random_cells(random, scale));
   FamilyModel model = facet_model(surface, "");
   write_facets(surface, random, folder, model);
   return model;
@@ -90,7 +96,6 @@ FamilyModel make_noisy_blobs(std::uint64_t seed, FamilyScale scale, const std::f
   const double share = random.log_uniform(1e-6, .1);
   for (Vec3& point : surface.points) point = point + 20 * share / cells * random.direction();
   FamilyModel model = facet_model(surface, labelled(", noise / cell", share));
-  model.sound = share < .01;  // needles turn over, and facets cross
   write_facets(surface, random, folder, model);
   return model;
 }
@@ -106,6 +111,7 @@ FamilyModel make_t_junctions(std::uint64_t seed, FamilyScale, const std::filesys
   if (turned) turn(surface, random.uniform(.1, 1));
   FamilyModel model = facet_model(surface, turned ? ", turned" : "");
   model.volume = a.x * b.y * c.z;
+  model.sound = true;
   write_facets(surface, random, folder, model);
   return model;
 }
@@ -150,6 +156,7 @@ FamilyModel make_exports(std::uint64_t seed, FamilyScale, const std::filesystem:
   FacetSurface surface;
   for (const TopoDS_Shape& face : faces_of(part)) add_face(surface, TopoDS::Face(face));
   FamilyModel model = facet_model(surface, labelled(", chord", chord));
+  model.sound = true;  // faces share no points here, and so they touch
   write_facets(surface, random, folder, model);
   return model;
 }
