@@ -77,7 +77,8 @@ class FaceMesher {
     const double size = smallest_rim_size();
     constexpr double kChord = 0.02, kAngle = 0.3;
     const Tessellation tessellation = geometry_->tessellate(kChord * size, kAngle);
-    const FacetPatch facets = make_facet_patch(tessellation, boundary_chains(), keep_going_);
+    const FacetPatch facets = make_facet_patch(tessellation, boundary_chains(), keep_going_,
+                                               [&](const Vec3& x) { return sizes_.size_at(x); });
     if (facets.verdict != FacetPatchVerdict::Ok) {
       result_.verdict = FaceVerdict::NotTriangulated;
       result_.point = facets.trouble;
