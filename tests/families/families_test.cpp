@@ -82,10 +82,20 @@ void check_mesh(const MeshResult& result, const GeometricModel& geometry, const 
   check_count(quality.tets.count, geometry, model);
 }
 
+/// What is read is what was made.
+void check_reading(const GeometricModel& geometry, const FamilyModel& model) {
+  if (!model.sound) return;
+  double volume = 0;
+  for (std::size_t r = 0; r < geometry.topology().region_count(); ++r) volume += geometry.volume(ModelRegionId(r));
+  CHECK(geometry.topology().region_count() == model.solids);
+  CHECK(volume == Approx(model.volume).epsilon(model.volume_tolerance));
+}
+
 /// Reading may refuse a model that is not sound; so may meshing.
 void check_model(const FamilyModel& model, bool with_threads) {
   try {
     const ModelDocument document = read_model(model.file);
+    check_reading(*document.model, model);
     const MeshResult result = make_mesh(*document.model, options_for(model, 1));
     if (result.status != MeshStatus::Ok) {
       CHECK_FALSE(result.errors.empty());
