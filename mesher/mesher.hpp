@@ -66,6 +66,8 @@ struct MeshOptions {
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
+  bool keep_going = false;      ///< solids and sheets in which something fails are left out, with those that share
+                                ///< faces with them, and the others are meshed; by default the whole run fails
   QualityGoals goals;           ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
@@ -93,9 +95,11 @@ struct SurfaceRefinement {
 };
 
 /// What became of a run. When `status` is not Ok, `mesh` holds what was finished: the surface mesh when the volume
-/// failed or was cancelled, nothing when the surface did.
+/// failed or was cancelled, nothing when the surface did; with `keep_going` everything but what `errors` name, which
+/// `is_partial` says.
 struct MeshResult {
   MeshStatus status = MeshStatus::Failed;
+  bool is_partial = false;
   Mesh mesh;
   SizeField sizes = SizeField::uniform(1);
   std::vector<Diagnostic> errors;
@@ -103,7 +107,7 @@ struct MeshResult {
   StageSeconds seconds;
   SurfaceRefinement refinement;
   std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
-  double model_volume = 0;               ///< sum over the regions; model length³
+  double model_volume = 0;               ///< sum over the regions, but those left out; model length³
   FillingFigures filling;                ///< how the volume came to be filled
 };
 
