@@ -18,7 +18,7 @@ namespace tetloom::test {
 namespace {
 
 int random_cells(Random& random, FamilyScale scale) {
-  return scale == FamilyScale::Full ? static_cast<int>(random.log_uniform(12, 290)) : random.integer(10, 16);
+  return scale == FamilyScale::Full ? static_cast<int>(random.log_uniform(12, 400)) : random.integer(10, 16);
 }
 
 /// Of a closed surface, which is rounded to what files of facets hold. It is sound where it does not cross itself.

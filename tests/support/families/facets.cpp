@@ -12,6 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kNearest = 1e-3;  // of a point to the end of the edge that it lies on, beside its length
+
 /// Marches over the tets of a grid.
 class Marcher {
  public:
@@ -92,7 +94,8 @@ class Marcher {
     const auto next = static_cast<std::uint32_t>(surface_.points.size());
     const auto [entry, is_new] = points_.try_emplace(a * 8 + edge_kind(b - a), next);
     if (is_new) {
-      const double u = values_[a], v = values_[b], share = u / (u - v);
+      // Not so near a node that single precision turns a needle over.
+      const double u = values_[a], v = values_[b], share = std::clamp(u / (u - v), kNearest, 1 - kNearest);
       surface_.points.push_back(place(a) + share * (place(b) - place(a)));
     }
     return entry->second;
