@@ -50,8 +50,8 @@ struct RawMeshOptions {
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature;
   std::optional<int> threads, parts, rounds;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement;
-  bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false, imprint = false,
-       no_heal = false, quiet = false, tetgen = false;
+  bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
+       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
 };
 
 struct RawPartition {
@@ -142,6 +142,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.keep_small_features = raw.keep_small_features;
   command.options.small_feature = positive("--small-feature", raw.small_feature, 0);
   command.options.improve_surface = !raw.keep_surface;
+  command.options.keep_going = raw.keep_going;
   command.options.goals = make_goals(raw);
   command.options.lattice = raw.lattice == "a15" ? LatticeKind::A15 : LatticeKind::Bcc;
   if (raw.tets_per_part) {
@@ -246,6 +247,9 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   keep->group(group);
   mesh->add_flag("--keep-surface", raw.keep_surface,
                  "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
+      ->group(group);
+  mesh->add_flag("--keep-going", raw.keep_going,
+                 "Write the solids that can be meshed where others cannot; the exit status is 4 all the same")
       ->group(group);
   mesh->add_option("--lattice", raw.lattice,
                    "The lattice inside: bcc (the default), or a15, of fewer tetrahedra that are nearer to regular")

