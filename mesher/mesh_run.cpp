@@ -106,7 +106,7 @@ class MeshRun {
 
   // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross
   // because they are too coarse for the shape, and as small as it takes and the budget allows where it is narrow. What
-  // still crosses after a few rounds crosses in the model.
+  // still crosses after a few rounds crosses in the model. After the first round a few misfits are not worth another.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
     SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
@@ -122,13 +122,17 @@ class MeshRun {
       work_.together([&] { candidate = make_surface(sized); });
       set_aside(candidate.surface);
       Stopwatch watch;
-      const std::vector<TriangleIntersection> hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> all_hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> hits = those_of_solids(all_hits, candidate.surface.mesh);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
-      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      if (round > 0 && hits.empty() && are_few(misfits, candidate.surface.mesh)) misfits.clear();
       result_.seconds.surface += watch.lap();
       if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-      if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
-      if (!options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate), hits);
+      const bool done = hits.empty() && misfits.empty();
+      if (done && all_hits.empty()) return accept(std::move(candidate), Refined::Done);
+      if (done || !options_.refine_surface || round == kMostRounds)
+        return judge_crossings(std::move(candidate), all_hits);
       try {
         work_.together([&] { sized = refine(candidate, hits, misfits, sizing, refinements); });
       } catch (const Error& error) {
@@ -140,6 +144,24 @@ class MeshRun {
       result_.refinement.rounds = round + 1;
       if (hits.empty()) good = std::move(candidate);
     }
+  }
+
+  static bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
+    constexpr double kFew = 1e-3;  // of the triangles
+    return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
+  }
+
+  bool bounds_region(std::uint32_t face) const {
+    const FaceSides& sides = model_.topology().face_to_sides[face];
+    return sides.front.valid() || sides.back.valid();
+  }
+
+  // Crossings of a face of a solid; sheets may cross.
+  std::vector<TriangleIntersection> those_of_solids(std::vector<TriangleIntersection> hits, const Mesh& mesh) const {
+    std::erase_if(hits, [&](const TriangleIntersection& hit) {
+      return !bounds_region(mesh.tri_to_entity[hit.first]) && !bounds_region(mesh.tri_to_entity[hit.second]);
+    });
+    return hits;
   }
 
   // The complexes that failed go out of the surface, as far as the host wants the others.
@@ -326,16 +348,15 @@ class MeshRun {
     result_.absorbed = std::move(candidate.absorbed);
   }
 
-  // Crossings spoil a solid; sheets may cross.
+  // Crossings spoil a solid and no sheet.
   bool judge_crossings(Candidate&& candidate, const std::vector<TriangleIntersection>& hits) {
     const std::vector<Diagnostic> found = describe_intersections(hits, {candidate.surface.mesh.tri_to_entity, &model_});
-    const auto bounds_region = [&](const NamedEntity& entity) {
-      const FaceSides& sides = model_.topology().face_to_sides[entity.entity.index];
-      return entity.entity.dim == 2 && (sides.front.valid() || sides.back.valid());
+    const auto spoils = [&](const NamedEntity& entity) {
+      return entity.entity.dim == 2 && bounds_region(entity.entity.index);
     };
     std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
     for (const Diagnostic& diagnostic : found) {
-      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
+      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), spoils);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
     }
     if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
