@@ -7,6 +7,7 @@
 
 #include "core/discrete/facet_edges.hpp"
 #include "core/discrete/facet_soup.hpp"
+#include "core/discrete/needles.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -311,6 +312,7 @@ std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel) 
   drop_unused_points(soup);
   check_not_empty(soup, "all facets of the file are degenerate");
   const std::size_t merged = close_cracks(soup, cancel);
+  const std::size_t needles = collapse_needles(soup, cancel);
   const std::size_t slivers = remove_slivers(soup, cancel);
   check_not_empty(soup, "all facets of the file are degenerate");
   drop_unused_points(soup);
@@ -321,6 +323,7 @@ std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel) 
   report("degenerate facets removed", collapsed);
   report("duplicate facets removed", duplicates);
   report("points merged to close cracks", merged);
+  report("points merged across needles", needles);
   report("slivers thinner than the file's precision removed", slivers);
   return steps;
 }

@@ -286,6 +286,25 @@ TEST_CASE("a sliver facet with its corner on its neighbour's side is swapped awa
   CHECK(document.model->volume(ModelRegionId(0)) == Approx(1));
 }
 
+TEST_CASE("needles between points that are nearly one are collapsed, and the surface stays closed") {
+  const TemporaryFolder folder;
+  // Every column of a cylinder twice, a hair apart: half of its side are needles, and two edges of every third facet.
+  const std::uint32_t columns = 24;
+  const Facets cylinder = make_cylinder(1, 2, 2 * columns, 4);
+  Facets facets = cylinder;
+  for (std::size_t p = 0; p + 2 < facets.points.size(); ++p) {
+    const std::size_t column = p % (2 * columns);
+    const double angle = 2 * M_PI * static_cast<double>(column / 2) / columns + (column % 2 ? 1e-5 : 0);
+    facets.points[p] = {std::cos(angle), std::sin(angle), facets.points[p].z};
+  }
+  const ModelDocument document = read_discrete_model(folder.write("needles.stl", binary_stl(facets)));
+  CHECK(healed(document, "needles") == 5 * columns);
+  CHECK(document.model->topology().region_count() == 1);
+  CHECK(document.model->topology().face_count() == 3);
+  CHECK(document.warnings.empty());
+  CHECK(document.model->volume(ModelRegionId(0)) == Approx(volume_of(facets)).epsilon(1e-4));
+}
+
 TEST_CASE("arrays that do not fit together are refused") {
   const Facets box = make_box({0, 0, 0}, {1, 1, 1});
   const std::vector<std::uint32_t> short_groups(3, 0);
