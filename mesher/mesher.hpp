@@ -15,6 +15,7 @@
 #include "core/geometry/model.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/sizing/size_field.hpp"
+#include "mesher/features/absorbed_entity.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "threading/task_runner.hpp"
 
@@ -36,7 +37,8 @@ struct PointSize {
 struct SizeOptions {
   double size = 0;           ///< absolute target edge length; 0: use relative_size
   double relative_size = 0;  ///< share of the bounding box's diagonal; 0 with size 0: 1/40
-  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
+  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size, and a
+                             ///< two hundredth for curvature around wires and balls
   double curvature = 0;      ///< at least this many edges per full turn; 0: off
   double proximity = 0;      ///< at least this many edges across a gap or wall; 0: off
   double gradation = 0.3;    ///< largest growth of the size per unit of distance, > 0
@@ -46,16 +48,27 @@ struct SizeOptions {
                                                 ///< any thread at once
 };
 
+/// The share of the size asked for below which a feature of the model is small.
+inline constexpr double kSmallFeature = 0.1;
+
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
-  bool refine_surface = true;   ///< sizes become smaller where they do not fit: where walls, faces or model edges are
-                                ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
-                                ///< at the place), and where the surface mesh would cross itself; false: the sizes
-                                ///< stay, whatever the shape of the elements
+  bool keep_small_features = false;  ///< false: edges, faces, steps and spikes of the model that are too small for the
+                                     ///< size are eliminated from the mesh; the model itself stays as it is
+  double small_feature = 0;    ///< what is smaller is small; model length; 0: kSmallFeature of the size asked for at a
+                               ///< place. Never below the model's own tolerance there, nor above .4 of the size there
+  bool refine_surface = true;  ///< sizes become smaller where they do not fit: where walls, faces or model edges are
+                               ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
+                               ///< at the place), and where the surface mesh would cross itself; false: the sizes
+                               ///< stay, whatever the shape of the elements
+  double most_refinement = 2;  ///< by refinement at narrow places the mesh may have so many times the elements that the
+                               ///< sizes ask for; infinite: as many as it takes. What is left is in the result
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
+  bool keep_going = false;      ///< solids and sheets in which something fails are left out, with those that share
+                                ///< faces with them, and the others are meshed; by default the whole run fails
   QualityGoals goals;           ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
@@ -77,22 +90,26 @@ struct StageSeconds {
 struct SurfaceRefinement {
   std::size_t crossings = 0;      ///< of triangles, in all rounds but the last
   std::size_t narrow_places = 0;  ///< triangles at walls, faces or edges that are too narrow, in all rounds
+  std::size_t left = 0;           ///< triangles at narrow places for which `most_refinement` did not suffice
   int rounds = 0;                 ///< of meshing the surface anew
   double smallest_size = 0;       ///< model length; 0: nothing was refined
 };
 
 /// What became of a run. When `status` is not Ok, `mesh` holds what was finished: the surface mesh when the volume
-/// failed or was cancelled, nothing when the surface did.
+/// failed or was cancelled, nothing when the surface did; with `keep_going` everything but what `errors` name, which
+/// `is_partial` says.
 struct MeshResult {
   MeshStatus status = MeshStatus::Failed;
+  bool is_partial = false;
   Mesh mesh;
   SizeField sizes = SizeField::uniform(1);
   std::vector<Diagnostic> errors;
   std::vector<Diagnostic> warnings;
   StageSeconds seconds;
   SurfaceRefinement refinement;
-  double model_volume = 0;  ///< sum over the regions; model length³
-  FillingFigures filling;   ///< how the volume came to be filled
+  std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
+  double model_volume = 0;               ///< sum over the regions, but those left out; model length³
+  FillingFigures filling;                ///< how the volume came to be filled
 };
 
 /// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.

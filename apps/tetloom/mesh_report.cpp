@@ -1,5 +1,8 @@
 #include "apps/tetloom/mesh_report.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "core/mesh/digest.hpp"
 
 namespace tetloom::app {
@@ -54,7 +57,36 @@ nlohmann::ordered_json refinement_json(const SurfaceRefinement& refinement) {
   return {{"rounds", refinement.rounds},
           {"narrow_places", refinement.narrow_places},
           {"crossings", refinement.crossings},
+          {"left", refinement.left},
           {"smallest_size", refinement.smallest_size}};
+}
+
+nlohmann::ordered_json entity_json(ModelEntity entity, const GeometricModel& model) {
+  nlohmann::ordered_json json = {{"dim", entity.dim}, {"id", entity.tag()}};
+  if (const std::string& name = model.attributes(entity).name; !name.empty()) json["name"] = name;
+  return json;
+}
+
+// "absorbed" names at most this many entities.
+constexpr std::size_t kMostAbsorbed = 1000;
+
+nlohmann::ordered_json small_features_json(const MeshResult& result, const GeometricModel& model) {
+  nlohmann::ordered_json absorbed = nlohmann::ordered_json::array();
+  std::array<std::size_t, 3> counts{};
+  double largest = 0;
+  for (const AbsorbedEntity& one : result.absorbed) {
+    ++counts[one.entity.dim];
+    largest = std::max(largest, one.distance);
+    if (absorbed.size() < kMostAbsorbed)
+      absorbed.push_back({{"entity", entity_json(one.entity, model)},
+                          {"into", entity_json(one.into, model)},
+                          {"distance", one.distance}});
+  }
+  return {{"vertices", counts[0]},
+          {"edges", counts[1]},
+          {"faces", counts[2]},
+          {"largest_distance", largest},
+          {"absorbed", absorbed}};
 }
 
 }  // namespace
@@ -66,6 +98,7 @@ void note_run(const MeshResult& result, const GeometricModel& model, const MeshO
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = result.mesh.entities;
   report.extra["refinement"] = refinement_json(result.refinement);
+  report.extra["small_features"] = small_features_json(result, model);
   report.goals = options.goals;
   report.optimizer = result.filling.optimizer;
   if (!options.surface_only && model.topology().region_count() > 0) report.model_volume = result.model_volume;

@@ -47,11 +47,11 @@ Examples:
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
-  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part;
+  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature;
   std::optional<int> threads, parts, rounds;
-  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc";
-  bool surface_only = false, refine_surface = true, keep_surface = false, imprint = false, no_heal = false,
-       quiet = false, tetgen = false;
+  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement;
+  bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
+       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
 };
 
 struct RawPartition {
@@ -85,6 +85,20 @@ double angle_from_degrees(std::optional<double> degrees) {
   require(*degrees > 0 && *degrees <= 180,
           "--feature-angle must lie between 0 and 180 degrees, not be " + format_number(*degrees));
   return *degrees * std::numbers::pi / 180;
+}
+
+double refinement_factor(const std::string& text) {
+  if (text.empty()) return MeshOptions{}.most_refinement;
+  std::size_t used = 0;
+  double factor = 0;
+  try {
+    factor = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  require(used == text.size() && factor >= 1,
+          "--allow-surface-refinement must be a number of at least 1, or inf, not '" + text + "'");
+  return factor;
 }
 
 SizeOptions make_size_options(const RawMeshOptions& raw) {
@@ -123,8 +137,12 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.options.sizes = make_size_options(raw);
   // An STL file holds triangles alone: to fill the volume for it would be wasted.
   command.options.surface_only = raw.surface_only || lower_extension(command.output) == ".stl";
-  command.options.refine_surface = raw.refine_surface;
+  command.options.refine_surface = !raw.no_refinement;
+  command.options.most_refinement = refinement_factor(raw.refinement);
+  command.options.keep_small_features = raw.keep_small_features;
+  command.options.small_feature = positive("--small-feature", raw.small_feature, 0);
   command.options.improve_surface = !raw.keep_surface;
+  command.options.keep_going = raw.keep_going;
   command.options.goals = make_goals(raw);
   command.options.lattice = raw.lattice == "a15" ? LatticeKind::A15 : LatticeKind::Bcc;
   if (raw.tets_per_part) {
@@ -207,11 +225,31 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_reading_options(*mesh, raw);
   const std::string group = "Run";
   mesh->add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(group);
-  mesh->add_flag("--allow-surface-refinement,!--no-surface-refinement", raw.refine_surface,
-                 "Smaller sizes where walls, faces or edges are too narrow for those asked for (the default), or never")
+  CLI::Option* refine =
+      mesh->add_option(
+              "--allow-surface-refinement", raw.refinement,
+              "Smaller sizes where walls, faces or edges are too narrow for those asked for, up to FACTOR times "
+              "the elements (inf: whatever it takes); default: 2")
+          ->type_name("FACTOR")
+          ->expected(0, 1)
+          ->default_str("2")
+          ->group(group);
+  mesh->add_flag("--no-surface-refinement", raw.no_refinement, "Keep the sizes also there")
+      ->excludes(refine)
       ->group(group);
+  CLI::Option* keep = mesh->add_flag("--keep-small-features", raw.keep_small_features,
+                                     "Mesh edges, faces and steps of the model however small they are");
+  mesh->add_option("--small-feature", raw.small_feature,
+                   "Eliminate from the mesh what is smaller than TOL; default: a twentieth of the size asked for there")
+      ->type_name("TOL")
+      ->excludes(keep)
+      ->group(group);
+  keep->group(group);
   mesh->add_flag("--keep-surface", raw.keep_surface,
                  "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
+      ->group(group);
+  mesh->add_flag("--keep-going", raw.keep_going,
+                 "Write the solids that can be meshed where others cannot; the exit status is 4 all the same")
       ->group(group);
   mesh->add_option("--lattice", raw.lattice,
                    "The lattice inside: bcc (the default), or a15, of fewer tetrahedra that are nearer to regular")

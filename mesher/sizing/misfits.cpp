@@ -14,7 +14,7 @@ constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
 // A width that is less of the smallest size allowed would leave more poor elements than it found.
-constexpr double kHopeless = 0.2;
+constexpr double kHopeless = 0.1;
 // Cosines between a ray and what is called the opposite wall.
 constexpr double kOpposite = 0.7, kParallel = 0.9998;
 // Cosine between model edges that narrow a face towards a corner.
@@ -123,10 +123,7 @@ class MisfitSearch {
     double nearest = 1;
     bool is_wall = false;
     const Triangle& own = mesh_.tri_to_vert[triangle];
-    Box3 box;
-    box.add(x);
-    box.add(x + ray);
-    tree_.for_each_in(box, [&](std::uint32_t other) {
+    tree_.for_each_along(x, ray, [&](std::uint32_t other) {
       if (other == triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
       const double at = crossing(other, x, ray);
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mesher/surface/face_plane.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
@@ -20,6 +21,7 @@ RimNodes::RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edg
   }
   for (std::size_t e = 0; e < edges.size(); ++e) {
     edge_first_.push_back(count());
+    if (edges[e].joined_to.valid()) continue;
     points_.insert(points_.end(), edges[e].points.begin() + 1, edges[e].points.end() - 1);
     classification_.resize(points_.size(), ModelEdgeId(e));
   }
@@ -28,6 +30,8 @@ RimNodes::RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edg
 std::uint32_t RimNodes::node(ModelEdgeId edge, std::size_t i) const {
   if (i == 0) return topology_.edges[edge.value].vertices[0].value;
   if (i + 1 == edges_[edge.value].points.size()) return topology_.edges[edge.value].vertices[1].value;
+  const EdgeMesh& mesh = edges_[edge.value];
+  if (mesh.joined_to.valid()) return node(mesh.joined_to, mesh.reversed ? mesh.points.size() - 1 - i : i);
   return edge_first_[edge.value] + static_cast<std::uint32_t>(i - 1);
 }
 
@@ -36,7 +40,7 @@ std::vector<std::uint32_t> RimNodes::renumbered(const RimNodes& other) const {
   for (std::uint32_t v = 0; v < topology_.vertex_count; ++v) numbers[v] = v;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const std::size_t pieces = edges_[e].points.size();
-    if (pieces != other.edges_[e].points.size()) continue;
+    if (pieces != other.edges_[e].points.size() || edges_[e].joined_to.valid()) continue;
     for (std::size_t i = 0; i + 2 < pieces; ++i)
       numbers[edge_first_[e] + i] = other.edge_first_[e] + static_cast<std::uint32_t>(i);
   }
@@ -58,20 +62,45 @@ class FaceMesher {
         keep_going_(keep_going),
         geometry_(model.face_geometry(face)) {}
 
+  // Each way is tried where the ones before gave no mesh, or one with triangles that face away from the surface.
   FaceMesh run() {
-    if (geometry_->parametrization() == Parametrization::Smooth) {
-      mesh_in_plane();
-      const bool crosses = result_.verdict == FaceVerdict::RimCrosses;
-      if (result_.verdict == FaceVerdict::Ok || (crosses && !last_attempt_)) return std::move(result_);
-      FaceMesh in_plane = std::exchange(result_, {});
+    if (geometry_->parametrization() != Parametrization::Smooth) {
       mesh_facets();
-      return result_.verdict == FaceVerdict::Ok ? std::move(result_) : std::move(in_plane);
+      return std::move(result_);
     }
-    mesh_facets();
-    return std::move(result_);
+    mesh_in_plane();
+    FaceMesh best = std::exchange(result_, {});
+    if (is_sound(best)) return best;
+    if (bounds_nothing()) return {};
+    const auto try_other = [&](auto&& mesh) {
+      try {
+        mesh();
+      } catch (const Error& error) {
+        if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+        result_.verdict = FaceVerdict::NotTriangulated;
+      }
+      FaceMesh other = std::exchange(result_, {});
+      const bool better =
+          other.verdict == FaceVerdict::Ok && (best.verdict != FaceVerdict::Ok || other.inverted < best.inverted);
+      if (better) best = std::move(other);
+    };
+    const bool crosses = best.verdict == FaceVerdict::RimCrosses;
+    if (!crosses || last_attempt_) try_other([&] { mesh_facets(); });
+    for (const bool follow : {true, false})
+      if (!is_sound(best)) try_other([&] { mesh_over_plane(follow); });
+    return best;
   }
 
  private:
+  static bool is_sound(const FaceMesh& mesh) { return mesh.verdict == FaceVerdict::Ok && mesh.inverted == 0; }
+
+  // Has the face no area, between edges that lie on each other?
+  bool bounds_nothing() const {
+    const std::optional<double> length = length_of_cancelled_rim(model_.topology(), face_, rim_);
+    constexpr double kNoArea = 0.01;  // of the squared length; a sphere along its seam has 0.3
+    return length && model_.area(face_) <= kNoArea * *length * *length;
+  }
+
   // The face's facets, with the nodes of its edges as their rim, brought to the sizes asked for in space.
   void mesh_facets() {
     const double size = smallest_rim_size();
@@ -156,9 +185,22 @@ class FaceMesher {
     return chains;
   }
 
-  void mesh_in_plane() {
-    RimPatch given = make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_);
-    const PatchSurface surface(*geometry_, sizes_, given.scale);
+  void mesh_in_plane() { fill(make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_), *geometry_); }
+
+  // From the nodes of the edges, over the plane that fits them best; inside, on the surface where `follow` says so.
+  void mesh_over_plane(bool follow) {
+    result_.verdict = FaceVerdict::NotTriangulated;
+    const std::optional<FittedPlane> plane = fit_plane(model_.topology(), face_, rim_);
+    if (!plane) return;
+    FaceRim rim = trace_rim(model_.topology(), face_, *plane, rim_);
+    if (rim.segments.empty()) return;
+    FaceOverPlane geometry(*geometry_, *plane, rim, rim_, follow);
+    result_.verdict = FaceVerdict::Ok;
+    fill(fill_rim_patch(std::move(rim), geometry, rim_, sizes_), geometry);
+  }
+
+  void fill(RimPatch given, FaceGeometry& geometry) {
+    const PatchSurface surface(geometry, sizes_, given.scale);
     if (given.polygon.verdict != PolygonVerdict::Ok) return explain(given);
     Patch patch{std::move(given.polygon.triangulation), std::move(given.vertices), given.rim.repeats_nodes};
     reserve_expected(patch);
@@ -242,6 +284,26 @@ class FaceMesher {
       }
     }
     if (result_.tri_to_vert.empty()) result_.verdict = FaceVerdict::RimNotClosed;
+    count_folds(patch);
+  }
+
+  // A parametrisation that folds over turns the normals with it: its triangles agree with them, and not with each
+  // other.
+  void count_folds(const Patch& patch) {
+    constexpr double kFolded = -0.5;  // cosine
+    const Triangulation& topology = patch.topology;
+    const auto normal = [&](std::uint32_t tri) {
+      const auto [a, b, c] = topology.triangle(tri);
+      const Vec3& origin = patch.vertices[a].place.point;
+      return normalized(cross(patch.vertices[b].place.point - origin, patch.vertices[c].place.point - origin));
+    };
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
+      const std::uint32_t g = topology.twin(h);
+      if (!topology.alive(h / 3) || g == Triangulation::kNone || g < h) continue;
+      if (dot(normal(h / 3), normal(g / 3)) > kFolded) continue;
+      ++result_.inverted;
+      result_.point = patch.vertices[topology.origin(h)].place.point;
+    }
   }
 
   const GeometricModel& model_;

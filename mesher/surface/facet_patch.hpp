@@ -55,16 +55,16 @@ struct FacetPatch {
 /// each piece between consecutive nodes of a chain is an edge of exactly one triangle, and there are no other such
 /// edges; two nodes share at most one edge, the two sides of a seam counted as one. `inverted` triangles face away from
 /// the mean of the tessellation's normals at their corners; there are none unless the nodes are so coarse that no
-/// triangulation of the points around avoids it. Points inside of the face are points of the tessellation, of which some
-/// near the rim are gone, and points in the middle of its edges. Otherwise the arrays are empty.
+/// triangulation of the points around avoids it. Points inside of the face are points of the tessellation, of which
+/// some near the rim are gone, and points in the middle of its edges. Otherwise the arrays are empty.
 ///
 /// A face's facets may be as long as the face. With `size_at`, edges near a rim point that cannot be removed are halved
 /// until they are as short as the size: what is then removed around it is small, so that the rest keeps to the surface.
 ///
 /// Triangles turn by at most 60° against the mean of the tessellation's normals at their corners where that can be
-/// had, by up to 90° or else by any angle where there is no other way. The hole around a removed point is filled optimally (the worst
-/// triangle is the best possible, by dynamic programming), in place of the edge collapses usual in remeshing
-/// (Botsch & Kobbelt 2004); a point inside that lies beyond the new rim is removed in the same way.
+/// had, by up to 90° or else by any angle where there is no other way. The hole around a removed point is filled
+/// optimally (the worst triangle is the best possible, by dynamic programming), in place of the edge collapses usual in
+/// remeshing (Botsch & Kobbelt 2004); a point inside that lies beyond the new rim is removed in the same way.
 ///
 /// Faces without chains come back as they are. `keep_going` is asked now and then; false ends the call as Cancelled.
 /// Deterministic; serial; different calls may run at once.

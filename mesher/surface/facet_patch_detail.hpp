@@ -142,7 +142,7 @@ class VertexRemover {
   PatchVertices& vertices_;
   std::map<std::uint32_t, std::vector<std::uint32_t>> node_to_copies_;
   Cavity cavity_;
-  std::uint32_t removed_ = Triangulation::kNone;  // the vertex inside of the cavity
+  std::uint32_t removed_ = Triangulation::kNone;                 // the vertex inside of the cavity
   std::set<std::pair<std::uint32_t, std::uint32_t>> forbidden_;  // pairs that force() may not join
   std::vector<double> best_;
   std::vector<std::size_t> split_;

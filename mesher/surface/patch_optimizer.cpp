@@ -330,8 +330,8 @@ class PatchOptimizer {
     return true;
   }
 
-  // Whether no edge of the two triangles that may be split is longer. Splitting only such edges leaves no triangle thinner
-  // than half of what it was, also where the longest edge refuses (Rivara 1984).
+  // Whether no edge of the two triangles that may be split is longer. Splitting only such edges leaves no triangle
+  // thinner than half of what it was, also where the longest edge refuses (Rivara 1984).
   bool longest_around(std::uint32_t h) const {
     constexpr double kAlike = 1.01;
     const double length = kAlike * relative_length(mesh_.origin(h), mesh_.target(h));

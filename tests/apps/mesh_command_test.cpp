@@ -271,6 +271,10 @@ TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a repor
       if (result.status == 0) return false;
       check_cancelled(result, folder, {"r.json", "sleeper"});
       CHECK_THAT(result.err, Catch::Contains("cancelled"));
+      const auto seconds = read_json(folder / "r.json")["seconds"];
+      CHECK((seconds["size_field"] > 0) == (std::string(stage) != "read"));
+      CHECK((seconds["surface"] > 0) == (std::string(stage) != "read"));
+      CHECK((seconds["volume"] > 0) == volume);
       return result.seconds_after_signal < kMostSecondsToCancel;
     }));
   }

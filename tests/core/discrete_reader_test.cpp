@@ -138,10 +138,10 @@ TEST_CASE("text STL is read whatever its end, its case and its number of solids"
     std::string text;
     std::size_t regions, remarks;
   };
-  for (const Variant& variant : {Variant{body + "end solid", 1, 0}, Variant{body + "endsolid", 1, 0},
-                                 Variant{body + "end\n", 1, 0}, Variant{body, 1, 1}, Variant{upper, 1, 0},
-                                 Variant{"\xef\xbb\xbf" + whole, 1, 0}, Variant{whole + "written by nobody\n\x1a", 1, 1},
-                                 Variant{body + ascii_stl(high, "high"), 2, 1}}) {
+  for (const Variant& variant :
+       {Variant{body + "end solid", 1, 0}, Variant{body + "endsolid", 1, 0}, Variant{body + "end\n", 1, 0},
+        Variant{body, 1, 1}, Variant{upper, 1, 0}, Variant{"\xef\xbb\xbf" + whole, 1, 0},
+        Variant{whole + "written by nobody\n\x1a", 1, 1}, Variant{body + ascii_stl(high, "high"), 2, 1}}) {
     INFO(variant.text.substr(0, 20) << " … " << variant.text.substr(variant.text.size() - 20));
     const ModelDocument document = read_discrete_model(folder.write("variant.stl", variant.text));
     CHECK(document.model->topology().region_count() == variant.regions);

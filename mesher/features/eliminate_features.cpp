@@ -1,0 +1,351 @@
+#include "mesher/features/eliminate_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <queue>
+#include <utility>
+
+#include "mesher/features/displacement.hpp"
+#include "mesher/features/local_change.hpp"
+#include "mesher/features/shape_check.hpp"
+
+namespace tetloom {
+namespace {
+
+using namespace features;
+
+// Least height of new triangles as a share of the least one before: a collapse may leave a flatter one, which a snap
+// then takes; each snap has to gain.
+constexpr double kCollapseHeight = 0.5, kSnapHeight = 1.01;
+// Edges beside merged vertices that are shorter than this share of the size are collapsed as well.
+constexpr double kShort = 0.5;
+// The distance, in sizes, by which that may move the surface beside what the tolerance allows: a half of the sagitta
+// of an arc of 24 edges per turn.
+constexpr double kSmoothing = 0.016;
+// An edge is swapped beside merged vertices where its triangles' normals differ by at most this.
+constexpr double kFlatCosine = 0.94;
+
+double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const double length2 = norm2(b - a);
+  const double s = length2 > 0 ? std::clamp(dot(x - a, b - a) / length2, 0.0, 1.0) : 0;
+  return distance(x, a + s * (b - a));
+}
+
+double distance_to_triangle(const Vec3& x, const std::array<Vec3, 3>& t) {
+  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  bool inside = norm2(normal) > 0;
+  for (std::size_t i = 0; i < 3; ++i) inside = inside && dot(cross(t[(i + 1) % 3] - t[i], x - t[i]), normal) >= 0;
+  if (inside) return std::abs(dot(x - t[0], normalized(normal)));
+  return std::min(
+      {distance_to_segment(x, t[0], t[1]), distance_to_segment(x, t[1], t[2]), distance_to_segment(x, t[2], t[0])});
+}
+
+struct Task {
+  double urgency;  // a length over the one that is wanted
+  std::uint32_t triangle;
+  bool operator<(const Task& other) const {  // std::priority_queue takes the largest
+    return urgency != other.urgency ? urgency > other.urgency : triangle > other.triangle;
+  }
+};
+
+class Eliminator {
+ public:
+  Eliminator(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner)
+      : mesh_(mesh),
+        how_(how),
+        runner_(runner),
+        displacement_(mesh.points),
+        is_touched_(mesh.points.size(), 0),
+        merged_into_(mesh.points.size(), kNone) {}
+
+  EliminationResult run() {
+    std::vector<std::uint32_t> first = find_small_triangles();
+    if (first.empty()) return {};
+    surface_.emplace(Mesh(mesh_));
+    lock_kept_places();
+    for (const std::uint32_t t : first) push(t);
+    // Every merge takes a point; swaps are bounded by their gain, and by this where rounding decides.
+    std::size_t budget = 50 * first.size() + 1000;
+    for (; !tasks_.empty() && budget > 0; --budget) {
+      const Task task = tasks_.top();
+      tasks_.pop();
+      if (budget % 256 == 0) runner_.check_cancelled();
+      if (surface_->is_alive(task.triangle)) better(task.triangle);
+    }
+    return finish();
+  }
+
+ private:
+  std::vector<std::uint32_t> find_small_triangles() const {
+    constexpr std::size_t kBlock = std::size_t{1} << 14;
+    const std::size_t count = mesh_.tri_to_vert.size();
+    std::vector<std::vector<std::uint32_t>> found((count + kBlock - 1) / kBlock);
+    runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        const auto& [a, b, c] = mesh_.tri_to_vert[t];
+        const double tolerance = (how_.tolerances[a] + how_.tolerances[b] + how_.tolerances[c]) / 3;
+        if (least_height(mesh_.points[a], mesh_.points[b], mesh_.points[c]) < 1.001 * tolerance)
+          found[begin / kBlock].push_back(static_cast<std::uint32_t>(t));
+      }
+    });
+    std::vector<std::uint32_t> all;
+    for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+    return all;
+  }
+
+  void lock_kept_places() {
+    locked_.assign(surface_->point_count(), 0);
+    for (std::uint32_t v = 0; v < locked_.size(); ++v)
+      locked_[v] = std::ranges::any_of(how_.kept, [&](const KeptPlace& place) {
+        return distance(place.center, surface_->point(v)) <= place.radius;
+      });
+  }
+
+  double tolerance_of(const Triangle& t) const {
+    return (how_.tolerances[t[0]] + how_.tolerances[t[1]] + how_.tolerances[t[2]]) / 3;
+  }
+  double length(std::uint32_t a, std::uint32_t b) const { return distance(surface_->point(a), surface_->point(b)); }
+  double size_of_edge(std::uint32_t a, std::uint32_t b) const { return 0.5 * (how_.sizes[a] + how_.sizes[b]); }
+  bool any_touched(const Triangle& t) const {
+    return std::ranges::any_of(t, [&](std::uint32_t v) { return is_touched_[v] != 0; });
+  }
+
+  void push(std::uint32_t t) {
+    const Triangle& verts = surface_->triangle(t);
+    const auto [a, b, c] = corners(*surface_, t);
+    const double height = least_height(a, b, c) / tolerance_of(verts);
+    if (height < 1) return tasks_.push({height, t});
+    if (!any_touched(verts)) return;
+    // Beside merged vertices shapes matter too, after all that is small.
+    tasks_.push({1 + shape_of(a, b, c), t});
+  }
+
+  // Edges of a triangle, as the corner opposite to them, the shortest first.
+  std::array<int, 3> by_length(const Triangle& verts) const {
+    std::array<int, 3> order{0, 1, 2};
+    std::ranges::stable_sort(order, {}, [&](int i) {
+      const auto at = static_cast<std::size_t>(i);
+      return length(verts[(at + 1) % 3], verts[(at + 2) % 3]);
+    });
+    return order;
+  }
+
+  void better(std::uint32_t t) {
+    const Triangle verts = surface_->triangle(t);
+    const std::array<int, 3> order = by_length(verts);
+    for (const int i : order) {
+      const auto at = static_cast<std::size_t>(i);
+      if (collapse(verts[(at + 1) % 3], verts[(at + 2) % 3])) return;
+    }
+    snap(t, order[2]);
+  }
+
+  bool collapse(std::uint32_t a, std::uint32_t b) {
+    const double edge = length(a, b), tolerance = 0.5 * (how_.tolerances[a] + how_.tolerances[b]);
+    const bool is_feature = edge < tolerance;
+    if (!is_feature && !(edge < kShort * size_of_edge(a, b) && (is_touched_[a] || is_touched_[b]))) return false;
+    std::optional<LocalChange> best;
+    Motion best_motion;
+    double best_shape = 0;
+    for (const auto& [gone, kept] : {std::pair{a, b}, std::pair{b, a}}) {
+      if (locked_[gone] || locked_[kept]) continue;
+      std::optional<LocalChange> change = plan_collapse(*surface_, gone, kept);
+      if (!change) continue;
+      const std::optional<Motion> motion = allowed_motion(*change, tolerance);
+      if (!motion) continue;
+      const BeforeAfter shapes = compare_shapes(*surface_, *change), heights = compare_heights(*surface_, *change);
+      const bool gains = is_feature ? heights.after > kCollapseHeight * heights.before : shapes.after > shapes.before;
+      if (!gains || (best && shapes.after <= best_shape) || !keeps_shape(*surface_, *change, tolerance)) continue;
+      best_shape = shapes.after;
+      best_motion = *motion;
+      best = std::move(change);
+    }
+    if (!best) return false;
+    if (best_motion.is_direct)
+      displacement_.merge(best->gone, best->kept, best->place);
+    else
+      displacement_.note(best->kept, best_motion.distance);
+    is_touched_[best->kept] = 1;
+    merged_into_[best->gone] = best->kept;
+    ++result_.collapses;
+    make(*best);
+    return true;
+  }
+
+  struct Motion {
+    double distance = 0;     ///< of the surface from the given one
+    bool is_direct = false;  ///< all of the vertex that goes is now at the one that stays
+  };
+
+  // How far the surface will be from the given one; none where that is too far.
+  std::optional<Motion> allowed_motion(const LocalChange& change, double tolerance) const {
+    const double direct = displacement_.from(change.gone, change.place);
+    if (direct <= tolerance) return Motion{direct, true};
+    const double before = displacement_.from(change.gone, surface_->point(change.gone));
+    const std::optional<double> beside = distance_beside(change);
+    const double most = std::max(tolerance, kSmoothing * size_of_edge(change.gone, change.kept));
+    if (!beside || before + *beside > most) return {};
+    return Motion{before + *beside, false};
+  }
+
+  // The distance of a vertex from the surface without it, where it lies inside of a face, or inside of a model edge
+  // along which it is merged; none elsewhere.
+  std::optional<double> distance_beside(const LocalChange& change) const {
+    const Vec3& x = surface_->point(change.gone);
+    const ModelEntity entity = surface_->entity(change.gone);
+    double nearest = HUGE_VAL;
+    for (const AddedTriangle& added : change.added)
+      nearest = std::min(nearest, distance_to_triangle(x, corners(*surface_, change, added.verts)));
+    const auto pieces = surface_->pieces_at(change.gone);
+    if (entity.dim == 2 && pieces.empty()) return nearest;
+    if (entity.dim != 1 || pieces.size() != 2) return {};
+    const std::uint32_t along = surface_->find_piece(change.gone, change.kept);
+    if (along == kNone || surface_->piece_edge(pieces[0]) != surface_->piece_edge(pieces[1])) return {};
+    const Piece& other = surface_->piece(pieces[0] == along ? pieces[1] : pieces[0]);
+    const std::uint32_t far = other[0] == change.gone ? other[1] : other[0];
+    return std::max(nearest, distance_to_segment(x, change.place, surface_->point(far)));
+  }
+
+  void snap(std::uint32_t t, int i) {
+    const Triangle verts = surface_->triangle(t);
+    const auto at = static_cast<std::size_t>(i);
+    const std::uint32_t apex = verts[at], u = verts[(at + 1) % 3], v = verts[(at + 2) % 3];
+    if (locked_[apex] || locked_[u] || locked_[v]) return;
+    const auto [a, b, c] = corners(*surface_, t);
+    const double height = least_height(a, b, c), tolerance = tolerance_of(verts);
+    const bool is_feature = height < tolerance;
+    const std::optional<LocalChange> change = plan_snap(*surface_, t, i);
+    if (!change || (!is_feature && !is_flat_swap(*change))) return;
+    const BeforeAfter heights = compare_heights(*surface_, *change), shapes = compare_shapes(*surface_, *change);
+    if (!(is_feature ? heights.after > kSnapHeight * heights.before : shapes.after > shapes.before)) return;
+    const Vec3& start = surface_->point(u);
+    const Vec3 along = surface_->point(v) - start;
+    const double share = std::clamp(dot(change->place - start, along) / norm2(along), 0.0, 1.0);
+    const double moved =
+        std::max(displacement_.from_edge(u, v, share, change->place), displacement_.from(apex, change->place));
+    if ((is_feature && moved > tolerance) || !keeps_shape(*surface_, *change, tolerance)) return;
+    if (is_feature) {
+      displacement_.merge_edge(u, v, share, apex, change->place);
+      is_touched_[apex] = 1;
+    }
+    ++result_.snaps;
+    make(*change);
+  }
+
+  // Whether a snap swaps an edge inside of a face that is flat there.
+  bool is_flat_swap(const LocalChange& change) const {
+    if (change.removed.size() != 2 || surface_->find_piece(change.split[0], change.split[1]) != kNone) return false;
+    const auto normal = [&](std::uint32_t t) {
+      const auto [a, b, c] = corners(*surface_, t);
+      return normalized(cross(b - a, c - a));
+    };
+    return surface_->face(change.removed[0]) == surface_->face(change.removed[1]) &&
+           dot(normal(change.removed[0]), normal(change.removed[1])) > kFlatCosine;
+  }
+
+  void make(const LocalChange& change) {
+    apply(change, *surface_);
+    for (const std::uint32_t p : surface_->pieces_at(change.kept))
+      for (const std::uint32_t v : surface_->piece(p)) is_touched_[v] = 1;
+    std::vector<std::uint32_t> around;
+    for (const AddedTriangle& added : change.added)
+      for (const std::uint32_t v : added.verts) {
+        const auto triangles = surface_->triangles_at(v);
+        around.insert(around.end(), triangles.begin(), triangles.end());
+      }
+    std::ranges::sort(around);
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    for (const std::uint32_t t : around) push(t);
+  }
+
+  std::uint32_t root(std::uint32_t v) const {
+    while (merged_into_[v] != kNone) v = merged_into_[v];
+    return v;
+  }
+
+  // A point that was on a model edge of which it has no piece any more lies on what there is now.
+  void reclassify_points() {
+    for (std::uint32_t v = 0; v < surface_->point_count(); ++v) {
+      const ModelEntity entity = surface_->entity(v);
+      if (!is_touched_[v] || entity.dim != 1 || surface_->triangles_at(v).empty()) continue;
+      std::uint32_t lowest = kNone;
+      bool has_own = false;
+      for (const std::uint32_t p : surface_->pieces_at(v)) {
+        lowest = std::min(lowest, surface_->piece_edge(p));
+        has_own = has_own || surface_->piece_edge(p) == entity.index;
+      }
+      if (has_own) continue;
+      const ModelEntity now = lowest != kNone ? ModelEntity(ModelEdgeId(lowest))
+                                              : ModelEntity(ModelFaceId(surface_->face(surface_->triangles_at(v)[0])));
+      surface_->move_point(v, surface_->point(v), now);
+    }
+  }
+
+  EliminationResult finish() {
+    reclassify_points();
+    find_absorbed();
+    std::vector<std::uint32_t> new_ids;
+    result_.mesh = surface_->give_back(new_ids);
+    for (std::uint32_t v = 0; v < new_ids.size(); ++v)
+      if (is_touched_[v] && new_ids[v] != kNone) result_.changed.push_back(new_ids[v]);
+    return std::move(result_);
+  }
+
+  // What the given mesh had something of, and the new one has not; with one of its points, by which it is found.
+  void find_absorbed() {
+    std::array<std::vector<std::uint32_t>, 3> had;
+    std::array<std::vector<std::uint8_t>, 3> has;
+    const auto note = [](std::uint32_t index, std::uint32_t point, std::vector<std::uint32_t>& list) {
+      if (list.size() <= index) list.resize(index + 1, kNone);
+      if (list[index] == kNone) list[index] = point;
+    };
+    const auto mark = [](std::uint32_t index, std::vector<std::uint8_t>& list) {
+      if (index < list.size()) list[index] = 1;
+    };
+    for (std::uint32_t v = 0; v < mesh_.points.size(); ++v)
+      if (mesh_.point_to_entity[v].dim == 0 && !used_no_more(v)) note(mesh_.point_to_entity[v].index, v, had[0]);
+    for (std::size_t p = 0; p < mesh_.edge_to_vert.size(); ++p)
+      note(mesh_.edge_to_entity[p], mesh_.edge_to_vert[p][0], had[1]);
+    for (std::size_t t = 0; t < mesh_.tri_to_vert.size(); ++t)
+      note(mesh_.tri_to_entity[t], mesh_.tri_to_vert[t][0], had[2]);
+    for (std::size_t dim = 0; dim < 3; ++dim) has[dim].resize(had[dim].size(), 0);
+    for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
+      if (merged_into_[v] == kNone && mesh_.point_to_entity[v].dim == 0) mark(mesh_.point_to_entity[v].index, has[0]);
+      for (const std::uint32_t p : surface_->pieces_at(v)) mark(surface_->piece_edge(p), has[1]);
+      for (const std::uint32_t t : surface_->triangles_at(v)) mark(surface_->face(t), has[2]);
+    }
+    for (std::size_t dim = 0; dim < 3; ++dim)
+      for (std::uint32_t i = 0; i < had[dim].size(); ++i)
+        if (had[dim][i] != kNone && !has[dim][i]) add_absorbed({static_cast<int>(dim), i}, had[dim][i]);
+  }
+
+  // Points of the given mesh that have neither triangles nor pieces.
+  bool used_no_more(std::uint32_t v) const {
+    return merged_into_[v] == kNone && surface_->triangles_at(v).empty() && surface_->pieces_at(v).empty();
+  }
+
+  void add_absorbed(ModelEntity entity, std::uint32_t point) {
+    const std::uint32_t now = root(point);
+    result_.absorbed.push_back({entity, surface_->entity(now), displacement_.from(now, surface_->point(now))});
+  }
+
+  const Mesh& mesh_;
+  const FeatureElimination& how_;
+  const TaskRunner& runner_;
+  std::optional<SurfaceComplex> surface_;
+  Displacement displacement_;
+  std::vector<std::uint8_t> is_touched_;    // per point: something was merged there
+  std::vector<std::uint32_t> merged_into_;  // per point, kNone for those that are there
+  std::vector<std::uint8_t> locked_;        // per point
+  std::priority_queue<Task> tasks_;
+  EliminationResult result_;
+};
+
+}  // namespace
+
+EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner) {
+  return Eliminator(mesh, how, runner).run();
+}
+
+}  // namespace tetloom

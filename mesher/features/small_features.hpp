@@ -1,0 +1,38 @@
+#pragma once
+// Small features of a model, from the options: what is small at a place, and what has to stay.
+#include <optional>
+#include <vector>
+
+#include "core/sizing/size_field.hpp"
+#include "mesher/features/eliminate_features.hpp"
+#include "mesher/intersection/self_intersection.hpp"
+#include "mesher/mesher.hpp"
+
+namespace tetloom {
+
+/// The elimination of small features in one run of the mesher, which meshes the surface several times.
+/// Thread safety: one call at a time.
+class SmallFeatures {
+ public:
+  /// `asked` holds the sizes that were asked for, without those from curvature and proximity.
+  SmallFeatures(const GeometricModel& model, const MeshOptions& options, SizeField asked)
+      : model_(model), options_(options), asked_(std::move(asked)) {}
+
+  /// What is smaller than this at a place is eliminated: `small_feature`, or kSmallFeature of the size asked for; never
+  /// below the tolerance of the model there, nor above .4 of the size that the mesh has there.
+  double tolerance_at(const Vec3& x, double size, ModelEntity entity) const;
+
+  /// The surface without small features; see eliminate_small_features.
+  EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
+
+  /// Where triangles cross at points where something was merged, nothing will be from now on. Whether there are such.
+  bool keep_where_crossing(const EliminationResult& eliminated, std::span<const TriangleIntersection> crossings);
+
+ private:
+  const GeometricModel& model_;
+  const MeshOptions& options_;
+  SizeField asked_;
+  std::vector<KeptPlace> kept_;
+};
+
+}  // namespace tetloom
