@@ -1,11 +1,12 @@
 #pragma once
 // Geometric models made of facets: STL and OBJ files, or triangles in memory.
 //
-// The facets are cleaned (equal points merged, degenerate and duplicate facets removed, cracks closed), oriented, and
-// cut into faces and edges by feature angle, by group and where facets do not meet in pairs. Surfaces that enclose
-// space bound regions: a shell within a region is a void, a shell within a void is a region again. Open surfaces are
-// sheets; a sheet within a region has that region on both sides. A face with one region has its normal pointing
-// out of it; sheets keep the orientation that most of their facets have.
+// The facets are cleaned (equal points merged, degenerate and duplicate facets removed, cracks and T-junctions closed,
+// needles collapsed, holes filled where that is asked for), oriented, and cut into faces and edges by feature angle, by
+// group and where facets do not meet in pairs. Surfaces that enclose space bound regions: a shell within a region is a
+// void, a shell within a void is a region again. Open surfaces are sheets; a sheet within a region has that region on
+// both sides. A face with one region has its normal pointing out of it; sheets keep the orientation that most of their
+// facets have.
 //
 // What differs from other models:
 // - A face that is closed and smooth (a sphere) has no loops at all. A cylinder's side has two loops and no seam.
