@@ -91,8 +91,8 @@ class CreaseFilter {
     return count;
   }
 
-  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they are
-  /// the edge of a shape of few facets.
+  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they
+  /// are the edge of a shape of few facets.
   void drop_small_groups() {
     DisjointSets sets(surface_.points.size());
     for (const std::uint32_t edge : listed_) {
@@ -149,7 +149,8 @@ class CreaseFilter {
     return v;
   }
 
-  /// Faces too small to matter, or small and with no crease sharper than 60°, go to the neighbour with which they share the longest crease, smallest first.
+  /// Faces too small to matter, or small and with no crease sharper than 60°, go to the neighbour with which they share
+  /// the longest crease, smallest first.
   void absorb_small_faces() {
     constexpr double kWidth = 0.003, kWeakWidth = 0.01;  // of the diagonal
     constexpr std::size_t kFewFacets = 8;
@@ -174,7 +175,8 @@ class CreaseFilter {
       const std::array sides{faces[half_to_tri(halves[0])], faces[half_to_tri(halves[1])]};
       if (sides[0] == sides[1]) continue;
       for (int i = 0; i < 2; ++i) {
-        if (area[sides[i]] < small[sides[i]] && facets[sides[i]] <= kFewFacets) shared[sides[i]][sides[1 - i]] += length(edge);
+        if (area[sides[i]] < small[sides[i]] && facets[sides[i]] <= kFewFacets)
+          shared[sides[i]][sides[1 - i]] += length(edge);
       }
     }
     std::vector<std::uint32_t> order, into(count);
@@ -182,9 +184,8 @@ class CreaseFilter {
       into[face] = face;
       if (!shared[face].empty()) order.push_back(face);
     }
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return area[a] != area[b] ? area[a] < area[b] : a < b;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return area[a] != area[b] ? area[a] < area[b] : a < b; });
     for (const std::uint32_t face : order) {
       double longest = 0;
       for (const auto& [neighbour, length] : shared[face]) {

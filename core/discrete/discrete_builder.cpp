@@ -147,7 +147,8 @@ void check_feature_angle(double angle) {
 
 ModelDocument build_discrete_model(FacetSoup&& soup, const ReadOptions& options, const CancelToken* cancel) {
   check_feature_angle(options.feature_angle);
-  if (!(options.fill_holes >= 0)) throw Error(ErrorCode::InvalidArgument, "the width of holes to fill must not be negative");
+  if (!(options.fill_holes >= 0))
+    throw Error(ErrorCode::InvalidArgument, "the width of holes to fill must not be negative");
   ModelDocument document;
   for (const std::string& remark : soup.remarks) {
     document.warnings.push_back({ErrorCode::InputUnsuitable, remark, {}, {}, {}});

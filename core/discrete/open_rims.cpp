@@ -108,8 +108,7 @@ std::vector<std::uint32_t> walk_rim(const FacetEdges& edges, std::uint32_t first
 void fill(FacetSoup& soup, std::vector<std::uint32_t> rim, const FacetEdges& edges) {
   // The filling runs against the facets at the rim.
   const auto first = static_cast<std::size_t>(
-      std::ranges::lower_bound(edges.edge_to_vert,
-                               std::array{std::min(rim[0], rim[1]), std::max(rim[0], rim[1])}) -
+      std::ranges::lower_bound(edges.edge_to_vert, std::array{std::min(rim[0], rim[1]), std::max(rim[0], rim[1])}) -
       edges.edge_to_vert.begin());
   const std::uint32_t half = edges.halves(first)[0];
   if (half_origin(soup.tri_to_vert, half) == rim[0]) std::reverse(rim.begin(), rim.end());

@@ -20,8 +20,8 @@ struct OpenRim {
 /// In the order of their first edges.
 std::vector<OpenRim> find_open_rims(std::span<const Vec3> points, const FacetEdges& edges);
 
-/// Fills the holes that are at most `width` wide and whose rim is a simple loop, with facets between the rim's points or,
-/// where these would meet others, around one point in their middle. Returns how many holes. Errors: Cancelled.
+/// Fills the holes that are at most `width` wide and whose rim is a simple loop, with facets between the rim's points
+/// or, where these would meet others, around one point in their middle. Returns how many holes. Errors: Cancelled.
 std::size_t fill_holes(FacetSoup& soup, double width, const CancelToken* cancel);
 
 }  // namespace tetloom::detail

@@ -316,7 +316,8 @@ TEST_CASE("holes are filled up to the width asked for, and where the surface sta
   const double whole = volume_of(sphere);
   const auto remove_near = [&](const Vec3& place, double radius) {
     std::erase_if(sphere.triangles, [&](const Triangle& t) {
-      return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return distance(sphere.points[v], place) < radius; });
+      return std::any_of(t.begin(), t.end(),
+                         [&](std::uint32_t v) { return distance(sphere.points[v], place) < radius; });
     });
   };
   remove_near({0, 0, 1}, 0.15);
