@@ -13,7 +13,10 @@ namespace {
 class CreaseFilter {
  public:
   CreaseFilter(const FacetSurface& surface, double feature_angle)
-      : surface_(surface), walls_(surface.edges.size(), false), crease_(surface.edges.size(), false) {
+      : surface_(surface), walls_(surface.edges.size(), false), crease_(walls_), weak_(walls_) {
+    Box3 box;
+    for (const Vec3& p : surface.points) box.add(p);
+    diagonal_ = box.diagonal();
     find_all(std::cos(feature_angle));
     for (std::uint32_t edge = 0; edge < walls_.size(); ++edge) {
       if (walls_[edge]) listed_.push_back(edge);
@@ -34,6 +37,13 @@ class CreaseFilter {
 
  private:
   static constexpr std::size_t kFewestOfGroup = 6, kFewestOfBranch = 4;
+  static constexpr double kWeak = 0.5;                                  // cosine of the turn
+  static constexpr double kLongestGroup = 0.03, kLongestBranch = 0.02;  // that is left out, of the diagonal
+
+  double length(std::uint32_t edge) const {
+    const auto& ends = surface_.edges.edge_to_vert[edge];
+    return distance(surface_.points[ends[0]], surface_.points[ends[1]]);
+  }
 
   void find_all(double least_cosine) {
     std::vector<Vec3> normals;
@@ -48,7 +58,9 @@ class CreaseFilter {
       const std::uint32_t a = half_to_tri(halves[0]), b = half_to_tri(halves[1]);
       const bool flat = normals[a] == Vec3{} || normals[b] == Vec3{};  // a facet without area turns by nothing
       const bool divided = surface_.group(a) != surface_.group(b);
-      crease_[edge] = !divided && !flat && dot(normals[a], normals[b]) < least_cosine;
+      const double cosine = dot(normals[a], normals[b]);
+      crease_[edge] = !divided && !flat && cosine < least_cosine;
+      weak_[edge] = crease_[edge] && cosine > kWeak;
       walls_[edge] = divided || crease_[edge];
     }
   }
@@ -79,8 +91,8 @@ class CreaseFilter {
     return count;
   }
 
-  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they are
-  /// the edge of a shape of few facets.
+  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they
+  /// are the edge of a shape of few facets.
   void drop_small_groups() {
     DisjointSets sets(surface_.points.size());
     for (const std::uint32_t edge : listed_) {
@@ -88,9 +100,10 @@ class CreaseFilter {
       sets.join(ends[0], ends[1]);
     }
     std::vector<std::uint32_t> edges(surface_.points.size(), 0), fixed(surface_.points.size(), 0);
+    std::vector<double> lengths(surface_.points.size(), 0);
     for (const std::uint32_t edge : listed_) {
       const std::uint32_t set = sets.find(surface_.edges.edge_to_vert[edge][0]);
-      ++edges[set], fixed[set] += !crease_[edge];
+      ++edges[set], fixed[set] += !crease_[edge], lengths[set] += length(edge);
     }
     constexpr std::size_t kFewFacets = 32;
     std::vector<std::uint32_t> leaf_to_size(surface_.leaf_count, 0);
@@ -98,7 +111,8 @@ class CreaseFilter {
     for (const std::uint32_t edge : listed_) {
       const std::uint32_t set = sets.find(surface_.edges.edge_to_vert[edge][0]);
       const std::uint32_t leaf = surface_.tri_to_leaf[half_to_tri(surface_.edges.halves(edge)[0])];
-      if (fixed[set] == 0 && edges[set] < kFewestOfGroup && leaf_to_size[leaf] > kFewFacets) walls_[edge] = false;
+      const bool small = edges[set] < kFewestOfGroup && lengths[set] < kLongestGroup * diagonal_;
+      if (fixed[set] == 0 && small && leaf_to_size[leaf] > kFewFacets) walls_[edge] = false;
     }
   }
 
@@ -111,6 +125,9 @@ class CreaseFilter {
     for (std::size_t next = 0; next < ends.size(); ++next) {
       const std::uint32_t root = follow_branch(ends[next], branch);
       if (branch.empty() || branch.size() >= kFewestOfBranch) continue;
+      double total = 0;
+      for (const std::uint32_t edge : branch) total += length(edge);
+      if (total > kLongestBranch * diagonal_) continue;
       for (const std::uint32_t edge : branch) walls_[edge] = false;
       if (degree(root) == 1) ends.push_back(root);
     }
@@ -132,30 +149,34 @@ class CreaseFilter {
     return v;
   }
 
-  /// Faces too small to matter go to the neighbour with which they share the longest crease, smallest first.
+  /// Faces too small to matter, or small and with no crease sharper than 60°, go to the neighbour with which they share
+  /// the longest crease, smallest first.
   void absorb_small_faces() {
-    constexpr double kWidth = 0.003;  // of the diagonal
+    constexpr double kWidth = 0.003, kWeakWidth = 0.01;  // of the diagonal
     constexpr std::size_t kFewFacets = 8;
     std::uint32_t count = 0;
     const std::vector<std::uint32_t> faces = flood_between_walls(surface_, walls_, count);
     std::vector<double> area(count, 0);
     std::vector<std::size_t> facets(count, 0);
-    Box3 box;
-    for (const Vec3& p : surface_.points) box.add(p);
     for (std::size_t tri = 0; tri < faces.size(); ++tri) {
       area[faces[tri]] += 0.5 * norm(facet_normal(surface_.points, surface_.tri_to_vert[tri])), ++facets[faces[tri]];
     }
-    const double small = kWidth * kWidth * box.diagonal() * box.diagonal();
+    std::vector<double> small(count, std::pow(kWeakWidth * diagonal_, 2));
+    for (const std::uint32_t edge : listed_) {
+      if (!walls_[edge] || weak_[edge]) continue;
+      for (const std::uint32_t half : surface_.edges.halves(edge)) {
+        small[faces[half_to_tri(half)]] = std::pow(kWidth * diagonal_, 2);
+      }
+    }
     std::vector<std::map<std::uint32_t, double>> shared(count);  // by neighbour, of small faces
     for (const std::uint32_t edge : listed_) {
       if (!walls_[edge] || !crease_[edge]) continue;
       const auto halves = surface_.edges.halves(edge);
-      const auto& ends = surface_.edges.edge_to_vert[edge];
       const std::array sides{faces[half_to_tri(halves[0])], faces[half_to_tri(halves[1])]};
       if (sides[0] == sides[1]) continue;
-      const double length = distance(surface_.points[ends[0]], surface_.points[ends[1]]);
       for (int i = 0; i < 2; ++i) {
-        if (area[sides[i]] < small && facets[sides[i]] <= kFewFacets) shared[sides[i]][sides[1 - i]] += length;
+        if (area[sides[i]] < small[sides[i]] && facets[sides[i]] <= kFewFacets)
+          shared[sides[i]][sides[1 - i]] += length(edge);
       }
     }
     std::vector<std::uint32_t> order, into(count);
@@ -163,9 +184,8 @@ class CreaseFilter {
       into[face] = face;
       if (!shared[face].empty()) order.push_back(face);
     }
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return area[a] != area[b] ? area[a] < area[b] : a < b;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return area[a] != area[b] ? area[a] < area[b] : a < b; });
     for (const std::uint32_t face : order) {
       double longest = 0;
       for (const auto& [neighbour, length] : shared[face]) {
@@ -181,7 +201,8 @@ class CreaseFilter {
   }
 
   const FacetSurface& surface_;
-  std::vector<bool> walls_, crease_;
+  double diagonal_ = 0;
+  std::vector<bool> walls_, crease_, weak_;
   std::vector<std::uint32_t> listed_, offset_, vert_to_wall_;
 };
 

@@ -7,10 +7,10 @@
 namespace tetloom::detail {
 
 /// Facet edges that faces may not be walked across: those that are no joints or lie between groups, and the creases,
-/// which turn by more than the feature angle. Of the creases are left out: groups of few edges, branches of few edges
-/// that end within a face, and what bounds a face of few facets too small to matter (0.3 % of the box's diagonal wide),
-/// so that the noise of a scan does not cut it to pieces. Creases that fade out within a face are kept otherwise: the
-/// face has them on both sides.
+/// which turn by more than the feature angle. Of the creases are left out: groups of few short edges, branches of few
+/// short edges that end within a face, and what bounds a face of few facets too small to matter (0.3 % of the box's
+/// diagonal wide, 1 % where no crease at it is sharper than 60°), so that the noise of a scan does not cut it to
+/// pieces. Creases that fade out within a face are kept otherwise: the face has them on both sides.
 ///
 /// Deterministic. Complexity: O(n log n).
 std::vector<bool> find_walls(const FacetSurface& surface, double feature_angle);

@@ -41,7 +41,7 @@ Vec3 DiscreteFace::normal(const Vec2& uv) {
   const Vec3 facet = normalized(facet_normal(facets_.points, t));
   const Vec3 smooth = normalized(p.b0 * facets_.jets.normals[t[0]] + p.b1 * facets_.jets.normals[t[1]] +
                                  p.b2 * facets_.jets.normals[t[2]]);
-  constexpr double kFarFromFacet = 0.25;  // cosine; where folds make the mean meaningless
+  constexpr double kFarFromFacet = 0.7;  // cosine; where folds make the mean meaningless
   if (facet == Vec3{}) return smooth;
   return dot(smooth, facet) > kFarFromFacet ? smooth : facet;
 }

@@ -118,6 +118,7 @@ class FaceMesher {
     for (std::size_t i = 0; i < facets.points.size(); ++i) {
       PatchVertex vertex{surface.nearest(facets.points[i], facets.uv[i]), 0, facets.node[i]};
       if (vertex.node != Triangulation::kNone) put_on_rim(vertex, facets.normals[i]);
+      if (facets.normals[i] == Vec3{}) vertex.place.normal = {};
       vertex.size = surface.size_at(vertex.place.point);
       patch.vertices.push_back(vertex);
     }

@@ -224,7 +224,8 @@ FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertice
     if (number[v] == kNone) continue;
     number[v] = static_cast<std::uint32_t>(patch.points.size());
     patch.points.push_back(vertices.points[v]), patch.uv.push_back(vertices.uv[v]);
-    patch.normals.push_back(vertices.normals[v]), patch.node.push_back(vertices.node[v]);
+    patch.normals.push_back(vertices.sharp[v] ? Vec3{} : vertices.normals[v]);
+    patch.node.push_back(vertices.node[v]);
   }
   for (auto& t : patch.tri_to_vert) t = {number[t[0]], number[t[1]], number[t[2]]};
   return patch;

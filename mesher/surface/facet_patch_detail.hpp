@@ -28,11 +28,13 @@ struct PatchVertices {
   std::vector<ModelEntity> entity;
   std::vector<double> t;
   std::vector<std::uint32_t> node;
+  std::vector<bool> sharp;  ///< a facet at the point turns far from the normal: a tip, or the end of a crease
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(points.size()); }
   void add_copy(std::uint32_t of, const Vec3& point, const Vec3& normal) {
     points.push_back(point), normals.push_back(normal), uv.push_back(uv[of]);
     entity.push_back(entity[of]), t.push_back(t[of]), node.push_back(FacetPatch::kNoNode);
+    sharp.push_back(false);
   }
 };
 

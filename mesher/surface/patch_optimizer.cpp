@@ -276,10 +276,12 @@ class PatchOptimizer {
   }
 
   // The middle of the edge itself, which turns no triangle: later moves bring it to the surface.
-  static PatchPlace on_chord(const PatchPlace& a, const PatchPlace& b, const PatchPlace& near) {
+  PatchPlace on_chord(std::uint32_t h, const PatchPlace& near) const {
+    const Vec3 &a = place(mesh_.origin(h)).point, &b = place(mesh_.target(h)).point;
+    const Vec3 &c = place(mesh_.apex(h)).point, &d = place(mesh_.apex(mesh_.twin(h))).point;
     PatchPlace place = near;
-    place.point = 0.5 * (a.point + b.point);
-    place.normal = normalized(a.normal + b.normal);
+    place.point = 0.5 * (a + b);
+    place.normal = normalized(normalized(cross(b - a, c - a)) + normalized(cross(a - b, d - b)));
     if (place.normal == Vec3{}) place.normal = near.normal;
     const Vec3 n = place.normal;
     const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::abs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
@@ -295,7 +297,7 @@ class PatchOptimizer {
     PatchPlace middle = surface_.midpoint(a, b);
     if (!split_fits(h, middle)) {
       if (!adapting_ || surface_.smooth()) return false;
-      middle = on_chord(a, b, middle);
+      middle = on_chord(h, middle);
     }
     const std::uint32_t v = mesh_.add_vertex();
     patch_.vertices.push_back({middle, surface_.size_at(middle.point), kNone});
