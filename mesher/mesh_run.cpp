@@ -142,6 +142,12 @@ class MeshRun {
     }
   }
 
+  // The complexes that failed go out of the surface, as far as the host wants the others.
+  void set_aside(SurfaceMeshResult& surface) {
+    if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
+    if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
+  }
+
   // Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow
   // places cost is estimated, and known when the sizes are there: they are chosen again where it was too much.
   SizedModel refine(const Candidate& candidate, const std::vector<TriangleIntersection>& hits,
@@ -173,12 +179,6 @@ class MeshRun {
       refinements = std::move(more);
       return sized;
     }
-  }
-
-  // The complexes that failed go out of the surface, as far as the host wants the others.
-  void set_aside(SurfaceMeshResult& surface) {
-    if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
-    if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
   }
 
   // Without those from curvature and proximity.

@@ -37,7 +37,8 @@ struct PointSize {
 struct SizeOptions {
   double size = 0;           ///< absolute target edge length; 0: use relative_size
   double relative_size = 0;  ///< share of the bounding box's diagonal; 0 with size 0: 1/40
-  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
+  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size, and a
+                             ///< two hundredth for curvature around wires and balls
   double curvature = 0;      ///< at least this many edges per full turn; 0: off
   double proximity = 0;      ///< at least this many edges across a gap or wall; 0: off
   double gradation = 0.3;    ///< largest growth of the size per unit of distance, > 0

@@ -7,9 +7,14 @@
 
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
+#include "mesher/sizing/wire_faces.hpp"
 
 namespace tetloom {
 namespace {
+
+/// The floor on wires and balls, as a share of the usual one: nothing that is seen is thinner, and tiny ones stay
+/// cheap.
+constexpr double kWireFloor = 0.05;
 
 /// Cuts an edge into segments on which one size holds and which stay close to it.
 class EdgeSplitter {
@@ -63,8 +68,9 @@ class EdgeSplitter {
 /// The sources of one face.
 class FaceSplitter {
  public:
-  FaceSplitter(FaceGeometry& face, double cap, const SizeTargets& targets)
+  FaceSplitter(FaceGeometry& face, double cap, double floor, const SizeTargets& targets)
       : face_(face),
+        floor_(floor),
         smooth_(face.parametrization() == Parametrization::Smooth),
         targets_(targets),
         rules_{.global = targets.global, .cap = cap, .longest = HUGE_VAL} {}
@@ -89,7 +95,7 @@ class FaceSplitter {
 
  private:
   double size_at(const Vec2& uv) const {
-    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), targets_.floor);
+    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), floor_);
   }
 
   void refine_smooth(const FacetPiece& facet, std::vector<SizeSource>& out) const {
@@ -111,6 +117,7 @@ class FaceSplitter {
   }
 
   FaceGeometry& face_;
+  double floor_;
   bool smooth_;
   const SizeTargets& targets_;
   FacetRules rules_;
@@ -178,12 +185,15 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
                                      const std::vector<Tessellation>& facets, const SharedWork& work) {
+  const WireFinder wires(model, targets);
   return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      list = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], work.runner());
+      const bool thin = wires.is_wire(ModelFaceId(f), *geometry, facets[f]);
+      const double floor = thin ? kWireFloor * targets.floor : targets.floor;
+      list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });
     return list;
   }));

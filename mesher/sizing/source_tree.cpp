@@ -40,12 +40,6 @@ struct PreparedTriangle {
 
 }  // namespace
 
-double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a;
-  const double ab2 = norm2(ab), ac2 = norm2(ac), abac = dot(ab, ac);
-  return PreparedTriangle{ab, ac, ab2, ac2, abac, ab2 * ac2 - abac * abac}.squared_distance(x - a);
-}
-
 SourceTree::SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner)
     : gradation_(gradation) {
   std::vector<Box3> boxes(sources.size());
@@ -92,25 +86,26 @@ SourceTree::Triangle SourceTree::prepare(const SizeSource& source) {
   return triangle;
 }
 
-double SourceTree::size_at(const Vec3& x, double cap, std::uint32_t& winner) const {
+// In a ball a source comes nearer by the radius, as if it held that much further.
+double SourceTree::least_within(const Vec3& x, double radius, double cap, std::uint32_t& winner) const {
   double best = cap;
   std::uint32_t decider = kNoSource;
-  // A source gives less than `best` only within the distance (best - s) / g + hold.
+  // A source gives less than `best` only within the distance (best - s) / g + hold + radius.
   const double per_growth = 1 / gradation_;
   const auto is_near = [&](std::uint32_t node, double distance2) {
     if (bounds_[node].size >= best) return false;
-    const double reach = (best - bounds_[node].size) * per_growth + bounds_[node].hold;
+    const double reach = (best - bounds_[node].size) * per_growth + bounds_[node].hold + radius;
     return distance2 < reach * reach;
   };
   const auto offer = [&](std::uint32_t i) {
     const Triangle& t = sources_[i];
     if (t.size >= best) return;
-    const double reach = (best - t.size) * per_growth + t.hold, to_center = reach + t.radius;
+    const double reach = (best - t.size) * per_growth + t.hold + radius, to_center = reach + t.radius;
     if (norm2(x - t.center) >= to_center * to_center) return;
     const PreparedTriangle prepared{t.ab, t.ac, t.ab2, t.ac2, t.abac, t.area2};
     const double distance2 = prepared.squared_distance(x - t.a);
     if (distance2 >= reach * reach) return;
-    best = t.size + gradation_ * std::max(0.0, std::sqrt(distance2) - t.hold);
+    best = t.size + gradation_ * std::max(0.0, std::sqrt(distance2) - t.hold - radius);
     decider = i;
   };
   if (winner != kNoSource) offer(winner);

@@ -15,9 +15,6 @@ struct SizeSource {
   double hold = 0;  ///< how far the size holds before it grows; 0: a share of the size, by the kind of source
 };
 
-/// Squared distance from `x` to the triangle a b c, which may be degenerate.
-double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
-
 /// The exact gradation-limited field of a set of sources,
 ///
 ///     f(x) = min over sources of  s + g max(0, |x - source| - hold),
@@ -41,7 +38,10 @@ class SourceTree {
 
   /// min(f(x), cap). `winner` speeds the search up when it comes in as the winner at a nearby point; it goes out as the
   /// source that decides, or kNoSource where the cap does.
-  double size_at(const Vec3& x, double cap, std::uint32_t& winner) const;
+  double size_at(const Vec3& x, double cap, std::uint32_t& winner) const { return least_within(x, 0, cap, winner); }
+
+  /// The least that min(f, cap) comes to in the ball of `radius` around `x`, exactly; `winner` as above.
+  double least_within(const Vec3& x, double radius, double cap, std::uint32_t& winner) const;
 
  private:
   /// A source made ready for distances.

@@ -104,8 +104,8 @@ class VertexRemover {
   bool reshape(std::uint32_t tri, double level, Reach reach);
 
   /// Flips the edge of a half-edge if that makes the worse of its two triangles better, with neither turned by more
-  /// than acos(level).
-  bool improve(std::uint32_t half, double level);
+  /// than acos(level), and the new edge passes within `tolerance` of the old one.
+  bool improve(std::uint32_t half, double level, double tolerance);
 
   /// The triangle's quality 4√3·A/Σl², or -1 where it is no triangle or turned by more than acos(level).
   double score(std::uint32_t a, std::uint32_t b, std::uint32_t c, double level) const;

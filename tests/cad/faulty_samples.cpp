@@ -248,7 +248,7 @@ TopoDS_Shape make_faulty(Fault fault) {
     case Fault::FloorInOuterFace: return floor_in_outer_face();
     case Fault::FlatSolidAndBox: return flat_solid_and_box();
     case Fault::OverlappingBoxes: return compound({box_at(0, 0, 0, 10), box_at(5, 5, 5, 10)});
-    case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 100).Shape();
+    case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 10).Shape();
   }
   throw std::runtime_error("unknown fault");
 }

@@ -19,7 +19,7 @@ enum class Fault {
   FloorInOuterFace,  ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
   FlatSolidAndBox,   ///< a solid of two faces that lie on each other, beside a box of 10
   OverlappingBoxes,  ///< two boxes of edge 10, one shifted by (5, 5, 5)
-  ThinRod            ///< radius 0.1, length 100
+  ThinRod            ///< radius 0.1, length 10
 };
 
 /// Writes a BREP file. Throws std::runtime_error when it fails.

@@ -31,6 +31,7 @@ Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_goi
   options.sizes.curvature = curvature;
   options.threads = 1;
   options.keep_going = keep_going;
+  options.keep_small_features = true;
   options.volume_worker = TETLOOM_WORKER;
   meshed.result = make_mesh(*meshed.document.model, options);
   return meshed;
@@ -144,4 +145,10 @@ TEST_CASE("beside a solid that is refused the others are meshed where the host w
   CHECK(validate_mesh(meshed.result.mesh).problems.empty());
   CHECK(volume_of(meshed) == Approx(1000));
   CHECK(meshed.result.model_volume == Approx(1000));
+}
+
+TEST_CASE("a rod far thinner than the size keeps its volume where curvature is asked for") {
+  const Meshed meshed = mesh_faulty(Fault::ThinRod, 1, 12);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(std::numbers::pi * 0.01 * 10).epsilon(0.04));
 }
