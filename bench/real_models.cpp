@@ -107,6 +107,8 @@ class Bench {
     if (is_valid(models_[0])) throw std::runtime_error("a broken file counts as valid");
     for (std::size_t i = 1; i < models_.size(); ++i)
       if (!is_valid(models_[i])) throw std::runtime_error(models_[i].name + " does not count as valid");
+    const double sphere = models_[1].tetloom.mesh->surface_distance.value_or(0);
+    if (sphere <= 0 || sphere > .1) throw std::runtime_error("no such distance from a sphere");
   }
 
   Options options_;
@@ -127,6 +129,7 @@ void add_run_options(CLI::App& app, RealRunOptions& run) {
   app.add_option("--timeout", run.timeout, "seconds that each mesher may take")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_flag("--distance", run.distance, "measure how far tetloom's surfaces lie from the models");
   app.add_option("--command", run.command, "the tetloom to run")->capture_default_str();
   app.add_option("--options", run.options, "more options for tetloom mesh, with blanks between them");
 }
@@ -141,8 +144,7 @@ void add_output_options(CLI::App& app, SessionOptions& session) {
 }
 
 int judge(const std::string& task_text) {
-  const nlohmann::json task = nlohmann::json::parse(task_text);
-  const nlohmann::json figures = judge_mesh_file(task.at("file").get<std::string>(), task.at("lenient").get<bool>());
+  const nlohmann::json figures = judge_mesh_file(nlohmann::json::parse(task_text).get<JudgeTask>());
   std::puts(figures.dump().c_str());
   return 0;
 }
@@ -161,7 +163,7 @@ int run(int argc, char** argv) {
   add_output_options(app, options.session);
   CLI11_PARSE(app, argc, argv);
   if (!options.session.measure.empty()) return judge(options.session.measure);
-  if (options.session.quick) options.run.relative_size = 0.1;
+  if (options.session.quick) options.run.relative_size = 0.1, options.run.distance = true;
   Bench(options).run();
   return 0;
 }

@@ -96,6 +96,32 @@ Json run_json(const MesherRun& run) {
 
 }  // namespace
 
+void to_json(Json& json, const MeshFigures& figures) {
+  json = {{"tets", figures.tets},
+          {"triangles", figures.triangles},
+          {"inverted", figures.inverted},
+          {"regions", figures.regions},
+          {"volume", figures.volume},
+          {"min_dihedral_deg", figures.min_dihedral_deg},
+          {"ratio_mean", figures.ratio_mean},
+          {"ratio_p1", figures.ratio_p1},
+          {"ratio_min", figures.ratio_min},
+          {"edges_in_band", figures.edges_in_band},
+          {"surface_distance", nullptr},
+          {"problem", figures.problem}};
+  if (figures.surface_distance) json["surface_distance"] = *figures.surface_distance;
+}
+
+void from_json(const Json& json, MeshFigures& figures) {
+  json.at("tets").get_to(figures.tets), json.at("triangles").get_to(figures.triangles);
+  json.at("inverted").get_to(figures.inverted), json.at("regions").get_to(figures.regions);
+  json.at("volume").get_to(figures.volume), json.at("min_dihedral_deg").get_to(figures.min_dihedral_deg);
+  json.at("ratio_mean").get_to(figures.ratio_mean), json.at("ratio_p1").get_to(figures.ratio_p1);
+  json.at("ratio_min").get_to(figures.ratio_min), json.at("edges_in_band").get_to(figures.edges_in_band);
+  json.at("problem").get_to(figures.problem);
+  if (json.at("surface_distance").is_number()) figures.surface_distance = json.at("surface_distance").get<double>();
+}
+
 double ModelFacts::volume() const { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
 
 std::size_t ModelFacts::good_regions() const {

@@ -27,11 +27,12 @@ struct MeshFigures {
   std::uint64_t tets = 0, triangles = 0, inverted = 0, regions = 0;
   double volume = 0;
   double min_dihedral_deg = 0, ratio_mean = 0, ratio_p1 = 0, ratio_min = 0;
-  double edges_in_band = 0;  ///< of edges with length / size in [0.707, 1.414]; 0: no sizes to judge by
-  std::string problem;       ///< the first that validate_mesh finds; empty: none
+  double edges_in_band = 0;                ///< of edges with length / size in [0.707, 1.414]; 0: no sizes to judge by
+  std::optional<double> surface_distance;  ///< from the model, see surface_distance.hpp; where it was asked for
+  std::string problem;                     ///< the first that validate_mesh finds; empty: none
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MeshFigures, tets, triangles, inverted, regions, volume, min_dihedral_deg,
-                                   ratio_mean, ratio_p1, ratio_min, edges_in_band, problem)
+void to_json(nlohmann::json& json, const MeshFigures& figures);
+void from_json(const nlohmann::json& json, MeshFigures& figures);
 
 /// One mesher on one model. `failure` is what it said when it made no mesh; empty with a mesh.
 struct MesherRun {

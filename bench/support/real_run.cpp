@@ -13,7 +13,9 @@
 #include "bench/support/child_process.hpp"
 #include "bench/support/facet_file.hpp"
 #include "bench/support/peer.hpp"
+#include "bench/support/surface_distance.hpp"
 #include "bench/support/temporary_folder.hpp"
+#include "core/cad/read_model.hpp"
 #include "core/io/mesh_io.hpp"
 #include "core/mesh/quality.hpp"
 #include "core/mesh/validate.hpp"
@@ -53,10 +55,9 @@ ChildResult run_mesher(const Words& command, const RealRunOptions& options, Mesh
 }
 
 /// Asks a process of the bench itself, which may fail without harm, what a mesh is worth.
-void judge_apart(const fs::path& mesh, bool lenient, const RealRunOptions& options, MesherRun& run) {
-  if (!fs::exists(mesh)) return;
-  const Json task = {{"file", mesh.string()}, {"lenient", lenient}};
-  const ChildResult judge = run_child({options.judge, "--measure", task.dump()}, {kJudgingSeconds});
+void judge_apart(const JudgeTask& task, const RealRunOptions& options, MesherRun& run) {
+  if (!fs::exists(task.mesh)) return;
+  const ChildResult judge = run_child({options.judge, "--measure", Json(task).dump()}, {kJudgingSeconds});
   const Json figures = Json::parse(judge.output, nullptr, false);
   if (judge.exit_status == 0 && figures.is_object())
     run.mesh = figures.get<MeshFigures>();
@@ -111,7 +112,7 @@ void run_tetloom(const fs::path& folder, const RealRunOptions& options, RealMode
   std::istringstream more(options.options);
   for (std::string word; more >> word;) command.push_back(word);
   const ChildResult child = run_mesher(command, options, model.tetloom);
-  judge_apart(mesh, false, options, model.tetloom);
+  judge_apart({mesh, false, options.distance ? model.path : fs::path()}, options, model.tetloom);
   if (child.exit_status != 0) model.tetloom.failure = end_of(child.output);
   take_report(read_json(report), model);
   fs::remove(mesh);
@@ -139,7 +140,7 @@ MesherRun run_gmsh(const fs::path& path, double diagonal, const fs::path& folder
        exact_text(options.curvature), "-clmax", exact_text(size), "-clmin", exact_text(size / 10), "-bin", "-o", mesh},
       options, run);
   if (child.exit_status != 0) run.failure = end_of(child.output);
-  judge_apart(mesh, true, options, run);
+  judge_apart({mesh, true}, options, run);
   fs::remove(mesh);
   return run;
 }
@@ -183,9 +184,18 @@ RealModel run_real_model(const fs::path& path, const RealRunOptions& options) {
   return model;
 }
 
-MeshFigures judge_mesh_file(const fs::path& path, bool lenient) {
-  Mesh mesh = read_mesh(path);
-  if (lenient) turn_regions(mesh);
+void to_json(Json& json, const JudgeTask& task) {
+  json = {{"mesh", task.mesh.string()}, {"lenient", task.lenient}, {"model", task.model.string()}};
+}
+
+void from_json(const Json& json, JudgeTask& task) {
+  task.mesh = json.at("mesh").get<std::string>(), task.model = json.at("model").get<std::string>();
+  json.at("lenient").get_to(task.lenient);
+}
+
+MeshFigures judge_mesh_file(const JudgeTask& task) {
+  Mesh mesh = read_mesh(task.mesh);
+  if (task.lenient) turn_regions(mesh);
   const ValidationReport validation = validate_mesh(mesh);
   const QualityReport quality = compute_quality(mesh);
   MeshFigures figures;
@@ -195,6 +205,7 @@ MeshFigures judge_mesh_file(const fs::path& path, bool lenient) {
   figures.min_dihedral_deg = quality.tets.min_dihedral_deg;
   figures.ratio_mean = quality.tets.mean_ratio_mean, figures.ratio_p1 = quality.tets.mean_ratio_p1;
   figures.ratio_min = quality.tets.mean_ratio_min;
+  if (!task.model.empty()) figures.surface_distance = surface_distance(mesh, *read_model(task.model).model);
   if (!validation.valid()) figures.problem = validation.problems.front().message;
   return figures;
 }

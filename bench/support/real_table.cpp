@@ -129,6 +129,17 @@ SummaryRow band_row(std::span<const RealModel> models) {
           !middle || *middle >= .96};
 }
 
+SummaryRow distance_row(std::span<const RealModel> models) {
+  const auto measured = [](const RealModel& model) {
+    return is_valid(model) && model.tetloom.mesh->surface_distance.has_value();
+  };
+  const std::vector<double> shares =
+      values_of(models, measured, [](const RealModel& model) { return *model.tetloom.mesh->surface_distance; });
+  const std::optional<double> middle = median(shares), most = largest(shares);
+  return {"surface's distance from the model / edge, median / largest", both(middle, most, "%.3f"), "<= .10",
+          !most || *most <= .10};
+}
+
 SummaryRow facets_row(std::span<const RealModel> models) {
   const auto closed = [](const RealModel& model) { return model.facts.closed_manifold; };
   const std::size_t all = count_of(models, closed);
@@ -159,8 +170,8 @@ std::optional<double> median(std::vector<double> values) {
 }
 
 std::vector<SummaryRow> summarize(std::span<const RealModel> models) {
-  return {valid_row(models), longest_row(models), speed_row(models), time_row(models),  size_field_row(models),
-          angle_row(models), ratio_row(models),   band_row(models),  facets_row(models)};
+  return {valid_row(models), longest_row(models), speed_row(models), time_row(models),     size_field_row(models),
+          angle_row(models), ratio_row(models),   band_row(models),  distance_row(models), facets_row(models)};
 }
 
 void print_table_heading() {
@@ -186,9 +197,9 @@ void print_table_line(const RealModel& model) {
 }
 
 void print_summary(std::span<const RealModel> models) {
-  std::printf("\n%-50s %-46s %s\n", "measure", "value", "asked");
+  std::printf("\n%-58s %-46s %s\n", "measure", "value", "asked");
   for (const SummaryRow& row : summarize(models))
-    std::printf("%-50s %-46.46s %-28s%s\n", row.measure.c_str(), row.value.c_str(), row.target.c_str(),
+    std::printf("%-58s %-46.46s %-28s%s\n", row.measure.c_str(), row.value.c_str(), row.target.c_str(),
                 row.reached ? "" : "MISSED");
 }
 

@@ -158,7 +158,19 @@ TEST_CASE("the summary counts models, and says where it misses what is asked") {
   CHECK(row_of(models, "mean ratio").reached);
   CHECK(row_of(models, "edges in band").value == "98.0 %");
   CHECK(row_of(models, "closed manifold").value == "-");
+  CHECK(row_of(models, "surface's distance").value == "- / -");
   for (const SummaryRow& row : summarize({})) CHECK(row.reached);
+}
+
+TEST_CASE("the distance of the surface from the model counts where it was measured") {
+  RealModel near = filled(), far = filled();
+  near.tetloom.mesh->surface_distance = .02, far.tetloom.mesh->surface_distance = .2;
+  CHECK(row_of({near, filled()}, "surface's distance").value == "0.020 / 0.020");
+  CHECK(row_of({near, filled()}, "surface's distance").reached);
+  CHECK(row_of({near, far}, "surface's distance").value == "0.110 / 0.200");
+  CHECK_FALSE(row_of({near, far}, "surface's distance").reached);
+  CHECK(json(*far.tetloom.mesh).get<MeshFigures>().surface_distance == .2);
+  CHECK_FALSE(json(MeshFigures{}).get<MeshFigures>().surface_distance.has_value());
 }
 
 TEST_CASE("meshes of over five million tets may take longer") {
