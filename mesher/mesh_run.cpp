@@ -109,7 +109,9 @@ class MeshRun {
   // still crosses after a few rounds crosses in the model. After the first round a few misfits are not worth another.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
+    const SmallWidth small =
+        options_.keep_small_features ? SmallWidth{} : SmallWidth{options_.small_feature, kSmallFeature};
+    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory, small);
     if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
     std::vector<SizeRefinement> refinements;
     SizedModel sized = build_sizes(sizing, refinements);

@@ -159,12 +159,14 @@ SizeField grow_tree(const Workpiece& piece, const ModelSources& sources, std::sp
 /// What does not depend on refinements.
 struct SizeFieldBuilder::State {
   State(const GeometricModel& given_model, const SizeOptions& given_options, const SharedWork& given_work,
-        std::uint64_t given_memory)
+        std::uint64_t given_memory, SmallWidth small)
       : model(given_model),
         options(given_options),
         work(given_work),
         max_memory(given_memory),
-        targets(resolve_sizes(model, options)) {}
+        targets(resolve_sizes(model, options)) {
+    targets.small = small;
+  }
 
   void facet_model() {
     if (tree) return;
@@ -203,8 +205,8 @@ struct SizeFieldBuilder::State {
 };
 
 SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
-                                   std::uint64_t max_memory)
-    : state_(std::make_unique<State>(model, options, work, max_memory)) {}
+                                   std::uint64_t max_memory, SmallWidth small)
+    : state_(std::make_unique<State>(model, options, work, max_memory, small)) {}
 
 SizeFieldBuilder::~SizeFieldBuilder() = default;
 

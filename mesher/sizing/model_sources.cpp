@@ -7,6 +7,7 @@
 
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
+#include "mesher/sizing/narrow_entities.hpp"
 #include "mesher/sizing/wire_faces.hpp"
 
 namespace tetloom {
@@ -64,6 +65,11 @@ class EdgeSplitter {
   const SizeTargets& targets_;
   std::vector<SizeSource> out_;
 };
+
+SizeTargets without_curvature(SizeTargets targets) {
+  targets.curvature = 0;
+  return targets;
+}
 
 /// The sources of one face.
 class FaceSplitter {
@@ -169,8 +175,12 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
       const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
       if (targets.edge[e] < targets.global) list = {{pole, pole, pole, targets.edge[e]}};
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
-      tolerate_bad_geometry(
-          [&] { list = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
+      tolerate_bad_geometry([&] {
+        const auto geometry = model.edge_geometry(ModelEdgeId(e));
+        const double small = targets.small.on(std::min(targets.edge[e], targets.global));
+        const bool is_small = small > 0 && length_up_to(*geometry, small) < small;
+        list = EdgeSplitter(*geometry, targets.edge[e], is_small ? without_curvature(targets) : targets).run();
+      });
     }
     return list;
   });
@@ -192,7 +202,9 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
       const bool thin = wires.is_wire(ModelFaceId(f), *geometry, facets[f]);
-      const double floor = thin ? kWireFloor * targets.floor : targets.floor;
+      const bool is_small =
+          !thin && mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
+      const double floor = thin ? kWireFloor * targets.floor : is_small ? targets.global : targets.floor;
       list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });
     return list;
