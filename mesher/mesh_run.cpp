@@ -8,6 +8,7 @@
 
 #include "core/base/stage_clock.hpp"
 #include "core/base/stopwatch.hpp"
+#include "mesher/check_solids.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/failed_complexes.hpp"
 #include "mesher/features/small_features.hpp"
@@ -55,13 +56,13 @@ class MeshRun {
 
   void run_stages() {
     bool fits = false;
+    const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
     work_.together([&] {
       measure_model();
       fits = mesh_fitting_surface();
+      if (fits && fills) check_solids();
     });
-    if (!fits) return;
-    const bool has_regions = model_.topology().region_count() > 0;
-    if (!options_.surface_only && has_regions && !mesh_volume()) return;
+    if (!fits || (fills && !mesh_volume())) return;
     result_.status = MeshStatus::Ok;
     if (!failed_.empty()) finish_partial();
   }
@@ -83,7 +84,8 @@ class MeshRun {
     runner_.begin_stage(Stage::SizeField, 0);
     const ModelTopology& topology = model_.topology();
     const std::size_t regions = topology.region_count();
-    std::vector<double> volumes(regions);
+    std::vector<double>& volumes = model_volumes_;
+    volumes.resize(regions);
     runner_.for_each(regions + topology.face_count(), [&](std::size_t i) {
       if (i < regions) {
         volumes[i] = model_.volume(ModelRegionId(i));
@@ -376,6 +378,14 @@ class MeshRun {
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
   }
 
+  void check_solids() {
+    Stopwatch watch;
+    const MeshedModel meshed{model_, result_.mesh, result_.sizes};
+    append({}, check_volumes(meshed, model_volumes_));
+    append({}, check_overlaps(meshed, runner_));
+    result_.seconds.volume += watch.lap();
+  }
+
   // What one rank cannot fill no other one knows of before the end, so ranks give up together.
   bool mesh_volume() {
     for (;;) {
@@ -415,6 +425,7 @@ class MeshRun {
   const FillVolume& fill_;
   const bool on_several_ranks_;
   MeshResult result_;
+  std::vector<double> model_volumes_;  // per region
   std::optional<SmallFeatures> features_;
   FailedComplexes failed_{model_};
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement

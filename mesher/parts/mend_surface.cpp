@@ -57,7 +57,8 @@ class ClusterRecovery {
     fix_core();
     find_triangles();
     const std::vector<TetKeys> before = name_tets();
-    const tets::RecoveryReport report = recover_boundary(mesh_, verts_, {}, runner_);
+    const tets::RecoveryReport report =
+        recover_boundary(mesh_, verts_, tets::recover_options(mesh_.size(), 0), runner_);
     patch_.recovered = report.unrecovered.empty();
     if (!patch_.recovered) return std::move(patch_);
     const std::vector<TetKeys> after = name_tets();
