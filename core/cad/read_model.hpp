@@ -14,6 +14,9 @@ struct ReadOptions {
   bool heal = true;      ///< repair what OpenCASCADE can repair (wires, small edges, tolerances, orientation)
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
   double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
+  /// Solids, numbered as the regions of the model that is read without this, to be made anew from the space that their
+  /// faces enclose: for those whose boundary crosses itself. Of CAD files only.
+  std::vector<ModelRegionId> rebuild = {};
 };
 
 /// One thing that was repaired, with how often.
@@ -25,6 +28,7 @@ struct HealingStep {
 struct ModelDocument {
   std::unique_ptr<GeometricModel> model;
   std::vector<HealingStep> healing;
+  std::size_t rebuilt = 0;           ///< solids that ReadOptions::rebuild asked for and that were made anew
   std::vector<Diagnostic> warnings;  ///< invalid shapes that remain, open shells, entities left out …
   std::string format;                ///< "STEP", "IGES", "BREP", "STL" or "OBJ"
 };
