@@ -48,6 +48,17 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
   return volumes;
 }
 
+std::vector<bool> regions_with_triangles(const MeshedModel& meshed) {
+  const ModelTopology& topology = meshed.model.topology();
+  std::vector<bool> found(topology.region_count(), false);
+  for (const std::uint32_t face : meshed.surface.tri_to_entity) {
+    const FaceSides& sides = topology.face_to_sides[face];
+    for (const ModelRegionId region : {sides.front, sides.back})
+      if (region.valid()) found[region.value] = true;
+  }
+  return found;
+}
+
 struct FaceMesh {
   double area = 0, largest = 0;  // largest: the area of the largest triangle
   Vec3 point;                    // its centre
@@ -226,10 +237,12 @@ Diagnostic describe_overlap(const MeshedModel& meshed, std::pair<std::uint32_t, 
 
 std::vector<Diagnostic> check_volumes(const MeshedModel& meshed, std::span<const double> model_volumes) {
   const std::vector<double> volumes = volumes_of(meshed);
+  const std::vector<bool> is_meshed = regions_with_triangles(meshed);
   std::optional<std::vector<FaceMesh>> faces;
   std::vector<Diagnostic> warnings;
   for (std::uint32_t r = 0; r < volumes.size(); ++r) {
     const ModelRegionId region(r);
+    if (!is_meshed[r]) continue;
     auto warning = judge_volume(volumes[r], model_volumes[r], describe(meshed.model.named(region)));
     if (!warning) continue;
     if (!faces) faces = measure_faces(meshed);

@@ -37,6 +37,22 @@ void add_volume(const GeometricModel& model, VolumeMesh&& volume, const TaskRunn
 
 }  // namespace
 
+std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const ModelTopology& topology) {
+  std::vector<ModelRegionId> regions;
+  for (const Diagnostic& error : result.errors) {
+    if (error.code != ErrorCode::SelfIntersection) continue;
+    for (const NamedEntity& named : error.entities) {
+      if (named.entity.dim != 2 || named.entity.index >= topology.face_count()) continue;
+      const FaceSides& sides = topology.face_to_sides[named.entity.index];
+      for (const ModelRegionId region : {sides.front, sides.back})
+        if (region.valid()) regions.push_back(region);
+    }
+  }
+  std::ranges::sort(regions);
+  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  return regions;
+}
+
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
   return run_mesh(model, options, host,
                   [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {

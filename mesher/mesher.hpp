@@ -112,6 +112,10 @@ struct MeshResult {
   FillingFigures filling;                ///< how the volume came to be filled
 };
 
+/// The regions whose own boundary crosses itself, as the errors of a result say, ascending: reading them anew with
+/// ReadOptions::rebuild may help.
+std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const ModelTopology& topology);
+
 /// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.
 /// Errors: throws Error(InvalidArgument) for options out of range. Everything that happens later is in the result.
 /// Thread safety: may be called from any thread, several calls at once.

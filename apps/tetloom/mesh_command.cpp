@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
@@ -21,13 +22,13 @@ struct Sized {
   MeshOptions options;
 };
 
-Sized read_sized_model(const MeshCommand& command, ModelReading& reading, Run& run) {
+Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocument()>& read, Run& run) {
   RunReport& report = run.report();
   SizesFile sizes;
   if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
   run.begin(Stage::Read);
   Sized sized{{}, command.options};
-  report.seconds.read = timed([&] { sized.document = read_input([&] { return reading.take(run.cancel()); }); });
+  report.seconds.read += timed([&] { sized.document = read_input(read); });
   report.warnings = sized.document.warnings;
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
   return sized;
@@ -40,11 +41,25 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
   report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
 }
 
+// Solids whose boundary crosses itself are read once more, made anew from the space that they enclose.
+MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
+  MeshResult result = make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
+  ReadOptions reading = command.read;
+  reading.rebuild = regions_that_cross(result, sized.document.model->topology());
+  if (!reading.heal || reading.rebuild.empty() || result.status == MeshStatus::Cancelled) return result;
+  Sized repaired;
+  const auto read = [&] { return read_model(command.input, reading, &run.cancel()); };
+  run_on_all(communicator, [&] { repaired = read_sized_model(command, read, run); });
+  if (repaired.document.rebuilt == 0) return result;
+  sized = std::move(repaired);
+  return make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
+}
+
 // The first rank has the whole mesh, and the threads of those that wait for it.
-void mesh_model(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
+void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
   const auto& [document, options] = sized;
   RunReport& report = run.report();
-  const MeshResult result = make_mesh_on_ranks(*document.model, options, communicator, run.host());
+  const MeshResult result = make_or_repair(command, sized, communicator, run);
   note_run(result, *document.model, options, report);
   run_on_first(communicator, [&] {
     if (!result.mesh.tet_to_vert.empty()) note_filling(result.filling, options.goals, report);
@@ -88,7 +103,8 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
 
 void mesh_input(const MeshCommand& command, ModelReading& reading, Communicator& communicator, Run& run) {
   Sized sized;
-  run_on_all(communicator, [&] { sized = read_sized_model(command, reading, run); });
+  const auto read = [&] { return reading.take(run.cancel()); };
+  run_on_all(communicator, [&] { sized = read_sized_model(command, read, run); });
   command.in_parts ? mesh_model_in_parts(command, sized, communicator, run)
                    : mesh_model(command, sized, communicator, run);
 }

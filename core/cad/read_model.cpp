@@ -10,6 +10,7 @@
 #include "core/cad/detail/healing.hpp"
 #include "core/cad/detail/imprint.hpp"
 #include "core/cad/detail/occt_guard.hpp"
+#include "core/cad/detail/rebuild.hpp"
 #include "core/discrete/discrete_model.hpp"
 
 namespace tetloom {
@@ -63,6 +64,9 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
     bool valid = options.heal && cad::heal(document, result.healing, cancel);
     if (options.imprint) valid = cad::imprint(document, result.healing, cancel) ? false : valid;
     if (cancel) cancel->check();
+    result.rebuilt = cad::rebuild_solids(document, options.rebuild, cancel);
+    cad::add_step(result.healing, "solids that crossed themselves were made anew", result.rebuilt);
+    if (result.rebuilt > 0) valid = false;
     cad::ShapeTopology parts = cad::make_topology(document.root);
     if (parts.topology.face_count() == 0)
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");

@@ -15,6 +15,9 @@ struct ReadOptions {
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
   double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
   double fill_holes = 0;                      ///< model length; of discrete models, holes at most as wide are closed
+  /// Solids, numbered as the regions of the model that is read without this, to be made anew from the space that their
+  /// faces enclose: for those whose boundary crosses itself. Of CAD files only.
+  std::vector<ModelRegionId> rebuild = {};
 };
 
 /// One thing that was repaired, with how often.
@@ -26,6 +29,7 @@ struct HealingStep {
 struct ModelDocument {
   std::unique_ptr<GeometricModel> model;
   std::vector<HealingStep> healing;
+  std::size_t rebuilt = 0;           ///< solids that ReadOptions::rebuild asked for and that were made anew
   std::vector<Diagnostic> warnings;  ///< invalid shapes that remain, open shells, entities left out …
   std::string format;                ///< "STEP", "IGES", "BREP", "STL" or "OBJ"
 };

@@ -129,6 +129,48 @@ class FaceSplitter {
   FacetRules rules_;
 };
 
+double area_of(const Tessellation& facets) {
+  double area = 0;
+  for (const auto& [a, b, c] : facets.tri_to_vert)
+    area += 0.5 * norm(cross(facets.points[b] - facets.points[a], facets.points[c] - facets.points[a]));
+  return area;
+}
+
+// By the mean curvature of the face.
+double wire_floor(double weight, const Tessellation& facets, double edges_per_turn) {
+  return 6 / (edges_per_turn * std::sqrt(weight / area_of(facets)));
+}
+
+std::vector<double> join_lists(const std::vector<std::vector<double>>& lists) {
+  std::vector<double> all;
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+// The floor for the curvature of every face. That of wires lets them have so many edges per turn as can be afforded.
+std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& targets,
+                                const std::vector<Tessellation>& facets, const SharedWork& work) {
+  std::vector<double> floors(facets.size(), targets.floor);
+  if (targets.curvature <= 0 || !targets.floor_is_default) return floors;
+  const WireFinder wires(model, targets);
+  const auto weights = join_lists(work.make_lists<double>(facet_counts(facets), [&](std::size_t f) {
+    double weight = 0;
+    tolerate_bad_geometry([&] {
+      const auto geometry = model.face_geometry(ModelFaceId(f));
+      weight = wires.weight(ModelFaceId(f), *geometry, facets[f]);
+    });
+    return std::vector{weight};
+  }));
+  const double edges = wire_edges_per_turn(weights, targets.curvature);
+  if (edges <= 0) return floors;
+  for (std::size_t f = 0; f < floors.size(); ++f) {
+    if (weights[f] <= 0) continue;
+    floors[f] = kWireFloor * targets.floor;
+    if (edges < targets.curvature) floors[f] = std::max(floors[f], wire_floor(weights[f], facets[f], edges));
+  }
+  return floors;
+}
+
 }  // namespace
 
 std::vector<SizeSource> join(std::vector<std::vector<SizeSource>> lists) {
@@ -195,16 +237,16 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
                                      const std::vector<Tessellation>& facets, const SharedWork& work) {
-  const WireFinder wires(model, targets);
+  const std::vector<double> floors = face_floors(model, targets, facets, work);
   return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      const bool thin = wires.is_wire(ModelFaceId(f), *geometry, facets[f]);
-      const bool is_small =
-          !thin && mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
-      const double floor = thin ? kWireFloor * targets.floor : is_small ? targets.global : targets.floor;
+      // Wires have a floor below the usual one; they are no features of something else.
+      const bool is_small = floors[f] >= targets.floor &&
+                            mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
+      const double floor = is_small ? targets.global : floors[f];
       list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });
     return list;

@@ -48,6 +48,30 @@ class Surroundings {
 
 }  // namespace
 
+// A triangle of edge h = 6 / (N k) has the area 0.433 h².
+double wire_edges_per_turn(const std::vector<double>& weights, double wanted) {
+  constexpr double kMostTriangles = 150'000, kFarTooMany = 4, kLeastPerTurn = 8;
+  const double per_square = 1 / (0.433 * 36);  // triangles per weight and squared number of edges per turn
+  double weight = 0;
+  for (const double w : weights) weight += w;
+  const double affordable = weight > 0 ? std::sqrt(kMostTriangles / (per_square * weight)) : wanted;
+  const double edges = std::min(wanted, std::max(kLeastPerTurn, affordable));
+  return per_square * weight * edges * edges <= kFarTooMany * kMostTriangles ? edges : 0;
+}
+
+double WireFinder::weight(ModelFaceId face, FaceGeometry& geometry, const Tessellation& facets) const {
+  if (!is_wire(face, geometry, facets)) return 0;
+  double sum = 0;
+  for (const auto& [a, b, c] : facets.tri_to_vert) {
+    const Vec3& origin = facets.points[a];
+    const PrincipalCurvatures k = geometry.curvature((1.0 / 3) * (facets.uv[a] + facets.uv[b] + facets.uv[c]));
+    const double area = 0.5 * norm(cross(facets.points[b] - origin, facets.points[c] - origin));
+    const double largest = std::max(std::abs(k.largest), std::abs(k.smallest));
+    if (std::isfinite(largest)) sum += area * largest * largest;
+  }
+  return sum;
+}
+
 WireFinder::WireFinder(const GeometricModel& model, const SizeTargets& targets) : model_(model), targets_(targets) {
   const ModelTopology& topology = model.topology();
   edge_to_faces_.resize(topology.edge_count());

@@ -7,10 +7,18 @@
 
 namespace tetloom {
 
+/// The edges per turn that wires may have: all that are asked for while all wires together take no more than a given
+/// number of triangles, fewer where they would take more, but at least eight; 0, so that the floor stays, where those
+/// are far too many. `weights` of the faces of wires: the integral of the squared largest curvature.
+double wire_edges_per_turn(const std::vector<double>& weights, double wanted);
+
 /// Finds wires and balls among the faces that the curvature rule wants finer than the floor. Immutable; any thread.
 class WireFinder {
  public:
   WireFinder(const GeometricModel& model, const SizeTargets& targets);
+
+  /// The integral of the squared curvature over the face if it is of a wire, else 0.
+  double weight(ModelFaceId face, FaceGeometry& geometry, const Tessellation& facets) const;
 
   /// Whether the face goes around a wire or a ball, alone or with its neighbours: opposite to it, through the material
   /// and one diameter of curvature away, is the face itself or one that shares an edge with it. Asked of `facets`,

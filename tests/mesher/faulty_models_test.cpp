@@ -22,10 +22,11 @@ struct Meshed {
   MeshResult result;
 };
 
-Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false) {
+Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false,
+                   const ReadOptions& reading = {}) {
   const test::TemporaryFolder folder;
   test::write_faulty(fault, folder / "model.brep");
-  Meshed meshed{read_model(folder / "model.brep"), {}};
+  Meshed meshed{read_model(folder / "model.brep", reading), {}};
   MeshOptions options;
   options.sizes.size = size;
   options.sizes.curvature = curvature;
@@ -100,6 +101,21 @@ TEST_CASE("a curve that misses its vertices is fitted to them") {
   const Meshed meshed = mesh_faulty(Fault::CurveShortOfVertex, 2);
   require_valid(meshed);
   CHECK(volume_of(meshed) == Approx(1000));
+}
+
+TEST_CASE("a solid that crosses itself is refused, and meshed when it is made anew") {
+  const Meshed refused = mesh_faulty(Fault::FloorInOuterFace, 2);
+  CHECK(refused.result.status == MeshStatus::Failed);
+  REQUIRE_FALSE(refused.result.errors.empty());
+  CHECK(refused.result.errors.front().code == ErrorCode::SelfIntersection);
+  CHECK(regions_that_cross(refused.result, refused.document.model->topology()) == std::vector{ModelRegionId(0)});
+
+  ReadOptions reading;
+  reading.rebuild = {ModelRegionId(0)};
+  const Meshed meshed = mesh_faulty(Fault::FloorInOuterFace, 2, 24, false, reading);
+  require_valid(meshed);
+  CHECK(meshed.document.model->topology().region_count() == 1);
+  CHECK(volume_of(meshed) == Approx(1000 - 40 * std::numbers::pi).epsilon(0.01));
 }
 
 TEST_CASE("closed shells that cross bound a solid each") {
