@@ -32,6 +32,7 @@ class CreaseFilter {
     drop_short_branches();
     absorb_small_faces();
     drop_short_branches();
+    drop_single_edges();
     return std::move(walls_);
   }
 
@@ -113,6 +114,16 @@ class CreaseFilter {
       const std::uint32_t leaf = surface_.tri_to_leaf[half_to_tri(surface_.edges.halves(edge)[0])];
       const bool small = edges[set] < kFewestOfGroup && lengths[set] < kLongestGroup * diagonal_;
       if (fixed[set] == 0 && small && leaf_to_size[leaf] > kFewFacets) walls_[edge] = false;
+    }
+  }
+
+  /// Creases of one edge that touch no other wall: the facets on both of its sides share both of its ends, so that no
+  /// face could have it twice.
+  void drop_single_edges() {
+    for (const std::uint32_t edge : listed_) {
+      if (!walls_[edge] || !crease_[edge]) continue;
+      const auto& ends = surface_.edges.edge_to_vert[edge];
+      if (degree(ends[0]) == 1 && degree(ends[1]) == 1) walls_[edge] = false;
     }
   }
 
