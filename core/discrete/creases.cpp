@@ -79,8 +79,8 @@ class CreaseFilter {
     return count;
   }
 
-  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they are
-  /// the edge of a shape of few facets.
+  /// Connected creases of few edges that touch no other wall. Where they part the surface altogether they stay: they
+  /// are the edge of a shape of few facets.
   void drop_small_groups() {
     DisjointSets sets(surface_.points.size());
     for (const std::uint32_t edge : listed_) {
@@ -163,9 +163,8 @@ class CreaseFilter {
       into[face] = face;
       if (!shared[face].empty()) order.push_back(face);
     }
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return area[a] != area[b] ? area[a] < area[b] : a < b;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return area[a] != area[b] ? area[a] < area[b] : a < b; });
     for (const std::uint32_t face : order) {
       double longest = 0;
       for (const auto& [neighbour, length] : shared[face]) {

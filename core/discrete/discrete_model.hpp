@@ -21,10 +21,10 @@
 //     u = 2·f + b1,   v = b2,
 // so that b1 = 1 does not run into the next facet: u in (2f + 1, 2f + 2) does not occur. evaluate(closest_point(x).uv)
 // is closest_point(x).point exactly. A guess picks the side of a thin wall or of a crease: facets that face away from
-// the guess's normal are then left out. Normals and curvatures are interpolated between the points of the face, where they
-// come from quadrics fitted to the points around, of this face alone (Cazals & Pouget 2003); where the normal strays
-// far from the facet's own, the latter is taken. tessellate() gives the facets themselves, whatever is asked for. Edges
-// are polylines over their arc length.
+// the guess's normal are then left out. Normals and curvatures are interpolated between the points of the face, where
+// they come from quadrics fitted to the points around, of this face alone (Cazals & Pouget 2003); where the normal
+// strays far from the facet's own, the latter is taken. tessellate() gives the facets themselves, whatever is asked
+// for. Edges are polylines over their arc length.
 //
 // Thread safety: as GeometricModel; the objects for edges and faces keep what they need of the model alive.
 #include <array>

@@ -215,7 +215,10 @@ TEST_CASE("noise of the points does not pass for curvature, and a coarse fillet 
   CHECK(high < 4);  // without a filter, 10
   // A corrugated sheet of eight facets a wave keeps its crests.
   const Facets waves = make_grid(
-      64, 20, false, [](std::uint32_t i, std::uint32_t j) { return Vec3{0.1 * i, 0.1 * j, 0.05 * std::sin(M_PI_4 * i)}; },
+      64, 20, false,
+      [](std::uint32_t i, std::uint32_t j) {
+        return Vec3{0.1 * i, 0.1 * j, 0.05 * std::sin(M_PI_4 * i)};
+      },
       false);
   CHECK(curvature_of(waves)[1] > 2);
 }
