@@ -64,6 +64,7 @@ void check_angles(const MeshResult& result, const QualityReport& quality) {
 void check_count(std::size_t tets, const GeometricModel& geometry, const FamilyModel& model) {
   const SizeField asked = build_size_field(geometry, options_for(model, 1).sizes, {}, TaskRunner(1));
   CHECK(static_cast<double>(tets) <= 2 * asked.estimate_tets(geometry.bounding_box()) + kSurfaceTets);
+  if (model.most_tets > 0) CHECK(static_cast<double>(tets) <= model.most_tets);
 }
 
 void check_mesh(const MeshResult& result, const GeometricModel& geometry, const FamilyModel& model) {
@@ -117,10 +118,13 @@ struct Pending {
   std::uint64_t seed;
 };
 constexpr Pending kPending[] = {
-    {"noise", 19},   // refused without a place: a size that is no number
-    {"slivers", 5},  // an angle of 3 degrees that nothing is known to force
-    {"threads", 9},
-    {"threads", 29}  // 2 % of the volume lost to the smallest size
+    {"fillets", 4},   // sizes follow the curvature of fillets that do not reach the mesh
+    {"fillets", 17},  // the same
+    {"fillets", 23},  // the same
+    {"fillets", 24},  // the same
+    {"noise", 19},    // refused without a place: a size that is no number
+    {"slivers", 5},   // an angle of 3 degrees that nothing is known to force
+    {"threads", 9},   // 2 % of the volume lost to the smallest size
 };
 
 bool is_pending(const Family& family, std::uint64_t seed, FamilyScale scale) {
@@ -158,7 +162,7 @@ void check_family(const Family& family, const Seeds& seeds, FamilyScale scale) {
 
 TEST_CASE("small models of all families are meshed, or refused with a place", "[short]") {
   for (const Family& family : test::all_families()) DYNAMIC_SECTION(family.name) {
-      check_family(family, seeds_to_try(test::kSanitized ? 2 : 16), FamilyScale::Small);
+      check_family(family, seeds_to_try(test::kSanitized ? 3 : 24), FamilyScale::Small);
     }
 }
 
