@@ -102,7 +102,12 @@ FamilyModel make_fillets(std::uint64_t seed, FamilyScale, const std::filesystem:
   for (double radius = share * box.least(); radius < .3 * box.least(); radius *= 4) {
     try {
       const TopoDS_Shape shape = rounded(box.shape(), radius, wanted);
-      if (is_sound(shape)) return write_family_model(shape, labelled("radius", radius), random, folder);
+      if (is_sound(shape)) {
+        FamilyModel model = write_family_model(shape, labelled("radius", radius), random, folder);
+        // What is that small does not reach the mesh, and makes no sizes either.
+        if (radius < 1e-4 * box.least()) model.most_tets = 60'000;
+        return model;
+      }
     } catch (const Standard_Failure&) {
     } catch (const std::runtime_error&) {}
   }

@@ -19,6 +19,7 @@ struct FamilyModel {
   std::size_t solids = 1;
   bool sound = true;           ///< a proper model, which must be meshed; else it may be refused with a place
   double relative_size = 0.1;  ///< a size, as a share of the diagonal, that does not make many tets of it
+  double most_tets = 0;        ///< that the model itself gives reason for; 0: whatever the sizes ask for
   double curvature = 30;       ///< edges per turn that keep the volume well within the tolerance; 0: off
 };
 
