@@ -288,6 +288,7 @@ class MeshRun {
 
   void refine_at(const TriangleIntersection& hit, const Mesh& mesh, std::vector<SizeRefinement>& refinements) {
     const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
+    if (!(length > 0)) return;  // a triangle of one point: no size makes it better
     refinements.push_back({{hit.point, hit.point, hit.point}, 0.5 * length});
     note(refinements.back(), {hit.first, hit.second}, mesh);
   }
