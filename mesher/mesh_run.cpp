@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <new>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include "core/base/stopwatch.hpp"
 #include "mesher/check_solids.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/failed_complexes.hpp"
 #include "mesher/features/small_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
@@ -16,6 +18,7 @@
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "threading/shared_work.hpp"
 
@@ -26,7 +29,12 @@ class MeshRun {
  public:
   MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
           Communicator* ranks)
-      : model_(model), options_(options), work_(options.threads, host, ranks), runner_(work_.runner()), fill_(fill) {}
+      : model_(model),
+        options_(options),
+        work_(options.threads, host, ranks),
+        runner_(work_.runner()),
+        fill_(fill),
+        on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
     try {
@@ -56,6 +64,18 @@ class MeshRun {
     });
     if (!fits || (fills && !mesh_volume())) return;
     result_.status = MeshStatus::Ok;
+    if (!failed_.empty()) finish_partial();
+  }
+
+  void finish_partial() {
+    result_.status = MeshStatus::Failed;
+    result_.is_partial = true;
+    append(failed_.errors(), {});
+    const std::vector<bool> missing = failed_.faces();
+    const auto& region_to_faces = model_.topology().region_to_faces;
+    for (std::size_t r = 0; r < region_to_faces.size(); ++r)
+      if (!region_to_faces[r].empty() && missing[region_to_faces[r].front().value])
+        result_.model_volume -= model_.volume(ModelRegionId(r));
   }
 
   // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
@@ -88,10 +108,12 @@ class MeshRun {
 
   // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross
   // because they are too coarse for the shape, and as small as it takes and the budget allows where it is narrow. What
-  // still crosses after a few rounds crosses in the model.
+  // still crosses after a few rounds crosses in the model. After the first round a few misfits are not worth another.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
+    const SmallWidth small =
+        options_.keep_small_features ? SmallWidth{} : SmallWidth{options_.small_feature, kSmallFeature};
+    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory, small);
     if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
     std::vector<SizeRefinement> refinements;
     SizedModel sized = build_sizes(sizing, refinements);
@@ -102,14 +124,19 @@ class MeshRun {
     for (int round = 0;; ++round) {
       Candidate candidate;
       work_.together([&] { candidate = make_surface(sized); });
+      set_aside(candidate.surface);
       Stopwatch watch;
-      const std::vector<TriangleIntersection> hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> all_hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> hits = those_of_solids(all_hits, candidate.surface.mesh);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
-      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      if (round > 0 && hits.empty() && are_few(misfits, candidate.surface.mesh)) misfits.clear();
       result_.seconds.surface += watch.lap();
       if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-      if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
-      if (!options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate), hits);
+      const bool done = hits.empty() && misfits.empty();
+      if (done && all_hits.empty()) return accept(std::move(candidate), Refined::Done);
+      if (done || !options_.refine_surface || round == kMostRounds)
+        return judge_crossings(std::move(candidate), all_hits);
       try {
         work_.together([&] { sized = refine(candidate, hits, misfits, sizing, refinements); });
       } catch (const Error& error) {
@@ -121,6 +148,30 @@ class MeshRun {
       result_.refinement.rounds = round + 1;
       if (hits.empty()) good = std::move(candidate);
     }
+  }
+
+  static bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
+    constexpr double kFew = 1e-3;  // of the triangles
+    return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
+  }
+
+  bool bounds_region(std::uint32_t face) const {
+    const FaceSides& sides = model_.topology().face_to_sides[face];
+    return sides.front.valid() || sides.back.valid();
+  }
+
+  // Crossings of a face of a solid; sheets may cross.
+  std::vector<TriangleIntersection> those_of_solids(std::vector<TriangleIntersection> hits, const Mesh& mesh) const {
+    std::erase_if(hits, [&](const TriangleIntersection& hit) {
+      return !bounds_region(mesh.tri_to_entity[hit.first]) && !bounds_region(mesh.tri_to_entity[hit.second]);
+    });
+    return hits;
+  }
+
+  // The complexes that failed go out of the surface, as far as the host wants the others.
+  void set_aside(SurfaceMeshResult& surface) {
+    if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
+    if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
   }
 
   // Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow
@@ -206,9 +257,12 @@ class MeshRun {
   std::vector<Misfit> find_misfits(const Candidate& candidate) const {
     const Mesh& mesh = candidate.surface.mesh;
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
+    // By default no smaller than what fits a feature that is just not eliminated.
     const auto floor = [&](const Vec3& x) {
+      if (options_.sizes.min_size > 0) return options_.sizes.min_size;
       constexpr double kLeastShare = 0.1;
-      return options_.sizes.min_size > 0 ? options_.sizes.min_size : kLeastShare * first_sizes_.size_at(x);
+      const double first = first_sizes_.size_at(x), least = kLeastShare * first;
+      return features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
     };
     return tetloom::find_misfits(mesh, model_.topology(), candidate.sizes, floor, tree, work_);
   }
@@ -298,17 +352,20 @@ class MeshRun {
     result_.absorbed = std::move(candidate.absorbed);
   }
 
-  // Crossings spoil a solid; sheets may cross.
+  // Crossings spoil a solid and no sheet.
   bool judge_crossings(Candidate&& candidate, const std::vector<TriangleIntersection>& hits) {
     const std::vector<Diagnostic> found = describe_intersections(hits, {candidate.surface.mesh.tri_to_entity, &model_});
-    const auto bounds_region = [&](const NamedEntity& entity) {
-      const FaceSides& sides = model_.topology().face_to_sides[entity.entity.index];
-      return entity.entity.dim == 2 && (sides.front.valid() || sides.back.valid());
+    const auto spoils = [&](const NamedEntity& entity) {
+      return entity.entity.dim == 2 && bounds_region(entity.entity.index);
     };
     std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
     for (const Diagnostic& diagnostic : found) {
-      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
+      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), spoils);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
+    }
+    if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
+      errors.clear();
+      set_aside(candidate.surface);
     }
     append(errors, warnings);
     take(std::move(candidate));
@@ -329,7 +386,22 @@ class MeshRun {
     result_.seconds.volume += watch.lap();
   }
 
+  // What one rank cannot fill no other one knows of before the end, so ranks give up together.
   bool mesh_volume() {
+    for (;;) {
+      std::vector<Diagnostic> errors = fill_volume();
+      if (errors.empty()) return true;
+      const bool others = options_.keep_going && !on_several_ranks_ && !runner_.cancelled() && failed_.take(errors);
+      if (!others) {
+        append(errors, {});
+        result_.status = MeshStatus::Failed;
+        return false;
+      }
+      drop_faces(failed_.faces(), result_.mesh);
+    }
+  }
+
+  std::vector<Diagnostic> fill_volume() {
     Stopwatch watch;
     const Mesh& mesh = result_.mesh;
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
@@ -342,9 +414,8 @@ class MeshRun {
     FillingReport filling = fill_(input, options, runner_, result_.mesh);
     result_.seconds.volume += watch.lap();
     result_.filling = std::move(filling.figures);
-    append(filling.errors, filling.warnings);
-    if (!filling.errors.empty()) result_.status = MeshStatus::Failed;
-    return filling.errors.empty();
+    append({}, filling.warnings);
+    return filling.errors;
   }
 
   const GeometricModel& model_;
@@ -352,9 +423,11 @@ class MeshRun {
   const SharedWork work_;
   const TaskRunner& runner_;
   const FillVolume& fill_;
+  const bool on_several_ranks_;
   MeshResult result_;
   std::vector<double> model_volumes_;  // per region
   std::optional<SmallFeatures> features_;
+  FailedComplexes failed_{model_};
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   double first_elements_ = 0;                      // the elements estimated for those
   bool refined_ = false;                           // in the last round
@@ -387,6 +460,9 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
   if (!(options.tets_per_part >= 0))
     throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
+  if (!(options.small_feature >= 0 && std::isfinite(options.small_feature)))
+    throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
+  if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   StageClock clock;
   MeshResult result = MeshRun(model, options, with_clock(host, clock), fill, ranks).run();
   if (result.status != MeshStatus::Ok) count_unfinished_stage(clock, result.seconds);

@@ -37,7 +37,8 @@ struct PointSize {
 struct SizeOptions {
   double size = 0;           ///< absolute target edge length; 0: use relative_size
   double relative_size = 0;  ///< share of the bounding box's diagonal; 0 with size 0: 1/40
-  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size
+  double min_size = 0;       ///< floor for sizes from curvature and proximity; 0: a tenth of the target size, and a
+                             ///< two hundredth for curvature around wires and balls
   double curvature = 0;      ///< at least this many edges per full turn; 0: off
   double proximity = 0;      ///< at least this many edges across a gap or wall; 0: off
   double gradation = 0.3;    ///< largest growth of the size per unit of distance, > 0
@@ -66,6 +67,8 @@ struct MeshOptions {
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
+  bool keep_going = false;      ///< solids and sheets in which something fails are left out, with those that share
+                                ///< faces with them, and the others are meshed; by default the whole run fails
   QualityGoals goals;           ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
@@ -93,9 +96,11 @@ struct SurfaceRefinement {
 };
 
 /// What became of a run. When `status` is not Ok, `mesh` holds what was finished: the surface mesh when the volume
-/// failed or was cancelled, nothing when the surface did.
+/// failed or was cancelled, nothing when the surface did; with `keep_going` everything but what `errors` name, which
+/// `is_partial` says.
 struct MeshResult {
   MeshStatus status = MeshStatus::Failed;
+  bool is_partial = false;
   Mesh mesh;
   SizeField sizes = SizeField::uniform(1);
   std::vector<Diagnostic> errors;
@@ -103,7 +108,7 @@ struct MeshResult {
   StageSeconds seconds;
   SurfaceRefinement refinement;
   std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
-  double model_volume = 0;               ///< sum over the regions; model length³
+  double model_volume = 0;               ///< sum over the regions, but those left out; model length³
   FillingFigures filling;                ///< how the volume came to be filled
 };
 

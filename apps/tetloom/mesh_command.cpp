@@ -51,7 +51,7 @@ void mesh_model(const MeshCommand& command, const Sized& sized, Communicator& co
     const TaskRunner runner =
         TaskRunner(options.threads, run.host()).with_idle_threads(communicator.ranks_on_machine());
     check(result, runner, run);
-    if (result.status != MeshStatus::Ok) return;
+    if (result.status != MeshStatus::Ok && !result.is_partial) return;
 
     run.begin(Stage::Write);
     report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });

@@ -62,15 +62,21 @@ FacetSoup parse_binary(std::string_view bytes, const std::string& name, const Ca
   return soup;
 }
 
-/// The keywords of ASCII STL, one method each.
+/// The keywords of ASCII STL, one method each. "end solid", "end facet" and "end loop" are read as one word each. Where
+/// only 'endsolid' is missing no facet is in doubt, so that is a remark and no error.
 class AsciiParser {
  public:
   AsciiParser(std::string_view text, const std::string& name, const CancelToken* cancel)
       : cursor_(text), name_(name), cancel_(cancel) {}
 
   FacetSoup parse() {
-    for (std::string_view word = cursor_.next_word(); !word.empty(); word = cursor_.next_word()) read(word);
-    if (in_solid_) fail("it is truncated: the last 'endsolid' is missing");
+    for (std::string_view word = cursor_.next_word(); !word.empty(); word = cursor_.next_word()) {
+      if (is_trailer(word)) break;
+      read(word);
+    }
+    if (in_facet_) fail("it is truncated: the last 'endfacet' is missing");
+    if (in_solid_ && soup_.tri_to_vert.empty()) fail("it is truncated: the last 'endsolid' is missing");
+    if (in_solid_) soup_.remarks.emplace_back("the last 'endsolid' is missing");
     return std::move(soup_);
   }
 
@@ -79,7 +85,16 @@ class AsciiParser {
     fail_unreadable(name_, why + " (line " + std::to_string(cursor_.line()) + ")");
   }
 
+  /// Text after the last solid that starts no other one.
+  bool is_trailer(std::string_view word) {
+    if (in_solid_ || soup_.tri_to_vert.empty() || equals_ignoring_case(word, "solid")) return false;
+    soup_.remarks.push_back("what follows the last solid was ignored, from line " + std::to_string(cursor_.line()) +
+                            " on");
+    return true;
+  }
+
   void read(std::string_view word) {
+    if (equals_ignoring_case(word, "end")) return read_end(cursor_.next_word_on_line());
     if (equals_ignoring_case(word, "vertex")) return read_vertex();
     if (equals_ignoring_case(word, "facet")) return read_facet_start();
     if (equals_ignoring_case(word, "outer") || equals_ignoring_case(word, "loop")) return;
@@ -88,6 +103,13 @@ class AsciiParser {
     if (equals_ignoring_case(word, "solid")) return start_solid();
     if (equals_ignoring_case(word, "endsolid")) return finish_solid();
     fail("unexpected word '" + std::string(word.substr(0, 20)) + "'");
+  }
+
+  void read_end(std::string_view word) {
+    if (equals_ignoring_case(word, "loop")) return;
+    if (equals_ignoring_case(word, "facet")) return finish_facet();
+    if (equals_ignoring_case(word, "solid") || word.empty()) return finish_solid();
+    fail("unexpected word 'end " + std::string(word.substr(0, 20)) + "'");
   }
 
   double read_number() {
@@ -121,7 +143,8 @@ class AsciiParser {
   }
 
   void start_solid() {
-    if (in_solid_) fail("a solid starts inside of another");
+    if (in_facet_) fail("a solid starts inside of a facet");
+    if (in_solid_) soup_.remarks.push_back("an 'endsolid' is missing before line " + std::to_string(cursor_.line()));
     soup_.group_names.emplace_back(cursor_.rest_of_line());
     in_solid_ = true;
   }
@@ -143,6 +166,8 @@ class AsciiParser {
 }  // namespace
 
 FacetSoup parse_stl(std::string_view bytes, const std::string& name, const CancelToken* cancel) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (bytes.starts_with(kByteOrderMark) && looks_ascii(bytes.substr(3))) bytes.remove_prefix(3);
   if (looks_ascii(bytes)) return AsciiParser(bytes, name, cancel).parse();
   return parse_binary(bytes, name, cancel);
 }

@@ -14,7 +14,7 @@ constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
 // A width that is less of the smallest size allowed would leave more poor elements than it found.
-constexpr double kHopeless = 0.2;
+constexpr double kHopeless = 0.1;
 // Cosines between a ray and what is called the opposite wall.
 constexpr double kOpposite = 0.7, kParallel = 0.9998;
 // Cosine between model edges that narrow a face towards a corner.

@@ -28,7 +28,7 @@ inline constexpr double kLeastWidth = 0.4;
 /// width or height kLeastWidth, but at least `floor` of the place.
 ///
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
-/// edges that meet: smaller sizes would not make them any better. Nor are widths below a fifth of the floor, which no
+/// edges that meet: smaller sizes would not make them any better. Nor are widths below a tenth of the floor, which no
 /// size allowed fits. Widths are sampled once per triangle, at its centre. `sizes`: those that the mesh was made with.
 /// `tree`: of the mesh.
 /// Complexity: O(n log n). Errors: Cancelled.

@@ -7,9 +7,15 @@
 
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
+#include "mesher/sizing/narrow_entities.hpp"
+#include "mesher/sizing/wire_faces.hpp"
 
 namespace tetloom {
 namespace {
+
+/// The floor on wires and balls, as a share of the usual one: nothing that is seen is thinner, and tiny ones stay
+/// cheap.
+constexpr double kWireFloor = 0.05;
 
 /// Cuts an edge into segments on which one size holds and which stay close to it.
 class EdgeSplitter {
@@ -60,11 +66,17 @@ class EdgeSplitter {
   std::vector<SizeSource> out_;
 };
 
+SizeTargets without_curvature(SizeTargets targets) {
+  targets.curvature = 0;
+  return targets;
+}
+
 /// The sources of one face.
 class FaceSplitter {
  public:
-  FaceSplitter(FaceGeometry& face, double cap, const SizeTargets& targets)
+  FaceSplitter(FaceGeometry& face, double cap, double floor, const SizeTargets& targets)
       : face_(face),
+        floor_(floor),
         smooth_(face.parametrization() == Parametrization::Smooth),
         targets_(targets),
         rules_{.global = targets.global, .cap = cap, .longest = HUGE_VAL} {}
@@ -89,7 +101,7 @@ class FaceSplitter {
 
  private:
   double size_at(const Vec2& uv) const {
-    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), targets_.floor);
+    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), floor_);
   }
 
   void refine_smooth(const FacetPiece& facet, std::vector<SizeSource>& out) const {
@@ -111,6 +123,7 @@ class FaceSplitter {
   }
 
   FaceGeometry& face_;
+  double floor_;
   bool smooth_;
   const SizeTargets& targets_;
   FacetRules rules_;
@@ -162,8 +175,12 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
       const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
       if (targets.edge[e] < targets.global) list = {{pole, pole, pole, targets.edge[e]}};
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
-      tolerate_bad_geometry(
-          [&] { list = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
+      tolerate_bad_geometry([&] {
+        const auto geometry = model.edge_geometry(ModelEdgeId(e));
+        const double small = targets.small.on(std::min(targets.edge[e], targets.global));
+        const bool is_small = small > 0 && length_up_to(*geometry, small) < small;
+        list = EdgeSplitter(*geometry, targets.edge[e], is_small ? without_curvature(targets) : targets).run();
+      });
     }
     return list;
   });
@@ -178,12 +195,17 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
                                      const std::vector<Tessellation>& facets, const SharedWork& work) {
+  const WireFinder wires(model, targets);
   return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      list = FaceSplitter(*geometry, targets.face[f], targets).run(facets[f], work.runner());
+      const bool thin = wires.is_wire(ModelFaceId(f), *geometry, facets[f]);
+      const bool is_small =
+          !thin && mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
+      const double floor = thin ? kWireFloor * targets.floor : is_small ? targets.global : targets.floor;
+      list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });
     return list;
   }));

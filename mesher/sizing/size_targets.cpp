@@ -75,6 +75,7 @@ SizeTargets resolve_sizes(const GeometricModel& model, const SizeOptions& option
   SizeTargets targets;
   targets.global = global_size(model, options);
   targets.floor = std::min(options.min_size > 0 ? options.min_size : targets.global / 10, targets.global);
+  targets.floor_is_default = !(options.min_size > 0);
   targets.gradation = std::min(options.gradation, 1.0);
   targets.curvature = options.curvature;
   targets.proximity = options.proximity;

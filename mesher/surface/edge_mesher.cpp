@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/assert.hpp"
+#include "mesher/surface/coincident_edges.hpp"
 
 namespace tetloom {
 namespace {
@@ -125,11 +126,37 @@ struct MeasuredEdge {
   std::size_t pieces = 1;
 };
 
+// Edges on each other get as many pieces as the one that asks for most.
+std::vector<JoinedEdge> join_coincident_edges(const GeometricModel& model, std::vector<MeasuredEdge>& edges) {
+  std::vector<bool> lone;
+  for (const MeasuredEdge& edge : edges) lone.push_back(edge.pieces == 1);
+  const std::vector<JoinedEdge> joined = find_coincident_edges(model, lone);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    std::size_t& pieces = edges[joined[e].to.value].pieces;
+    pieces = std::max(pieces, edges[e].pieces);
+  }
+  return joined;
+}
+
+// The nodes of another edge as those of this one.
+EdgeMesh share_nodes(EdgeGeometry& edge, const EdgeMesh& shared, const JoinedEdge& joined) {
+  EdgeMesh mesh{shared.t, shared.points, joined.to, joined.reversed};
+  if (joined.reversed) std::reverse(mesh.points.begin(), mesh.points.end());
+  const ParameterRange range = edge.range();
+  const std::size_t last = mesh.t.size() - 1;
+  mesh.t.front() = range.lo;
+  mesh.t.back() = range.hi;
+  for (std::size_t i = 1; i < last; ++i)
+    mesh.t[i] = std::clamp(edge.closest_point(mesh.points[i]).t, mesh.t[i - 1], range.hi);
+  return mesh;
+}
+
 // Curved edges of one piece that share both ends with another edge of one piece get a second piece.
-void separate_parallel_edges(const ModelTopology& topology, std::vector<MeasuredEdge>& edges) {
+void separate_parallel_edges(const ModelTopology& topology, const std::vector<JoinedEdge>& joined,
+                             std::vector<MeasuredEdge>& edges) {
   std::map<std::array<ModelVertexId, 2>, std::vector<std::size_t>> by_ends;
   for (std::size_t e = 0; e < edges.size(); ++e) {
-    if (topology.edges[e].degenerate || edges[e].pieces != 1) continue;
+    if (topology.edges[e].degenerate || edges[e].pieces != 1 || joined[e].to.value != e) continue;
     auto ends = topology.edges[e].vertices;
     if (ends[1] < ends[0]) std::swap(ends[0], ends[1]);
     by_ends[ends].push_back(e);
@@ -153,6 +180,7 @@ std::vector<EdgeMesh> mesh_edges(const GeometricModel& model, const SizeField& s
   TETLOOM_ASSERT(options.finer.empty() || options.finer.size() == count);
   std::vector<MeasuredEdge> measured(count);
   std::vector<EdgeMesh> meshes(count);
+  std::vector<JoinedEdge> joined;
   const auto measure = [&](std::size_t e) {
     if (topology.edges[e].degenerate) return;
     const auto edge = model.edge_geometry(ModelEdgeId(e));
@@ -168,10 +196,11 @@ std::vector<EdgeMesh> mesh_edges(const GeometricModel& model, const SizeField& s
     measured[e].pieces = piece_count(measured[e].integral, closed, finer);
   };
   const auto place = [&](std::size_t e) {
+    if (joined[e].to.value != e) return;
     const auto [start, end] = topology.edges[e].vertices;
     const Vec3 first = model.vertex_point(start), last = model.vertex_point(end);
     if (topology.edges[e].degenerate) {
-      meshes[e] = {{0, 1}, {first, last}};
+      meshes[e] = {{0, 1}, {first, last}, {}, false};
     } else {
       meshes[e] =
           place_nodes(*model.edge_geometry(ModelEdgeId(e)), measured[e].integral, measured[e].pieces, first, last);
@@ -180,8 +209,14 @@ std::vector<EdgeMesh> mesh_edges(const GeometricModel& model, const SizeField& s
   };
   runner.begin_stage(Stage::Edges, count);
   runner.for_each(count, measure);
-  separate_parallel_edges(topology, measured);
+  joined = join_coincident_edges(model, measured);
+  separate_parallel_edges(topology, joined, measured);
   runner.for_each(count, place);
+  for (std::size_t e = 0; e < count; ++e) {
+    if (joined[e].to.value == e) continue;
+    meshes[e] = share_nodes(*model.edge_geometry(ModelEdgeId(e)), meshes[joined[e].to.value], joined[e]);
+    runner.advance(1, ModelEdgeId(e));
+  }
   return meshes;
 }
 

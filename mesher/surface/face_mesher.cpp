@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mesher/surface/face_plane.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
@@ -20,6 +21,7 @@ RimNodes::RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edg
   }
   for (std::size_t e = 0; e < edges.size(); ++e) {
     edge_first_.push_back(count());
+    if (edges[e].joined_to.valid()) continue;
     points_.insert(points_.end(), edges[e].points.begin() + 1, edges[e].points.end() - 1);
     classification_.resize(points_.size(), ModelEdgeId(e));
   }
@@ -28,6 +30,8 @@ RimNodes::RimNodes(const GeometricModel& model, const std::vector<EdgeMesh>& edg
 std::uint32_t RimNodes::node(ModelEdgeId edge, std::size_t i) const {
   if (i == 0) return topology_.edges[edge.value].vertices[0].value;
   if (i + 1 == edges_[edge.value].points.size()) return topology_.edges[edge.value].vertices[1].value;
+  const EdgeMesh& mesh = edges_[edge.value];
+  if (mesh.joined_to.valid()) return node(mesh.joined_to, mesh.reversed ? mesh.points.size() - 1 - i : i);
   return edge_first_[edge.value] + static_cast<std::uint32_t>(i - 1);
 }
 
@@ -36,7 +40,7 @@ std::vector<std::uint32_t> RimNodes::renumbered(const RimNodes& other) const {
   for (std::uint32_t v = 0; v < topology_.vertex_count; ++v) numbers[v] = v;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const std::size_t pieces = edges_[e].points.size();
-    if (pieces != other.edges_[e].points.size()) continue;
+    if (pieces != other.edges_[e].points.size() || edges_[e].joined_to.valid()) continue;
     for (std::size_t i = 0; i + 2 < pieces; ++i)
       numbers[edge_first_[e] + i] = other.edge_first_[e] + static_cast<std::uint32_t>(i);
   }
@@ -58,26 +62,52 @@ class FaceMesher {
         keep_going_(keep_going),
         geometry_(model.face_geometry(face)) {}
 
+  // Each way is tried where the ones before gave no mesh, or one with triangles that face away from the surface.
   FaceMesh run() {
-    if (geometry_->parametrization() == Parametrization::Smooth) {
-      mesh_in_plane();
-      const bool crosses = result_.verdict == FaceVerdict::RimCrosses;
-      if (result_.verdict == FaceVerdict::Ok || (crosses && !last_attempt_)) return std::move(result_);
-      FaceMesh in_plane = std::exchange(result_, {});
+    if (geometry_->parametrization() != Parametrization::Smooth) {
       mesh_facets();
-      return result_.verdict == FaceVerdict::Ok ? std::move(result_) : std::move(in_plane);
+      return std::move(result_);
     }
-    mesh_facets();
-    return std::move(result_);
+    mesh_in_plane();
+    FaceMesh best = std::exchange(result_, {});
+    if (is_sound(best)) return best;
+    if (bounds_nothing()) return {};
+    const auto try_other = [&](auto&& mesh) {
+      try {
+        mesh();
+      } catch (const Error& error) {
+        if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
+        result_.verdict = FaceVerdict::NotTriangulated;
+      }
+      FaceMesh other = std::exchange(result_, {});
+      const bool better =
+          other.verdict == FaceVerdict::Ok && (best.verdict != FaceVerdict::Ok || other.inverted < best.inverted);
+      if (better) best = std::move(other);
+    };
+    const bool crosses = best.verdict == FaceVerdict::RimCrosses;
+    if (!crosses || last_attempt_) try_other([&] { mesh_facets(); });
+    for (const bool follow : {true, false})
+      if (!is_sound(best)) try_other([&] { mesh_over_plane(follow); });
+    return best;
   }
 
  private:
+  static bool is_sound(const FaceMesh& mesh) { return mesh.verdict == FaceVerdict::Ok && mesh.inverted == 0; }
+
+  // Has the face no area, between edges that lie on each other?
+  bool bounds_nothing() const {
+    const std::optional<double> length = length_of_cancelled_rim(model_.topology(), face_, rim_);
+    constexpr double kNoArea = 0.01;  // of the squared length; a sphere along its seam has 0.3
+    return length && model_.area(face_) <= kNoArea * *length * *length;
+  }
+
   // The face's facets, with the nodes of its edges as their rim, brought to the sizes asked for in space.
   void mesh_facets() {
     const double size = smallest_rim_size();
     constexpr double kChord = 0.02, kAngle = 0.3;
     const Tessellation tessellation = geometry_->tessellate(kChord * size, kAngle);
-    const FacetPatch facets = make_facet_patch(tessellation, boundary_chains(), keep_going_);
+    const FacetPatch facets = make_facet_patch(tessellation, boundary_chains(), keep_going_,
+                                               [&](const Vec3& x) { return sizes_.size_at(x); });
     if (facets.verdict != FacetPatchVerdict::Ok) {
       result_.verdict = FaceVerdict::NotTriangulated;
       result_.point = facets.trouble;
@@ -87,16 +117,47 @@ class FaceMesher {
     Patch patch;
     for (std::size_t i = 0; i < facets.points.size(); ++i) {
       PatchVertex vertex{surface.nearest(facets.points[i], facets.uv[i]), 0, facets.node[i]};
-      if (vertex.node != Triangulation::kNone) vertex.place.point = rim_.point(vertex.node);
+      if (vertex.node != Triangulation::kNone) put_on_rim(vertex, facets.normals[i]);
+      if (facets.normals[i] == Vec3{}) vertex.place.normal = {};
       vertex.size = surface.size_at(vertex.place.point);
       patch.vertices.push_back(vertex);
     }
     patch.topology =
         Triangulation::from_triangles(static_cast<std::uint32_t>(patch.vertices.size()), facets.tri_to_vert);
+    fix_slits(patch);
     patch.has_poles = true;
     optimize_patch(patch, surface, {.rounds = 4, .adapt_density = true}, keep_going_);
     split_taken_chords(patch, surface);
     extract(patch);
+  }
+
+  // A rim vertex is at its node, and faces as its own side of the rim does: a crease within the face has two.
+  void put_on_rim(PatchVertex& vertex, const Vec3& normal) const {
+    vertex.place.point = rim_.point(vertex.node);
+    if (dot(normal, vertex.place.normal) > 0.5 || normal == Vec3{}) return;
+    vertex.place.normal = normal;
+    const Vec3 axis = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    vertex.place.du = normalized(cross(axis, normal));
+    vertex.place.dv = cross(normal, vertex.place.du);
+  }
+
+  // A crease of one piece that ends within the face at both ends: its two sides have the same corners.
+  void fix_slits(Patch& patch) const {
+    std::vector<std::array<std::uint32_t, 2>> slits;
+    for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
+      for (const EdgeUse& use : loop)
+        if (use.second_side && rim_.mesh(use.edge).t.size() == 2)
+          slits.push_back({std::min(rim_.node(use.edge, 0), rim_.node(use.edge, 1)),
+                           std::max(rim_.node(use.edge, 0), rim_.node(use.edge, 1))});
+    std::sort(slits.begin(), slits.end());
+    for (std::uint32_t h = 0; h < patch.topology.half_edges() && !slits.empty(); ++h) {
+      const std::uint32_t a = patch.vertices[patch.topology.origin(h)].node;
+      const std::uint32_t b = patch.vertices[patch.topology.target(h)].node;
+      if (patch.topology.twin(h) == Triangulation::kNone || a == Triangulation::kNone || b == Triangulation::kNone)
+        continue;
+      const std::array<std::uint32_t, 2> ends{std::min(a, b), std::max(a, b)};
+      if (std::binary_search(slits.begin(), slits.end(), ends)) patch.topology.fix(h, 2);
+    }
   }
 
   // A face without edges takes the smallest size of the whole field.
@@ -124,9 +185,22 @@ class FaceMesher {
     return chains;
   }
 
-  void mesh_in_plane() {
-    RimPatch given = make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_);
-    const PatchSurface surface(*geometry_, sizes_, given.scale);
+  void mesh_in_plane() { fill(make_rim_patch(model_.topology(), face_, *geometry_, rim_, sizes_), *geometry_); }
+
+  // From the nodes of the edges, over the plane that fits them best; inside, on the surface where `follow` says so.
+  void mesh_over_plane(bool follow) {
+    result_.verdict = FaceVerdict::NotTriangulated;
+    const std::optional<FittedPlane> plane = fit_plane(model_.topology(), face_, rim_);
+    if (!plane) return;
+    FaceRim rim = trace_rim(model_.topology(), face_, *plane, rim_);
+    if (rim.segments.empty()) return;
+    FaceOverPlane geometry(*geometry_, *plane, rim, rim_, follow);
+    result_.verdict = FaceVerdict::Ok;
+    fill(fill_rim_patch(std::move(rim), geometry, rim_, sizes_), geometry);
+  }
+
+  void fill(RimPatch given, FaceGeometry& geometry) {
+    const PatchSurface surface(geometry, sizes_, given.scale);
     if (given.polygon.verdict != PolygonVerdict::Ok) return explain(given);
     Patch patch{std::move(given.polygon.triangulation), std::move(given.vertices), given.rim.repeats_nodes};
     reserve_expected(patch);
@@ -210,6 +284,26 @@ class FaceMesher {
       }
     }
     if (result_.tri_to_vert.empty()) result_.verdict = FaceVerdict::RimNotClosed;
+    count_folds(patch);
+  }
+
+  // A parametrisation that folds over turns the normals with it: its triangles agree with them, and not with each
+  // other.
+  void count_folds(const Patch& patch) {
+    constexpr double kFolded = -0.5;  // cosine
+    const Triangulation& topology = patch.topology;
+    const auto normal = [&](std::uint32_t tri) {
+      const auto [a, b, c] = topology.triangle(tri);
+      const Vec3& origin = patch.vertices[a].place.point;
+      return normalized(cross(patch.vertices[b].place.point - origin, patch.vertices[c].place.point - origin));
+    };
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
+      const std::uint32_t g = topology.twin(h);
+      if (!topology.alive(h / 3) || g == Triangulation::kNone || g < h) continue;
+      if (dot(normal(h / 3), normal(g / 3)) > kFolded) continue;
+      ++result_.inverted;
+      result_.point = patch.vertices[topology.origin(h)].place.point;
+    }
   }
 
   const GeometricModel& model_;

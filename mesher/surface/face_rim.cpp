@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace tetloom {
 namespace {
@@ -33,12 +34,25 @@ class RimTracer {
 
   FaceRim run(ModelFaceId face) {
     const ParameterBox box = geometry_.parameter_box();
-    tolerance_ = {1e-9 * (box.hi.u - box.lo.u), 1e-9 * (box.hi.v - box.lo.v)};
+    tolerance_ = 1e-9 * (box.hi - box.lo);
+    jump_ = kJump * (box.hi - box.lo);
+    for (const ModelLoop& loop : topology_.face_to_loops[face.value])
+      for (const EdgeUse& use : loop)
+        if (topology_.edges[use.edge.value].degenerate)
+          for (const ModelVertexId pole : topology_.edges[use.edge.value].vertices) poles_.insert(pole.value);
     for (const ModelLoop& loop : topology_.face_to_loops[face.value]) trace_loop(loop);
     return std::move(result_);
   }
 
  private:
+  // Places of one node that are farther apart than this share of the face are different: the two sides of a seam, or
+  // the corners at an apex.
+  static constexpr double kJump = 0.05;
+
+  static bool is_within(const Vec2& gap, const Vec2& bound) {
+    return std::abs(gap.u) <= bound.u && std::abs(gap.v) <= bound.v;
+  }
+
   void trace_loop(const ModelLoop& loop) {
     std::vector<TracedPoint> chain;
     for (std::size_t k = 0; k < loop.size(); ++k) {
@@ -64,12 +78,7 @@ class RimTracer {
   void join(std::vector<TracedPoint>& chain, const TracedPoint& start) {
     const TracedPoint& end = chain.back();
     if (end.node != start.node) return;
-    const Vec2 gap = start.uv - end.uv;
-    const ParameterBox box = geometry_.parameter_box();
-    constexpr double kJump = 0.05;
-    const bool jumps =
-        std::abs(gap.u) > kJump * (box.hi.u - box.lo.u) || std::abs(gap.v) > kJump * (box.hi.v - box.lo.v);
-    if (!jumps) chain.pop_back();
+    if (is_within(start.uv - end.uv, jump_)) chain.pop_back();
   }
 
   // A parameter curve may end far from its vertex, as far as the vertex' tolerance allows. Where that is not small
@@ -88,12 +97,15 @@ class RimTracer {
     }
   }
 
+  // Loops may touch at a model vertex while their parameter curves end beside each other, as far apart as the vertex'
+  // tolerance allows. With a place for each they would cross there however fine the edges are, so they share one. At a
+  // pole nearby places are different corners.
   std::uint32_t vertex(const TracedPoint& point) {
+    const bool is_regular_vertex = point.node < topology_.vertex_count && !poles_.contains(point.node);
+    const Vec2 apart = is_regular_vertex ? jump_ : tolerance_;
     auto& places = by_node_[point.node];
-    for (const std::uint32_t v : places) {
-      const Vec2 gap = result_.vertices[v].uv - point.uv;
-      if (std::abs(gap.u) <= tolerance_.u && std::abs(gap.v) <= tolerance_.v) return v;
-    }
+    for (const std::uint32_t v : places)
+      if (is_within(result_.vertices[v].uv - point.uv, apart)) return v;
     if (!places.empty()) result_.repeats_nodes = true;
     places.push_back(static_cast<std::uint32_t>(result_.vertices.size()));
     result_.vertices.push_back({point.node, point.uv});
@@ -103,7 +115,8 @@ class RimTracer {
   const ModelTopology& topology_;
   FaceGeometry& geometry_;
   const RimNodes& rim_;
-  Vec2 tolerance_;
+  Vec2 tolerance_, jump_;
+  std::unordered_set<std::uint32_t> poles_;  // model vertices; looked up only
   FaceRim result_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> by_node_;  // looked up only
 };

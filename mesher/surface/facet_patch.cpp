@@ -1,6 +1,7 @@
 #include "mesher/surface/facet_patch.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <utility>
 
 #include "mesher/surface/facet_patch_detail.hpp"
@@ -15,11 +16,11 @@ constexpr std::uint32_t kNone = Triangulation::kNone;
 class RimCleaner {
  public:
   RimCleaner(Triangulation& mesh, PatchVertices& vertices, const std::vector<Run>& runs,
-             const std::function<bool()>& keep_going)
+             const detail::PatchCallbacks& callbacks)
       : mesh_(mesh),
         vertices_(vertices),
         remover_(mesh, vertices),
-        keep_going_(keep_going),
+        callbacks_(callbacks),
         on_rim_(vertices.size(), false),
         touched_(vertices.size(), 0) {
     for (const Run& run : runs) {
@@ -33,15 +34,26 @@ class RimCleaner {
   void clean() {
     flip_near_rim();
     // Strict first: a turn of 60°, and nothing inside is given up. Then points beyond the new rim, then the rest.
-    static constexpr Stage kStages[] = {{0.5, Reach::Ball, Sacrifice::Nothing}, {0.5, Reach::Ball, Sacrifice::Beyond},
-                                        {0.5, Reach::Near, Sacrifice::Beyond},  {0.2, Reach::Near, Sacrifice::Beyond},
-                                        {0.5, Reach::Far, Sacrifice::Any},      {0.2, Reach::Far, Sacrifice::Any},
-                                        {1e-3, Reach::Far, Sacrifice::Any}};
-    for (const Stage& stage : kStages) {
-      while (!pending_.empty() && sweep(stage)) {}
-    }
-    if (!pending_.empty()) throw PatchFailure{FacetPatchVerdict::Stuck, vertices_.points[pending_.front()]};
+    sweep_all({{0.5, Reach::Ball, Sacrifice::Nothing},
+               {0.5, Reach::Ball, Sacrifice::Beyond},
+               {0.5, Reach::Near, Sacrifice::Beyond}});
+    if (callbacks_.size_at) halve_around_pending();
+    sweep_all({{0.2, Reach::Near, Sacrifice::Beyond},
+               {0.5, Reach::Far, Sacrifice::Any},
+               {0.2, Reach::Far, Sacrifice::Any},
+               {1e-3, Reach::Far, Sacrifice::Any}});
+    force_pending();
     repair();
+  }
+
+  /// The triangles that face away from the surface; `place` is moved to one.
+  std::size_t count_inverted(Vec3& place) const {
+    std::size_t count = 0;
+    for (std::uint32_t tri = 0; tri < mesh_.slots(); ++tri) {
+      if (!mesh_.alive(tri) || !faces_away(tri)) continue;
+      if (count++ == 0) place = vertices_.points[mesh_.origin(3 * tri)];
+    }
+    return count;
   }
 
  private:
@@ -52,10 +64,25 @@ class RimCleaner {
     Sacrifice sacrifice;
   };
 
+  void sweep_all(std::initializer_list<Stage> stages) {
+    for (const Stage& stage : stages) {
+      while (!pending_.empty() && sweep(stage)) {}
+    }
+  }
+
+  void halve_around_pending() {
+    detail::halve_long_edges(mesh_, vertices_, pending_, callbacks_);
+    on_rim_.resize(vertices_.size(), false);
+    touched_.resize(vertices_.size(), 0);
+    sweep_all({{0.5, Reach::Ball, Sacrifice::Nothing},
+               {0.5, Reach::Ball, Sacrifice::Beyond},
+               {0.5, Reach::Near, Sacrifice::Beyond}});
+  }
+
   /// Evens out the fans that inserted nodes leave around far corners of coarse facets.
   void flip_near_rim() {
     constexpr int kRounds = 30;
-    constexpr double kLevel = 0.7;
+    constexpr double kLevel = 0.7, kFlat = 0.1;
     std::vector<bool> active(vertices_.size(), false);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) active[v] = on_rim_[v];
     for (int round = 0; round < kRounds; ++round) {
@@ -66,7 +93,7 @@ class RimCleaner {
         const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
         if (h > mesh_.twin(h) || !(active[a] || active[b])) continue;
         const std::uint32_t c = mesh_.apex(h), d = mesh_.twin(h) == kNone ? c : mesh_.apex(mesh_.twin(h));
-        if (!remover_.improve(h, kLevel)) continue;
+        if (!remover_.improve(h, kLevel, kFlat * size_near(a, b))) continue;
         changed[a] = changed[b] = changed[c] = changed[d] = true;
         ++flips;
       }
@@ -75,8 +102,13 @@ class RimCleaner {
     }
   }
 
+  double size_near(std::uint32_t a, std::uint32_t b) const {
+    return callbacks_.size_at ? callbacks_.size_at(vertices_.points[a])
+                              : distance(vertices_.points[a], vertices_.points[b]);
+  }
+
   void check_going() const {
-    if (keep_going_ && !keep_going_()) throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
+    if (callbacks_.keep_going && !callbacks_.keep_going()) throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
   }
 
   /// Tries every pending point once, but no two neighbours, so that the rim thins out evenly. False without progress.
@@ -143,10 +175,16 @@ class RimCleaner {
         }
       }
     }
-    for (std::uint32_t tri = 0; tri < mesh_.slots(); ++tri) {
-      if (!mesh_.alive(tri) || !faces_away(tri)) continue;
-      throw PatchFailure{FacetPatchVerdict::Inverted, vertices_.points[mesh_.origin(3 * tri)]};
+  }
+
+  /// What no stage could remove goes whatever the triangles then look like.
+  void force_pending() {
+    for (const std::uint32_t v : pending_) {
+      check_going();
+      if (!remover_.force(v)) throw PatchFailure{FacetPatchVerdict::Stuck, vertices_.points[v]};
     }
+    pending_.clear();
+    on_rim_.resize(vertices_.size(), false);
   }
 
   bool is_good(std::uint32_t tri) const {
@@ -167,36 +205,11 @@ class RimCleaner {
   Triangulation& mesh_;
   PatchVertices& vertices_;
   detail::VertexRemover remover_;
-  const std::function<bool()>& keep_going_;
+  const detail::PatchCallbacks& callbacks_;
   std::vector<bool> on_rim_;
   std::vector<std::uint32_t> touched_, pending_;
   std::uint32_t round_ = 0;
 };
-
-/// Fails where two nodes share more than one edge: an edge of nodes has two triangles at most, both sides of a seam
-/// taken together.
-void check_edges_between_nodes(const FacetPatch& patch) {
-  struct Use {
-    std::uint32_t low, high, tri;
-    auto operator<=>(const Use&) const = default;
-  };
-  std::vector<Use> uses;
-  for (std::uint32_t tri = 0; tri < patch.tri_to_vert.size(); ++tri) {
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t a = patch.node[patch.tri_to_vert[tri][i]],
-                          b = patch.node[patch.tri_to_vert[tri][(i + 1) % 3]];
-      if (a == FacetPatch::kNoNode || b == FacetPatch::kNoNode) continue;
-      if (a == b) throw PatchFailure{FacetPatchVerdict::Stuck, patch.points[patch.tri_to_vert[tri][i]]};
-      uses.push_back({std::min(a, b), std::max(a, b), tri});
-    }
-  }
-  std::sort(uses.begin(), uses.end());
-  for (std::size_t i = 2; i < uses.size(); ++i) {
-    if (uses[i].low == uses[i - 2].low && uses[i].high == uses[i - 2].high) {
-      throw PatchFailure{FacetPatchVerdict::Stuck, patch.points[patch.tri_to_vert[uses[i].tri][0]]};
-    }
-  }
-}
 
 FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertices) {
   FacetPatch patch;
@@ -211,25 +224,33 @@ FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertice
     if (number[v] == kNone) continue;
     number[v] = static_cast<std::uint32_t>(patch.points.size());
     patch.points.push_back(vertices.points[v]), patch.uv.push_back(vertices.uv[v]);
+    patch.normals.push_back(vertices.sharp[v] ? Vec3{} : vertices.normals[v]);
     patch.node.push_back(vertices.node[v]);
   }
   for (auto& t : patch.tri_to_vert) t = {number[t[0]], number[t[1]], number[t[2]]};
-  check_edges_between_nodes(patch);
   return patch;
 }
 
 }  // namespace
 
 FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const BoundaryChain> chains,
-                            const std::function<bool()>& keep_going) {
+                            const std::function<bool()>& keep_going,
+                            const std::function<double(const Vec3&)>& size_at) {
   try {
     Triangulation mesh;
     PatchVertices vertices;
     detail::join_facets(tessellation, mesh, vertices);
     std::vector<Run> runs = detail::match_runs(mesh, vertices, chains);
     for (Run& run : runs) detail::insert_nodes(mesh, vertices, run);
-    RimCleaner(mesh, vertices, runs, keep_going).clean();
-    return collect_patch(mesh, vertices);
+    const detail::PatchCallbacks callbacks{keep_going, size_at};
+    RimCleaner cleaner(mesh, vertices, runs, callbacks);
+    cleaner.clean();
+    Vec3 place;
+    const std::size_t inverted = cleaner.count_inverted(place);
+    detail::halve_repeated_edges(mesh, vertices);
+    FacetPatch patch = collect_patch(mesh, vertices);
+    patch.inverted = inverted, patch.trouble = place;
+    return patch;
   } catch (const PatchFailure& failure) {
     FacetPatch refused;
     refused.verdict = failure.verdict, refused.trouble = failure.point;

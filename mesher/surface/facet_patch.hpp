@@ -30,8 +30,7 @@ enum class FacetPatchVerdict {
   Ok,
   NotManifold,     ///< facets meet three to an edge, disagree in orientation, or have a rim that is on no model edge
   ChainsDisagree,  ///< the rim of the facets and the chains do not run through the same edges and vertices
-  Stuck,           ///< a rim point that is no node could not be removed without a wrong triangulation
-  Inverted,        ///< a triangle faces away from the surface, and nothing around it could be changed to avoid that
+  Stuck,           ///< the nodes bound no triangulation: a loop of fewer than three
   Cancelled
 };
 
@@ -39,9 +38,12 @@ struct FacetPatch {
   static constexpr std::uint32_t kNoNode = 0xffffffffu;
 
   FacetPatchVerdict verdict = FacetPatchVerdict::Ok;
-  Vec3 trouble;  ///< where it failed
+  Vec3 trouble;              ///< where it failed, or where a triangle faces away
+  std::size_t inverted = 0;  ///< triangles that face away from the surface
   std::vector<Vec3> points;
-  std::vector<Vec2> uv;             ///< of the face at or near the point, fit as guess for closest_point
+  std::vector<Vec2> uv;  ///< of the face at or near the point, fit as guess for closest_point
+  /// Of the facets at the point, at a rim of those on this side of it; zero where they turn too far to have one.
+  std::vector<Vec3> normals;
   std::vector<std::uint32_t> node;  ///< kNoNode inside of the face
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
 };
@@ -51,18 +53,23 @@ struct FacetPatch {
 ///
 /// Post, when Ok: an oriented manifold of the tessellation's Euler characteristic, with the copies of a pole joined;
 /// each piece between consecutive nodes of a chain is an edge of exactly one triangle, and there are no other such
-/// edges; no triangle faces away from the mean of the tessellation's normals at its corners; two nodes share at most
-/// one edge, the two sides of a seam counted as one. Points inside of the face are points of the tessellation, of which
-/// some near the rim are gone. Otherwise the arrays are empty.
+/// edges; two nodes share at most one edge, the two sides of a seam counted as one. `inverted` triangles face away from
+/// the mean of the tessellation's normals at their corners; there are none unless the nodes are so coarse that no
+/// triangulation of the points around avoids it. Points inside of the face are points of the tessellation, of which
+/// some near the rim are gone, and points in the middle of its edges. Otherwise the arrays are empty.
+///
+/// A face's facets may be as long as the face. With `size_at`, edges near a rim point that cannot be removed are halved
+/// until they are as short as the size: what is then removed around it is small, so that the rest keeps to the surface.
 ///
 /// Triangles turn by at most 60° against the mean of the tessellation's normals at their corners where that can be
-/// had, by up to 90° where there is no other way. The hole around a removed point is filled optimally (the worst
-/// triangle is the best possible, by dynamic programming), in place of the edge collapses usual in remeshing
-/// (Botsch & Kobbelt 2004); a point inside that lies beyond the new rim is removed in the same way.
+/// had, by up to 90° or else by any angle where there is no other way. The hole around a removed point is filled
+/// optimally (the worst triangle is the best possible, by dynamic programming), in place of the edge collapses usual in
+/// remeshing (Botsch & Kobbelt 2004); a point inside that lies beyond the new rim is removed in the same way.
 ///
 /// Faces without chains come back as they are. `keep_going` is asked now and then; false ends the call as Cancelled.
 /// Deterministic; serial; different calls may run at once.
 FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const BoundaryChain> chains,
-                            const std::function<bool()>& keep_going = {});
+                            const std::function<bool()>& keep_going = {},
+                            const std::function<double(const Vec3&)>& size_at = {});
 
 }  // namespace tetloom

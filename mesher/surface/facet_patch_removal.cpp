@@ -93,13 +93,70 @@ bool VertexRemover::fill_once(double level) {
   std::sort(cavity_.tris.begin(), cavity_.tris.end());
   if (!cavity_.closed && connected_outside(cavity_.ring.front(), cavity_.ring.back())) return false;
   if (!plan(level)) return false;
-  for (const std::uint32_t tri : cavity_.tris) mesh_.remove_triangle(tri);
-  const std::uint32_t base = fill(0, n - 1);
-  if (cavity_.closed) mesh_.link(base, cavity_.outer[n - 1]);
+  apply_plan();
   return true;
 }
 
-bool VertexRemover::improve(std::uint32_t half, double level) {
+void VertexRemover::apply_plan() {
+  const std::size_t n = cavity_.ring.size();
+  for (const std::uint32_t tri : cavity_.tris) mesh_.remove_triangle(tri);
+  const std::uint32_t base = fill(0, n - 1);
+  if (cavity_.closed) mesh_.link(base, cavity_.outer[n - 1]);
+}
+
+bool VertexRemover::force(std::uint32_t v) {
+  forbidden_.clear();
+  removed_ = v;
+  while (true) {
+    collect_ball(v);
+    const std::uint32_t first = cavity_.ring.front(), last = cavity_.ring.back();
+    if (!cavity_.closed && cavity_.ring.size() == 2) return remove(v, -1, Reach::Ball);
+    if (cavity_.ring.size() < 3 || (!cavity_.closed && first == last)) return false;
+    std::sort(cavity_.tris.begin(), cavity_.tris.end());
+    if (!plan(-1, Facing::Any)) return false;
+    const auto obstacles = find_obstacles();
+    if (obstacles.empty()) break;
+    // Each round either halves an edge for good or forbids a pair of the ring, so this ends.
+    for (const auto& [a, b] : obstacles) {
+      const std::uint32_t half = mesh_.find_half_edge(a, b);
+      if (half == kNone) continue;  // the ring passes its ends twice, and it is halved
+      if (mesh_.twin(half) != kNone) {
+        halve_edge(mesh_, vertices_, half);
+      } else if (!forbidden_.insert({std::min(a, b), std::max(a, b)}).second) {
+        return false;  // the rim that would be left is one already
+      }
+    }
+  }
+  apply_plan();
+  return true;
+}
+
+std::vector<std::array<std::uint32_t, 2>> VertexRemover::find_obstacles() const {
+  std::vector<std::array<std::size_t, 2>> planned;
+  list_planned(0, cavity_.ring.size() - 1, planned);
+  if (!cavity_.closed) planned.push_back({0, cavity_.ring.size() - 1});
+  std::vector<std::array<std::uint32_t, 2>> obstacles;
+  for (const auto& [i, j] : planned) {
+    const std::uint32_t a = cavity_.ring[i], b = cavity_.ring[j];
+    if (!connected_outside(a, b)) continue;
+    const bool forward = mesh_.find_half_edge(a, b) != kNone;
+    obstacles.push_back(forward ? std::array{a, b} : std::array{b, a});
+  }
+  return obstacles;
+}
+
+void VertexRemover::list_planned(std::size_t i, std::size_t j, std::vector<std::array<std::size_t, 2>>& edges) const {
+  std::vector<std::array<std::size_t, 2>> parts{{i, j}};
+  while (!parts.empty()) {
+    const auto [from, to] = parts.back();
+    parts.pop_back();
+    const std::size_t m = split_[from * cavity_.ring.size() + to];
+    if (m != from + 1) edges.push_back({from, m}), parts.push_back({from, m});
+    if (to != m + 1) edges.push_back({m, to}), parts.push_back({m, to});
+  }
+}
+
+bool VertexRemover::improve(std::uint32_t half, double level, double tolerance) {
   constexpr double kWorthwhile = 1.05;
   if (mesh_.twin(half) == kNone) return false;
   const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half), c = mesh_.apex(half);
@@ -107,6 +164,9 @@ bool VertexRemover::improve(std::uint32_t half, double level) {
   const double now = std::min(score(a, b, c, level), score(b, a, d, level));
   const double then = std::min(score(a, d, c, level), score(b, c, d, level));
   if (!(then > 0 && then > kWorthwhile * now)) return false;
+  const auto& points = vertices_.points;
+  const Vec3 across = normalized(cross(points[b] - points[a], points[d] - points[c]));
+  if (std::abs(dot(across, points[c] - points[a])) > tolerance) return false;
   cavity_.tris.clear();
   if (c == d || !may_join(c, d)) return false;
   mesh_.flip(half);
@@ -120,6 +180,13 @@ double VertexRemover::score(std::uint32_t a, std::uint32_t b, std::uint32_t c, d
   const double area = norm(n), quality = 2 * std::sqrt(3.0) * area / (norm2(ab) + norm2(ac) + norm2(ac - ab));
   if (!(quality > kFlat)) return -1;
   return dot(n, mean) >= level * area * norm(mean) ? quality : -1;
+}
+
+double VertexRemover::score_any(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  const Vec3 ab = vertices_.points[b] - vertices_.points[a], ac = vertices_.points[c] - vertices_.points[a];
+  const Vec3 n = cross(ab, ac), mean = vertices_.normals[a] + vertices_.normals[b] + vertices_.normals[c];
+  const double squares = norm2(ab) + norm2(ac) + norm2(ac - ab);
+  return 2 + (squares > 0 ? 2 * std::sqrt(3.0) * dot(n, normalized(mean)) / squares : 0);
 }
 
 bool VertexRemover::connected(std::uint32_t a, std::uint32_t b) const {
@@ -151,7 +218,13 @@ bool VertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
   return true;
 }
 
-bool VertexRemover::plan(double level) {
+bool VertexRemover::plan(double level, Facing facing) {
+  const auto allowed = [&](std::uint32_t a, std::uint32_t b) {
+    return facing == Facing::Surface ? may_join(a, b) : !forbidden_.contains({std::min(a, b), std::max(a, b)});
+  };
+  const auto value_of = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return facing == Facing::Surface ? score(a, b, c, level) : score_any(a, b, c);
+  };
   const std::size_t n = cavity_.ring.size();
   best_.assign(n * n, HUGE_VAL), split_.assign(n * n, 0);
   for (std::size_t length = 2; length < n; ++length) {
@@ -159,11 +232,11 @@ bool VertexRemover::plan(double level) {
       const std::size_t j = i + length;
       best(i, j) = -1;
       const bool base = length == n - 1;
-      if (!base && !may_join(cavity_.ring[i], cavity_.ring[j])) continue;
+      if (!base && !allowed(cavity_.ring[i], cavity_.ring[j])) continue;
       for (std::size_t m = i + 1; m < j; ++m) {
         const double parts = std::min(best(i, m), best(m, j));
         if (parts <= best(i, j)) continue;
-        const double value = std::min(parts, score(cavity_.ring[i], cavity_.ring[m], cavity_.ring[j], level));
+        const double value = std::min(parts, value_of(cavity_.ring[i], cavity_.ring[m], cavity_.ring[j]));
         if (value > best(i, j)) best(i, j) = value, split_[i * n + j] = m;
       }
     }

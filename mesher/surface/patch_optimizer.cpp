@@ -13,6 +13,12 @@ constexpr double kLongest = 1.42, kShortest = 0.68;  // edge lengths kept, in un
 constexpr double kLargestBend = 1.5;                 // of a flipped edge: length along the surface / through space
 constexpr double kGoodEnough = 0.985;                // balls whose worst triangle is better are left alone
 
+double distance_of_lines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 across = cross(b - a, d - c);
+  const double length = norm(across);
+  return length > 0 ? std::abs(dot(across, c - a)) / length : 0;
+}
+
 class PatchOptimizer {
  public:
   PatchOptimizer(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going)
@@ -68,11 +74,29 @@ class PatchOptimizer {
     const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(g));
     const double before = std::min(signed_quality(a, b, c), signed_quality(b, a, d));
     const double after = std::min(signed_quality(a, d, c), signed_quality(b, c, d));
-    if (!(after > before + 1e-6)) return false;
+    // A share of the quality among slivers, whose chains of flips gain little at first.
+    if (!(after > before + std::min(1e-6, 1e-2 * std::abs(before)))) return false;
     if (!surface_.oriented(a, d, c) || !surface_.oriented(b, c, d)) return false;
-    if (bend(c, d) > std::max(kLargestBend, bend(a, b))) return false;
+    if (bend(c, d) > std::max(kLargestBend, bend(a, b)) || !flip_keeps_shape(h)) return false;
     return mesh_.find_half_edge(mesh_.apex(h), mesh_.apex(g)) == kNone &&
            mesh_.find_half_edge(mesh_.apex(g), mesh_.apex(h)) == kNone && !same_node(mesh_.apex(h), mesh_.apex(g));
+  }
+
+  // In space, a flip over a bend cuts it off: the new edge must lie near the surface, or nearer than the old one.
+  bool flip_keeps_shape(std::uint32_t h) const {
+    if (surface_.smooth()) return true;
+    constexpr double kTolerance = 0.1;  // of the size
+    const PatchPlace &a = place(mesh_.origin(h)), &b = place(mesh_.target(h));
+    const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(mesh_.twin(h)));
+    const double tolerance =
+        kTolerance * std::min(patch_.vertices[mesh_.origin(h)].size, patch_.vertices[mesh_.target(h)].size);
+    if (distance_of_lines(a.point, b.point, c.point, d.point) <= tolerance) return true;
+    const auto sag = [&](const PatchPlace& p, const PatchPlace& q) {
+      const Vec3 middle = 0.5 * (p.point + q.point);
+      return distance(surface_.nearest(middle, p.plane).point, middle);
+    };
+    const double after = sag(c, d);
+    return after <= tolerance || after < sag(a, b);
   }
 
   // How much longer an edge is along the surface than through space: triangles may look good in space and yet cut
@@ -237,21 +261,44 @@ class PatchOptimizer {
   void refresh_size(std::uint32_t v) { patch_.vertices[v].size = surface_.size_at(place(v).point); }
 
   // ---- splits and collapses ----------------------------------------------------------------------------------------
-  bool split(std::uint32_t h) {
-    const std::uint32_t g = mesh_.twin(h);
-    if (g == kNone || mesh_.fixed(h) || collapsed(h / 3) || collapsed(g / 3)) return false;
+  // Whether `middle` may become the middle of the edge of h.
+  bool split_fits(std::uint32_t h, const PatchPlace& middle) const {
     const PatchPlace &a = place(mesh_.origin(h)), &b = place(mesh_.target(h));
-    const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(g));
-    const PatchPlace middle = surface_.midpoint(a, b);
+    const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(mesh_.twin(h)));
     // A projection that lands elsewhere would leave the edges as long as they were.
     constexpr double kLongestHalf = 0.8;
     const double longest = kLongestHalf * surface_.edge_length(a, b);
     if (!same_node(mesh_.origin(h), mesh_.target(h)) &&
         (surface_.edge_length(a, middle) > longest || surface_.edge_length(middle, b) > longest))
       return false;
-    if (!surface_.oriented(a, middle, c) || !surface_.oriented(middle, b, c) || !surface_.oriented(b, middle, d) ||
-        !surface_.oriented(middle, a, d))
-      return false;
+    return surface_.oriented(a, middle, c) && surface_.oriented(middle, b, c) && surface_.oriented(b, middle, d) &&
+           surface_.oriented(middle, a, d);
+  }
+
+  // The middle of the edge itself, which turns no triangle: later moves bring it to the surface.
+  PatchPlace on_chord(std::uint32_t h, const PatchPlace& near) const {
+    const Vec3 &a = place(mesh_.origin(h)).point, &b = place(mesh_.target(h)).point;
+    const Vec3 &c = place(mesh_.apex(h)).point, &d = place(mesh_.apex(mesh_.twin(h))).point;
+    PatchPlace place = near;
+    place.point = 0.5 * (a + b);
+    place.normal = normalized(normalized(cross(b - a, c - a)) + normalized(cross(a - b, d - b)));
+    if (place.normal == Vec3{}) place.normal = near.normal;
+    const Vec3 n = place.normal;
+    const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::abs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+    place.du = normalized(cross(axis, n));
+    place.dv = cross(n, place.du);
+    return place;
+  }
+
+  bool split(std::uint32_t h) {
+    const std::uint32_t g = mesh_.twin(h);
+    if (g == kNone || mesh_.fixed(h) || collapsed(h / 3) || collapsed(g / 3)) return false;
+    const PatchPlace &a = place(mesh_.origin(h)), &b = place(mesh_.target(h));
+    PatchPlace middle = surface_.midpoint(a, b);
+    if (!split_fits(h, middle)) {
+      if (!adapting_ || surface_.smooth()) return false;
+      middle = on_chord(h, middle);
+    }
     const std::uint32_t v = mesh_.add_vertex();
     patch_.vertices.push_back({middle, surface_.size_at(middle.point), kNone});
     to_smooth_.push_back(1);
@@ -283,13 +330,28 @@ class PatchOptimizer {
     return true;
   }
 
+  // Whether no edge of the two triangles that may be split is longer. Splitting only such edges leaves no triangle
+  // thinner than half of what it was, also where the longest edge refuses (Rivara 1984).
+  bool longest_around(std::uint32_t h) const {
+    constexpr double kAlike = 1.01;
+    const double length = kAlike * relative_length(mesh_.origin(h), mesh_.target(h));
+    const auto is_longer = [&](std::uint32_t other) {
+      return mesh_.twin(other) != kNone && !mesh_.fixed(other) &&
+             relative_length(mesh_.origin(other), mesh_.target(other)) > length;
+    };
+    const std::uint32_t g = mesh_.twin(h);
+    return !is_longer(Triangulation::next(h)) && !is_longer(Triangulation::prev(h)) &&
+           !is_longer(Triangulation::next(g)) && !is_longer(Triangulation::prev(g));
+  }
+
   bool split_long(double longest) {
     bool any = false;
     const std::uint32_t end = mesh_.half_edges();
     for (std::uint32_t h = 0; h < end; ++h) {
       if (!mesh_.alive(h / 3) || mesh_.twin(h) == kNone) continue;
       const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
-      if ((relative_length(a, b) > longest || same_node(a, b)) && split(h)) any = true;
+      if (!same_node(a, b) && (relative_length(a, b) <= longest || (adapting_ && !longest_around(h)))) continue;
+      if (split(h)) any = true;
     }
     return any;
   }
@@ -320,6 +382,7 @@ class PatchOptimizer {
 
   void adapt_density() {
     constexpr int kMostPasses = 12;
+    adapting_ = true;
     for (int pass = 0; pass < kMostPasses && keep_going_(); ++pass) {
       const bool split_some = split_long(kLongest);
       const bool collapsed_some = collapse_short(kShortest, 0.02);
@@ -327,6 +390,7 @@ class PatchOptimizer {
       smooth_all();
       if (!split_some && !collapsed_some) break;
     }
+    adapting_ = false;
   }
 
   // Inner vertices with three or four triangles spoil their neighbours: collapse them where the result is better.
@@ -350,6 +414,7 @@ class PatchOptimizer {
   const std::function<bool()>& keep_going_;
   std::vector<std::array<std::uint32_t, 2>> link_;
   std::vector<std::uint32_t> queue_;
+  bool adapting_ = false;
   std::vector<std::uint8_t> to_smooth_, to_flip_;  // per vertex: something near it has changed
 };
 

@@ -32,13 +32,17 @@ PatchVertex rim_vertex(const PatchSurface& surface, const FaceRim::Vertex& verte
 
 RimPatch make_rim_patch(const ModelTopology& topology, ModelFaceId face, FaceGeometry& geometry, const RimNodes& rim,
                         const SizeField& sizes) {
+  return fill_rim_patch(trace_rim(topology, face, geometry, rim), geometry, rim, sizes);
+}
+
+RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, const RimNodes& nodes, const SizeField& sizes) {
   RimPatch patch;
-  patch.rim = trace_rim(topology, face, geometry, rim);
+  patch.rim = std::move(rim);
   patch.scale = plane_scale(patch.rim, geometry);
   const PatchSurface surface(geometry, sizes, patch.scale);
   std::vector<Vec2> plane;
   for (const FaceRim::Vertex& vertex : patch.rim.vertices) {
-    patch.vertices.push_back(rim_vertex(surface, vertex, patch.scale, rim.point(vertex.node)));
+    patch.vertices.push_back(rim_vertex(surface, vertex, patch.scale, nodes.point(vertex.node)));
     plane.push_back(patch.vertices.back().place.plane);
   }
   patch.polygon = triangulate_polygon(plane, patch.rim.segments);

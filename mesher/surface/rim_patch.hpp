@@ -18,6 +18,9 @@ struct RimPatch {
 RimPatch make_rim_patch(const ModelTopology& topology, ModelFaceId face, FaceGeometry& geometry, const RimNodes& rim,
                         const SizeField& sizes);
 
+/// As make_rim_patch, from a rim whose places are those of `geometry`.
+RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, const RimNodes& nodes, const SizeField& sizes);
+
 /// Room for the vertices that the area calls for at the sizes on the rim.
 void reserve_expected(Patch& patch);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/surface/coincident_faces.hpp"
+#include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/edge_mesher.hpp"
 #include "mesher/surface/face_mesher.hpp"
 #include "mesher/surface/mesh_faces.hpp"
@@ -56,6 +58,7 @@ class SurfaceMesher {
     for (const FaceMesh& face : faces_)
       for (const ModelEdgeId edge : face.crossing_edges)
         if (!topology_.edges[edge.value].degenerate) refined[edge.value] = true;
+    refine_joined(refined);
     std::vector<std::size_t> pending;
     for (std::size_t f = 0; f < topology_.face_count(); ++f) {
       bool touched = false;
@@ -66,6 +69,14 @@ class SurfaceMesher {
     for (std::size_t e = 0; e < refined.size(); ++e)
       if (refined[e]) options_.finer[e] *= 2;
     return pending;
+  }
+
+  // Edges with the same nodes become finer together.
+  void refine_joined(std::vector<bool>& refined) const {
+    for (std::size_t e = 0; e < refined.size(); ++e)
+      if (edges_[e].joined_to.valid() && refined[e]) refined[edges_[e].joined_to.value] = true;
+    for (std::size_t e = 0; e < refined.size(); ++e)
+      if (edges_[e].joined_to.valid() && refined[edges_[e].joined_to.value]) refined[e] = true;
   }
 
   // Two narrow faces may both have an edge between the same two rim nodes (a tube of two halves, a few pieces each),
@@ -176,16 +187,52 @@ class SurfaceMesher {
     mesh.points = rim.points();
     for (std::uint32_t node = 0; node < rim.count(); ++node) mesh.point_to_entity.push_back(rim.classification(node));
     add_edges(rim);
+    const std::vector<bool> cancelled = find_cancelled(rim);
     add_faces();
+    const bool joined =
+        std::any_of(edges_.begin(), edges_.end(), [](const EdgeMesh& e) { return e.joined_to.valid(); });
+    if (joined || std::find(cancelled.begin(), cancelled.end(), true) != cancelled.end()) drop_faces(cancelled, mesh);
     mesh.face_to_sides = topology_.face_to_sides;
     for (int dim = 0; dim < 4; ++dim)
       for (std::size_t i = 0; i < topology_.count(dim); ++i)
         mesh.entities[static_cast<std::size_t>(dim)].push_back(model_.attributes({dim, static_cast<std::uint32_t>(i)}));
   }
 
+  // By face. What lies between two coincident faces has no thickness, and the mesh goes without it.
+  std::vector<bool> find_cancelled(const RimNodes& rim) {
+    std::vector<bool> cancelled(faces_.size(), false);
+    for (const auto& [first, second] : find_cancelling_faces(model_, rim, faces_)) {
+      cancelled[first.value] = cancelled[second.value] = true;
+      const Vec3 place = model_.vertex_point(
+          topology_.edges[topology_.face_to_loops[first.value].front().front().edge.value].vertices[0]);
+      result_.warnings.push_back({ErrorCode::InputUnsuitable,
+                                  "two faces lie on each other with nothing between them, and are left out",
+                                  {model_.named(first), model_.named(second)},
+                                  place,
+                                  {}});
+    }
+    for (std::uint32_t r = 0; r < topology_.region_count(); ++r) report_flat_region(ModelRegionId(r), cancelled);
+    return cancelled;
+  }
+
+  void report_flat_region(ModelRegionId region, const std::vector<bool>& cancelled) {
+    std::vector<NamedEntity> entities{model_.named(region)};
+    for (const ModelFaceId face : topology_.region_to_faces[region.value]) {
+      if (!cancelled[face.value] &&
+          !(faces_[face.value].verdict == FaceVerdict::Ok && faces_[face.value].tri_to_vert.empty()))
+        return;
+      entities.push_back(model_.named(face));
+    }
+    result_.errors.push_back({ErrorCode::VolumeFailed,
+                              "the solid encloses no volume: its faces lie on each other",
+                              std::move(entities),
+                              {},
+                              {}});
+  }
+
   void add_edges(const RimNodes& rim) {
     for (std::size_t e = 0; e < edges_.size(); ++e) {
-      if (topology_.edges[e].degenerate) continue;
+      if (topology_.edges[e].degenerate || edges_[e].joined_to.valid()) continue;
       for (std::size_t i = 0; i + 1 < edges_[e].t.size(); ++i) {
         result_.mesh.edge_to_vert.push_back({rim.node(ModelEdgeId(e), i), rim.node(ModelEdgeId(e), i + 1)});
         result_.mesh.edge_to_entity.push_back(static_cast<std::uint32_t>(e));

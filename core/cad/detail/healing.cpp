@@ -20,6 +20,7 @@
 
 #include "core/cad/detail/faults.hpp"
 #include "core/cad/detail/occt_guard.hpp"
+#include "core/cad/detail/stray_curves.hpp"
 
 namespace tetloom::cad {
 
@@ -242,6 +243,37 @@ std::size_t remove_swallowed_spurs(Document& document) {
   return count;
 }
 
+double perimeter_of(const TopoDS_Shape& face) {
+  double length = 0;
+  for (const TopoDS_Shape& shape : shapes_of(face, TopAbs_EDGE)) {
+    const TopoDS_Edge edge = TopoDS::Edge(shape);
+    double lo, hi;
+    if (!BRep_Tool::Degenerated(edge) && !BRep_Tool::Curve(edge, lo, hi).IsNull()) length += length_of(edge);
+  }
+  return length;
+}
+
+/// Narrower than its tolerance, on average.
+bool is_collapsed(const TopoDS_Face& face) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(face, properties);
+  const double width = std::max(BRep_Tool::Tolerance(face), Precision::Confusion());
+  return std::abs(properties.Mass()) <= width * std::max(0.5 * perimeter_of(face), width);
+}
+
+/// Faces of no solid that are a line or a point: whatever is sewn to them would be a solid without volume.
+std::size_t drop_collapsed_faces(Document& document) {
+  const Context context = new ShapeBuild_ReShape;
+  std::size_t count = 0;
+  for (const TopoDS_Shape& shape : shapes_of(document.root, TopAbs_FACE, TopAbs_SOLID)) {
+    if (!is_collapsed(TopoDS::Face(shape))) continue;
+    context->Remove(shape);
+    ++count;
+  }
+  if (count > 0) apply(document, context);
+  return count;
+}
+
 /// The same solid with the orientation that it is stored with worked into its shells.
 TopoDS_Solid with_own_orientation(const TopoDS_Solid& solid) {
   TopoDS_Solid result;
@@ -279,6 +311,8 @@ void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
 
 bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel) {
   add_step(steps, "edges were brought to one parameter with their parameter curves", reparametrise(document.root));
+  add_step(steps, "curves were fitted to the vertices that they missed", repair_stray_curves(document.root));
+  add_step(steps, "faces without area were left out", drop_collapsed_faces(document));
   sew_loose_faces(document, steps, cancel);
   add_step(steps, "edges within the tolerance of one vertex were removed", remove_swallowed_spurs(document));
   const bool valid = BRepCheck_Analyzer(document.root).IsValid();

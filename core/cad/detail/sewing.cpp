@@ -8,6 +8,7 @@
 #include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_ReShape.hxx>
+#include <Geom_Curve.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -100,12 +101,31 @@ TopoDS_Solid solid_of(const TopoDS_Shape& closed_piece) {
   return solid;
 }
 
+/// Its vertices, and points between them on its edges.
+std::vector<gp_Pnt> points_of(const TopoDS_Shape& shape) {
+  std::vector<gp_Pnt> points;
+  TopTools_IndexedMapOfShape vertices, edges;
+  TopExp::MapShapes(shape, TopAbs_VERTEX, vertices);
+  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
+  for (int i = 1; i <= vertices.Extent(); ++i) points.push_back(BRep_Tool::Pnt(TopoDS::Vertex(vertices(i))));
+  for (int i = 1; i <= edges.Extent(); ++i) {
+    double first, last;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(edges(i)), first, last);
+    if (curve.IsNull()) continue;
+    for (const double share : {0.25, 0.5, 0.75}) points.push_back(curve->Value(first + share * (last - first)));
+  }
+  return points;
+}
+
 /// Solids from closed shells by even and odd depth of nesting: a shell in a solid is its cavity, a shell in that
 /// cavity a solid again.
 class ShellNest {
  public:
   explicit ShellNest(const std::vector<TopoDS_Shape>& shells) {
-    for (const TopoDS_Shape& shell : shells) solids_.push_back(solid_of(shell));
+    for (const TopoDS_Shape& shell : shells) {
+      solids_.push_back(solid_of(shell));
+      BRepBndLib::Add(solids_.back(), boxes_.emplace_back(), false);
+    }
     inside_.resize(solids_.size());
     for (std::size_t i = 0; i < solids_.size(); ++i)
       for (std::size_t j = 0; j < solids_.size(); ++j)
@@ -120,14 +140,20 @@ class ShellNest {
   }
 
  private:
+  // Wholly: of shells that cross each other each is the outside of a solid of its own.
   bool lies_in(std::size_t inner, std::size_t outer) const {
-    const TopExp_Explorer vertex(solids_[inner], TopAbs_VERTEX);
-    if (!vertex.More()) return false;
-    const gp_Pnt point = BRep_Tool::Pnt(TopoDS::Vertex(vertex.Current()));
-    Bnd_Box box;
-    BRepBndLib::Add(solids_[outer], box, false);
-    if (box.IsOut(point)) return false;
-    return BRepClass3d_SolidClassifier(solids_[outer], point, Precision::Confusion()).State() == TopAbs_IN;
+    const std::vector<gp_Pnt> points = points_of(solids_[inner]);
+    if (points.empty() || boxes_[outer].IsOut(boxes_[inner])) return false;
+    return all_are(TopAbs_IN, points, outer) && all_are(TopAbs_OUT, points_of(solids_[outer]), inner);
+  }
+
+  bool all_are(TopAbs_State state, const std::vector<gp_Pnt>& points, std::size_t solid) const {
+    BRepClass3d_SolidClassifier classifier(solids_[solid]);
+    return std::all_of(points.begin(), points.end(), [&](const gp_Pnt& point) {
+      if (boxes_[solid].IsOut(point)) return state == TopAbs_OUT;
+      classifier.Perform(point, Precision::Confusion());
+      return classifier.State() == state;
+    });
   }
 
   TopoDS_Shape with_cavities(std::size_t outer) const {
@@ -143,6 +169,7 @@ class ShellNest {
   }
 
   std::vector<TopoDS_Solid> solids_;
+  std::vector<Bnd_Box> boxes_;
   std::vector<std::vector<std::size_t>> inside_;
 };
 

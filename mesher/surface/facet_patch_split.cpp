@@ -1,0 +1,118 @@
+// Points in the middle of edges inside a patch of facets: the surface stays where it is.
+#include <algorithm>
+#include <queue>
+
+#include "mesher/surface/facet_patch_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::uint32_t kNone = Triangulation::kNone;
+
+class LongEdgeHalver {
+ public:
+  LongEdgeHalver(Triangulation& mesh, PatchVertices& vertices, const std::function<double(const Vec3&)>& size_at)
+      : mesh_(mesh), vertices_(vertices), size_at_(size_at) {}
+
+  void run(std::span<const std::uint32_t> centers, const std::function<bool()>& keep_going) {
+    constexpr std::size_t kAskEvery = 1024;
+    near_.assign(vertices_.size(), false);
+    for (const std::uint32_t v : centers) offer_around(v);
+    for (std::size_t step = 0; !queue_.empty(); ++step) {
+      if (step % kAskEvery == 0 && keep_going && !keep_going()) {
+        throw PatchFailure{FacetPatchVerdict::Cancelled, {}};
+      }
+      const Entry entry = queue_.top();
+      queue_.pop();
+      const std::uint32_t half = mesh_.find_half_edge(entry.a, entry.b);
+      if (half != kNone) halve(half);
+    }
+  }
+
+ private:
+  struct Entry {
+    double length;  // in units of the size
+    std::uint32_t a, b;
+    auto operator<=>(const Entry&) const = default;
+  };
+
+  void offer_around(std::uint32_t center) {
+    near_[center] = true;
+    mesh_.for_each_outgoing(center, [&](std::uint32_t h) {
+      near_[mesh_.target(h)] = near_[mesh_.apex(h)] = true;
+      for (const std::uint32_t side : {h, Triangulation::next(h), Triangulation::prev(h)}) offer(side);
+      return true;
+    });
+  }
+
+  void offer(std::uint32_t half) {
+    constexpr double kLongest = 1.42;
+    const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half);
+    if (mesh_.twin(half) == kNone || !near_[a] || !near_[b]) return;
+    const double size = 0.5 * (size_at_(vertices_.points[a]) + size_at_(vertices_.points[b]));
+    const double length = distance(vertices_.points[a], vertices_.points[b]) / size;
+    if (length > kLongest) queue_.push({length, std::min(a, b), std::max(a, b)});
+  }
+
+  void halve(std::uint32_t half) {
+    const std::uint32_t vertex = halve_edge(mesh_, vertices_, half);
+    near_.push_back(true);
+    mesh_.for_each_outgoing(vertex, [&](std::uint32_t h) { return offer(h), true; });
+  }
+
+  Triangulation& mesh_;
+  PatchVertices& vertices_;
+  const std::function<double(const Vec3&)>& size_at_;
+  std::vector<bool> near_;  // the corners of the triangles at the centers, and what was added between them
+  std::priority_queue<Entry> queue_;
+};
+
+/// An edge between two nodes, or a side of one.
+struct NodeEdge {
+  std::uint32_t low, high;  ///< nodes
+  bool inside;              ///< rims first: they stay
+  std::uint32_t a, b;       ///< vertices
+  auto operator<=>(const NodeEdge&) const = default;
+};
+
+std::vector<NodeEdge> list_node_edges(const Triangulation& mesh, const PatchVertices& vertices) {
+  std::vector<NodeEdge> edges;
+  for (std::uint32_t h = 0; h < mesh.half_edges(); ++h) {
+    if (!mesh.alive(h / 3) || (mesh.twin(h) != kNone && h > mesh.twin(h))) continue;
+    const std::uint32_t a = vertices.node[mesh.origin(h)], b = vertices.node[mesh.target(h)];
+    if (a == FacetPatch::kNoNode || b == FacetPatch::kNoNode) continue;
+    edges.push_back({std::min(a, b), std::max(a, b), mesh.twin(h) != kNone, mesh.origin(h), mesh.target(h)});
+  }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+}  // namespace
+
+std::uint32_t halve_edge(Triangulation& mesh, PatchVertices& vertices, std::uint32_t half) {
+  const std::uint32_t a = mesh.origin(half), b = mesh.target(half), vertex = mesh.add_vertex();
+  Vec3 normal = normalized(vertices.normals[a] + vertices.normals[b]);
+  if (normal == Vec3{}) normal = vertices.normals[a];
+  vertices.add_copy(a, 0.5 * (vertices.points[a] + vertices.points[b]), normal);
+  vertices.entity[vertex] = ModelFaceId(0);  // whichever: the rim has been traced
+  mesh.split_edge(half, vertex);
+  return vertex;
+}
+
+void halve_long_edges(Triangulation& mesh, PatchVertices& vertices, std::span<const std::uint32_t> centers,
+                      const PatchCallbacks& callbacks) {
+  LongEdgeHalver(mesh, vertices, callbacks.size_at).run(centers, callbacks.keep_going);
+}
+
+void halve_repeated_edges(Triangulation& mesh, PatchVertices& vertices) {
+  const std::vector<NodeEdge> edges = list_node_edges(mesh, vertices);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const NodeEdge& edge = edges[i];
+    const bool repeated = i > 0 && edges[i - 1].low == edge.low && edges[i - 1].high == edge.high;
+    const bool loop = edge.low == edge.high;
+    if (!edge.inside && loop) throw PatchFailure{FacetPatchVerdict::Stuck, vertices.points[edge.a]};
+    if (edge.inside && (repeated || loop)) halve_edge(mesh, vertices, mesh.find_half_edge(edge.a, edge.b));
+  }
+}
+
+}  // namespace tetloom::detail

@@ -1,0 +1,154 @@
+// Models with the faults of real CAD files, from reading to the mesh.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "core/cad/read_model.hpp"
+#include "core/mesh/quality.hpp"
+#include "core/mesh/validate.hpp"
+#include "mesher/mesher.hpp"
+#include "tests/cad/faulty_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace tetloom;
+using test::Fault;
+
+namespace {
+
+struct Meshed {
+  ModelDocument document;
+  MeshResult result;
+};
+
+Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false) {
+  const test::TemporaryFolder folder;
+  test::write_faulty(fault, folder / "model.brep");
+  Meshed meshed{read_model(folder / "model.brep"), {}};
+  MeshOptions options;
+  options.sizes.size = size;
+  options.sizes.curvature = curvature;
+  options.threads = 1;
+  options.keep_going = keep_going;
+  options.keep_small_features = true;
+  options.volume_worker = TETLOOM_WORKER;
+  meshed.result = make_mesh(*meshed.document.model, options);
+  return meshed;
+}
+
+double volume_of(const Meshed& meshed) { return compute_quality(meshed.result.mesh, nullptr).tets.volume; }
+
+double area_of(const Meshed& meshed) {
+  const Mesh& mesh = meshed.result.mesh;
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.tri_to_vert)
+    area += 0.5 * norm(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a]));
+  return area;
+}
+
+std::string first_error(const Meshed& meshed) {
+  return meshed.result.errors.empty() ? "" : meshed.result.errors.front().message;
+}
+
+void require_valid(const Meshed& meshed) {
+  INFO(first_error(meshed));
+  REQUIRE(meshed.result.status == MeshStatus::Ok);
+  const ValidationReport report = validate_mesh(meshed.result.mesh);
+  INFO((report.problems.empty() ? std::string() : report.problems.front().message));
+  CHECK(report.problems.empty());
+}
+
+}  // namespace
+
+TEST_CASE("loops that touch at a vertex are meshed though their parameter curves end beside each other") {
+  const Meshed meshed = mesh_faulty(Fault::TouchingLoops, 1);
+  require_valid(meshed);
+  CHECK(area_of(meshed) == Approx(100 - 4));
+}
+
+TEST_CASE("a line and an arc that coincide become one piece") {
+  const Meshed meshed = mesh_faulty(Fault::TangentHole, 1, 24);
+  require_valid(meshed);
+  CHECK(area_of(meshed) == Approx(400 - std::numbers::pi * 9).epsilon(0.01));
+}
+
+TEST_CASE("the wall of no thickness between a hole and the side that it touches is left out") {
+  const Meshed meshed = mesh_faulty(Fault::TangentHoleInPlate, 1, 24);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(5 * (400 - std::numbers::pi * 9)).epsilon(0.01));
+}
+
+TEST_CASE("two lines between the same vertices share their nodes") {
+  const Meshed meshed = mesh_faulty(Fault::DoubledEdge, 1);
+  require_valid(meshed);
+  const Mesh& mesh = meshed.result.mesh;
+  const auto on_line =
+      std::count_if(mesh.points.begin(), mesh.points.end(), [](const Vec3& x) { return std::abs(x.x) < 1e-9; });
+  CHECK(on_line == 11);
+}
+
+TEST_CASE("a face whose parametrisation folds over is meshed between its edges") {
+  for (const double curvature : {0.0, 24.0}) {
+    const Meshed meshed = mesh_faulty(Fault::FoldedCorner, 1, curvature);
+    require_valid(meshed);
+    CHECK(volume_of(meshed) == Approx(120).epsilon(0.001));
+  }
+}
+
+TEST_CASE("a curve that misses its vertices is fitted to them") {
+  const Meshed meshed = mesh_faulty(Fault::CurveShortOfVertex, 2);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(1000));
+}
+
+TEST_CASE("closed shells that cross bound a solid each") {
+  const Meshed meshed = mesh_faulty(Fault::CrossingShells, 2);
+  require_valid(meshed);
+  CHECK(meshed.document.model->topology().region_count() == 2);
+  CHECK(volume_of(meshed) == Approx(1000 + std::numbers::pi * 64 * 4).epsilon(0.03));
+}
+
+TEST_CASE("a closed shell wholly inside another one is its cavity") {
+  const Meshed meshed = mesh_faulty(Fault::NestedShells, 2);
+  require_valid(meshed);
+  CHECK(meshed.document.model->topology().region_count() == 1);
+  CHECK(volume_of(meshed) == Approx(1000 - 64));
+}
+
+TEST_CASE("loose faces without area are left out, and said to be") {
+  const Meshed meshed = mesh_faulty(Fault::CollapsedFaces, 2);
+  require_valid(meshed);
+  CHECK(meshed.document.model->topology().face_count() == 6);
+  CHECK(volume_of(meshed) == Approx(1000));
+  const auto& steps = meshed.document.healing;
+  CHECK(std::any_of(steps.begin(), steps.end(), [](const HealingStep& step) {
+    return step.what.find("without area") != std::string::npos && step.count == 3;
+  }));
+}
+
+TEST_CASE("a solid of two faces on each other is refused by name") {
+  const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2);
+  CHECK(meshed.result.status == MeshStatus::Failed);
+  REQUIRE(meshed.result.errors.size() == 1);
+  CHECK(meshed.result.errors.front().message.find("encloses no volume") != std::string::npos);
+  REQUIRE(meshed.result.errors.front().entities.size() == 3);
+  CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
+}
+
+TEST_CASE("beside a solid that is refused the others are meshed where the host wants to keep going") {
+  const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2, 0, true);
+  CHECK(meshed.result.status == MeshStatus::Failed);
+  CHECK(meshed.result.is_partial);
+  REQUIRE(meshed.result.errors.size() == 1);
+  CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
+  CHECK(validate_mesh(meshed.result.mesh).problems.empty());
+  CHECK(volume_of(meshed) == Approx(1000));
+  CHECK(meshed.result.model_volume == Approx(1000));
+}
+
+TEST_CASE("a rod far thinner than the size keeps its volume where curvature is asked for") {
+  const Meshed meshed = mesh_faulty(Fault::ThinRod, 1, 12);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(std::numbers::pi * 0.01 * 10).epsilon(0.04));
+}
