@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -31,10 +32,15 @@ std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
   return {mesh.points[a], mesh.points[b], mesh.points[c]};
 }
 
-// What the triangles of each region bound, measured from the middle of them all.
+// What the triangles of each region bound, measured from the middle of them all; NaN where there are none.
 std::vector<double> volumes_of(const MeshedModel& meshed) {
   const ModelTopology& topology = meshed.model.topology();
-  std::vector<double> volumes(topology.region_count(), 0);
+  std::vector<double> volumes(topology.region_count(), std::numeric_limits<double>::quiet_NaN());
+  const auto add = [&](ModelRegionId region, double volume) {
+    if (!region.valid()) return;
+    double& sum = volumes[region.value];
+    sum = std::isnan(sum) ? volume : sum + volume;
+  };
   Box3 box;
   for (const Vec3& x : meshed.surface.points) box.add(x);
   const Vec3 middle = box.center();
@@ -42,8 +48,8 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
     const FaceSides& sides = topology.face_to_sides[meshed.surface.tri_to_entity[t]];
     const auto [a, b, c] = corners_of(meshed.surface, t);
     const double volume = dot(a - middle, cross(b - middle, c - middle)) / 6;
-    if (sides.back.valid()) volumes[sides.back.value] += volume;
-    if (sides.front.valid()) volumes[sides.front.value] -= volume;
+    add(sides.back, volume);
+    add(sides.front, -volume);
   }
   return volumes;
 }
