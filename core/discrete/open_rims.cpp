@@ -90,20 +90,60 @@ bool joins(const FacetEdges& edges, std::uint32_t a, std::uint32_t b) {
   return std::binary_search(edges.edge_to_vert.begin(), edges.edge_to_vert.end(), key);
 }
 
-/// The loop of open edges from a point, each point with the two edges in `around`.
-std::vector<std::uint32_t> walk_rim(const FacetEdges& edges, std::uint32_t first_edge,
-                                    const std::vector<std::array<std::uint32_t, 2>>& around) {
-  std::vector<std::uint32_t> verts;
-  const std::uint32_t start = edges.edge_to_vert[first_edge][0];
-  std::uint32_t v = start, edge = first_edge;
-  do {
-    verts.push_back(v);
-    const auto& ends = edges.edge_to_vert[edge];
-    v = ends[0] == v ? ends[1] : ends[0];
-    edge = around[v][0] == edge ? around[v][1] : around[v][0];
-  } while (v != start);
-  return verts;
-}
+/// Walks along open edges, around the fans of facets between them, whatever their orientation.
+class RimWalker {
+ public:
+  RimWalker(std::span<const Triangle> tris, const FacetEdges& edges)
+      : tris_(tris), edges_(edges), visited_(edges.size(), false) {}
+
+  std::vector<std::vector<std::uint32_t>> run() {
+    for (std::uint32_t edge = 0; edge < edges_.size(); ++edge) {
+      if (edges_.halves(edge).size() == 1 && !visited_[edge]) walk(edge);
+    }
+    return std::move(loops_);
+  }
+
+ private:
+  /// Cuts the walk into loops that pass no point twice.
+  void walk(std::uint32_t first) {
+    std::vector<std::uint32_t> path{edges_.edge_to_vert[first][0]};
+    std::uint32_t edge = first;
+    do {
+      visited_[edge] = true;
+      const auto& ends = edges_.edge_to_vert[edge];
+      const std::uint32_t v = ends[0] == path.back() ? ends[1] : ends[0];
+      const auto before = std::ranges::find(path, v);
+      if (before != path.end()) {
+        loops_.emplace_back(before, path.end());
+        path.erase(before, path.end());
+      }
+      path.push_back(v);
+      edge = next_open(edge, v);
+    } while (edge != kNone && edge != first && !visited_[edge]);
+  }
+
+  /// The other open edge of the fan of facets at `v` that `edge` belongs to; kNone where the fan ends otherwise.
+  std::uint32_t next_open(std::uint32_t edge, std::uint32_t v) const {
+    std::uint32_t tri = half_to_tri(edges_.halves(edge)[0]);
+    while (true) {
+      for (std::uint32_t half = 3 * tri; half < 3 * tri + 3; ++half) {
+        const std::uint32_t other = edges_.half_to_edge[half];
+        if (other == edge || (half_origin(tris_, half) != v && half_head(tris_, half) != v)) continue;
+        edge = other;
+        break;
+      }
+      const auto halves = edges_.halves(edge);
+      if (halves.size() == 1) return edge;
+      if (halves.size() > 2) return kNone;
+      tri = half_to_tri(halves[0]) == tri ? half_to_tri(halves[1]) : half_to_tri(halves[0]);
+    }
+  }
+
+  std::span<const Triangle> tris_;
+  const FacetEdges& edges_;
+  std::vector<bool> visited_;
+  std::vector<std::vector<std::uint32_t>> loops_;
+};
 
 void fill(FacetSoup& soup, std::vector<std::uint32_t> rim, const FacetEdges& edges) {
   // The filling runs against the facets at the rim.
@@ -163,51 +203,39 @@ std::size_t close_t_junctions(FacetSoup& soup, const CancelToken* cancel) {
 
 std::vector<OpenRim> find_open_rims(std::span<const Vec3> points, const FacetEdges& edges) {
   DisjointSets sets(points.size());
-  std::vector<std::array<std::uint32_t, 2>> around(points.size(), {kNone, kNone});
-  std::vector<std::uint8_t> degree(points.size(), 0);
   std::vector<std::uint32_t> open;
   for (std::uint32_t edge = 0; edge < edges.size(); ++edge) {
     if (edges.halves(edge).size() != 1) continue;
     open.push_back(edge);
-    const auto& ends = edges.edge_to_vert[edge];
-    sets.join(ends[0], ends[1]);
-    for (const std::uint32_t v : ends) {
-      if (degree[v] < 2) around[v][degree[v]] = edge;
-      degree[v] = static_cast<std::uint8_t>(std::min(degree[v] + 1, 3));
-    }
+    sets.join(edges.edge_to_vert[edge][0], edges.edge_to_vert[edge][1]);
   }
   std::vector<OpenRim> rims;
-  std::vector<std::uint32_t> set_to_rim(points.size(), kNone), first_edge;
+  std::vector<std::uint32_t> set_to_rim(points.size(), kNone);
   std::vector<Box3> boxes;
-  std::vector<bool> simple;
   for (const std::uint32_t edge : open) {
     const auto& ends = edges.edge_to_vert[edge];
     std::uint32_t& rim = set_to_rim[sets.find(ends[0])];
     if (rim == kNone) {
       rim = static_cast<std::uint32_t>(rims.size());
-      rims.push_back({{}, 0, 0, 0.5 * (points[ends[0]] + points[ends[1]])});
-      boxes.emplace_back(), simple.push_back(true), first_edge.push_back(edge);
+      rims.push_back({0, 0, 0.5 * (points[ends[0]] + points[ends[1]])});
+      boxes.emplace_back();
     }
     ++rims[rim].edges;
-    for (const std::uint32_t v : ends) {
-      boxes[rim].add(points[v]);
-      if (degree[v] != 2) simple[rim] = false;
-    }
+    for (const std::uint32_t v : ends) boxes[rim].add(points[v]);
   }
-  for (std::size_t rim = 0; rim < rims.size(); ++rim) {
-    rims[rim].width = boxes[rim].diagonal();
-    if (simple[rim]) rims[rim].verts = walk_rim(edges, first_edge[rim], around);
-  }
+  for (std::size_t rim = 0; rim < rims.size(); ++rim) rims[rim].width = boxes[rim].diagonal();
   return rims;
 }
 
 std::size_t fill_holes(FacetSoup& soup, double width, const CancelToken* cancel) {
   const FacetEdges edges = find_edges(soup.tri_to_vert, soup.points.size());
   std::size_t filled = 0;
-  for (const OpenRim& rim : find_open_rims(soup.points, edges)) {
+  for (const std::vector<std::uint32_t>& loop : RimWalker(soup.tri_to_vert, edges).run()) {
     check_cancelled(cancel);
-    if (rim.verts.size() < 3 || rim.width > width) continue;
-    fill(soup, rim.verts, edges);
+    Box3 box;
+    for (const std::uint32_t v : loop) box.add(soup.points[v]);
+    if (loop.size() < 3 || box.diagonal() > width) continue;
+    fill(soup, loop, edges);
     ++filled;
   }
   return filled;

@@ -11,7 +11,6 @@ std::size_t close_t_junctions(FacetSoup& soup, const CancelToken* cancel);
 
 /// A connected set of open edges.
 struct OpenRim {
-  std::vector<std::uint32_t> verts;  ///< in order; empty where the edges are no simple loop
   std::size_t edges = 0;
   double width = 0;  ///< diagonal of the edges' box
   Vec3 point;        ///< of the set, the middle of its first edge
@@ -20,8 +19,9 @@ struct OpenRim {
 /// In the order of their first edges.
 std::vector<OpenRim> find_open_rims(std::span<const Vec3> points, const FacetEdges& edges);
 
-/// Fills the holes that are at most `width` wide and whose rim is a simple loop, with facets between the rim's points
-/// or, where these would meet others, around one point in their middle. Returns how many holes. Errors: Cancelled.
+/// Fills the holes that are at most `width` wide, with facets between the rim's points or, where these would meet
+/// others, around one point in their middle. A rim that passes a point twice is filled in parts; one that meets an edge
+/// of three or more facets stays open. Returns how many holes. Errors: Cancelled.
 std::size_t fill_holes(FacetSoup& soup, double width, const CancelToken* cancel);
 
 }  // namespace tetloom::detail

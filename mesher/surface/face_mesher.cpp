@@ -135,10 +135,7 @@ class FaceMesher {
   void put_on_rim(PatchVertex& vertex, const Vec3& normal) const {
     vertex.place.point = rim_.point(vertex.node);
     if (dot(normal, vertex.place.normal) > 0.5 || normal == Vec3{}) return;
-    vertex.place.normal = normal;
-    const Vec3 axis = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    vertex.place.du = normalized(cross(axis, normal));
-    vertex.place.dv = cross(normal, vertex.place.du);
+    vertex.place = place_in_space(vertex.place.plane, vertex.place.point, normal);
   }
 
   // A crease of one piece that ends within the face at both ends: its two sides have the same corners.

@@ -25,7 +25,15 @@ class LongEdgeHalver {
       const Entry entry = queue_.top();
       queue_.pop();
       const std::uint32_t half = mesh_.find_half_edge(entry.a, entry.b);
-      if (half != kNone) halve(half);
+      if (half == kNone) continue;
+      const std::uint32_t longest = find_longer(half);
+      if (longest == half) {
+        halve(half);
+      } else if (mesh_.twin(longest) == kNone || kept_.contains(ends_of(longest))) {
+        kept_.insert(ends_of(half));
+      } else {
+        push(longest), queue_.push(entry);
+      }
     }
   }
 
@@ -47,11 +55,36 @@ class LongEdgeHalver {
 
   void offer(std::uint32_t half) {
     constexpr double kLongest = 1.42;
+    if (mesh_.twin(half) == kNone || !near_[mesh_.origin(half)] || !near_[mesh_.target(half)]) return;
+    if (length(half) > kLongest) push(half);
+  }
+
+  void push(std::uint32_t half) {
+    const auto [a, b] = ends_of(half);
+    queue_.push({length(half), a, b});
+  }
+
+  std::array<std::uint32_t, 2> ends_of(std::uint32_t half) const {
     const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half);
-    if (mesh_.twin(half) == kNone || !near_[a] || !near_[b]) return;
-    const double size = 0.5 * (size_at_(vertices_.points[a]) + size_at_(vertices_.points[b]));
-    const double length = distance(vertices_.points[a], vertices_.points[b]) / size;
-    if (length > kLongest) queue_.push({length, std::min(a, b), std::max(a, b)});
+    return {std::min(a, b), std::max(a, b)};
+  }
+
+  double length(std::uint32_t half) const {
+    const Vec3 &a = vertices_.points[mesh_.origin(half)], &b = vertices_.points[mesh_.target(half)];
+    return 2 * distance(a, b) / (size_at_(a) + size_at_(b));
+  }
+
+  /// The longest side of the two triangles at an edge; the edge itself where none is longer. Where a longer one cannot
+  /// be halved, as one of the rim, the others are kept too: they cannot all become short, however often they are halved
+  /// (Rivara 1984).
+  std::uint32_t find_longer(std::uint32_t half) const {
+    const std::uint32_t twin = mesh_.twin(half);
+    std::uint32_t longest = half;
+    for (const std::uint32_t side :
+         {Triangulation::next(half), Triangulation::prev(half), Triangulation::next(twin), Triangulation::prev(twin)}) {
+      if (length(side) > length(longest)) longest = side;
+    }
+    return longest;
   }
 
   void halve(std::uint32_t half) {
@@ -64,6 +97,7 @@ class LongEdgeHalver {
   PatchVertices& vertices_;
   const std::function<double(const Vec3&)>& size_at_;
   std::vector<bool> near_;  // the corners of the triangles at the centers, and what was added between them
+  std::set<std::array<std::uint32_t, 2>> kept_;  // edges beside longer ones that cannot be halved
   std::priority_queue<Entry> queue_;
 };
 

@@ -84,12 +84,15 @@ PatchPlace PatchSurface::at_plane(const Vec2& plane) const {
   return {plane, d.point, du, dv, regular ? normalized(n) : Vec3{}};
 }
 
-PatchPlace PatchSurface::nearest(const Vec3& x, const Vec2& guess) const {
-  const SurfacePoint found = face_.closest_point(x, guess);
-  const Vec3 n = face_.normal(found.uv);
+PatchPlace place_in_space(const Vec2& uv, const Vec3& point, const Vec3& n) {
   const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::abs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   const Vec3 du = normalized(cross(axis, n));
-  return {found.uv, found.point, du, cross(n, du), n};
+  return {uv, point, du, cross(n, du), n};
+}
+
+PatchPlace PatchSurface::nearest(const Vec3& x, const Vec2& guess) const {
+  const SurfacePoint found = face_.closest_point(x, guess);
+  return place_in_space(found.uv, found.point, face_.normal(found.uv));
 }
 
 PatchPlace PatchSurface::displaced(const PatchPlace& from, const Vec2& step) const {

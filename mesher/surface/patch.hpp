@@ -25,6 +25,9 @@ struct PatchPlace {
   Vec3 point, du, dv, normal;
 };
 
+/// A place of facets, with tangents made of its normal.
+PatchPlace place_in_space(const Vec2& uv, const Vec3& point, const Vec3& normal);
+
 struct PatchVertex {
   PatchPlace place;
   double size = 0;                            ///< target edge length here

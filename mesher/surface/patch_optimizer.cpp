@@ -279,15 +279,8 @@ class PatchOptimizer {
   PatchPlace on_chord(std::uint32_t h, const PatchPlace& near) const {
     const Vec3 &a = place(mesh_.origin(h)).point, &b = place(mesh_.target(h)).point;
     const Vec3 &c = place(mesh_.apex(h)).point, &d = place(mesh_.apex(mesh_.twin(h))).point;
-    PatchPlace place = near;
-    place.point = 0.5 * (a + b);
-    place.normal = normalized(normalized(cross(b - a, c - a)) + normalized(cross(a - b, d - b)));
-    if (place.normal == Vec3{}) place.normal = near.normal;
-    const Vec3 n = place.normal;
-    const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::abs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-    place.du = normalized(cross(axis, n));
-    place.dv = cross(n, place.du);
-    return place;
+    const Vec3 normal = normalized(normalized(cross(b - a, c - a)) + normalized(cross(a - b, d - b)));
+    return place_in_space(near.plane, 0.5 * (a + b), normal == Vec3{} ? near.normal : normal);
   }
 
   bool split(std::uint32_t h) {
@@ -330,14 +323,13 @@ class PatchOptimizer {
     return true;
   }
 
-  // Whether no edge of the two triangles that may be split is longer. Splitting only such edges leaves no triangle
-  // thinner than half of what it was, also where the longest edge refuses (Rivara 1984).
+  // Whether no edge of the two triangles is longer. Splitting only such edges leaves no triangle thinner than half of
+  // what it was, also where the longest edge refuses or lies on the rim (Rivara 1984).
   bool longest_around(std::uint32_t h) const {
     constexpr double kAlike = 1.01;
     const double length = kAlike * relative_length(mesh_.origin(h), mesh_.target(h));
     const auto is_longer = [&](std::uint32_t other) {
-      return mesh_.twin(other) != kNone && !mesh_.fixed(other) &&
-             relative_length(mesh_.origin(other), mesh_.target(other)) > length;
+      return relative_length(mesh_.origin(other), mesh_.target(other)) > length;
     };
     const std::uint32_t g = mesh_.twin(h);
     return !is_longer(Triangulation::next(h)) && !is_longer(Triangulation::prev(h)) &&

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "core/discrete/discrete_model.hpp"
 #include "core/mesh/quality.hpp"
@@ -77,7 +78,92 @@ TEST_CASE("an open surface that passes through itself is told of and asks for no
       std::ranges::any_of(result.warnings, [](const Diagnostic& d) { return d.code == ErrorCode::SelfIntersection; }));
 }
 
+TEST_CASE("a face of nearly no width beside large ones does not make the surface run away") {
+  // A plate with a step across its top, a hundredth of a percent of its length high.
+  const double step = 1e-3, w = 10;
+  const std::vector<std::array<double, 2>> profile{{0, 0}, {w, 0}, {w, 1}, {5, 1}, {5, 1 + step}, {0, 1 + step}};
+  std::vector<Vec3> points;
+  for (const double y : {0.0, w})
+    for (const auto& [x, z] : profile) points.push_back({x, y, z});
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t j = (i + 1) % 6;
+    triangles.push_back({i, j, j + 6}), triangles.push_back({i, j + 6, i + 6});
+  }
+  for (const auto& t : {std::array{0u, 2u, 1u}, {0u, 3u, 2u}, {0u, 4u, 3u}, {0u, 5u, 4u}}) {
+    triangles.push_back({t[0], t[2], t[1]}), triangles.push_back({t[0] + 6, t[1] + 6, t[2] + 6});
+  }
+  for (auto& t : triangles) std::swap(t[1], t[2]);
+  const auto model = make_discrete_model(points, triangles, 40 * std::numbers::pi / 180);
+  REQUIRE(model->topology().face_count() == 8);
+  REQUIRE(model->topology().region_count() == 1);
+  const double size = 0.2;
+  const SurfaceMeshResult result = mesh_surface(*model, SizeField::uniform(size), TaskRunner(2));
+  for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+  CHECK(validate_mesh(result.mesh).problems.empty());
+  const double expected = 240 / (0.433 * size * size);
+  CHECK(static_cast<double>(result.mesh.tri_to_vert.size()) < 1.5 * expected);
+  CHECK(compute_quality(result.mesh).triangles.area == Approx(240).epsilon(0.01));
+}
+
+TEST_CASE("a sharp edge that fades out in a smooth face stays sharp") {
+  // A lens whose rim is a crease on one half and rounded on the other.
+  const std::uint32_t columns = 48, rows = 16;
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t j = 1; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      const double a = 2 * std::numbers::pi * i / columns, b = std::numbers::pi * (1.0 * j / rows - 0.5);
+      const double sharp = 0.5 + 0.5 * std::cos(a);  // of the rim
+      const double r = (1 - sharp) * std::cos(b) + sharp * (1 - std::abs(2 * b / std::numbers::pi));
+      const double z = 0.4 * ((1 - sharp) * std::sin(b) + sharp * 2 * b / std::numbers::pi);
+      points.push_back({r * std::cos(a), r * std::sin(a), z});
+    }
+  }
+  const auto bottom = static_cast<std::uint32_t>(points.size()), top = bottom + 1;
+  points.push_back({0, 0, -0.4}), points.push_back({0, 0, 0.4});
+  for (std::uint32_t i = 0; i < columns; ++i) {
+    const std::uint32_t k = (i + 1) % columns, last = (rows - 2) * columns;
+    triangles.push_back({bottom, k, i}), triangles.push_back({top, last + i, last + k});
+    for (std::uint32_t j = 0; j + 2 < rows; ++j) {
+      const std::uint32_t p = j * columns + i, q = j * columns + k;
+      triangles.push_back({p, q, q + columns}), triangles.push_back({p, q + columns, p + columns});
+    }
+  }
+  const auto model = make_discrete_model(points, triangles, 40 * std::numbers::pi / 180);
+  CHECK(model->topology().face_count() == 1);
+  CHECK(model->topology().edge_count() > 0);
+  const SurfaceMeshResult result = mesh_surface(*model, SizeField::uniform(0.06), TaskRunner(2));
+  for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+  CHECK(result.warnings.empty());
+  CHECK(validate_mesh(result.mesh).open_edges == 0);
+  CHECK(compute_quality(result.mesh).triangles.min_angle_deg > 10);
+  double farthest = 0;
+  for (const Vec3& p : result.mesh.points) farthest = std::max(farthest, p.x);
+  CHECK(farthest > 0.995);
+}
+
 #ifdef TETLOOM_WORKER
+TEST_CASE("a scan of a blob, with noise, is filled with tetrahedra") {
+  // What marching cubes make of r = 1 + bumps: facets of even size, noise of a fifth of an edge.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-0.5, 0.5);
+  const auto sphere = facetted(*make_sphere({0, 0, 0}, 1), 0.05);
+  const Tessellation facets = sphere->face_geometry(ModelFaceId(0))->tessellate(1, 1);
+  std::vector<Vec3> points = facets.points;
+  for (Vec3& p : points) p = (1 + 0.1 * std::sin(4 * p.x) * std::cos(3 * p.y) + 0.008 * noise(random)) * p;
+  const auto model = make_discrete_model(points, facets.tri_to_vert, 40 * std::numbers::pi / 180);
+  MeshOptions options;
+  options.sizes.relative_size = 1.0 / 20;
+  options.sizes.curvature = 24;
+  options.volume_worker = TETLOOM_WORKER;
+  const MeshResult result = make_mesh(*model, options);
+  REQUIRE(result.status == MeshStatus::Ok);
+  CHECK(validate_mesh(result.mesh).problems.empty());
+  CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.02));
+  CHECK(compute_quality(result.mesh).triangles.min_angle_deg > 20);
+}
+
 TEST_CASE("a facet model is filled with tetrahedra") {
   MeshOptions options;
   options.sizes.size = 0.2;

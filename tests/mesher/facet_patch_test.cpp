@@ -295,6 +295,38 @@ TEST_CASE("a disc with a rim of two nodes cannot be, and is refused") {
   CHECK(patch.tri_to_vert.empty());
 }
 
+TEST_CASE("a jagged rim takes nodes however coarse, if need be with triangles that face away, which are counted") {
+  const unsigned seed = GENERATE(range(1u, 61u));
+  INFO("seed " << seed);
+  std::mt19937 random(seed);
+  const auto columns = static_cast<std::uint32_t>(16 + 2 * (random() % 20)),
+             rings = static_cast<std::uint32_t>(1 + random() % 4);
+  shapes::Facets facets = disc(columns, rings, seed % 2);
+  const double depth = 3.0 / columns;
+  for (std::uint32_t i = 0; i < columns; i += 2) {
+    Vec3& p = facets.points[1 + (rings - 1) * columns + i];
+    p = {(1 - depth) * p.x, (1 - depth) * p.y, p.z + (random() % 2 ? depth : 0)};
+  }
+  const auto model = make_discrete_model(facets.points, facets.triangles, 2.9);
+  const int pieces = 3 + static_cast<int>(random() % 6);
+  const Nodes nodes(*model, random, 1, [&](ModelEdgeId) { return pieces; });
+  REQUIRE(model->topology().face_count() == 1);
+  const auto face = model->face_geometry(ModelFaceId(0));
+  const auto chains = nodes.chains(ModelFaceId(0));
+  const auto size_at = [&](const Vec3&) { return seed % 3 ? 0.3 : 5.0; };
+  const FacetPatch patch = make_facet_patch(face->tessellate(1, 1), chains, {}, size_at);
+  REQUIRE(patch.verdict == FacetPatchVerdict::Ok);
+  std::multiset<Edge> rim;
+  const auto halves = half_edges_of(patch.tri_to_vert);
+  for (const auto& [half, count] : halves) {
+    CHECK(count == 1);
+    if (!halves.count({half.second, half.first})) rim.insert({patch.node[half.first], patch.node[half.second]});
+  }
+  CHECK(rim == pieces_of(chains));
+  CHECK(euler_of(patch.tri_to_vert) == 1);
+  CHECK(patch.inverted < patch.tri_to_vert.size());
+}
+
 TEST_CASE("a call ends when the host says so") {
   std::mt19937 random(1);
   const auto model = discrete(disc(24, 4, 0));
