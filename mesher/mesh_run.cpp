@@ -11,6 +11,7 @@
 #include "mesher/features/small_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
+#include "mesher/overlaps.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
@@ -58,6 +59,7 @@ class MeshRun {
       fits = mesh_fitting_surface();
     });
     if (!fits) return;
+    append({}, find_overlapping_regions(model_, result_.mesh, runner_));
     const bool has_regions = model_.topology().region_count() > 0;
     if (!options_.surface_only && has_regions && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
@@ -89,6 +91,13 @@ class MeshRun {
       }
     });
     result_.model_volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+    for (std::size_t r = 0; r < regions; ++r)
+      if (volumes[r] < 0)
+        result_.warnings.push_back({ErrorCode::InputUnsuitable,
+                                    "the solid is inside out: the faces of its boundary look inwards",
+                                    {model_.named(ModelRegionId(r))},
+                                    {},
+                                    {}});
     result_.seconds.size_field += watch.lap();
   }
 
