@@ -1,17 +1,19 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <new>
 #include <numeric>
 #include <optional>
 #include <sstream>
 
+#include "core/base/stage_clock.hpp"
 #include "core/base/stopwatch.hpp"
+#include "mesher/check_solids.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/failed_complexes.hpp"
 #include "mesher/features/small_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesh_run_detail.hpp"
-#include "mesher/overlaps.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/sizing/model_facets.hpp"
@@ -54,14 +56,13 @@ class MeshRun {
 
   void run_stages() {
     bool fits = false;
+    const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
     work_.together([&] {
       measure_model();
       fits = mesh_fitting_surface();
+      if (fits && fills) check_solids();
     });
-    if (!fits) return;
-    append({}, find_overlapping_regions(model_, result_.mesh, runner_));
-    const bool has_regions = model_.topology().region_count() > 0;
-    if (!options_.surface_only && has_regions && !mesh_volume()) return;
+    if (!fits || (fills && !mesh_volume())) return;
     result_.status = MeshStatus::Ok;
     if (!failed_.empty()) finish_partial();
   }
@@ -80,9 +81,11 @@ class MeshRun {
   // The model keeps what it has measured, and sizes ask for areas first. Solids of spline faces are dearest.
   void measure_model() {
     Stopwatch watch;
+    runner_.begin_stage(Stage::SizeField, 0);
     const ModelTopology& topology = model_.topology();
     const std::size_t regions = topology.region_count();
-    std::vector<double> volumes(regions);
+    std::vector<double>& volumes = model_volumes_;
+    volumes.resize(regions);
     runner_.for_each(regions + topology.face_count(), [&](std::size_t i) {
       if (i < regions) {
         volumes[i] = model_.volume(ModelRegionId(i));
@@ -91,13 +94,6 @@ class MeshRun {
       }
     });
     result_.model_volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
-    for (std::size_t r = 0; r < regions; ++r)
-      if (volumes[r] < 0)
-        result_.warnings.push_back({ErrorCode::InputUnsuitable,
-                                    "the solid is inside out: the faces of its boundary look inwards",
-                                    {model_.named(ModelRegionId(r))},
-                                    {},
-                                    {}});
     result_.seconds.size_field += watch.lap();
   }
 
@@ -112,10 +108,12 @@ class MeshRun {
 
   // Where the sizes do not fit they become smaller, and the surface is made anew: twice as small where triangles cross
   // because they are too coarse for the shape, and as small as it takes and the budget allows where it is narrow. What
-  // still crosses after a few rounds crosses in the model.
+  // still crosses after a few rounds crosses in the model. After the first round a few misfits are not worth another.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory);
+    const SmallWidth small =
+        options_.keep_small_features ? SmallWidth{} : SmallWidth{options_.small_feature, kSmallFeature};
+    SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory, small);
     if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
     std::vector<SizeRefinement> refinements;
     SizedModel sized = build_sizes(sizing, refinements);
@@ -128,13 +126,17 @@ class MeshRun {
       work_.together([&] { candidate = make_surface(sized); });
       set_aside(candidate.surface);
       Stopwatch watch;
-      const std::vector<TriangleIntersection> hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> all_hits = settle_features(candidate, complexes);
+      const std::vector<TriangleIntersection> hits = those_of_solids(all_hits, candidate.surface.mesh);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
-      const std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
+      if (round > 0 && hits.empty() && are_few(misfits, candidate.surface.mesh)) misfits.clear();
       result_.seconds.surface += watch.lap();
       if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-      if (hits.empty() && misfits.empty()) return accept(std::move(candidate), Refined::Done);
-      if (!options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate), hits);
+      const bool done = hits.empty() && misfits.empty();
+      if (done && all_hits.empty()) return accept(std::move(candidate), Refined::Done);
+      if (done || !options_.refine_surface || round == kMostRounds)
+        return judge_crossings(std::move(candidate), all_hits);
       try {
         work_.together([&] { sized = refine(candidate, hits, misfits, sizing, refinements); });
       } catch (const Error& error) {
@@ -146,6 +148,24 @@ class MeshRun {
       result_.refinement.rounds = round + 1;
       if (hits.empty()) good = std::move(candidate);
     }
+  }
+
+  static bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
+    constexpr double kFew = 1e-3;  // of the triangles
+    return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
+  }
+
+  bool bounds_region(std::uint32_t face) const {
+    const FaceSides& sides = model_.topology().face_to_sides[face];
+    return sides.front.valid() || sides.back.valid();
+  }
+
+  // Crossings of a face of a solid; sheets may cross.
+  std::vector<TriangleIntersection> those_of_solids(std::vector<TriangleIntersection> hits, const Mesh& mesh) const {
+    std::erase_if(hits, [&](const TriangleIntersection& hit) {
+      return !bounds_region(mesh.tri_to_entity[hit.first]) && !bounds_region(mesh.tri_to_entity[hit.second]);
+    });
+    return hits;
   }
 
   // The complexes that failed go out of the surface, as far as the host wants the others.
@@ -213,6 +233,7 @@ class MeshRun {
 
   SizedModel build_sizes(SizeFieldBuilder& sizing, const std::vector<SizeRefinement>& refinements) {
     Stopwatch watch;
+    runner_.begin_stage(Stage::SizeField, 0);
     SizedModel sized = sizing.build(refinements);
     check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
     result_.seconds.size_field += watch.lap();
@@ -248,12 +269,15 @@ class MeshRun {
 
   std::vector<TriangleIntersection> find_intersections(const Mesh& mesh,
                                                        const std::vector<std::uint32_t>& complexes) const {
+    runner_.begin_stage(Stage::Intersections, mesh.tri_to_vert.size());
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
     std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
     runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) groups[t] = complexes[mesh.tri_to_entity[t]];
     });
-    return find_self_intersections({mesh.points, mesh.tri_to_vert, groups}, tree, work_);
+    IntersectionSearch search{mesh.points, mesh.tri_to_vert, groups};
+    search.tells_progress = true;
+    return find_self_intersections(search, tree, work_);
   }
 
   static double longest_edge(const Mesh& mesh, std::uint32_t tri) {
@@ -328,16 +352,15 @@ class MeshRun {
     result_.absorbed = std::move(candidate.absorbed);
   }
 
-  // Crossings spoil a solid; sheets may cross.
+  // Crossings spoil a solid and no sheet.
   bool judge_crossings(Candidate&& candidate, const std::vector<TriangleIntersection>& hits) {
     const std::vector<Diagnostic> found = describe_intersections(hits, {candidate.surface.mesh.tri_to_entity, &model_});
-    const auto bounds_region = [&](const NamedEntity& entity) {
-      const FaceSides& sides = model_.topology().face_to_sides[entity.entity.index];
-      return entity.entity.dim == 2 && (sides.front.valid() || sides.back.valid());
+    const auto spoils = [&](const NamedEntity& entity) {
+      return entity.entity.dim == 2 && bounds_region(entity.entity.index);
     };
     std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
     for (const Diagnostic& diagnostic : found) {
-      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), bounds_region);
+      const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), spoils);
       (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
     }
     if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
@@ -353,6 +376,14 @@ class MeshRun {
   void append(const std::vector<Diagnostic>& errors, const std::vector<Diagnostic>& warnings) {
     result_.errors.insert(result_.errors.end(), errors.begin(), errors.end());
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
+  }
+
+  void check_solids() {
+    Stopwatch watch;
+    const MeshedModel meshed{model_, result_.mesh, result_.sizes};
+    append({}, check_volumes(meshed, model_volumes_));
+    append({}, check_overlaps(meshed, runner_));
+    result_.seconds.volume += watch.lap();
   }
 
   // What one rank cannot fill no other one knows of before the end, so ranks give up together.
@@ -394,14 +425,32 @@ class MeshRun {
   const FillVolume& fill_;
   const bool on_several_ranks_;
   MeshResult result_;
-  FailedComplexes failed_{model_};
+  std::vector<double> model_volumes_;  // per region
   std::optional<SmallFeatures> features_;
+  FailedComplexes failed_{model_};
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   double first_elements_ = 0;                      // the elements estimated for those
   bool refined_ = false;                           // in the last round
   std::map<std::uint32_t, std::size_t> refined_faces_;
   Vec3 smallest_place_;
 };
+
+Host with_clock(const Host& host, StageClock& clock) {
+  Host timed = host;
+  timed.progress = [&clock, progress = host.progress](const ProgressEvent& event) {
+    clock.enter(event.stage);
+    return !progress || progress(event);
+  };
+  return timed;
+}
+
+// A stage that was left by an exception has not been counted.
+void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
+  seconds.size_field = std::max(seconds.size_field, clock.seconds(Stage::SizeField));
+  seconds.surface = std::max(
+      seconds.surface, clock.seconds(Stage::Edges) + clock.seconds(Stage::Faces) + clock.seconds(Stage::Intersections));
+  seconds.volume = std::max(seconds.volume, clock.seconds(Stage::Volume));
+}
 
 }  // namespace
 
@@ -411,7 +460,13 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
   if (!(options.tets_per_part >= 0))
     throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
-  return MeshRun(model, options, host, fill, ranks).run();
+  if (!(options.small_feature >= 0 && std::isfinite(options.small_feature)))
+    throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
+  if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
+  StageClock clock;
+  MeshResult result = MeshRun(model, options, with_clock(host, clock), fill, ranks).run();
+  if (result.status != MeshStatus::Ok) count_unfinished_stage(clock, result.seconds);
+  return result;
 }
 
 }  // namespace tetloom

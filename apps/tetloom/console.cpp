@@ -134,12 +134,24 @@ std::string render_quality(const RunReport& report) {
   return text;
 }
 
+// What was too small for the mesh, where anything was.
+std::string small_features_row(const RunReport& report) {
+  if (!report.extra.contains("small_features")) return {};
+  const auto& features = report.extra["small_features"];
+  const auto count = [&](const char* kind) { return features[kind].get<std::uint64_t>(); };
+  if (count("faces") + count("edges") + count("vertices") == 0) return {};
+  return row("features", plural(count("faces"), "face") + " and " + plural(count("edges"), "edge") +
+                             " of the model are too small for the mesh, which is at most " +
+                             format_number(features["largest_distance"].get<double>()) + " from them");
+}
+
 std::string render_summary(const RunReport& report, const std::string& output, const std::string& report_file) {
   std::string text = plural(report.counts.points, "point") + ", " + plural(report.counts.triangles, "triangle");
   if (report.counts.tets > 0) {
     text += ", " + plural(report.counts.tets, "tet") + " in " + plural(report.counts.regions, "region");
   }
-  text += "\n" + render_quality(report) + acute_row(report.goals, report.optimizer) + time_row(report);
+  text += "\n" + render_quality(report) + small_features_row(report) + acute_row(report.goals, report.optimizer) +
+          time_row(report);
   text += row("memory", format_bytes(static_cast<double>(peak_bytes())) + " at most, " +
                             plural(static_cast<std::uint64_t>(report.threads), "thread"));
   if (!report.warnings.empty()) text += row("warnings", std::to_string(report.warnings.size()) + ", see above");

@@ -13,6 +13,9 @@ ExitStatus exit_status(ErrorCode code) {
     case ErrorCode::SelfIntersection:
     case ErrorCode::OpenShell:
     case ErrorCode::VolumeFailed:
+    case ErrorCode::VolumeDiffers:
+    case ErrorCode::RegionInsideOut:
+    case ErrorCode::RegionsOverlap:
     case ErrorCode::WorkerFailed:
     case ErrorCode::Internal: return ExitStatus::NotMeshed;
     case ErrorCode::Cancelled: return ExitStatus::Cancelled;

@@ -46,7 +46,7 @@ Examples:
 
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
-  std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle;
+  std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature;
   std::optional<int> threads, parts, rounds;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement;
@@ -63,7 +63,7 @@ struct RawPartition {
 struct RawInspection {
   std::string input, report;
   std::optional<int> threads;
-  std::optional<double> feature_angle;
+  std::optional<double> feature_angle, fill_holes;
   bool imprint = false, no_heal = false, quiet = false;
 };
 
@@ -133,7 +133,8 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.report = raw.report;
   command.quiet = raw.quiet;
   check_files(command);
-  command.read = {!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle)};
+  command.read = {!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle),
+                  not_negative("--fill-holes", raw.fill_holes, 0)};
   command.options.sizes = make_size_options(raw);
   // An STL file holds triangles alone: to fill the volume for it would be wasted.
   command.options.surface_only = raw.surface_only || lower_extension(command.output) == ".stl";
@@ -211,6 +212,9 @@ void add_reading_options(CLI::App& command, Raw& raw) {
       .add_option("--feature-angle", raw.feature_angle,
                   "STL and OBJ: cut into faces where facets turn by more; default: 40")
       ->type_name("DEG")
+      ->group(group);
+  command.add_option("--fill-holes", raw.fill_holes, "STL and OBJ: close holes up to W wide; default: 0, none")
+      ->type_name("W")
       ->group(group);
 }
 
@@ -385,7 +389,8 @@ Command parse_command_line(int argc, const char* const* argv) {
   if (adapt->parsed()) return make_adapt_command(raw_adapt);
   if (info->parsed()) {
     check_inspection(raw_info);
-    const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle)};
+    const ReadOptions read{!raw_info.no_heal, raw_info.imprint, angle_from_degrees(raw_info.feature_angle),
+                           not_negative("--fill-holes", raw_info.fill_holes, 0)};
     return InfoCommand{raw_info.input, raw_info.report, read, threads_of(raw_info), raw_info.quiet};
   }
   check_inspection(raw_check);

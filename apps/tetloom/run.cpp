@@ -1,5 +1,7 @@
 #include "apps/tetloom/run.hpp"
 
+#include <algorithm>
+#include <initializer_list>
 #include <new>
 #include <utility>
 
@@ -25,6 +27,7 @@ RunReport Run::fresh_report() const {
 
 Host Run::host() {
   return {[this](const ProgressEvent& event) {
+            clock_.enter(event.stage);
             display_.update(event);
             return true;
           },
@@ -33,6 +36,7 @@ Host Run::host() {
 
 void Run::begin(Stage stage) {
   cancel().check();
+  clock_.enter(stage);
   display_.update({stage, {}, 0, 0});
 }
 
@@ -44,6 +48,7 @@ void Run::begin_together(Stage stage) {
 ExitStatus Run::execute(const std::function<void(Run&)>& body) {
   carry_out(body);
   display_.finish();
+  if (report_.status != ExitStatus::Done) note_seconds(report_.seconds);
   if (!speaks()) return report_.status;
   print_diagnostics();
   write_report_file();
@@ -72,6 +77,21 @@ void Run::carry_out(const std::function<void(Run&)>& body) {
   } catch (const std::exception& error) {
     add_failure(report_, {ErrorCode::Internal, std::string("unexpected error: ") + error.what(), {}, {}, {}});
   }
+}
+
+// Of the stages so far, with the one that did not end, which has not been counted.
+void Run::note_seconds(RunSeconds& seconds) const {
+  const auto note = [&](double& of, std::initializer_list<Stage> stages) {
+    double sum = 0;
+    for (const Stage stage : stages) sum += clock_.seconds(stage);
+    of = std::max(of, sum);
+  };
+  note(seconds.read, {Stage::Read});
+  note(seconds.size_field, {Stage::SizeField});
+  note(seconds.surface, {Stage::Edges, Stage::Faces, Stage::Intersections});
+  note(seconds.volume, {Stage::Volume});
+  note(seconds.check, {Stage::Check});
+  note(seconds.write, {Stage::Write});
 }
 
 void Run::print_diagnostics() const {
@@ -103,6 +123,7 @@ void Run::leave() {
     remove_temporaries_of(setup_.report);
     RunReport report = fresh_report();
     report.start = report_.start;
+    note_seconds(report.seconds);
     add_failure(report, {ErrorCode::Cancelled, "cancelled by the host", {}, {}, {}});
     try {
       write_report(report, setup_.report);

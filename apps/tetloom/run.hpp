@@ -8,6 +8,7 @@
 #include "apps/tetloom/interruption.hpp"
 #include "apps/tetloom/progress_display.hpp"
 #include "apps/tetloom/report.hpp"
+#include "core/base/stage_clock.hpp"
 #include "threading/communicator.hpp"
 #include "threading/task_runner.hpp"
 
@@ -44,6 +45,7 @@ class Run {
  private:
   void probe_outputs() const;
   void carry_out(const std::function<void(Run&)>& body);
+  void note_seconds(RunSeconds& seconds) const;
   void print_diagnostics() const;
   void write_report_file();
   RunReport fresh_report() const;
@@ -53,6 +55,7 @@ class Run {
   const RunSetup setup_;
   RunReport report_;
   std::string text_;
+  StageClock clock_;
   ProgressDisplay display_;
   Interruption interruption_;
 };

@@ -13,11 +13,19 @@ struct ChildResult {
   double cpu_seconds = 0;        ///< user and system time of all its threads
   std::uint64_t peak_bytes = 0;  ///< largest resident set, of the program alone and not of what it starts
   std::uint64_t swap_bytes = 0;  ///< most memory that was swapped out whenever it was looked at
+  bool timed_out = false;        ///< it was asked to end, or killed, because its time was up
 };
 
-/// Runs `command` (a path or a name in PATH, then its arguments) and waits for it. Its standard input is empty.
+/// How long a program may run; none: as long as it likes.
+struct ChildLimit {
+  double seconds = 0;  ///< then it and what it has started are asked to end (SIGINT); 0: no limit
+  double grace = 10;   ///< seconds until they are killed
+};
+
+/// Runs `command` (a path or a name in PATH, then its arguments) and waits for it. Its standard input is empty. With a
+/// limit it has a process group of its own.
 /// Throws std::runtime_error when it cannot be started. Thread safety: may be called from any thread.
-ChildResult run_child(const std::vector<std::string>& command);
+ChildResult run_child(const std::vector<std::string>& command, const ChildLimit& limit = {});
 
 /// Whether a program of this name is in PATH.
 bool is_installed(const std::string& program);

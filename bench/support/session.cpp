@@ -50,7 +50,9 @@ void Session::print_heading(const std::string& peers) const {
   std::printf("%s, commit %s, built by %s\n%s, %d cores, %.1f GiB, %s\n", name_.c_str(), options_.commit.c_str(),
               TETLOOM_BUILD, machine_.processor.c_str(), machine_.cores,
               static_cast<double>(machine_.memory) / (1 << 30), machine_.system.c_str());
-  std::printf("%d runs each in alternation, the median counts; %s\n", options_.runs, peers.c_str());
+  if (options_.runs == 1) std::printf("one run each; %s\n", peers.c_str());
+  if (options_.runs > 1)
+    std::printf("%d runs each in alternation, the median counts; %s\n", options_.runs, peers.c_str());
   if (load_before_ > 0.5) {
     std::printf("The machine is BUSY: a load of %.2f before this run. Its figures are not fit to be quoted.\n",
                 load_before_);

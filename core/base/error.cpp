@@ -16,6 +16,9 @@ std::string_view to_string(ErrorCode code) {
     case ErrorCode::SelfIntersection: return "self_intersection";
     case ErrorCode::OpenShell: return "open_shell";
     case ErrorCode::VolumeFailed: return "volume_failed";
+    case ErrorCode::VolumeDiffers: return "volume_differs";
+    case ErrorCode::RegionInsideOut: return "region_inside_out";
+    case ErrorCode::RegionsOverlap: return "regions_overlap";
     case ErrorCode::WorkerFailed: return "worker_failed";
     case ErrorCode::Cancelled: return "cancelled";
     case ErrorCode::OutOfMemory: return "out_of_memory";

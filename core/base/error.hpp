@@ -23,6 +23,9 @@ enum class ErrorCode {
   SelfIntersection,  ///< the surface mesh crosses itself
   OpenShell,         ///< a region's boundary has a hole
   VolumeFailed,      ///< a region could not be filled
+  VolumeDiffers,     ///< a warning: a region's mesh has another volume than the model says
+  RegionInsideOut,   ///< a warning: the boundary of a region is oriented inwards
+  RegionsOverlap,    ///< a warning: regions that share no face lie in each other
   WorkerFailed,      ///< a worker process crashed, was killed or could not be started
   Cancelled,         ///< the host asked to stop
   OutOfMemory,       ///< an allocation failed or an estimate says that it would

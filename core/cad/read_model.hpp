@@ -14,6 +14,7 @@ struct ReadOptions {
   bool heal = true;      ///< repair what OpenCASCADE can repair (wires, small edges, tolerances, orientation)
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
   double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
+  double fill_holes = 0;                      ///< model length; of discrete models, holes at most as wide are closed
   /// Solids, numbered as the regions of the model that is read without this, to be made anew from the space that their
   /// faces enclose: for those whose boundary crosses itself. Of CAD files only.
   std::vector<ModelRegionId> rebuild = {};

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <numbers>
+#include <sstream>
 #include <utility>
 
 #include "core/discrete/discrete_edge.hpp"
 #include "core/discrete/discrete_face.hpp"
 #include "core/discrete/discrete_parts.hpp"
 #include "core/discrete/facet_regions.hpp"
+#include "core/discrete/open_rims.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -116,10 +118,22 @@ void warn_of_edges(const FacetSurface& surface, ErrorCode code, const char* what
   document.warnings.push_back({code, std::to_string(count) + what, {}, middle, {}});
 }
 
+/// Where the surface is open: how many edges in how many rims, and the widest of them.
+void warn_of_open_rims(const FacetSurface& surface, ModelDocument& document) {
+  const std::vector<OpenRim> rims = find_open_rims(surface.points, surface.edges);
+  if (rims.empty()) return;
+  const auto widest = std::ranges::max_element(rims, {}, &OpenRim::width);
+  std::size_t count = 0;
+  for (const OpenRim& rim : rims) count += rim.edges;
+  std::ostringstream message;
+  message << count << " facet edges are open, in " << rims.size() << (rims.size() == 1 ? " rim " : " rims up to ")
+          << widest->width << " wide: the surface there bounds no region";
+  document.warnings.push_back({ErrorCode::OpenShell, message.str(), {}, widest->point, {}});
+}
+
 void warn_of_irregular_edges(const FacetSurface& surface, ModelDocument& document) {
   const auto facets = [&](std::size_t edge) { return surface.edges.halves(edge).size(); };
-  warn_of_edges(surface, ErrorCode::OpenShell, " facet edges are open: the surface there bounds no region", document,
-                [&](std::size_t edge) { return facets(edge) == 1; });
+  warn_of_open_rims(surface, document);
   warn_of_edges(surface, ErrorCode::InputUnsuitable, " facet edges cut a one-sided surface open", document,
                 [&](std::size_t edge) { return facets(edge) == 2 && !surface.edge_is_joint[edge]; });
 }
@@ -131,14 +145,16 @@ void check_feature_angle(double angle) {
 
 }  // namespace
 
-ModelDocument build_discrete_model(FacetSoup&& soup, double feature_angle, const CancelToken* cancel) {
-  check_feature_angle(feature_angle);
+ModelDocument build_discrete_model(FacetSoup&& soup, const ReadOptions& options, const CancelToken* cancel) {
+  check_feature_angle(options.feature_angle);
+  if (!(options.fill_holes >= 0))
+    throw Error(ErrorCode::InvalidArgument, "the width of holes to fill must not be negative");
   ModelDocument document;
   for (const std::string& remark : soup.remarks) {
     document.warnings.push_back({ErrorCode::InputUnsuitable, remark, {}, {}, {}});
   }
   const std::vector<std::string> group_names = std::move(soup.group_names);
-  document.healing = clean_soup(soup, cancel);
+  document.healing = clean_soup(soup, options.fill_holes, cancel);
   std::vector<bool> turned_over;
   FacetSurface surface = orient_facets(std::move(soup), turned_over);
   check_cancelled(cancel);
@@ -149,7 +165,7 @@ ModelDocument build_discrete_model(FacetSoup&& soup, double feature_angle, const
   if (turned > 0) document.healing.push_back({"facets turned over", turned});
   std::move(regions.warnings.begin(), regions.warnings.end(), std::back_inserter(document.warnings));
   warn_of_irregular_edges(surface, document);
-  auto parts = std::make_shared<const DiscreteParts>(std::move(surface), feature_angle);
+  auto parts = std::make_shared<const DiscreteParts>(std::move(surface), options.feature_angle);
   check_cancelled(cancel);
   document.model = std::make_unique<DiscreteModel>(std::move(parts), regions, group_names);
   return document;

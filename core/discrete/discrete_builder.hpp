@@ -6,6 +6,6 @@
 namespace tetloom::detail {
 
 /// Fills everything of the document but `format`. Errors: as read_discrete_model.
-ModelDocument build_discrete_model(FacetSoup&& soup, double feature_angle, const CancelToken* cancel);
+ModelDocument build_discrete_model(FacetSoup&& soup, const ReadOptions& options, const CancelToken* cancel);
 
 }  // namespace tetloom::detail

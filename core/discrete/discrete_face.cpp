@@ -41,7 +41,7 @@ Vec3 DiscreteFace::normal(const Vec2& uv) {
   const Vec3 facet = normalized(facet_normal(facets_.points, t));
   const Vec3 smooth = normalized(p.b0 * facets_.jets.normals[t[0]] + p.b1 * facets_.jets.normals[t[1]] +
                                  p.b2 * facets_.jets.normals[t[2]]);
-  constexpr double kFarFromFacet = 0.25;  // cosine; where folds make the mean meaningless
+  constexpr double kFarFromFacet = 0.7;  // cosine; where folds make the mean meaningless
   if (facet == Vec3{}) return smooth;
   return dot(smooth, facet) > kFarFromFacet ? smooth : facet;
 }
@@ -57,12 +57,14 @@ PrincipalCurvatures DiscreteFace::curvature(const Vec2& uv) {
 
 SurfacePoint DiscreteFace::closest_point(const Vec3& x, const std::optional<Vec2>& guess) {
   FacetPoint start;
+  Vec3 direction;
   if (guess) {
     const Place p = decode(*guess);
     start = closest_on_triangle(x, corner(p, 0), corner(p, 1), corner(p, 2));
     start.tri = p.tri;
+    direction = normal(*guess);
   }
-  const FacetPoint found = facets_.bvh.closest(x, start);
+  const FacetPoint found = facets_.bvh.closest_facing(x, direction, start);
   SurfacePoint result;
   result.uv = encode(found.tri, found.b1, found.b2);
   result.point = evaluate(result.uv);

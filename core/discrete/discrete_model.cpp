@@ -76,7 +76,7 @@ ModelDocument read_discrete_model(const std::filesystem::path& path, const ReadO
       const std::string bytes = read_bytes(path, cancel), name = path.string();
       soup = format == Format::Stl ? detail::parse_stl(bytes, name, cancel) : detail::parse_obj(bytes, name, cancel);
     }
-    ModelDocument document = detail::build_discrete_model(std::move(soup), options.feature_angle, cancel);
+    ModelDocument document = detail::build_discrete_model(std::move(soup), options, cancel);
     document.format = format == Format::Stl ? "STL" : "OBJ";
     return document;
   } catch (const std::bad_alloc&) {
@@ -92,7 +92,9 @@ std::unique_ptr<GeometricModel> make_discrete_model(std::span<const Vec3> points
   soup.points.assign(points.begin(), points.end());
   soup.tri_to_vert.assign(triangles.begin(), triangles.end());
   soup.tri_to_group.assign(tri_to_group.begin(), tri_to_group.end());
-  return detail::build_discrete_model(std::move(soup), feature_angle, nullptr).model;
+  ReadOptions options;
+  options.feature_angle = feature_angle;
+  return detail::build_discrete_model(std::move(soup), options, nullptr).model;
 }
 
 }  // namespace tetloom

@@ -121,7 +121,7 @@ void FacetBvh::build(std::uint32_t begin, std::uint32_t end, std::span<const Vec
   nodes_[self] = {box, second, 0, 0};
 }
 
-FacetPoint FacetBvh::closest(const Vec3& x, FacetPoint start) const {
+FacetPoint FacetBvh::closest_facing(const Vec3& x, const Vec3& direction, FacetPoint start) const {
   struct Entry {
     std::uint32_t node;
     double distance2;
@@ -138,7 +138,9 @@ FacetPoint FacetBvh::closest(const Vec3& x, FacetPoint start) const {
       const Triangle& t = tri_to_vert_[order_[i]];
       FacetPoint candidate = closest_on_triangle(x, points_[t[0]], points_[t[1]], points_[t[2]]);
       candidate.tri = order_[i];
-      if (candidate.distance2 < start.distance2) start = candidate;
+      if (!(candidate.distance2 < start.distance2)) continue;
+      const Vec3 normal = cross(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]);
+      if (!(dot(normal, direction) < 0)) start = candidate;
     }
     if (node.count > 0) continue;
     Entry near{entry.node + 1, distance2_to_box(x, nodes_[entry.node + 1].box)};

@@ -32,7 +32,9 @@ class FacetBvh {
   FacetBvh(std::span<const Vec3> points, std::span<const Triangle> tri_to_vert);
 
   /// The nearest point of all triangles that is nearer than `start`, or `start` itself.
-  FacetPoint closest(const Vec3& x, FacetPoint start = {}) const;
+  FacetPoint closest(const Vec3& x, FacetPoint start = {}) const { return closest_facing(x, {}, start); }
+  /// The same of the triangles that do not face away from `direction`; all where it is zero.
+  FacetPoint closest_facing(const Vec3& x, const Vec3& direction, FacetPoint start) const;
   /// Calls visit(tri) for the triangles whose boxes the ray from `origin` along `direction` touches.
   void for_each_near_ray(const Vec3& origin, const Vec3& direction,
                          const std::function<void(std::uint32_t)>& visit) const;

@@ -159,6 +159,52 @@ Vec3 multiply(const SymmetricTensor& m, const Vec3& x) {
           m[2] * x.x + m[4] * x.y + m[5] * x.z};
 }
 
+double magnitude(const SymmetricTensor& m) {
+  return std::sqrt(m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]));
+}
+
+/// Means over a point and its neighbours.
+template <class Value, class Add>
+std::vector<Value> mean_around(const std::vector<Value>& values, const Neighbours& neighbours, Add&& add) {
+  std::vector<Value> means(values.size());
+  for (std::uint32_t v = 0; v < values.size(); ++v) {
+    const auto around = neighbours.of(v);
+    const double share = 1 / (2.0 + static_cast<double>(around.size()));  // neighbours inside count twice
+    Value sum{};
+    add(sum, values[v], 2 * share);
+    for (const std::uint32_t other : around) add(sum, values[other], share);
+    means[v] = sum;
+  }
+  return means;
+}
+
+/// Takes the noise out of bending tensors. Noise of the points bends the surface to and fro from one point to the next,
+/// so that the mean over a point's neighbours is small against the mean of the magnitudes; a feature as wide as three
+/// facets is not. Where noise prevails, the mean over a few rings takes the place of the value.
+void filter_noise(std::vector<SymmetricTensor>& bending, const Neighbours& neighbours) {
+  constexpr int kRings = 8;                      // of averaging: a radius of about three facets
+  constexpr double kNoise = 0.45, kClean = 0.7;  // mean / mean magnitude
+  const auto add_tensor = [](SymmetricTensor& sum, const SymmetricTensor& m, double weight) {
+    for (std::size_t i = 0; i < m.size(); ++i) sum[i] += weight * m[i];
+  };
+  const auto add_number = [](double& sum, double value, double weight) { sum += weight * value; };
+  const auto magnitudes = [](const std::vector<SymmetricTensor>& tensors) {
+    std::vector<double> result;
+    for (const SymmetricTensor& m : tensors) result.push_back(magnitude(m));
+    return result;
+  };
+  std::vector<SymmetricTensor> mean = mean_around(bending, neighbours, add_tensor);
+  const std::vector<double> joint = mean_around(magnitudes(mean), neighbours, add_number);
+  std::vector<double> single = mean_around(magnitudes(bending), neighbours, add_number);
+  single = mean_around(single, neighbours, add_number);
+  for (int ring = 1; ring < kRings; ++ring) mean = mean_around(mean, neighbours, add_tensor);
+  for (std::size_t v = 0; v < bending.size(); ++v) {
+    if (!(single[v] > 0)) continue;
+    const double keep = std::clamp((joint[v] / single[v] - kNoise) / (kClean - kNoise), 0.0, 1.0);
+    for (std::size_t i = 0; i < mean[v].size(); ++i) bending[v][i] = keep * bending[v][i] + (1 - keep) * mean[v][i];
+  }
+}
+
 }  // namespace
 
 std::vector<Vec3> compute_vertex_normals(std::span<const Vec3> points, std::span<const Triangle> tri_to_vert) {
@@ -196,6 +242,7 @@ PointJets fit_jets(std::span<const Vec3> points, std::span<const Triangle> tri_t
       if (std::hypot(jet.a, jet.b) < kSteep) break;
     }
   }
+  filter_noise(jets.bending, neighbours);
   return jets;
 }
 

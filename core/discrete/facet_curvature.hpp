@@ -27,7 +27,8 @@ struct PointJets {
 /// Fits a quadric to the neighbours of each point, in the frame of its mean normal: a jet of degree 2 (Cazals & Pouget
 /// 2003) with least squares weighted by 1/distance². We hold the point itself fixed, take the second ring of neighbours
 /// only where the first has fewer than six points or the point lies on the rim, and leave at zero what the neighbours
-/// do not tell. The jet also corrects the normal, which at a rim would else be that of the facets on one side.
+/// do not tell. Bending that noise of the points makes, to and fro from one point to the next, is averaged out. The jet
+/// also corrects the normal, which at a rim would else be that of the facets on one side.
 PointJets fit_jets(std::span<const Vec3> points, std::span<const Triangle> tri_to_vert,
                    const std::vector<bool>& on_rim);
 

@@ -37,9 +37,10 @@ FacetSoup parse_obj(std::string_view bytes, const std::string& name, const Cance
 
 /// Turns a soup into a set of proper facets: equal points merged; facets with repeated points, duplicate facets and
 /// facets thinner than single-precision resolution removed; cracks between points closed where a small tolerance
-/// (at most 1e-4 of the bounding box's diagonal) closes them. Unused points are dropped. Returns what was repaired.
+/// (at most 1e-4 of the bounding box's diagonal) closes them, T-junctions cut, needles collapsed, and holes up to
+/// `hole_width` wide filled. Unused points are dropped. Returns what was repaired.
 /// Errors: InputUnsuitable (coordinates that are not finite or absurd, no facets left), Cancelled.
-std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel);
+std::vector<HealingStep> clean_soup(FacetSoup& soup, double hole_width, const CancelToken* cancel);
 
 inline void check_cancelled(const CancelToken* cancel) {
   if (cancel) cancel->check();

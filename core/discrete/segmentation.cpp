@@ -3,64 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/discrete/creases.hpp"
+
 namespace tetloom::detail {
 namespace {
 
-/// Facet edges that faces may not be walked across.
-std::vector<bool> find_walls(const FacetSurface& surface, double feature_angle) {
-  std::vector<Vec3> normals;
-  normals.reserve(surface.tri_to_vert.size());
-  for (const Triangle& t : surface.tri_to_vert) normals.push_back(normalized(facet_normal(surface.points, t)));
-  const double least_cosine = std::cos(feature_angle);
-  std::vector<bool> walls(surface.edges.size());
-  for (std::size_t edge = 0; edge < walls.size(); ++edge) {
-    if (!surface.edge_is_joint[edge]) {
-      walls[edge] = true;
-      continue;
-    }
-    const auto halves = surface.edges.halves(edge);
-    const std::uint32_t a = half_to_tri(halves[0]), b = half_to_tri(halves[1]);
-    const bool flat = normals[a] == Vec3{} || normals[b] == Vec3{};  // a facet without area turns by nothing
-    walls[edge] = surface.group(a) != surface.group(b) || (!flat && dot(normals[a], normals[b]) < least_cosine);
-  }
-  return walls;
-}
-
-void find_faces(const FacetSurface& surface, const std::vector<bool>& walls, Segmentation& result) {
-  result.tri_to_face.assign(surface.tri_to_vert.size(), kNone);
-  std::vector<std::uint32_t> reached;
-  for (std::uint32_t seed = 0; seed < surface.tri_to_vert.size(); ++seed) {
-    if (result.tri_to_face[seed] != kNone) continue;
-    reached.assign(1, seed);
-    result.tri_to_face[seed] = result.face_count;
-    while (!reached.empty()) {
-      const std::uint32_t tri = reached.back();
-      reached.pop_back();
-      for (std::uint32_t half = 3 * tri; half < 3 * tri + 3; ++half) {
-        if (walls[surface.edges.half_to_edge[half]]) continue;
-        const std::uint32_t other = half_to_tri(surface.edges.twin(half));
-        if (result.tri_to_face[other] != kNone) continue;
-        result.tri_to_face[other] = result.face_count;
-        reached.push_back(other);
-      }
-    }
-    ++result.face_count;
-  }
-}
-
-bool parts_faces(const FacetSurface& surface, const Segmentation& result, std::size_t edge) {
-  if (!surface.edge_is_joint[edge]) return true;
-  const auto halves = surface.edges.halves(edge);
-  return result.tri_to_face[half_to_tri(halves[0])] != result.tri_to_face[half_to_tri(halves[1])];
-}
-
-/// Links the facet edges between faces into model edges.
+/// Links the walls into model edges.
 class ChainTracer {
  public:
-  ChainTracer(const FacetSurface& surface, double feature_angle, Segmentation& result)
+  ChainTracer(const FacetSurface& surface, const std::vector<bool>& walls, double feature_angle, Segmentation& result)
       : surface_(surface), least_cosine_(std::cos(feature_angle)), result_(result) {
     for (std::uint32_t edge = 0; edge < surface.edges.size(); ++edge) {
-      if (parts_faces(surface, result, edge)) rims_.push_back(edge);
+      if (walls[edge]) rims_.push_back(edge);
     }
     collect_incidence();
     find_breaks();
@@ -237,8 +191,9 @@ std::uint32_t next_rim_half(const FacetSurface& surface, const Segmentation& seg
 
 Segmentation segment_surface(const FacetSurface& surface, double feature_angle) {
   Segmentation result;
-  find_faces(surface, find_walls(surface, feature_angle), result);
-  ChainTracer(surface, feature_angle, result).run();
+  const std::vector<bool> walls = find_walls(surface, feature_angle);
+  result.tri_to_face = flood_between_walls(surface, walls, result.face_count);
+  ChainTracer(surface, walls, feature_angle, result).run();
   LoopTracer(surface, result).run();
   return result;
 }

@@ -1,11 +1,11 @@
 #pragma once
 // Cutting a facet surface into model faces, edges and vertices. Private to core/discrete.
 //
-// Faces are the largest sets of facets of one group and one leaf that can be walked without crossing a joint where the
-// surface turns by more than the feature angle. Model edges are chains of the facet edges between different faces and
-// of those that are no joints; a crease that fades out within a face does not divide it and is not kept. Model
-// vertices lie where chains end, meet, change their faces or turn by more than the feature angle; a closed chain
-// without any gets one at its lowest point.
+// Faces are the largest sets of facets of one group and one leaf that can be walked without crossing a wall (see
+// creases.hpp). Model edges are chains of walls: between different faces, at the rims of leaves, and within one face
+// where a crease fades out in it; such an edge appears twice in the face, once in each direction. Model vertices lie
+// where chains end, meet, change their faces or turn by more than the feature angle; a closed chain without any gets
+// one at its lowest point.
 #include <cstdint>
 #include <vector>
 

@@ -7,6 +7,8 @@
 
 #include "core/discrete/facet_edges.hpp"
 #include "core/discrete/facet_soup.hpp"
+#include "core/discrete/needles.hpp"
+#include "core/discrete/open_rims.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -301,7 +303,7 @@ std::size_t remove_slivers(FacetSoup& soup, const CancelToken* cancel) {
 
 }  // namespace
 
-std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel) {
+std::vector<HealingStep> clean_soup(FacetSoup& soup, double hole_width, const CancelToken* cancel) {
   check_not_empty(soup, "the file has no facets");
   check_coordinates(soup);
   apply_map(soup.tri_to_vert, map_to_first_equal(soup.points));
@@ -311,8 +313,11 @@ std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel) 
   drop_unused_points(soup);
   check_not_empty(soup, "all facets of the file are degenerate");
   const std::size_t merged = close_cracks(soup, cancel);
+  const std::size_t junctions = close_t_junctions(soup, cancel);
+  const std::size_t needles = collapse_needles(soup, cancel);
   const std::size_t slivers = remove_slivers(soup, cancel);
   check_not_empty(soup, "all facets of the file are degenerate");
+  const std::size_t holes = hole_width > 0 ? fill_holes(soup, hole_width, cancel) : 0;
   drop_unused_points(soup);
   std::vector<HealingStep> steps;
   const auto report = [&](const char* what, std::size_t count) {
@@ -321,7 +326,10 @@ std::vector<HealingStep> clean_soup(FacetSoup& soup, const CancelToken* cancel) 
   report("degenerate facets removed", collapsed);
   report("duplicate facets removed", duplicates);
   report("points merged to close cracks", merged);
+  report("facets cut where other facets' corners lie on their sides", junctions);
+  report("points merged across needles", needles);
   report("slivers thinner than the file's precision removed", slivers);
+  report("holes filled", holes);
   return steps;
 }
 

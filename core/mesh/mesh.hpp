@@ -38,7 +38,9 @@ struct MeshField {
 struct Mesh {
   std::vector<Vec3> points;
   std::vector<ModelEntity> point_to_entity;  ///< the lowest-dimension model entity that the point lies on; may be
-                                             ///< invalid for meshes from elsewhere
+                                             ///< invalid for meshes from elsewhere. Where small features were
+                                             ///< eliminated a point may lie on several model edges, pieces of which
+                                             ///< end there: it is classified on one of them
   std::vector<std::array<std::uint32_t, 2>> edge_to_vert;  ///< pieces of model edges
   std::vector<std::uint32_t> edge_to_entity;               ///< index of the model edge
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;   ///< counter-clockwise seen from the tip of the face's normal

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numeric>
 
 #include "core/mesh/incidence_detail.hpp"
@@ -18,6 +19,23 @@ template <class Element>
 bool lies_on_closure(const Mesh& mesh, const Element& element, int dim, std::uint32_t index) {
   return std::all_of(element.begin(), element.end(),
                      [&](std::uint32_t v) { return may_lie_on(entity_of_point(mesh, v), dim, index); });
+}
+
+// Points inside of a model edge, as far as they are classified so, that have a piece of this edge.
+std::vector<std::uint8_t> points_on_own_edge(const Mesh& mesh) {
+  std::vector<std::uint8_t> found(mesh.points.size(), 0);
+  for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e)
+    for (const std::uint32_t v : mesh.edge_to_vert[e])
+      if (entity_of_point(mesh, v) == ModelEntity(1, mesh.edge_to_entity[e])) found[v] = 1;
+  return found;
+}
+
+// Model edges may have been merged: a piece of one may end inside of another one that has a piece there too.
+bool is_edge_on_closure(const Mesh& mesh, std::size_t e, const std::vector<std::uint8_t>& on_own_edge) {
+  return std::ranges::all_of(mesh.edge_to_vert[e], [&](std::uint32_t v) {
+    return may_lie_on(entity_of_point(mesh, v), 1, mesh.edge_to_entity[e]) ||
+           (entity_of_point(mesh, v).dim == 1 && on_own_edge[v] != 0);
+  });
 }
 
 std::size_t count_classified(const std::vector<std::uint32_t>& entities, const BlockLoop& loop) {
@@ -66,7 +84,13 @@ void validate_classification(const Mesh& mesh, const PointMarks& marks, const Bl
           of_block.add(ProblemKind::ClassificationConflict, kind, e);
     });
   };
-  check(mesh.edge_to_vert, mesh.edge_to_entity, 1, ElementKind::Edge);
+  check_entities(mesh, mesh.edge_to_entity, 1, ElementKind::Edge, loop, log);
+  const std::vector<std::uint8_t> on_own_edge = points_on_own_edge(mesh);
+  log_blocks(mesh, mesh.edge_to_vert.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+    for (std::size_t e = begin; e < end; ++e)
+      if (!is_edge_on_closure(mesh, e, on_own_edge))
+        of_block.add(ProblemKind::ClassificationConflict, ElementKind::Edge, e);
+  });
   check(mesh.tri_to_vert, mesh.tri_to_entity, 2, ElementKind::Triangle);
   check(mesh.quad_to_vert, mesh.quad_to_entity, 2, ElementKind::Quad);
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& entities) {

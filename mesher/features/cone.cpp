@@ -8,8 +8,14 @@ namespace {
 
 double angle_between(const Vec3& s, const Vec3& t) { return std::atan2(norm(cross(s, t)), dot(s, t)); }
 
+bool is_inside(const Vec3& foot, const Cone& cone) {
+  return dot(cross(cone.first, foot), cone.normal) >= 0 && dot(cross(foot, cone.last), cone.normal) >= 0;
+}
+
+// What lies over the inside of a cone is out of its plane; what lies beside it may be in it.
 double one_way(const Cone& s, const Cone& t, double limit) {
-  return angle_to_cone(s.middle, t) / std::min(limit, 0.45 * s.angle);
+  const bool above = is_inside(s.middle - dot(s.middle, t.normal) * t.normal, t);
+  return angle_to_cone(s.middle, t) / (above ? limit : std::min(limit, 0.45 * s.angle));
 }
 
 }  // namespace
@@ -25,8 +31,7 @@ Cone make_cone(const Vec3& corner, const Vec3& b, const Vec3& c) {
 double angle_to_cone(const Vec3& direction, const Cone& cone) {
   const double height = dot(direction, cone.normal);
   const Vec3 foot = direction - height * cone.normal;
-  if (dot(cross(cone.first, foot), cone.normal) >= 0 && dot(cross(foot, cone.last), cone.normal) >= 0)
-    return std::asin(std::min(1.0, std::abs(height)));
+  if (is_inside(foot, cone)) return std::asin(std::min(1.0, std::abs(height)));
   return std::min(angle_between(direction, cone.first), angle_between(direction, cone.last));
 }
 

@@ -22,9 +22,10 @@ Cone make_cone(const Vec3& corner, const Vec3& b, const Vec3& c);
 double angle_to_cone(const Vec3& direction, const Cone& cone);
 
 /// How nearly two cones lie upon each other: the angle between the middle of one and the nearest direction of the
-/// other, in units of `limit` or of .45 of the angle of the one whose middle it is, whichever is smaller; the lesser of
-/// both ways. Below 1 where they lie upon each other at less than `limit`. Cones side by side in a plane have 1.1 and
-/// more, however narrow they are. Infinite where one of them has no angle.
+/// other, in units of `limit`; where the middle lies beside the other cone and not over it, in units of .45 of the
+/// angle of its own cone if that is smaller. The lesser of both ways. Below 1 where the cones lie upon each other at
+/// less than `limit`. Cones side by side in a plane have 1.1 and more, however narrow they are. Infinite where one of
+/// them has no angle.
 double separation(const Cone& s, const Cone& t, double limit);
 
 }  // namespace tetloom::features

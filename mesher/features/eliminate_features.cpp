@@ -246,6 +246,8 @@ class Eliminator {
 
   void make(const LocalChange& change) {
     apply(change, *surface_);
+    for (const std::uint32_t p : surface_->pieces_at(change.kept))
+      for (const std::uint32_t v : surface_->piece(p)) is_touched_[v] = 1;
     std::vector<std::uint32_t> around;
     for (const AddedTriangle& added : change.added)
       for (const std::uint32_t v : added.verts) {
@@ -262,7 +264,26 @@ class Eliminator {
     return v;
   }
 
+  // A point that was on a model edge of which it has no piece any more lies on what there is now.
+  void reclassify_points() {
+    for (std::uint32_t v = 0; v < surface_->point_count(); ++v) {
+      const ModelEntity entity = surface_->entity(v);
+      if (!is_touched_[v] || entity.dim != 1 || surface_->triangles_at(v).empty()) continue;
+      std::uint32_t lowest = kNone;
+      bool has_own = false;
+      for (const std::uint32_t p : surface_->pieces_at(v)) {
+        lowest = std::min(lowest, surface_->piece_edge(p));
+        has_own = has_own || surface_->piece_edge(p) == entity.index;
+      }
+      if (has_own) continue;
+      const ModelEntity now = lowest != kNone ? ModelEntity(ModelEdgeId(lowest))
+                                              : ModelEntity(ModelFaceId(surface_->face(surface_->triangles_at(v)[0])));
+      surface_->move_point(v, surface_->point(v), now);
+    }
+  }
+
   EliminationResult finish() {
+    reclassify_points();
     find_absorbed();
     std::vector<std::uint32_t> new_ids;
     result_.mesh = surface_->give_back(new_ids);

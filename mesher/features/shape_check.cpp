@@ -64,13 +64,17 @@ class FoldCheck {
     return now < 1 && now < kKeptShare * separation_before(v, added.source, other.source, limit);
   }
 
-  // Infinite where the two did not meet at a corner.
+  // Infinite where the two did not meet at a corner. A vertex inside of a face is no feature that holds two surfaces
+  // apart: what is at the one that it goes into was as near to its triangles before, but for the place.
   double separation_before(std::uint32_t v, std::uint32_t source, std::uint32_t other, double limit) const {
     const Triangle &s = surface_.triangle(source), &t = surface_.triangle(other);
     const auto position = [&](std::uint32_t w) { return before(w); };
     for (const std::uint32_t corner : {v, change_.gone})
       if (corner != kNone && has(s, corner) && has(t, corner))
         return separation(cone_at(corner, s, position), cone_at(corner, t, position), limit);
+    if (change_.gone == kNone || surface_.entity(change_.gone).dim < 2) return HUGE_VAL;
+    if (has(s, change_.gone) && has(t, change_.kept))
+      return separation(cone_at(change_.gone, s, position), cone_at(change_.kept, t, position), limit);
     return HUGE_VAL;
   }
 

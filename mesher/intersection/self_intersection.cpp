@@ -23,7 +23,7 @@ bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) 
 class Searcher {
  public:
   Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const TaskRunner& runner)
-      : search_(search), tree_(tree), degenerate_(search.tri_to_vert.size()) {
+      : search_(search), tree_(tree), runner_(runner), degenerate_(search.tri_to_vert.size()) {
     runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
@@ -38,6 +38,7 @@ class Searcher {
   std::vector<TriangleIntersection> search_leaves(std::size_t begin, std::size_t end) const {
     std::vector<TriangleIntersection> found;
     for (std::size_t leaf = begin; leaf < end && found.size() < search_.most; ++leaf) {
+      runner_.check_cancelled();  // of long triangles, each may lie near all others
       for (const std::uint32_t triangle : tree_.leaf_triangles(leaf)) {
         if (degenerate_[triangle]) found.push_back(degenerate_at(triangle));
       }
@@ -47,6 +48,8 @@ class Searcher {
       tree_.for_each_leaf_in(tree_.leaf_box(leaf), leaf,
                              [&](std::size_t other) { compare_leaves(leaf, boxes, other, found); });
     }
+    const std::size_t last = std::min(end * intersection::TriangleTree::kLeafSize, search_.tri_to_vert.size());
+    if (search_.tells_progress) runner_.advance(last - begin * intersection::TriangleTree::kLeafSize);
     return found;
   }
 
@@ -79,6 +82,7 @@ class Searcher {
 
   const IntersectionSearch& search_;
   const intersection::TriangleTree& tree_;
+  const TaskRunner& runner_;
   std::vector<char> degenerate_;
 };
 

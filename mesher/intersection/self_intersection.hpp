@@ -33,6 +33,8 @@ struct IntersectionSearch {
   std::span<const std::uint32_t> tri_to_group;
   /// At most this many are returned.
   std::size_t most = 1000;
+  /// Whether triangles are counted as done of the runner's present stage.
+  bool tells_progress = false;
 };
 
 /// All pairs of triangles of the same group that meet beyond what they share by vertex id: those that cross, those that

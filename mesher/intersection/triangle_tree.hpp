@@ -6,6 +6,7 @@
 // come from any number of threads. Refers to the arrays it was built from, which must outlive it.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,6 +15,36 @@
 #include "threading/task_runner.hpp"
 
 namespace tetloom::intersection {
+
+/// Whether a segment meets boxes (closed): the axes' and the cross products' projections are compared (Ericson 2004,
+/// 5.3.3). True for boxes that rounding alone keeps apart from it.
+class SegmentBoxTest {
+ public:
+  SegmentBoxTest(const Vec3& x, const Vec3& along)
+      : middle_(x + 0.5 * along),
+        half_(0.5 * along),
+        absolute_{std::abs(half_.x), std::abs(half_.y), std::abs(half_.z)} {
+    constexpr double kRounding = 1e-12;
+    rounding_ = kRounding * (std::abs(middle_.x) + std::abs(middle_.y) + std::abs(middle_.z) + absolute_.x +
+                             absolute_.y + absolute_.z);
+  }
+  bool operator()(const Box3& box) const {
+    const Vec3 extent = 0.5 * (box.hi - box.lo) + Vec3{rounding_, rounding_, rounding_};
+    const Vec3 m = middle_ - box.center();
+    const Vec3 a{std::abs(m.x), std::abs(m.y), std::abs(m.z)};
+    if (a.x > extent.x + absolute_.x || a.y > extent.y + absolute_.y || a.z > extent.z + absolute_.z) return false;
+    const Vec3 c = cross(m, half_);
+    return std::abs(c.x) <= extent.y * absolute_.z + extent.z * absolute_.y + slack(a.y, a.z) &&
+           std::abs(c.y) <= extent.x * absolute_.z + extent.z * absolute_.x + slack(a.x, a.z) &&
+           std::abs(c.z) <= extent.x * absolute_.y + extent.y * absolute_.x + slack(a.x, a.y);
+  }
+
+ private:
+  double slack(double s, double t) const { return (s + t) * rounding_; }
+
+  Vec3 middle_, half_, absolute_;
+  double rounding_;
+};
 
 class TriangleTree {
  public:
@@ -29,6 +60,18 @@ class TriangleTree {
     descend([&](const Box3& node) { return node.overlaps(box); },
             [&](std::uint32_t triangle) {
               if (box_of(triangle).overlaps(box)) visit(triangle);
+              return true;
+            });
+  }
+  /// Calls visit(triangle) for every triangle whose box meets the segment from `x` to `x + along` (closed, up to
+  /// rounding: a few more may be visited), in the tree's own order. Where triangles are much smaller than the segment
+  /// is long, far fewer than the segment's box overlaps.
+  template <class Visit>
+  void for_each_along(const Vec3& x, const Vec3& along, Visit&& visit) const {
+    const SegmentBoxTest meets(x, along);
+    descend([&](const Box3& node) { return meets(node); },
+            [&](std::uint32_t triangle) {
+              if (meets(box_of(triangle))) visit(triangle);
               return true;
             });
   }

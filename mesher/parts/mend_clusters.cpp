@@ -8,7 +8,14 @@ namespace tetloom::parts {
 
 namespace {
 
-constexpr std::size_t kMostMissing = 3000;  // triangles: more say that the surface is not sound
+// More missing triangles than both say that the surface is not sound.
+constexpr std::size_t kMissingOfAnySurface = 3000;
+constexpr std::size_t kLeastPerMissing = 4;  // triangles of the surface
+
+bool are_too_many(const AllParts& parts, std::size_t missing) {
+  const std::size_t all = parts.input.filling.complex.tri_to_vert.size();
+  return missing > kMissingOfAnySurface && missing > all / kLeastPerMissing;
+}
 
 std::vector<std::uint32_t> gather_missing(const AllParts& parts) {
   std::vector<std::uint32_t> own;
@@ -93,7 +100,7 @@ Mending mend_surface(const AllParts& parts) {
   Mending mending;
   const std::vector<std::uint32_t> missing = gather_missing(parts);
   if (missing.empty()) return mending;
-  if (missing.size() > kMostMissing) {
+  if (are_too_many(parts, missing.size())) {
     parts.set_fault(std::to_string(missing.size()) + " triangles of the surface are missing");
     return mending;
   }

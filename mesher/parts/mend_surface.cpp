@@ -57,7 +57,8 @@ class ClusterRecovery {
     fix_core();
     find_triangles();
     const std::vector<TetKeys> before = name_tets();
-    const tets::RecoveryReport report = recover_boundary(mesh_, verts_, {}, runner_);
+    const tets::RecoveryReport report =
+        recover_boundary(mesh_, verts_, tets::recover_options(mesh_.size(), 0), runner_);
     patch_.recovered = report.unrecovered.empty();
     if (!patch_.recovered) return std::move(patch_);
     const std::vector<TetKeys> after = name_tets();
@@ -193,18 +194,28 @@ class ClusterRecovery {
   Patch patch_;
 };
 
+// A sweep along x: a box is compared to those before it that reach it there.
+DisjointSets join_overlapping(std::span<const Box3> boxes) {
+  std::vector<std::uint32_t> order(boxes.size()), reaching;
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return boxes[a].lo.x < boxes[b].lo.x; });
+  DisjointSets sets(boxes.size());
+  for (const std::uint32_t box : order) {
+    std::erase_if(reaching, [&](std::uint32_t other) { return boxes[other].hi.x < boxes[box].lo.x; });
+    for (const std::uint32_t other : reaching)
+      if (boxes[box].overlaps(boxes[other])) sets.join(box, other);
+    reaching.push_back(box);
+  }
+  return sets;
+}
+
 }  // namespace
 
 std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std::uint32_t> missing) {
   std::vector<Box3> boxes;
-  DisjointSets sets;
-  for (const std::uint32_t triangle : missing) {
-    boxes.push_back(box_around(input, triangle, kApart));
-    sets.add();
-  }
-  for (std::uint32_t a = 0; a < boxes.size(); ++a)
-    for (std::uint32_t b = 0; b < a; ++b)
-      if (boxes[a].overlaps(boxes[b])) sets.join(a, b);
+  for (const std::uint32_t triangle : missing) boxes.push_back(box_around(input, triangle, kApart));
+  DisjointSets sets = join_overlapping(boxes);
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> to_cluster(missing.size(), kNone);
   for (std::uint32_t i = 0; i < missing.size(); ++i) {

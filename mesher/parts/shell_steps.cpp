@@ -268,20 +268,21 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
 std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
                                        std::span<const Doubt> doubts) {
   const std::vector<ShellPoint> own = sort_own_points(input, state, part);
-  std::vector<ShellPoint> found;
+  std::vector<char> is_in(own.size(), 0);  // many balls hold the same points
   for (const Doubt& doubt : doubts) {
     const auto from = std::lower_bound(own.begin(), own.end(), doubt.center.x - doubt.radius,
                                        [](const ShellPoint& a, double x) { return a.point.x < x; });
     const auto& [a, b, c, d] = doubt.corners;
     for (auto at = from; at != own.end() && at->point.x <= doubt.center.x + doubt.radius; ++at) {
-      if (norm2(at->point - doubt.center) > doubt.radius * doubt.radius) continue;
-      if (insphere(a, b, c, d, at->point) >= 0) found.push_back(*at);
+      char& known = is_in[static_cast<std::size_t>(at - own.begin())];
+      if (known || norm2(at->point - doubt.center) > doubt.radius * doubt.radius) continue;
+      known = insphere(a, b, c, d, at->point) >= 0;
     }
   }
+  std::vector<ShellPoint> found;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (is_in[i]) found.push_back(own[i]);
   std::sort(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; });
-  found.erase(
-      std::unique(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key == t.key; }),
-      found.end());
   return found;
 }
 

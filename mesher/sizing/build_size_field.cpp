@@ -31,20 +31,16 @@ void append_points(std::span<const PointSize> points, double global, std::vector
     if (wish.size < global) sources.push_back({wish.point, wish.point, wish.point, wish.size});
 }
 
-void append_refinements(std::span<const SizeRefinement> refinements, double global, std::vector<SizeSource>& sources) {
-  for (const auto& [corners, size] : refinements)
-    if (size < global) sources.push_back({corners[0], corners[1], corners[2], size});
-}
-
 /// The triangles that the sources alone call for, those beside segments included: refuses before a tree is built for
 /// them. Sources of different origin may overlap, so a triangle is counted as a fifth of what it needs.
-void check_sources(const std::vector<SizeSource>& sources, std::uint64_t max_memory) {
+void check_sources(std::span<const SizeSource> sources, std::span<const SizeSource> refined, std::uint64_t max_memory) {
   double triangles = 0;
-  for (const SizeSource& source : sources) {
-    const double area = 0.5 * norm(cross(source.b - source.a, source.c - source.a));
-    triangles += area * kTrianglesPerSquare / (source.size * source.size);
-    if (source.b == source.c) triangles += 2 * distance(source.a, source.b) / source.size;
-  }
+  for (const std::span<const SizeSource> list : {sources, refined})
+    for (const SizeSource& source : list) {
+      const double area = 0.5 * norm(cross(source.b - source.a, source.c - source.a));
+      triangles += area * kTrianglesPerSquare / (source.size * source.size);
+      if (source.b == source.c) triangles += 2 * distance(source.a, source.b) / source.size;
+    }
   check_memory({.triangles = triangles, .tets = 0, .bytes = triangles * 500}, max_memory);
 }
 
@@ -84,16 +80,77 @@ std::vector<SizeSource> collect_sources(const Workpiece& piece, const SharedWork
   return join(std::move(lists));
 }
 
-SizeField grow_tree(const Workpiece& piece, std::vector<SizeSource> sources, std::uint64_t max_memory,
-                    const SharedWork& work) {
-  if (sources.empty() && !piece.options.callback) return SizeField::uniform(piece.targets.global);
-  check_sources(sources, max_memory);
-  const SourceTree source_tree(std::move(sources), piece.targets.gradation, work.runner());
-  const TargetField field(piece.targets, source_tree, piece.tree, piece.options.callback);
-  OctreeBuilder builder(field, piece.model.bounding_box(), cell_limit(max_memory), work);
+/// What a build leaves to the next one, which has more refinements.
+struct GrownTree {
+  std::vector<SizeRefinement> refinements;
+  OctreeFrame frame;
+  OctreeLevels levels;
+  CornerSizes corners;
+};
+
+/// The last trees that others may continue.
+class GrownTrees {
+ public:
+  /// The one with the most of the first refinements, all of which it must have in this order; null where there is none.
+  const GrownTree* find(std::span<const SizeRefinement> refinements) const {
+    const GrownTree* best = nullptr;
+    for (const GrownTree& tree : trees_) {
+      if (tree.refinements.size() > refinements.size() ||
+          !std::equal(tree.refinements.begin(), tree.refinements.end(), refinements.begin()))
+        continue;
+      if (best == nullptr || tree.refinements.size() > best->refinements.size()) best = &tree;
+    }
+    return best;
+  }
+
+  /// Keeps `tree`, and the one that it continues: with other refinements that one may be continued again.
+  void add(GrownTree tree, const GrownTree* continued) {
+    if (continued != nullptr && continued != &trees_.front()) std::swap(trees_.front(), trees_.back());
+    trees_.resize(continued != nullptr ? 1 : 0);
+    trees_.push_back(std::move(tree));
+  }
+
+ private:
+  std::vector<GrownTree> trees_;  // two at most
+};
+
+std::vector<SizeSource> refinement_sources(std::span<const SizeRefinement> refinements, double global) {
+  std::vector<SizeSource> sources;
+  for (const auto& [corners, size] : refinements)
+    if (size < global) sources.push_back({corners[0], corners[1], corners[2], size});
+  return sources;
+}
+
+/// Sources of a model, as they are and in their tree.
+struct ModelSources {
+  std::vector<SizeSource> list;
+  SourceTree tree;
+};
+
+OctreeFrame choose_frame(const Workpiece& piece, const ModelSources& sources, std::vector<SizeSource> refined,
+                         double width_at_source) {
+  refined.insert(refined.end(), sources.list.begin(), sources.list.end());
+  return fit_frame(piece.model.bounding_box(), refined, width_at_source);
+}
+
+SizeField grow_tree(const Workpiece& piece, const ModelSources& sources, std::span<const SizeRefinement> refinements,
+                    std::uint64_t max_memory, const SharedWork& work, GrownTrees& grown) {
+  const double global = piece.targets.global, gradation = piece.targets.gradation;
+  const std::vector<SizeSource> refined = refinement_sources(refinements, global);
+  if (sources.list.empty() && refined.empty() && !piece.options.callback) return SizeField::uniform(global);
+  check_sources(sources.list, refined, max_memory);
+  const GrownTree none, *const continued = grown.find(refinements), &before = continued ? *continued : none;
+  const SourceTree all_refined(refined, gradation, work.runner());
+  const SourceTree latest(refinement_sources(refinements.subspan(before.refinements.size()), global), gradation,
+                          work.runner());
+  const TargetField field(piece.targets, {sources.tree, all_refined, latest}, piece.tree, piece.options.callback);
+  GrownTree tree{{refinements.begin(), refinements.end()}, before.frame, {}, {}};
+  if (!continued) tree.frame = choose_frame(piece, sources, refined, field.width_at_source());
+  OctreeBuilder builder(field, tree.frame, piece.model.bounding_box(), cell_limit(max_memory), work);
   std::vector<OctreeLeaf> leaves;
-  SizeOctree octree = builder.build(leaves);
-  fill_corner_ratios(octree, leaves, field, work);
+  SizeOctree octree = builder.build(before.levels, tree.levels, leaves);
+  tree.corners = fill_corner_ratios(octree, leaves, field, before.corners, work);
+  grown.add(std::move(tree), continued);
   return SizeField::from_octree(std::move(octree));
 }
 
@@ -102,18 +159,22 @@ SizeField grow_tree(const Workpiece& piece, std::vector<SizeSource> sources, std
 /// What does not depend on refinements.
 struct SizeFieldBuilder::State {
   State(const GeometricModel& given_model, const SizeOptions& given_options, const SharedWork& given_work,
-        std::uint64_t given_memory)
+        std::uint64_t given_memory, SmallWidth small)
       : model(given_model),
         options(given_options),
         work(given_work),
         max_memory(given_memory),
-        targets(resolve_sizes(model, options)) {}
+        targets(resolve_sizes(model, options)) {
+    targets.small = small;
+  }
 
   void facet_model() {
     if (tree) return;
     facets = facet_faces(model, source_tolerances(model, targets), work);
     tree.emplace(model, facets, work.runner());
-    sources = collect_sources({model, options, targets, facets, *tree}, work);
+    std::vector<SizeSource> found = collect_sources({model, options, targets, facets, *tree}, work);
+    SourceTree source_tree(found, targets.gradation, work.runner());
+    sources.emplace(std::move(found), std::move(source_tree));
   }
 
   SizedModel build(std::span<const SizeRefinement> refinements) {
@@ -127,9 +188,8 @@ struct SizeFieldBuilder::State {
       return {uniform, estimate_mesh(model, uniform, work)};
     }
     facet_model();
-    std::vector<SizeSource> all = sources;
-    append_refinements(refinements, targets.global, all);
-    const SizeField sizes = grow_tree({model, options, targets, facets, *tree}, std::move(all), max_memory, work);
+    const SizeField sizes =
+        grow_tree({model, options, targets, facets, *tree}, *sources, refinements, max_memory, work, grown);
     return {sizes, estimate_mesh(model, sizes, facets, *tree, work)};
   }
 
@@ -140,12 +200,13 @@ struct SizeFieldBuilder::State {
   SizeTargets targets;
   std::vector<Tessellation> facets;
   std::optional<FacetTree> tree;
-  std::vector<SizeSource> sources;
+  std::optional<ModelSources> sources;
+  GrownTrees grown;
 };
 
 SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
-                                   std::uint64_t max_memory)
-    : state_(std::make_unique<State>(model, options, work, max_memory)) {}
+                                   std::uint64_t max_memory, SmallWidth small)
+    : state_(std::make_unique<State>(model, options, work, max_memory, small)) {}
 
 SizeFieldBuilder::~SizeFieldBuilder() = default;
 

@@ -13,10 +13,18 @@
 
 namespace tetloom {
 
+/// What is too small for the mesh; nothing by default.
+struct SmallWidth {
+  double width = 0;  ///< model length
+  double share = 0;  ///< of the size asked for on the entity; counts where there is no width
+  double on(double size) const { return width > 0 ? width : share * size; }
+};
+
 /// A triangle on which a size is asked for; a point where its corners coincide.
 struct SizeRefinement {
   std::array<Vec3, 3> corners;
   double size = 0;  ///< model length, > 0
+  friend bool operator==(const SizeRefinement&, const SizeRefinement&) = default;
 };
 
 /// The size field that meets all of `options`. At a point the smallest wins of
@@ -50,13 +58,16 @@ struct SizedModel {
 };
 
 /// build_size_field and estimate_mesh in one, again and again with other refinements: the model is facetted, and its
-/// own sources are found, once. Ranks share facets, sources, cells and corners; all have the whole field in the end.
-/// Refers to its arguments, which must outlive it. Thread safety: one call at a time.
+/// own sources are found, once. Where refinements are added at the end of those of the last call, what they do not
+/// change is not made again: the field is then the one that would be built anew in the same cube. Ranks share facets,
+/// sources, cells and corners; all have the whole field in the end. Faces and edges narrower than `small` ask for no
+/// sizes for their curvature: small features are eliminated from the mesh. Refers to its arguments, which must outlive
+/// it. Thread safety: one call at a time.
 class SizeFieldBuilder {
  public:
   /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.
   SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
-                   std::uint64_t max_memory = 0);
+                   std::uint64_t max_memory = 0, SmallWidth small = {});
   ~SizeFieldBuilder();
 
   SizedModel build(std::span<const SizeRefinement> refinements);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include "core/sizing/morton.hpp"
 #include "threading/parallel_sort.hpp"
@@ -11,64 +13,94 @@
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kBlock = 2048;  // leaves whose corners fit in a core's cache
+constexpr std::size_t kBlock = 512;  // leaves whose corners fit in a core's cache
 
 using CornerIds = std::array<std::uint32_t, 8>;
+
+/// Codes numbered in the order in which they come: open addressing with linear probing.
+class CodeNumbers {
+ public:
+  explicit CodeNumbers(std::size_t most) : slots_(std::bit_ceil(2 * most), kFree), keys_(slots_.size()) {}
+
+  std::uint32_t number(std::uint64_t code) {
+    constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15ull;
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = (code * kSpread) >> 32 & mask;
+    while (slots_[slot] != kFree && keys_[slot] != code) slot = (slot + 1) & mask;
+    if (slots_[slot] == kFree) {
+      slots_[slot] = static_cast<std::uint32_t>(codes_.size());
+      keys_[slot] = code;
+      codes_.push_back(code);
+    }
+    return slots_[slot];
+  }
+
+  const std::vector<std::uint64_t>& codes() const { return codes_; }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xffffffffu;
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint64_t> codes_;
+};
 
 /// Every corner of the leaves, once, by its Morton code.
 class CornerTable {
  public:
   CornerTable(const std::vector<OctreeLeaf>& leaves, const TaskRunner& runner) : leaves_(leaves), runner_(runner) {
-    const std::size_t block_count = (leaves.size() + kBlock - 1) / kBlock;
-    std::vector<std::vector<std::uint64_t>> blocks(block_count);
+    std::vector<Block> blocks((leaves.size() + kBlock - 1) / kBlock);
+    ids_.resize(leaves.size());
     runner.for_blocks(leaves.size(), kBlock,
-                      [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = corners_of(begin, end); });
+                      [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = number(begin, end); });
     std::vector<std::size_t> first{0};
-    for (const auto& block : blocks) first.push_back(first.back() + block.size());
+    for (const Block& block : blocks) first.push_back(first.back() + block.codes.size());
     codes_.resize(first.back());
     runner.for_each(blocks.size(), [&](std::size_t b) {
-      std::ranges::copy(blocks[b], codes_.begin() + static_cast<std::ptrdiff_t>(first[b]));
+      std::ranges::copy(blocks[b].codes, codes_.begin() + static_cast<std::ptrdiff_t>(first[b]));
     });
     parallel_sort_unique(codes_, runner);
-    find_ids(blocks);
+    runner.for_blocks(leaves.size(), kBlock,
+                      [&](std::size_t begin, std::size_t end) { renumber(begin, end, blocks[begin / kBlock]); });
   }
 
   const std::vector<std::uint64_t>& codes() const { return codes_; }
   const std::vector<CornerIds>& ids() const { return ids_; }
 
  private:
+  /// The corners of a block of leaves.
+  struct Block {
+    std::vector<std::uint64_t> codes;  ///< ascending
+    std::vector<std::uint32_t> order;  ///< of `codes`, as `ids_` knows them
+  };
+
   static std::uint64_t corner_code(const OctreeLeaf& leaf, std::uint32_t octant) {
     return morton_encode({leaf.corner[0] + (octant & 1) * leaf.width, leaf.corner[1] + (octant >> 1 & 1) * leaf.width,
                           leaf.corner[2] + (octant >> 2) * leaf.width});
   }
 
-  std::vector<std::uint64_t> corners_of(std::size_t begin, std::size_t end) const {
-    std::vector<std::uint64_t> codes;
-    codes.reserve(8 * (end - begin));
+  Block number(std::size_t begin, std::size_t end) {
+    CodeNumbers numbers(8 * (end - begin));
     for (std::size_t i = begin; i < end; ++i)
-      for (std::uint32_t octant = 0; octant < 8; ++octant) codes.push_back(corner_code(leaves_[i], octant));
-    std::ranges::sort(codes);
-    codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
-    return codes;
+      for (std::uint32_t octant = 0; octant < 8; ++octant)
+        ids_[i][octant] = numbers.number(corner_code(leaves_[i], octant));
+    Block block;
+    block.order.resize(numbers.codes().size());
+    std::iota(block.order.begin(), block.order.end(), 0u);
+    std::ranges::sort(block.order, {}, [&](std::uint32_t n) { return numbers.codes()[n]; });
+    for (const std::uint32_t n : block.order) block.codes.push_back(numbers.codes()[n]);
+    return block;
   }
 
-  /// Looks each leaf's corners up among those of its block, which are few, and these once in the whole table.
-  void find_ids(const std::vector<std::vector<std::uint64_t>>& blocks) {
-    ids_.resize(leaves_.size());
-    runner_.for_blocks(leaves_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-      const std::vector<std::uint64_t>& block = blocks[begin / kBlock];
-      std::vector<std::uint32_t> block_to_table;
-      auto from = codes_.begin();
-      for (const std::uint64_t code : block) {
-        from = std::lower_bound(from, codes_.end(), code);
-        block_to_table.push_back(static_cast<std::uint32_t>(from - codes_.begin()));
-      }
-      for (std::size_t i = begin; i < end; ++i)
-        for (std::uint32_t octant = 0; octant < 8; ++octant) {
-          const auto at = std::ranges::lower_bound(block, corner_code(leaves_[i], octant));
-          ids_[i][octant] = block_to_table[static_cast<std::size_t>(at - block.begin())];
-        }
-    });
+  /// From the numbers in a block to those in the whole table.
+  void renumber(std::size_t begin, std::size_t end, const Block& block) {
+    std::vector<std::uint32_t> to_table(block.codes.size());
+    auto from = codes_.begin();
+    for (std::size_t i = 0; i < block.codes.size(); ++i) {
+      from = std::lower_bound(from, codes_.end(), block.codes[i]);
+      to_table[block.order[i]] = static_cast<std::uint32_t>(from - codes_.begin());
+    }
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::uint32_t& id : ids_[i]) id = to_table[id];
   }
 
   const std::vector<OctreeLeaf>& leaves_;
@@ -78,14 +110,20 @@ class CornerTable {
 };
 
 std::vector<double> evaluate_corners(const SizeOctree& tree, const std::vector<std::uint64_t>& codes,
-                                     const TargetField& field, const SharedWork& work) {
+                                     const TargetField& field, const CornerSizes& known, const SharedWork& work) {
   std::vector<double> sizes(codes.size());
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
   work.fill<double>(sizes, 1024, [&](std::size_t begin, std::size_t end) {
     std::uint32_t winner = SourceTree::kNoSource;
+    auto met = std::ranges::lower_bound(known.codes, codes[begin]);
     for (std::size_t i = begin; i < end; ++i) {
       const std::array<std::uint32_t, 3> at = morton_decode(codes[i]);
-      sizes[i] = field.size_at(tree.origin + unit * Vec3{double(at[0]), double(at[1]), double(at[2])}, winner);
+      const Vec3 x = tree.origin + unit * Vec3{double(at[0]), double(at[1]), double(at[2])};
+      while (met != known.codes.end() && *met < codes[i]) ++met;
+      if (met != known.codes.end() && *met == codes[i])
+        sizes[i] = field.lowered_at(x, known.sizes[static_cast<std::size_t>(met - known.codes.begin())]);
+      else
+        sizes[i] = field.size_at(x, winner);
     }
   });
   return sizes;
@@ -149,11 +187,12 @@ void drop_global_leaves(SizeOctree& tree) {
 
 }  // namespace
 
-void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const SharedWork& work) {
+CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+                               const CornerSizes& known, const SharedWork& work) {
   const TaskRunner& runner = work.runner();
   const CornerTable table(leaves, runner);
-  std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, work);
+  std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, known, work);
+  CornerSizes found{table.codes(), sizes};
   lower_deepest_leaves(tree, leaves, table.ids(), field, sizes);
   if (field.may_be_steep()) enforce_gradation(tree, leaves, table.ids(), sizes, runner);
   tree.corner_ratios.resize(leaves.size());
@@ -163,6 +202,7 @@ void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
         tree.corner_ratios[i][octant] = static_cast<float>(std::min(1.0, sizes[table.ids()[i][octant]] / tree.size));
   });
   drop_global_leaves(tree);
+  return found;
 }
 
 }  // namespace tetloom

@@ -1,5 +1,6 @@
 #pragma once
 // Sizes at the corners of the octree's leaves. Private to mesher/sizing.
+#include <cstdint>
 #include <vector>
 
 #include "core/sizing/size_octree.hpp"
@@ -9,11 +10,18 @@
 
 namespace tetloom {
 
+/// What the field says at the corners of a tree's leaves, by their Morton codes, which ascend.
+struct CornerSizes {
+  std::vector<std::uint64_t> codes;
+  std::vector<double> sizes;
+};
+
 /// Fills `tree.corner_ratios` from the field, each corner once however many leaves share it. Where the field may be
 /// steeper than the gradation (a callback), corners are lowered until |h(a) - h(b)| <= g |a - b| for any two corners of
 /// a leaf: the largest such values, which are unique, whatever the order of the sweeps. Leaves that turn out to hold
-/// the global size throughout lose their entry.
-void fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
-                        const SharedWork& work);
+/// the global size throughout lose their entry. `known`: of a tree in the same frame without the field's latest
+/// refinements, or none. Returns what the field says at the corners.
+CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+                               const CornerSizes& known, const SharedWork& work);
 
 }  // namespace tetloom

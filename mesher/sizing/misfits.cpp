@@ -123,10 +123,7 @@ class MisfitSearch {
     double nearest = 1;
     bool is_wall = false;
     const Triangle& own = mesh_.tri_to_vert[triangle];
-    Box3 box;
-    box.add(x);
-    box.add(x + ray);
-    tree_.for_each_in(box, [&](std::uint32_t other) {
+    tree_.for_each_along(x, ray, [&](std::uint32_t other) {
       if (other == triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
       const double at = crossing(other, x, ray);
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.

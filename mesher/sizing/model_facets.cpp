@@ -68,6 +68,21 @@ bool meets(const Box3& box, const Vec3& origin, const Vec3& inverse, double to) 
   return enter <= leave * (1 + 1e-12);
 }
 
+/// Whether a triangle meets the cube [-half, half]³: no plane along a face of the cube, along the triangle, or along an
+/// edge of each parts them (Akenine-Möller 2001).
+bool meets_cube(const std::array<Vec3, 3>& triangle, double half) {
+  const auto parts = [&](const Vec3& axis) {
+    const double a = dot(axis, triangle[0]), b = dot(axis, triangle[1]), c = dot(axis, triangle[2]);
+    const double reach = half * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z));
+    return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;
+  };
+  const Vec3 ab = triangle[1] - triangle[0], bc = triangle[2] - triangle[1], ca = triangle[0] - triangle[2];
+  if (parts({1, 0, 0}) || parts({0, 1, 0}) || parts({0, 0, 1}) || parts(cross(ab, bc))) return false;
+  for (const Vec3& edge : {ab, bc, ca})
+    if (parts({0, -edge.z, edge.y}) || parts({edge.z, 0, -edge.x}) || parts({-edge.y, edge.x, 0})) return false;
+  return true;
+}
+
 }  // namespace
 
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
@@ -139,16 +154,17 @@ std::optional<FacetHit> FacetTree::first_hit(const Vec3& origin, const Vec3& dir
   return FacetHit{nearest->face, best, normal, dot(direction, normal) > 0 ? sides.back : sides.front};
 }
 
-bool FacetTree::any_within(const Vec3& x, double radius) const {
+bool FacetTree::any_in(const Vec3& center, double half_width) const {
   if (bvh_.nodes.empty()) return false;
-  const double radius2 = radius * radius;
+  const Vec3 half{half_width, half_width, half_width};
+  const Box3 cube{center - half, center + half};
   std::array<std::uint32_t, 64> stack;
   std::size_t count = 0;
   stack[count++] = 0;
   while (count > 0) {
     const std::uint32_t index = stack[--count];
     const BvhNode& node = bvh_.nodes[index];
-    if (squared_distance(node.box, x) > radius2) continue;
+    if (!node.box.overlaps(cube)) continue;
     if (node.right != 0) {
       stack[count++] = node.right;
       stack[count++] = index + 1;
@@ -156,7 +172,7 @@ bool FacetTree::any_within(const Vec3& x, double radius) const {
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
       const Facet& facet = facets_[i];
-      if (squared_distance_to_triangle(x, facet.a, facet.b, facet.c) <= radius2) return true;
+      if (meets_cube({facet.a - center, facet.b - center, facet.c - center}, half_width)) return true;
     }
   }
   return false;

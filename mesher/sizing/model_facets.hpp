@@ -50,8 +50,8 @@ class FacetTree {
   /// Whether every face has facets, so that what is far from all facets is far from the model's surface.
   bool is_complete() const { return complete_; }
 
-  /// Whether a facet comes within `radius` of `x`.
-  bool any_within(const Vec3& x, double radius) const;
+  /// Whether a facet meets the cube around `center`, `half_width` to each side.
+  bool any_in(const Vec3& center, double half_width) const;
 
   /// The region that holds `x`; invalid outside of all. Decided by the first facet in several directions, so that the
   /// hairline gaps between the facets of different faces do not matter.

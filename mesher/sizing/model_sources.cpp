@@ -7,6 +7,7 @@
 
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
+#include "mesher/sizing/narrow_entities.hpp"
 #include "mesher/sizing/wire_faces.hpp"
 
 namespace tetloom {
@@ -64,6 +65,11 @@ class EdgeSplitter {
   const SizeTargets& targets_;
   std::vector<SizeSource> out_;
 };
+
+SizeTargets without_curvature(SizeTargets targets) {
+  targets.curvature = 0;
+  return targets;
+}
 
 /// The sources of one face.
 class FaceSplitter {
@@ -211,8 +217,12 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
       const Vec3 pole = model.vertex_point(topology.edges[e].vertices[0]);
       if (targets.edge[e] < targets.global) list = {{pole, pole, pole, targets.edge[e]}};
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
-      tolerate_bad_geometry(
-          [&] { list = EdgeSplitter(*model.edge_geometry(ModelEdgeId(e)), targets.edge[e], targets).run(); });
+      tolerate_bad_geometry([&] {
+        const auto geometry = model.edge_geometry(ModelEdgeId(e));
+        const double small = targets.small.on(std::min(targets.edge[e], targets.global));
+        const bool is_small = small > 0 && length_up_to(*geometry, small) < small;
+        list = EdgeSplitter(*geometry, targets.edge[e], is_small ? without_curvature(targets) : targets).run();
+      });
     }
     return list;
   });
@@ -233,7 +243,11 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      list = FaceSplitter(*geometry, targets.face[f], floors[f], targets).run(facets[f], work.runner());
+      // Wires have a floor below the usual one; they are no features of something else.
+      const bool is_small = floors[f] >= targets.floor &&
+                            mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
+      const double floor = is_small ? targets.global : floors[f];
+      list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });
     return list;
   }));

@@ -2,7 +2,7 @@
 // A linear octree, level by level, balanced, and packed into the flat arrays of a SizeField. Private to mesher/sizing.
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <span>
 #include <vector>
 
 #include "core/sizing/size_octree.hpp"
@@ -17,41 +17,59 @@ struct OctreeLeaf {
   std::uint32_t width;                  ///< in the same unit
 };
 
+/// The cube that all cells are halves of.
+struct OctreeFrame {
+  Vec3 origin;
+  double width = 0;
+};
+
+/// A cube around `domain` whose halves have widths that suit the sizes of most sources: of the fractions of a power of
+/// two, the one that needs the fewest leaves beside the sources. `width_at_source`: of the widest leaves, in sizes.
+OctreeFrame fit_frame(const Box3& domain, std::span<const SizeSource> sources, double width_at_source);
+
+/// Every cell that was judged, level by level, sorted by its Morton code.
+struct OctreeCell {
+  std::uint64_t code;  ///< Morton code at the level of the cell
+  JudgedCell judged;
+};
+using OctreeLevels = std::vector<std::vector<OctreeCell>>;
+
 /// Cells are kept as Morton codes in sorted arrays, one per level: no hash, no pointers. Cells of a level are judged in
 /// parallel and independently, by all ranks together; the tree is the same for any number of threads and ranks.
 class OctreeBuilder {
  public:
   /// `domain`: cells outside of it are never cut. Throws Error(OutOfMemory) when the tree would exceed `max_cells`.
-  OctreeBuilder(const TargetField& field, const Box3& domain, std::size_t max_cells, const SharedWork& work);
+  OctreeBuilder(const TargetField& field, const OctreeFrame& frame, const Box3& domain, std::size_t max_cells,
+                const SharedWork& work);
 
   /// The tree, with corner_ratios still to be filled: one entry per leaf of `leaves`, in the same (Morton) order.
-  SizeOctree build(std::vector<OctreeLeaf>& leaves);
+  /// `before`: of a build with the same frame and without the field's latest refinements, or none. What the refinements
+  /// do not lower is not judged again, and the tree is the same as without `before`. `levels` become those of this one.
+  SizeOctree build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves);
 
  private:
-  struct Cell {
-    std::uint64_t code;  ///< Morton code at the level of the cell
-    CellState state;
+  using Codes = std::vector<std::uint64_t>;
+  struct PlacedCell {
+    std::uint64_t code;
     CellVerdict verdict;
   };
+  using PlacedLevels = std::vector<std::vector<PlacedCell>>;
 
-  std::vector<std::uint64_t> cuts_of(const std::vector<Cell>& cells) const;
-  std::vector<Cell> children_of(const std::vector<Cell>& cells, const std::vector<std::uint64_t>& cuts) const;
-  void append_parents(int level, std::vector<std::uint64_t>& coarser) const;
-  void judge(std::vector<Cell>& cells, int level) const;
-  void balance();
-  void adopt_cuts();
-  SizeOctree pack(std::vector<OctreeLeaf>& leaves) const;
+  void judge(std::vector<OctreeCell>& cells, int level, std::span<const OctreeCell> before) const;
+  Codes cuts_of(const std::vector<OctreeCell>& cells) const;
+  std::vector<OctreeCell> children_of(const std::vector<OctreeCell>& cells, const Codes& cuts) const;
+  void append_parents(int level, const Codes& cuts, Codes& coarser) const;
+  void balance(std::vector<Codes>& cuts) const;
+  PlacedLevels place(const OctreeLevels& levels, const std::vector<Codes>& cuts) const;
+  SizeOctree pack(const PlacedLevels& levels, std::vector<OctreeLeaf>& leaves) const;
   Box3 box_of(std::uint64_t code, int level) const;
 
   const TargetField& field_;
+  OctreeFrame frame_;
   Box3 domain_;
   std::size_t max_cells_;
   const SharedWork& work_;
   const TaskRunner& runner_;
-  Vec3 origin_;
-  double width_ = 0;
-  std::vector<std::vector<Cell>> levels_;         ///< every cell, sorted
-  std::vector<std::vector<std::uint64_t>> cuts_;  ///< per level, the codes of the cells that are cut, sorted
 };
 
 }  // namespace tetloom

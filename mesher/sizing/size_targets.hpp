@@ -4,6 +4,7 @@
 
 #include "core/geometry/model.hpp"
 #include "mesher/mesher.hpp"
+#include "mesher/sizing/build_size_field.hpp"
 
 namespace tetloom {
 
@@ -15,6 +16,7 @@ struct SizeTargets {
   double gradation = 0;          ///< at most 1: a mesh cannot follow a faster growth
   double curvature = 0;          ///< edges per turn; 0: off
   double proximity = 0;          ///< layers; 0: off
+  SmallWidth small;              ///< faces and edges below it ask for no sizes for their curvature
   std::vector<double> vertex, edge, face, region;
   double smallest_region = 0;  ///< the least of `region`
 };

@@ -1,5 +1,7 @@
 #pragma once
 // Where small sizes come from, and the size that they allow at any point. Private to mesher/sizing.
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -14,9 +16,6 @@ struct SizeSource {
   double size = 0;
   double hold = 0;  ///< how far the size holds before it grows; 0: a share of the size, by the kind of source
 };
-
-/// Squared distance from `x` to the triangle a b c, which may be degenerate.
-double squared_distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// The exact gradation-limited field of a set of sources,
 ///
@@ -36,12 +35,15 @@ class SourceTree {
   SourceTree(std::vector<SizeSource> sources, double gradation, const TaskRunner& runner);
 
   bool empty() const { return sources_.empty(); }
-  double smallest() const { return bounds_.empty() ? HUGE_VAL : bounds_[0].size; }
+  double smallest() const { return smallest_; }
   double source_size(std::uint32_t source) const { return sources_[source].size; }
 
   /// min(f(x), cap). `winner` speeds the search up when it comes in as the winner at a nearby point; it goes out as the
   /// source that decides, or kNoSource where the cap does.
-  double size_at(const Vec3& x, double cap, std::uint32_t& winner) const;
+  double size_at(const Vec3& x, double cap, std::uint32_t& winner) const { return least_within(x, 0, cap, winner); }
+
+  /// The least that min(f, cap) comes to in the ball of `radius` around `x`, exactly; `winner` as above.
+  double least_within(const Vec3& x, double radius, double cap, std::uint32_t& winner) const;
 
  private:
   /// A source made ready for distances.
@@ -53,17 +55,29 @@ class SourceTree {
     double size = 0, hold = 0;
   };
 
-  /// The smallest size and the largest hold below a node.
-  struct NodeBounds {
-    double size = HUGE_VAL, hold = 0;
+  /// Up to four subtrees side by side, so that the processor bounds them at once. Coordinates are seen from `origin_`;
+  /// rounding makes boxes larger and sizes smaller.
+  struct Node {
+    static constexpr std::size_t kWidth = 4;
+    static constexpr std::uint32_t kLeaf = 0x80000000u;
+    using Lanes = float __attribute__((vector_size(kWidth * sizeof(float))));
+    std::array<Lanes, 3> lo, hi;
+    Lanes size;                               ///< the least below
+    Lanes base;                               ///< the least that growth would begin from at distance 0
+    std::array<std::uint32_t, kWidth> child;  ///< a node, or kLeaf | the first source
+    std::array<std::uint32_t, kWidth> count;  ///< of the sources of a leaf
   };
 
   static Triangle prepare(const SizeSource& source);
+  std::uint32_t add_node(const Bvh& bvh, std::uint32_t root);
+  void set_child(Node& node, std::size_t place, const Bvh& bvh, std::uint32_t child) const;
 
   double gradation_;
+  double smallest_ = HUGE_VAL;
   std::vector<Triangle> sources_;  ///< in the order of the hierarchy
-  Bvh bvh_;
-  std::vector<NodeBounds> bounds_;
+  std::vector<Node> nodes_;        ///< the root comes first
+  Vec3 origin_;
+  float slack_ = 0;  ///< of distances, for rounding
 };
 
 }  // namespace tetloom

@@ -126,16 +126,47 @@ class FaceMesher {
     Patch patch;
     for (std::size_t i = 0; i < facets.points.size(); ++i) {
       PatchVertex vertex{surface.nearest(facets.points[i], facets.uv[i]), 0, facets.node[i]};
-      if (vertex.node != Triangulation::kNone) vertex.place.point = rim_.point(vertex.node);
+      if (vertex.node != Triangulation::kNone) put_on_rim(vertex, facets.normals[i]);
+      if (facets.normals[i] == Vec3{}) vertex.place.normal = {};
       vertex.size = surface.size_at(vertex.place.point);
       patch.vertices.push_back(vertex);
     }
     patch.topology =
         Triangulation::from_triangles(static_cast<std::uint32_t>(patch.vertices.size()), facets.tri_to_vert);
+    fix_slits(patch);
     patch.has_poles = true;
     optimize_patch(patch, surface, {.rounds = 4, .adapt_density = true}, keep_going_);
     split_taken_chords(patch, surface);
     extract(patch);
+  }
+
+  // A rim vertex is at its node, and faces as its own side of the rim does: a crease within the face has two.
+  void put_on_rim(PatchVertex& vertex, const Vec3& normal) const {
+    vertex.place.point = rim_.point(vertex.node);
+    if (dot(normal, vertex.place.normal) > 0.5 || normal == Vec3{}) return;
+    vertex.place.normal = normal;
+    const Vec3 axis = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    vertex.place.du = normalized(cross(axis, normal));
+    vertex.place.dv = cross(normal, vertex.place.du);
+  }
+
+  // A crease of one piece that ends within the face at both ends: its two sides have the same corners.
+  void fix_slits(Patch& patch) const {
+    std::vector<std::array<std::uint32_t, 2>> slits;
+    for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
+      for (const EdgeUse& use : loop)
+        if (use.second_side && rim_.mesh(use.edge).t.size() == 2)
+          slits.push_back({std::min(rim_.node(use.edge, 0), rim_.node(use.edge, 1)),
+                           std::max(rim_.node(use.edge, 0), rim_.node(use.edge, 1))});
+    std::sort(slits.begin(), slits.end());
+    for (std::uint32_t h = 0; h < patch.topology.half_edges() && !slits.empty(); ++h) {
+      const std::uint32_t a = patch.vertices[patch.topology.origin(h)].node;
+      const std::uint32_t b = patch.vertices[patch.topology.target(h)].node;
+      if (patch.topology.twin(h) == Triangulation::kNone || a == Triangulation::kNone || b == Triangulation::kNone)
+        continue;
+      const std::array<std::uint32_t, 2> ends{std::min(a, b), std::max(a, b)};
+      if (std::binary_search(slits.begin(), slits.end(), ends)) patch.topology.fix(h, 2);
+    }
   }
 
   // A face without edges takes the smallest size of the whole field.

@@ -82,7 +82,7 @@ class RimCleaner {
   /// Evens out the fans that inserted nodes leave around far corners of coarse facets.
   void flip_near_rim() {
     constexpr int kRounds = 30;
-    constexpr double kLevel = 0.7;
+    constexpr double kLevel = 0.7, kFlat = 0.1;
     std::vector<bool> active(vertices_.size(), false);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) active[v] = on_rim_[v];
     for (int round = 0; round < kRounds; ++round) {
@@ -93,13 +93,18 @@ class RimCleaner {
         const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
         if (h > mesh_.twin(h) || !(active[a] || active[b])) continue;
         const std::uint32_t c = mesh_.apex(h), d = mesh_.twin(h) == kNone ? c : mesh_.apex(mesh_.twin(h));
-        if (!remover_.improve(h, kLevel)) continue;
+        if (!remover_.improve(h, kLevel, kFlat * size_near(a, b))) continue;
         changed[a] = changed[b] = changed[c] = changed[d] = true;
         ++flips;
       }
       if (flips == 0) break;
       active = std::move(changed);
     }
+  }
+
+  double size_near(std::uint32_t a, std::uint32_t b) const {
+    return callbacks_.size_at ? callbacks_.size_at(vertices_.points[a])
+                              : distance(vertices_.points[a], vertices_.points[b]);
   }
 
   void check_going() const {
@@ -219,6 +224,7 @@ FacetPatch collect_patch(const Triangulation& mesh, const PatchVertices& vertice
     if (number[v] == kNone) continue;
     number[v] = static_cast<std::uint32_t>(patch.points.size());
     patch.points.push_back(vertices.points[v]), patch.uv.push_back(vertices.uv[v]);
+    patch.normals.push_back(vertices.sharp[v] ? Vec3{} : vertices.normals[v]);
     patch.node.push_back(vertices.node[v]);
   }
   for (auto& t : patch.tri_to_vert) t = {number[t[0]], number[t[1]], number[t[2]]};

@@ -41,7 +41,9 @@ struct FacetPatch {
   Vec3 trouble;              ///< where it failed, or where a triangle faces away
   std::size_t inverted = 0;  ///< triangles that face away from the surface
   std::vector<Vec3> points;
-  std::vector<Vec2> uv;             ///< of the face at or near the point, fit as guess for closest_point
+  std::vector<Vec2> uv;  ///< of the face at or near the point, fit as guess for closest_point
+  /// Of the facets at the point, at a rim of those on this side of it; zero where they turn too far to have one.
+  std::vector<Vec3> normals;
   std::vector<std::uint32_t> node;  ///< kNoNode inside of the face
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
 };

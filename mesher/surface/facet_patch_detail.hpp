@@ -28,11 +28,13 @@ struct PatchVertices {
   std::vector<ModelEntity> entity;
   std::vector<double> t;
   std::vector<std::uint32_t> node;
+  std::vector<bool> sharp;  ///< a facet at the point turns far from the normal: a tip, or the end of a crease
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(points.size()); }
   void add_copy(std::uint32_t of, const Vec3& point, const Vec3& normal) {
     points.push_back(point), normals.push_back(normal), uv.push_back(uv[of]);
     entity.push_back(entity[of]), t.push_back(t[of]), node.push_back(FacetPatch::kNoNode);
+    sharp.push_back(false);
   }
 };
 
@@ -104,8 +106,8 @@ class VertexRemover {
   bool reshape(std::uint32_t tri, double level, Reach reach);
 
   /// Flips the edge of a half-edge if that makes the worse of its two triangles better, with neither turned by more
-  /// than acos(level).
-  bool improve(std::uint32_t half, double level);
+  /// than acos(level), and the new edge passes within `tolerance` of the old one.
+  bool improve(std::uint32_t half, double level, double tolerance);
 
   /// The triangle's quality 4√3·A/Σl², or -1 where it is no triangle or turned by more than acos(level).
   double score(std::uint32_t a, std::uint32_t b, std::uint32_t c, double level) const;

@@ -156,7 +156,7 @@ void VertexRemover::list_planned(std::size_t i, std::size_t j, std::vector<std::
   }
 }
 
-bool VertexRemover::improve(std::uint32_t half, double level) {
+bool VertexRemover::improve(std::uint32_t half, double level, double tolerance) {
   constexpr double kWorthwhile = 1.05;
   if (mesh_.twin(half) == kNone) return false;
   const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half), c = mesh_.apex(half);
@@ -164,6 +164,9 @@ bool VertexRemover::improve(std::uint32_t half, double level) {
   const double now = std::min(score(a, b, c, level), score(b, a, d, level));
   const double then = std::min(score(a, d, c, level), score(b, c, d, level));
   if (!(then > 0 && then > kWorthwhile * now)) return false;
+  const auto& points = vertices_.points;
+  const Vec3 across = normalized(cross(points[b] - points[a], points[d] - points[c]));
+  if (std::abs(dot(across, points[c] - points[a])) > tolerance) return false;
   cavity_.tris.clear();
   if (c == d || !may_join(c, d)) return false;
   mesh_.flip(half);

@@ -141,6 +141,13 @@ class FacetJoiner {
       vertices.normals[mesh.origin(h)] += std::atan2(norm(n), dot(a, b)) * normalized(n);
     }
     for (Vec3& n : vertices.normals) n = normalized(n);
+    constexpr double kSharp = 0.4;  // cosine
+    vertices.sharp.assign(vertices.size(), false);
+    for (std::uint32_t h = 0; h < mesh.half_edges(); ++h) {
+      const Vec3 p = vertices.points[mesh.origin(h)];
+      const Vec3 n = normalized(cross(vertices.points[mesh.target(h)] - p, vertices.points[mesh.apex(h)] - p));
+      if (dot(n, vertices.normals[mesh.origin(h)]) < kSharp) vertices.sharp[mesh.origin(h)] = true;
+    }
   }
 
   std::uint32_t origin(std::uint32_t h) const { return tris_[h / 3][h % 3]; }

@@ -114,7 +114,8 @@ bool PatchSurface::oriented(const PatchPlace& a, const PatchPlace& b, const Patc
   if (smooth_) return orient2d(a.plane, b.plane, c.plane) > 0;
   const Vec3 n = normalized(cross(b.point - a.point, c.point - a.point));
   constexpr double kLeastCosine = 0.1;
-  return dot(n, a.normal) > kLeastCosine && dot(n, b.normal) > kLeastCosine && dot(n, c.normal) > kLeastCosine;
+  const auto agrees = [&](const Vec3& normal) { return normal == Vec3{} || dot(n, normal) > kLeastCosine; };
+  return n != Vec3{} && agrees(a.normal) && agrees(b.normal) && agrees(c.normal);
 }
 
 }  // namespace tetloom

@@ -13,6 +13,12 @@ constexpr double kLongest = 1.42, kShortest = 0.68;  // edge lengths kept, in un
 constexpr double kLargestBend = 1.5;                 // of a flipped edge: length along the surface / through space
 constexpr double kGoodEnough = 0.985;                // balls whose worst triangle is better are left alone
 
+double distance_of_lines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 across = cross(b - a, d - c);
+  const double length = norm(across);
+  return length > 0 ? std::abs(dot(across, c - a)) / length : 0;
+}
+
 class PatchOptimizer {
  public:
   PatchOptimizer(Patch& patch, const PatchSurface& surface, const std::function<bool()>& keep_going)
@@ -71,9 +77,26 @@ class PatchOptimizer {
     // A share of the quality among slivers, whose chains of flips gain little at first.
     if (!(after > before + std::min(1e-6, 1e-2 * std::abs(before)))) return false;
     if (!surface_.oriented(a, d, c) || !surface_.oriented(b, c, d)) return false;
-    if (bend(c, d) > std::max(kLargestBend, bend(a, b))) return false;
+    if (bend(c, d) > std::max(kLargestBend, bend(a, b)) || !flip_keeps_shape(h)) return false;
     return mesh_.find_half_edge(mesh_.apex(h), mesh_.apex(g)) == kNone &&
            mesh_.find_half_edge(mesh_.apex(g), mesh_.apex(h)) == kNone && !same_node(mesh_.apex(h), mesh_.apex(g));
+  }
+
+  // In space, a flip over a bend cuts it off: the new edge must lie near the surface, or nearer than the old one.
+  bool flip_keeps_shape(std::uint32_t h) const {
+    if (surface_.smooth()) return true;
+    constexpr double kTolerance = 0.1;  // of the size
+    const PatchPlace &a = place(mesh_.origin(h)), &b = place(mesh_.target(h));
+    const PatchPlace &c = place(mesh_.apex(h)), &d = place(mesh_.apex(mesh_.twin(h)));
+    const double tolerance =
+        kTolerance * std::min(patch_.vertices[mesh_.origin(h)].size, patch_.vertices[mesh_.target(h)].size);
+    if (distance_of_lines(a.point, b.point, c.point, d.point) <= tolerance) return true;
+    const auto sag = [&](const PatchPlace& p, const PatchPlace& q) {
+      const Vec3 middle = 0.5 * (p.point + q.point);
+      return distance(surface_.nearest(middle, p.plane).point, middle);
+    };
+    const double after = sag(c, d);
+    return after <= tolerance || after < sag(a, b);
   }
 
   // How much longer an edge is along the surface than through space: triangles may look good in space and yet cut
@@ -253,10 +276,12 @@ class PatchOptimizer {
   }
 
   // The middle of the edge itself, which turns no triangle: later moves bring it to the surface.
-  static PatchPlace on_chord(const PatchPlace& a, const PatchPlace& b, const PatchPlace& near) {
+  PatchPlace on_chord(std::uint32_t h, const PatchPlace& near) const {
+    const Vec3 &a = place(mesh_.origin(h)).point, &b = place(mesh_.target(h)).point;
+    const Vec3 &c = place(mesh_.apex(h)).point, &d = place(mesh_.apex(mesh_.twin(h))).point;
     PatchPlace place = near;
-    place.point = 0.5 * (a.point + b.point);
-    place.normal = normalized(a.normal + b.normal);
+    place.point = 0.5 * (a + b);
+    place.normal = normalized(normalized(cross(b - a, c - a)) + normalized(cross(a - b, d - b)));
     if (place.normal == Vec3{}) place.normal = near.normal;
     const Vec3 n = place.normal;
     const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::abs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
@@ -272,7 +297,7 @@ class PatchOptimizer {
     PatchPlace middle = surface_.midpoint(a, b);
     if (!split_fits(h, middle)) {
       if (!adapting_ || surface_.smooth()) return false;
-      middle = on_chord(a, b, middle);
+      middle = on_chord(h, middle);
     }
     const std::uint32_t v = mesh_.add_vertex();
     patch_.vertices.push_back({middle, surface_.size_at(middle.point), kNone});

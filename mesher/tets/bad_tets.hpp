@@ -15,7 +15,7 @@ namespace tetloom::tets {
 /// before its visit. `visit` may change the mesh. Errors: Cancelled.
 template <class Visit>
 void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner, Visit&& visit) {
-  constexpr std::uint32_t kBlock = 4096;
+  constexpr std::uint32_t kBlock = 4096, kVisitsBetweenChecks = 256;
   std::array<std::uint32_t, kBlock> bad;
   const auto bound = static_cast<float>(limit);
   const auto count = static_cast<std::uint32_t>(mesh.qualities().size());
@@ -28,6 +28,7 @@ void for_each_bad_tet(WorkingMesh& mesh, double limit, const TaskRunner& runner,
         begin, end, [=](std::size_t tet) { return quality[tet] < bound; },
         [&](std::size_t tet) { bad[bad_count++] = static_cast<std::uint32_t>(tet); });
     for (std::uint32_t i = 0; i < bad_count; ++i) {
+      if (i % kVisitsBetweenChecks == kVisitsBetweenChecks - 1) runner.check_cancelled();
       if (i + 8 < bad_count) mesh.prefetch(bad[i + 8]);
       if (i + 4 < bad_count) mesh.prefetch_neighbors(bad[i + 4]);
       if (mesh.quality(bad[i]) < bound) visit(bad[i]);

@@ -20,14 +20,20 @@ constexpr std::array<std::array<std::uint8_t, 4>, 6> kEdgeCorners{
 
 }  // namespace
 
-EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring) {
+namespace {
+
+struct RingLimits {
+  int longest;
+  bool may_have_worse;  // tets than the one that is asked
+};
+
+EdgeVerdict walk_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, const RingLimits& limits, EdgeRing& ring) {
   const auto& corners = kEdgeCorners[static_cast<std::size_t>(edge)];
   const TetMesh& m = mesh.mesh();
   const auto verts = mesh.verts(tet);
   const float quality = mesh.quality(tet);
   ring.a = verts[corners[0]], ring.b = verts[corners[1]];
   ring.count = 0;
-  const int longest = quality < kVeryPoor ? kLongestRing : kUsualRing;
   // A face that has to stay has no other vertices than such that stay: most edges need no look at their faces.
   const bool may_be_on_surface = mesh.is_fixed_point(ring.a) && mesh.is_fixed_point(ring.b);
   std::uint32_t here = tet, leaving = corners[2], ahead = verts[corners[3]];
@@ -38,13 +44,24 @@ EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, Edge
     if (may_be_on_surface && (behind == kNone || m.is_fixed(face))) return EdgeVerdict::OnSurface;
     here = behind / 4;
     if (here == tet) return EdgeVerdict::Removed;
-    if (ring.count == longest) return EdgeVerdict::LongRing;
+    if (ring.count == limits.longest) return EdgeVerdict::LongRing;
     const float other = mesh.quality(here);
-    if (other < quality || (other == quality && here < tet)) return EdgeVerdict::WorseBeside;
+    if (!limits.may_have_worse && (other < quality || (other == quality && here < tet)))
+      return EdgeVerdict::WorseBeside;
     ring.verts[ring.count] = ahead;
     leaving = mesh.corner_of(here, ahead);
     ahead = m.to_vert[behind];
   }
+}
+
+}  // namespace
+
+EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring) {
+  return walk_ring(mesh, tet, edge, {mesh.quality(tet) < kVeryPoor ? kLongestRing : kUsualRing, false}, ring);
+}
+
+bool find_any_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring) {
+  return walk_ring(mesh, tet, edge, {kMostRingVerts, true}, ring) == EdgeVerdict::Removed;
 }
 
 EdgeVerdict remove_edge_of(WorkingMesh& mesh, std::uint32_t tet) {

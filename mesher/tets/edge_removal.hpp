@@ -24,6 +24,10 @@ inline constexpr int kLongestRing = 7;
 /// The ring of edge `edge` (0 to 5) of `tet`; Removed when it may be removed, as far as its neighbours are concerned.
 EdgeVerdict find_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring);
 
+/// The same however poor the others of the ring are, and for rings of up to kMostRingVerts; false where a fixed face
+/// or nothing lies at the edge, or more tets.
+bool find_any_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, EdgeRing& ring);
+
 /// Removes, of the six edges of `tet`, the one whose removal raises the minimum of its ring most, where `tet` is the
 /// worst of the ring. What is replaced and what replaces it have the same boundary; the new tets are positive in exact
 /// arithmetic. Returns the verdict on the edge that came farthest.

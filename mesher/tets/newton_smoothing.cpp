@@ -1,8 +1,10 @@
 #include "mesher/tets/newton_smoothing.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "mesher/tets/bad_tets.hpp"
+#include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/tet_pairs.hpp"
 
 namespace tetloom::tets {
@@ -16,6 +18,7 @@ using pairs::TetPair;
 constexpr int kHalvings = 3;                // of a step that goes too far
 constexpr double kReach = 1.2;              // over-relaxation: neighbours follow, so that fewer passes do
 constexpr double kFloor = 0.6 * 0.6 * 0.6;  // a tet may get worse to here for the good of its star
+constexpr double kNearlyFlat = 0.02 * 0.02 * 0.02;
 
 double least_quality(WorkingMesh& mesh) {
   float least = 1;
@@ -173,6 +176,31 @@ Vec3 find_newton_step(std::span<const StarTet> star, const Vec3& x, double floor
   return {};
 }
 
+namespace {
+
+// The smallest cubed quality with the vertex at `d`; 0 where a tet is not surely positive.
+double least_at(std::span<const StarTet> star, const Vec3& d) {
+  double least = 1;
+  for (const StarTet& tet : star) {
+    if (!tet.is_surely_positive_at(d)) return 0;
+    least = std::min(least, cubed_quality(tet.volume_at(d), tet.squares_at(d)));
+  }
+  return least;
+}
+
+// Newton's method leaves the neighbourhood of a face of the star slowly: where 1/q^3 has its pole, each step makes the
+// distance from it half as large again. Such a vertex starts anew in the deepest place of its star.
+Vec3 leave_flatness(std::span<const StarTet> star, const Vec3& x, const Vec3& step) {
+  const double before = least_at(star, {});
+  if (before >= kNearlyFlat) return step;
+  const std::optional<DeepPoint> deep = find_deep_point(star);
+  if (!deep) return step;
+  const Vec3 d = (x + deep->point) - x;
+  return least_at(star, d) > std::max(least_at(star, step), before * kGain) ? d : step;
+}
+
+}  // namespace
+
 MoveVerdict VertexMover::move(std::uint32_t tet, std::uint32_t corner) {
   const StarVerdict found = find_star(mesh_, tet, corner, star_);
   if (found != StarVerdict::Found)
@@ -180,7 +208,7 @@ MoveVerdict VertexMover::move(std::uint32_t tet, std::uint32_t corner) {
   const std::span<StarTet> tets = std::span(tets_).first(star_.count);
   measure(mesh_, star_, tets);
   Vec3& x = mesh_.mesh().points[star_.vertex];
-  const Vec3 step = find_newton_step(tets, x, floor_);
+  const Vec3 step = leave_flatness(tets, x, find_newton_step(tets, x, floor_));
   if (step == Vec3{}) return MoveVerdict::NoGain;
   x += step;
   for (std::size_t i = 0; i < star_.count; ++i)

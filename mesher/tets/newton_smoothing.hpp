@@ -22,7 +22,8 @@ double size_badness(std::span<const StarTet> star, const Vec3& d, double size_we
 
 enum class MoveVerdict { Moved, OnSurface, TooLarge, NoGain };
 
-/// Moves vertices by such steps; holds the room that one move needs. `floor` as above.
+/// Moves vertices by such steps, those of nearly flat tets to the deepest place of their star where that is better;
+/// holds the room that one move needs. `floor` as above.
 class VertexMover {
  public:
   VertexMover(WorkingMesh& mesh, double floor) : mesh_(mesh), floor_(floor) {}

@@ -1,8 +1,10 @@
 #include "mesher/tets/point_insertion.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "mesher/tets/bad_tets.hpp"
+#include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 
@@ -12,8 +14,9 @@ namespace {
 
 constexpr std::size_t kMostGrowth = 12;  // tets that join a cavity after its start
 constexpr int kSteps = 4;                // of Newton's method, for one cavity
-constexpr double kMuchBetter = 1.3;      // in cubed quality, where as many tets stay poor
-constexpr double kOutOfFlatness = 27;    // the same, where more tets become poor: three times the quality
+constexpr double kMuchBetter = 1.3;      // in cubed quality, where as many tets stay poor, or one is nearly flat
+constexpr double kTwiceAsGood = 2;       // the same, where more tets become poor
+constexpr double kNearlyFlat = 0.25 * 0.25 * 0.25;  // what tets with an angle below five degrees have at most
 
 // Faces are listed counter-clockwise from outside; turned, they are seen from inside.
 std::array<std::uint32_t, 3> inward_face(const TetMesh& mesh, FaceCode face) {
@@ -103,21 +106,39 @@ bool PointInserter::lead_point() {
   return now_.least > kSurelyPositive;
 }
 
-void PointInserter::try_cavity(std::span<const std::uint32_t> tets, const Vec3& point) {
-  if (!set_cavity(tets)) return;
+// False when the cavity is not star-shaped around any point.
+bool PointInserter::go_deep() {
+  now_.point = middle();
+  measure();
+  const auto deep = find_deep_point(std::span(star_).first(now_.facet_count));
+  if (!deep || !(deep->depth > 0)) return false;
+  now_.point += deep->point;
+  return lead_point();
+}
+
+// From `point`, or, where that lies in the plane of a flat tet, say, from the middle of the cavity. Newton's method
+// does not come far from a place that is next to a facet: where a tet is nearly flat, it starts from the deepest then.
+bool PointInserter::place_point(const Vec3& point) {
   now_.point = point;
-  if (!lead_point()) {
-    // In the plane of a flat tet, say; the middle of the cavity may do.
+  bool is_placed = lead_point();
+  if (!is_placed) {
     now_.point = middle();
-    if (!lead_point()) return;
+    is_placed = lead_point();
   }
+  if (now_.least_before >= kNearlyFlat || (is_placed && now_.least >= kNearlyFlat)) return is_placed;
+  return go_deep();
+}
+
+void PointInserter::try_cavity(std::span<const std::uint32_t> tets, const Vec3& point) {
+  if (!set_cavity(tets) || !place_point(point)) return;
   kept_ = now_;
   for (std::size_t i = 0; i < kMostGrowth; ++i) {
     const FaceCode behind = now_.facets[worst_facet()].behind;
     if (behind == kNone || !add_tet(behind / 4) || !lead_point() || now_.least <= kept_.least) break;
     kept_ = now_;
   }
-  const double gain = kept_.gain > 0 ? kGain : kept_.gain == 0 ? kMuchBetter : kOutOfFlatness;
+  const bool was_flat = kept_.least_before < kNearlyFlat;
+  const double gain = kept_.gain > 0 ? kGain : kept_.gain == 0 || was_flat ? kMuchBetter : kTwiceAsGood;
   if (kept_.least <= kept_.least_before * gain) return;
   if (best_.tet_count == 0 || kept_.least > best_.least) best_ = kept_;
 }
@@ -129,7 +150,9 @@ bool PointInserter::insert(std::uint32_t tet) {
   try_cavity(std::span(&tet, 1), center);
   EdgeRing ring;
   for (int edge = 0; edge < 6; ++edge) {
-    if (find_ring(mesh_, tet, edge, ring) != EdgeVerdict::Removed) continue;
+    const bool is_flat = double{mesh_.quality(tet)} < kNearlyFlat;
+    if (is_flat ? !find_any_ring(mesh_, tet, edge, ring) : find_ring(mesh_, tet, edge, ring) != EdgeVerdict::Removed)
+      continue;
     try_cavity(ring.old(), 0.5 * (mesh_.point(ring.a) + mesh_.point(ring.b)));
   }
   if (best_.tet_count == 0) return false;

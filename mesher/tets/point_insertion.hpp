@@ -20,9 +20,10 @@ class PointInserter {
   PointInserter(WorkingMesh& mesh, double limit) : mesh_(mesh), limit_(limit) {}
 
   /// Inserts the best point found for `tet`, if that raises the minimum of the cavity and leaves fewer poor tets, or as
-  /// many of which the worst is much better; more poor tets only where one was next to flat, as between the six points
-  /// of a prism whose sides are cut by diagonals that run around it. New tets are positive in exact arithmetic. False,
-  /// and nothing changes, when there is no such point.
+  /// many of which the worst is much better; more poor tets only where the worst is twice as good in cubed quality, or
+  /// much better where it was next to flat, as between the six points of a prism whose sides are cut by diagonals that
+  /// run around it. New tets are positive in exact arithmetic. False, and nothing changes, when there is no such
+  /// point.
   bool insert(std::uint32_t tet);
 
  private:
@@ -46,6 +47,8 @@ class PointInserter {
   bool add_tet(std::uint32_t tet);
   Vec3 middle() const;  // of the cavity's boundary
   bool lead_point();
+  bool go_deep();
+  bool place_point(const Vec3& point);
   int count_poor() const;
   void measure();
   std::size_t worst_facet() const;

@@ -15,7 +15,8 @@ using Edge = std::array<std::uint32_t, 2>;
 constexpr int kRounds = 2;
 constexpr std::uint64_t kStepsBeforeAsking = 5'000'000;  // whether it is in vain: .2 s
 constexpr std::uint64_t kThorough = 10;                  // times as long a search before a point is put
-constexpr std::size_t kMissingAtMost = 1000;             // for new points: more says that the input is not sound
+// For new points: more than both says that the input is not sound.
+constexpr std::size_t kMissingOfAnySurface = 1000, kLeastPerMissing = 50;
 
 struct MissingEdge {
   Edge verts;
@@ -50,7 +51,8 @@ class Recovery {
       recover_triangles();
       if (missing_.size() == before) break;
     }
-    const bool is_hopeless = missing_.size() > kMissingAtMost || is_in_vain();
+    const bool are_too_many = missing_.size() > std::max(kMissingOfAnySurface, triangles_.size() / kLeastPerMissing);
+    const bool is_hopeless = are_too_many || is_in_vain();
     if (options_.allow_new_points && !missing_.empty() && !is_hopeless) use_new_points();
     for (const std::uint32_t t : missing_) explain(t);
     std::sort(report_.unrecovered.begin(), report_.unrecovered.end(),

@@ -1,5 +1,6 @@
 #pragma once
 // Boundary recovery: the triangles of a given surface as faces of a tetrahedral mesh that holds their points.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +24,16 @@ struct RecoverOptions {
   /// vain. May be empty.
   std::function<bool()> is_in_vain = {};
 };
+
+/// Options whose searches take no more time than making some 100,000 tets and, for each of the mesh's, a few times what
+/// making it takes: 50 steps. A further attempt gets a quarter of that.
+inline RecoverOptions recover_options(std::uint64_t tets, int attempt) {
+  constexpr std::uint64_t kOfAny = 50'000'000, kPerTet = 50;
+  RecoverOptions options;
+  options.steps_in_all = std::min(options.steps_in_all, kOfAny + kPerTet * std::min(tets, options.steps_in_all));
+  if (attempt > 0) options.steps_in_all /= 4;
+  return options;
+}
 
 /// Why a triangle is not a face of the mesh.
 enum class RecoveryFault : std::uint8_t {

@@ -22,6 +22,9 @@ namespace {
 
 constexpr std::size_t kElementsToldAtMost = 100;
 constexpr int kOwnAttempts = 3;
+constexpr std::size_t kFewLost = 100;  // triangles; where more are, the place of the lattice makes no difference
+constexpr std::size_t kTrianglesOfAttempts = 400'000;  // those of a complex times the worker's attempts
+constexpr std::size_t kLeastAttempts = 2;
 
 // One way of asking. TetGen's switches: p surface, Y keep its triangles, M merge nothing, Q quiet, J keep the
 // numbering, z count from 0, O optimise, T tolerance for coplanar points.
@@ -85,11 +88,14 @@ class ComplexFiller {
       FillingInput input = filling_input();
       input.attempt = attempt;
       FilledMesh own = fill_by_lattice(input, runner_);
-      const bool failed = own.fault.any(), may_differ = own.figures.missing_triangles > 0;
+      const bool failed = own.fault.any(), may_differ = own.figures.missing_triangles > 0 &&
+                                                        own.fault.triangles.size() <= kFewLost &&
+                                                        own.fault.code != ErrorCode::SelfIntersection;
+      const bool retries = failed && may_differ && attempt + 1 < kOwnAttempts;
       if (failed) own.figures.core_tets = own.figures.shell_tets = own.figures.recovery_points = 0;
-      if (failed && attempt + 1 < kOwnAttempts) own.figures.missing_triangles = 0;
+      if (retries) own.figures.missing_triangles = 0;
       accept(std::move(own));
-      if (!failed || !may_differ || failure_->code == ErrorCode::SelfIntersection) return;
+      if (!retries) return;
       if (attempt == 0 && surface_crosses_itself(result_.errors)) return;
     }
   }
@@ -132,7 +138,8 @@ class ComplexFiller {
   void ask_worker() {
     if (options_.worker.empty()) return;
     make_interior();
-    for (const Attempt& attempt : kAttempts) {
+    const std::size_t most = std::max(kLeastAttempts, kTrianglesOfAttempts / complex_.tri_to_vert.size());
+    for (const Attempt& attempt : std::span(kAttempts).first(std::min(most, kAttempts.size()))) {
       try_once(attempt);
       has_interior_ = attempt.interior_points;
       if (result_.filling || hopeless_) return;

@@ -81,7 +81,7 @@ class LatticeFiller {
   }
 
   Fault recover() {
-    tets::RecoverOptions options;
+    tets::RecoverOptions options = tets::recover_options(input_.progress.whole(), input_.attempt);
     options.is_in_vain = [&] {
       return !find_self_intersections({complex_.points, complex_.tri_to_vert, {}, 1}, runner_).empty();
     };

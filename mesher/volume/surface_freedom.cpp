@@ -14,9 +14,12 @@ std::array<std::uint32_t, 2> edge_key(std::uint32_t a, std::uint32_t b) { return
 }  // namespace
 
 SurfaceFreedom::SurfaceFreedom(const VolumeInput& input, std::span<const Complex> complexes)
-    : input_(input), belongs_to_one_(input.points.size(), 0) {
+    : input_(input), may_slide_(input.points.size(), 0) {
   for (const auto& [a, b] : input.edge_to_vert) kept_edges_.push_back(edge_key(a, b));
   std::ranges::sort(kept_edges_);
+  std::vector<std::uint8_t> piece_count(input.points.size(), 0);
+  for (const auto& piece : input.edge_to_vert)
+    for (const std::uint32_t v : piece) piece_count[v] = static_cast<std::uint8_t>(std::min(3, piece_count[v] + 1));
   std::vector<std::uint8_t> complex_count(input.points.size(), 0);
   std::vector<std::uint8_t> in_complex(input.tri_to_vert.size(), 0);
   for (const Complex& complex : complexes) {
@@ -24,10 +27,13 @@ SurfaceFreedom::SurfaceFreedom(const VolumeInput& input, std::span<const Complex
       complex_count[v] = static_cast<std::uint8_t>(std::min(2, complex_count[v] + 1));
     for (const std::uint32_t t : complex.to_input_tri) in_complex[t] = 1;
   }
-  for (std::size_t v = 0; v < complex_count.size(); ++v) belongs_to_one_[v] = complex_count[v] == 1;
+  for (std::size_t v = 0; v < complex_count.size(); ++v) may_slide_[v] = complex_count[v] == 1;
+  // Where edges of the model were merged, more than two pieces may end inside of one of them.
+  for (std::size_t v = 0; !kept_edges_.empty() && v < input.point_to_entity.size(); ++v)
+    if (input.point_to_entity[v].dim == 1 && piece_count[v] != 2) may_slide_[v] = 0;
   for (std::size_t t = 0; t < in_complex.size(); ++t) {
     if (in_complex[t]) continue;
-    for (const std::uint32_t v : input.tri_to_vert[t]) belongs_to_one_[v] = 0;
+    for (const std::uint32_t v : input.tri_to_vert[t]) may_slide_[v] = 0;
   }
 }
 
@@ -36,8 +42,7 @@ bool SurfaceFreedom::is_kept(std::uint32_t a, std::uint32_t b) const {
 }
 
 ModelEntity SurfaceFreedom::entity_of(std::uint32_t vertex) const {
-  return input_.point_to_entity.empty() || belongs_to_one_[vertex] == 0 ? ModelEntity{}
-                                                                        : input_.point_to_entity[vertex];
+  return input_.point_to_entity.empty() || may_slide_[vertex] == 0 ? ModelEntity{} : input_.point_to_entity[vertex];
 }
 
 std::vector<std::array<std::uint32_t, 3>> improve(tets::TetMesh& mesh, const ImprovementInput& input,

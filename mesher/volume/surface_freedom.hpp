@@ -20,13 +20,13 @@ class SurfaceFreedom {
   /// Whether the edge between two points of the input is a piece of a model edge.
   bool is_kept(std::uint32_t a, std::uint32_t b) const;
   /// What a point of the input may slide within; nothing for points that belong to more than one complex, or to
-  /// triangles that are in none.
+  /// triangles that are in none, and for those at which pieces of several model edges meet.
   ModelEntity entity_of(std::uint32_t vertex) const;
 
  private:
   const VolumeInput& input_;
   std::vector<std::array<std::uint32_t, 2>> kept_edges_;  // ascending, the lower end first
-  std::vector<std::uint8_t> belongs_to_one_;              // per point
+  std::vector<std::uint8_t> may_slide_;                   // per point
 };
 
 struct ImprovementInput {

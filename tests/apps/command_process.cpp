@@ -173,6 +173,7 @@ void check_cancelled(const ProcessResult& result, const TestFolder& folder, cons
   const nlohmann::json report = read_json(folder / "r.json");
   CHECK(report["status"] == "cancelled");
   CHECK(report["errors"][0]["code"] == "cancelled");
+  CHECK(report["seconds"]["read"] > 0);
 }
 
 bool is_sanitized() {

@@ -7,6 +7,7 @@
 #include <csignal>
 
 #include "apps/tetloom/interruption.hpp"
+#include "apps/tetloom/run.hpp"
 #include "core/io/atomic_file.hpp"
 #include "tests/apps/command_process.hpp"
 
@@ -56,6 +57,31 @@ TEST_CASE("a run that ignores the signal is left within a second, without its te
     CHECK(folder.files().empty());
     return end.seconds < 1.5;
   }));
+}
+
+TEST_CASE("a run that is stuck leaves a report with the seconds of its stages so far") {
+  const TestFolder folder;
+  const ChildEnd end = run_child([&] {
+    RunSetup setup;
+    setup.input = "part.step", setup.report = folder / "r.json", setup.quiet = true;
+    Run run(setup);
+    run.execute([](Run& r) {
+      r.begin(Stage::Read);
+      ::usleep(20'000);
+      r.host().progress({Stage::SizeField, {}, 0, 0});
+      ::usleep(20'000);
+      r.host().progress({Stage::Faces, {}, 0, 7});
+      std::raise(SIGTERM);
+      ::sleep(20);
+    });
+  });
+  CHECK(end.status == 5);
+  const nlohmann::json report = test::read_json(folder / "r.json");
+  CHECK(report["status"] == "cancelled");
+  CHECK(report["seconds"]["read"] >= 0.02);
+  CHECK(report["seconds"]["size_field"] >= 0.02);
+  CHECK(report["seconds"]["surface"] > 0.8);
+  CHECK(report["seconds"]["volume"] == 0);
 }
 
 TEST_CASE("a second signal leaves at once") {

@@ -1,6 +1,7 @@
 // The commands as a user runs them.
 #include <csignal>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <regex>
@@ -250,6 +251,21 @@ TEST_CASE("a reader that goes away does not end the work") {
   CHECK(folder.files() == std::vector<std::string>{"a.vtu"});
 }
 
+TEST_CASE("a volume that is not the model's is told in the text and in the report") {
+  const TestFolder folder;
+  const ProcessResult result =
+      run_tetloom({"mesh", demo_model("plate"), "-o", folder / "a.vtu", "--size", "20", "--report", folder / "r.json"});
+  CHECK(result.status == 0);
+  CHECK_THAT(result.err, Catch::Contains("where the model has"));
+  const nlohmann::json warnings = read_json(folder / "r.json")["warnings"];
+  const auto differs = [](const nlohmann::json& warning) { return warning["code"] == "volume_differs"; };
+  const auto found = std::find_if(warnings.begin(), warnings.end(), differs);
+  REQUIRE(found != warnings.end());
+  CHECK((*found)["entities"][0]["dim"] == 3);
+  CHECK((*found)["entities"][1]["dim"] == 2);
+  CHECK((*found)["point"].size() == 3);
+}
+
 TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a report and nothing else") {
   for (const char* stage : {"read", "faces", "volume"}) {
     CAPTURE(stage);
@@ -271,6 +287,10 @@ TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a repor
       if (result.status == 0) return false;
       check_cancelled(result, folder, {"r.json", "sleeper"});
       CHECK_THAT(result.err, Catch::Contains("cancelled"));
+      const auto seconds = read_json(folder / "r.json")["seconds"];
+      CHECK((seconds["size_field"] > 0) == (std::string(stage) != "read"));
+      CHECK((seconds["surface"] > 0) == (std::string(stage) != "read"));
+      CHECK((seconds["volume"] > 0) == volume);
       return result.seconds_after_signal < kMostSecondsToCancel;
     }));
   }

@@ -16,6 +16,18 @@ TEST_CASE("a child hands back its output, its exit status and its time") {
   CHECK_THROWS_AS(run_child({"/no/such/program"}), std::runtime_error);
 }
 
+TEST_CASE("a child whose time is up is asked to end, and killed where it does not") {
+  const ChildResult asked =
+      run_child({"sh", "-c", "trap 'echo asked; exit 5' INT; while :; do sleep 0.05; done"}, {0.2, 30});
+  CHECK(asked.timed_out);
+  CHECK(asked.exit_status == 5);
+  CHECK(asked.output == "asked\n");
+  const ChildResult killed = run_child({"sh", "-c", "trap '' INT; sleep 30"}, {0.2, 0.2});
+  CHECK(killed.timed_out);
+  CHECK(killed.exit_status == 128 + 9);
+  CHECK_FALSE(run_child({"sh", "-c", "exit 0"}, {30, 1}).timed_out);
+}
+
 TEST_CASE("the peak memory of a child is its own, however large its parent has been") {
   constexpr std::uint64_t kMegabyte = 1 << 20;
   { const std::vector<char> large(300 * kMegabyte, 1); }

@@ -57,7 +57,14 @@ TEST_CASE("closest_point agrees with brute force, with and without a guess, and 
     }
     const SurfacePoint free = face->closest_point(x, std::nullopt), guided = face->closest_point(x, guess);
     CHECK(free.distance == Approx(expected).margin(1e-12));
-    CHECK(guided.distance == Approx(expected).margin(1e-12));
+    CHECK(guided.distance >= expected - 1e-12);
+    if (guess) {
+      // The guess picks the side: where the nearest facet does not face away from the guess, it is the answer.
+      if (dot(face->normal(free.uv), face->normal(*guess)) > 0.5) {
+        CHECK(guided.distance == Approx(expected).margin(1e-12));
+      }
+      CHECK(dot(face->normal(guided.uv), face->normal(*guess)) > -0.5);
+    }
     CHECK(face->evaluate(free.uv) == free.point);
     CHECK(distance(x, free.point) == Approx(free.distance).margin(1e-14));
     const SurfacePoint again = face->closest_point(free.point, free.uv);
@@ -193,4 +200,32 @@ TEST_CASE("polygons are cut into triangles of their area that lie inside") {
       CHECK(std::abs(sum) == Approx(std::abs(area + 0 * area)).epsilon(1e-9));
     }
   }
+}
+
+TEST_CASE("noise of the points does not pass for curvature, and a coarse fillet keeps its own") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> noise(-0.004, 0.004);
+  Facets sphere = make_sphere({0, 0, 0}, 1, 5);  // edges of 0.04
+  for (Vec3& p : sphere.points) p = (1 + noise(random)) * p;
+  const auto curvature_of = [](const Facets& facets) {
+    const auto model = make_discrete_model(facets.points, facets.triangles, 0.7);
+    const auto face = model->face_geometry(ModelFaceId(0));
+    const Tessellation t = face->tessellate(1, 1);
+    std::vector<double> values;
+    for (const Vec2& uv : t.uv) values.push_back(std::abs(face->curvature(uv).largest));
+    std::sort(values.begin(), values.end());
+    return std::array{values[values.size() / 2], values[values.size() * 95 / 100]};
+  };
+  const auto [median, high] = curvature_of(sphere);
+  CHECK(median > 0.5);
+  CHECK(median < 2.5);
+  CHECK(high < 4);  // without a filter, 10
+  // A corrugated sheet of eight facets a wave keeps its crests.
+  const Facets waves = make_grid(
+      64, 20, false,
+      [](std::uint32_t i, std::uint32_t j) {
+        return Vec3{0.1 * i, 0.1 * j, 0.05 * std::sin(M_PI_4 * i)};
+      },
+      false);
+  CHECK(curvature_of(waves)[1] > 2);
 }

@@ -1,6 +1,8 @@
 // The topology that facets are cut into: faces, edges, loops, regions.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <map>
+#include <random>
 #include <set>
 
 #include "core/discrete/discrete_model.hpp"
@@ -315,18 +317,45 @@ TEST_CASE("a Möbius strip is cut open and meshes as a sheet") {
   CHECK(seconds == 1);
 }
 
-TEST_CASE("a crease that fades out within a face is not kept") {
+TEST_CASE("a crease that fades out within a face is an edge that the face has twice") {
   // A sheet folded along x = 0, ever less with growing y.
   const Facets sheet = make_grid(
       8, 10, false,
       [](std::uint32_t i, std::uint32_t j) {
-        const double x = static_cast<double>(i) - 4, fold = std::max(0.0, 1.2 - 0.3 * j);
+        const double x = static_cast<double>(i) - 4, fold = std::max(0.0, 1.2 - 0.2 * j);
         return Vec3{x, 1.0 * j, fold * std::abs(x)};
       },
       false);
   const auto model = model_of(sheet);
   check_invariants(*model);
-  CHECK(model->topology().face_count() == 1);
+  REQUIRE(model->topology().face_count() == 1);
+  std::size_t uses = 0, seconds = 0;
+  for (const ModelLoop& loop : model->topology().face_to_loops[0]) {
+    for (const EdgeUse& use : loop) ++uses, seconds += use.second_side;
+  }
+  CHECK(seconds == 1);
+  CHECK(uses == model->topology().edge_count() + 1);
+}
+
+TEST_CASE("noise does not cut a scan into faces, and the edges of a box with noise stay") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> noise(-0.5, 0.5);
+  Facets sphere = make_sphere({0, 0, 0}, 1, 6);  // edges of 0.02
+  for (Vec3& p : sphere.points) p = (1 + 0.01 * noise(random)) * p;
+  const auto scan = model_of(sphere);
+  check_invariants(*scan);
+  CHECK(scan->topology().face_count() <= 3);
+  CHECK(scan->topology().region_count() == 1);
+  Facets box = make_box({0, 0, 0}, {1, 1, 1}, 40);
+  std::map<std::array<double, 3>, Vec3> moved;  // the sides have points of their own
+  for (Vec3& p : box.points) {
+    const auto [entry, is_new] = moved.try_emplace({p.x, p.y, p.z}, p);
+    if (is_new) entry->second = p + 0.008 * Vec3{noise(random), noise(random), noise(random)};
+    p = entry->second;
+  }
+  const auto rough = model_of(box);
+  check_invariants(*rough);
+  CHECK(rough->topology().face_count() == 6);
 }
 
 TEST_CASE("a model is the same whatever way it is made twice") {

@@ -1,4 +1,5 @@
 // Reading STL and OBJ files, good and bad.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cctype>
 #include <random>
@@ -121,7 +122,7 @@ TEST_CASE("an STL file cut off anywhere is unreadable, never half a model") {
   const TemporaryFolder folder;
   const std::string whole = GENERATE(binary_stl(kBox), ascii_stl(kBox, "box"));
   for (const std::size_t size : {std::size_t{1}, std::size_t{20}, std::size_t{83}, std::size_t{84}, std::size_t{100},
-                                 whole.size() / 2, whole.size() - 15}) {
+                                 whole.size() / 2 + 20, whole.size() - 15}) {
     INFO("cut to " << size << " bytes of " << whole.size());
     CHECK(code_of(folder.write("cut.stl", whole.substr(0, size))) == ErrorCode::InputUnreadable);
   }
@@ -284,6 +285,84 @@ TEST_CASE("a sliver facet with its corner on its neighbour's side is swapped awa
   CHECK(document.model->topology().face_count() == 6);
   CHECK(document.model->topology().edge_count() == 12);
   CHECK(document.model->volume(ModelRegionId(0)) == Approx(1));
+}
+
+TEST_CASE("corners of facets on the sides of others are joined to them") {
+  const TemporaryFolder folder;
+  // A box whose sides have different numbers of facets: the rows of one end on the long sides of the next.
+  Facets box;
+  const Facets coarse = make_box({0, 0, 0}, {1, 1, 1}, 1), fine = make_box({0, 0, 0}, {1, 1, 1}, 4);
+  for (const Facets* from : {&coarse, &fine}) {
+    const auto first = static_cast<std::uint32_t>(box.points.size());
+    box.points.insert(box.points.end(), from->points.begin(), from->points.end());
+    for (std::size_t tri = 0; tri < from->triangles.size(); ++tri) {
+      if ((from->groups[tri] % 2 == 1) != (from == &fine)) continue;
+      Triangle t = from->triangles[tri];
+      for (std::uint32_t& v : t) v += first;
+      box.triangles.push_back(t);
+    }
+  }
+  const ModelDocument document = read_discrete_model(folder.write("junctions.stl", binary_stl(box)));
+  CHECK(healed(document, "corners lie on") > 0);
+  CHECK(document.warnings.empty());
+  REQUIRE(document.model->topology().region_count() == 1);
+  CHECK(document.model->topology().face_count() == 6);
+  CHECK(document.model->volume(ModelRegionId(0)) == Approx(1));
+}
+
+TEST_CASE("holes are filled up to the width asked for, and where the surface stays open is said") {
+  const TemporaryFolder folder;
+  Facets sphere = make_sphere({0, 0, 0}, 1, 4);
+  const double whole = volume_of(sphere);
+  const auto remove_near = [&](const Vec3& place, double radius) {
+    std::erase_if(sphere.triangles, [&](const Triangle& t) {
+      return std::any_of(t.begin(), t.end(),
+                         [&](std::uint32_t v) { return distance(sphere.points[v], place) < radius; });
+    });
+  };
+  remove_near({0, 0, 1}, 0.15);
+  remove_near({1, 0, 0}, 0.3);
+  const auto path = folder.write("holes.stl", binary_stl(sphere));
+  ReadOptions options;
+  const ModelDocument open = read_discrete_model(path, options);
+  CHECK(open.model->topology().region_count() == 0);
+  CHECK(open.model->topology().face_count() == 1);
+  REQUIRE(open.warnings.size() == 1);
+  CHECK(open.warnings[0].code == ErrorCode::OpenShell);
+  CHECK(open.warnings[0].message.find("2 rims") != std::string::npos);
+  REQUIRE(open.warnings[0].point);
+  CHECK(open.warnings[0].point->x > 0.8);
+  options.fill_holes = 0.6;
+  const ModelDocument half_open = read_discrete_model(path, options);
+  CHECK(healed(half_open, "holes filled") == 1);
+  CHECK(half_open.model->topology().region_count() == 0);
+  options.fill_holes = 2;
+  const ModelDocument closed = read_discrete_model(path, options);
+  CHECK(healed(closed, "holes filled") == 2);
+  CHECK(closed.warnings.empty());
+  REQUIRE(closed.model->topology().region_count() == 1);
+  CHECK(closed.model->volume(ModelRegionId(0)) == Approx(whole).epsilon(0.01));
+  options.fill_holes = -1;
+  CHECK(code_of(path, options) == ErrorCode::InvalidArgument);
+}
+
+TEST_CASE("needles between points that are nearly one are collapsed, and the surface stays closed") {
+  const TemporaryFolder folder;
+  // Every column of a cylinder twice, a hair apart: half of its side are needles, and two edges of every third facet.
+  const std::uint32_t columns = 24;
+  const Facets cylinder = make_cylinder(1, 2, 2 * columns, 4);
+  Facets facets = cylinder;
+  for (std::size_t p = 0; p + 2 < facets.points.size(); ++p) {
+    const std::size_t column = p % (2 * columns);
+    const double angle = 2 * M_PI * static_cast<double>(column / 2) / columns + (column % 2 ? 1e-5 : 0);
+    facets.points[p] = {std::cos(angle), std::sin(angle), facets.points[p].z};
+  }
+  const ModelDocument document = read_discrete_model(folder.write("needles.stl", binary_stl(facets)));
+  CHECK(healed(document, "needles") == 5 * columns);
+  CHECK(document.model->topology().region_count() == 1);
+  CHECK(document.model->topology().face_count() == 3);
+  CHECK(document.warnings.empty());
+  CHECK(document.model->volume(ModelRegionId(0)) == Approx(volume_of(facets)).epsilon(1e-4));
 }
 
 TEST_CASE("arrays that do not fit together are refused") {

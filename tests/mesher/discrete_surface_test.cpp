@@ -1,4 +1,5 @@
 // Facet models (STL, OBJ) through the whole mesher: their faces have no parameter plane and are remeshed in space.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -51,6 +52,29 @@ TEST_CASE("a facetted box and a facetted cylinder keep their sharp edges") {
   const auto cylinder = facetted(*make_cylinder(0.5, 1), 0.05);
   CHECK(cylinder->topology().face_count() == 3);
   check_remesh(*cylinder, 0.1, std::numbers::pi * 1.5);
+}
+
+TEST_CASE("an open surface that passes through itself is told of and asks for no smaller sizes") {
+  constexpr std::uint32_t kAlong = 60, kAcross = 10;
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i <= kAlong; ++i)
+    for (std::uint32_t j = 0; j <= kAcross; ++j) {
+      const double t = -1.4 + 2.8 * i / kAlong;  // the curve meets itself at t = 1 and t = -1
+      points.push_back({t * t, 1.0 * j / kAcross, t * (t * t - 1)});
+      if (i == kAlong || j == kAcross) continue;
+      const std::uint32_t a = i * (kAcross + 1) + j, b = a + kAcross + 1;
+      triangles.push_back({a, b, a + 1});
+      triangles.push_back({b, b + 1, a + 1});
+    }
+  const auto ribbon = make_discrete_model(points, triangles, 40 * std::numbers::pi / 180);
+  MeshOptions options;
+  options.sizes.size = 0.11;
+  const MeshResult result = make_mesh(*ribbon, options);
+  CHECK(result.status == MeshStatus::Ok);
+  CHECK(result.refinement.rounds == 0);
+  CHECK(
+      std::ranges::any_of(result.warnings, [](const Diagnostic& d) { return d.code == ErrorCode::SelfIntersection; }));
 }
 
 #ifdef TETLOOM_WORKER

@@ -176,10 +176,10 @@ TEST_CASE("solids that interpenetrate are meshed on their own, and named") {
   CHECK(volume_of(meshed) == Approx(2000));
   const auto& warnings = meshed.result.warnings;
   const auto overlap = std::find_if(warnings.begin(), warnings.end(), [](const Diagnostic& warning) {
-    return warning.message.find("overlap") != std::string::npos;
+    return warning.code == ErrorCode::RegionsOverlap;
   });
   REQUIRE(overlap != warnings.end());
-  REQUIRE(overlap->entities.size() == 3);
+  REQUIRE(overlap->entities.size() >= 2);
   CHECK(overlap->entities[0].entity.dim == 3);
   CHECK(overlap->entities[1].entity.dim == 3);
   CHECK(overlap->entities[0].entity != overlap->entities[1].entity);
@@ -191,9 +191,9 @@ TEST_CASE("solids that only touch do not overlap") {
   const ModelDocument document = read_model(folder / "model.brep");
   MeshOptions options;
   options.sizes.size = 2;
-  options.surface_only = true;
+  options.volume_worker = TETLOOM_WORKER;
   const MeshResult result = make_mesh(*document.model, options);
   REQUIRE(result.status == MeshStatus::Ok);
   REQUIRE(document.model->topology().region_count() == 2);
-  for (const Diagnostic& warning : result.warnings) CHECK(warning.message.find("overlap") == std::string::npos);
+  for (const Diagnostic& warning : result.warnings) CHECK(warning.code != ErrorCode::RegionsOverlap);
 }

@@ -297,3 +297,31 @@ TEST_CASE("the crossings above a point balance for rays through edges and vertic
   CHECK(tree.any_within({5, 5, 5}, 1.74));
   CHECK_FALSE(tree.any_within({5, 5, 5}, 1.73));
 }
+
+// Through points of triangles on purpose: corners, middles of edges, centres.
+TEST_CASE("what a segment meets is visited, and little else") {
+  const Surface surface = sheet(60, [](double x, double y) { return 0.3 * std::sin(7 * x) * std::cos(5 * y); });
+  const TriangleTree tree(surface.points, surface.triangles, TaskRunner(1));
+  std::mt19937 random(7);
+  const auto unit = [&] { return double(random()) * 0x1p-32; };
+  std::size_t visits = 0, in_boxes = 0;
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    const auto hit = static_cast<std::uint32_t>(random() % surface.triangles.size());
+    const auto [a, b, c] = tree.corners_of(hit);
+    const Vec3 aim = i % 3 == 0 ? a : i % 3 == 1 ? 0.5 * (a + b) : (1.0 / 3) * (a + b + c);
+    const Vec3 from{unit(), unit(), 2 * unit() - 1};
+    const Vec3 along = (i % 2 == 0 ? 1.0 : 1.7) * (aim - from);
+    bool found = false;
+    tree.for_each_along(from, along, [&](std::uint32_t triangle) { ++visits, found = found || triangle == hit; });
+    CHECK(found);
+    Box3 box;
+    box.add(from), box.add(from + along);
+    tree.for_each_in(box, [&](std::uint32_t) { ++in_boxes; });
+  }
+  CHECK(visits * 10 < in_boxes);
+  std::size_t any = 0;
+  tree.for_each_along({0.5, 0.5, 0.4}, {0, 0, 1}, [&](std::uint32_t) { ++any; });
+  tree.for_each_along({-0.5, 0.5, 0}, {0.499, 0, 0}, [&](std::uint32_t) { ++any; });
+  CHECK(any == 0);
+}

@@ -107,6 +107,20 @@ TEST_CASE("stopped at any moment, meshing and writing end as cancelled, with not
   check_cancels(test::kSanitized ? 6 : 200, 2027);
 }
 
+TEST_CASE("a run that was stopped tells the seconds of its stages so far") {
+  const auto model = two_bodies();
+  for (const Stage last : {Stage::SizeField, Stage::Faces, Stage::Intersections, Stage::Volume}) {
+    INFO(to_string(last));
+    Host host;
+    host.progress = [&](const ProgressEvent& event) { return event.stage != last; };
+    const MeshResult result = make_mesh(*model, options_of(2), host);
+    CHECK(result.status == MeshStatus::Cancelled);
+    CHECK(result.seconds.size_field > 0);
+    CHECK((result.seconds.surface > 0) == (last != Stage::SizeField));
+    CHECK((result.seconds.volume > 0) == (last == Stage::Volume));
+  }
+}
+
 TEST_CASE("for any size of the parts the mesh does not depend on the number of threads") {
   const auto model = two_bodies();
   for (const double tets_per_part : {800.0, 2500.0, HUGE_VAL}) {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/base/error.hpp"
+#include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
@@ -124,6 +125,81 @@ TEST_CASE("a vertex leaves a flat tet in which it nearly lies on its face") {
   CHECK(mover.move(0, working.corner_of(0, 6)) == MoveVerdict::Moved);
   CHECK(tets::find_fault(mesh) == "");
   CHECK(least_quality(mesh) > least);
+}
+
+TEST_CASE("a vertex that was left on the boundary of its star goes deep into it, in one move") {
+  for (const double off : {1e-3, 1e-5, 1e-8}) {
+    CAPTURE(off);
+    const double at = (1 - off) / 3;
+    TetMesh mesh = make_octahedron({at, at, at});
+    REQUIRE(tets::find_fault(mesh).empty());
+    REQUIRE(least_quality(mesh) < 0.02);
+    WorkingMesh working(mesh, 6);
+    CHECK(tets::VertexMover(working, 0.2).move(0, working.corner_of(0, 6)) == MoveVerdict::Moved);
+    CHECK(tets::find_fault(mesh) == "");
+    CHECK(least_quality(mesh) > 0.5);
+    CHECK(std::cbrt(working.quality(0)) == Approx(quality_of(mesh, 0)));
+  }
+}
+
+// The tets over the faces of a shaken octahedron whose faces are cut in four, measured from `x`.
+std::vector<tets::StarTet> make_star(std::mt19937_64& random, double shake, const Vec3& x) {
+  std::uniform_real_distribution<double> amount(-shake, shake);
+  std::vector<Vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> middles;
+  const auto middle = [&](std::size_t a, std::size_t b) {
+    const auto [entry, is_new] = middles.emplace(std::minmax(a, b), points.size());
+    if (is_new) points.push_back(normalized(points[a] + points[b]));
+    return entry->second;
+  };
+  std::vector<std::array<std::size_t, 3>> faces;
+  for (const auto& [a, b, c] : {std::array<std::size_t, 3>{0, 2, 4},
+                                {2, 1, 4},
+                                {1, 3, 4},
+                                {3, 0, 4},
+                                {2, 0, 5},
+                                {1, 2, 5},
+                                {3, 1, 5},
+                                {0, 3, 5}}) {
+    const std::size_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    faces.insert(faces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+  }
+  for (Vec3& p : points) p += Vec3{amount(random), amount(random), amount(random)};
+  std::vector<tets::StarTet> star;
+  for (const auto& [a, b, c] : faces) star.push_back(tets::star_tet(points[a] - x, points[c] - x, points[b] - x));
+  return star;
+}
+
+double depth_of(const std::vector<tets::StarTet>& star, const Vec3& d) {
+  double depth = HUGE_VAL;
+  for (const tets::StarTet& tet : star) depth = std::min(depth, tet.volume_at(d) / norm(tet.normal));
+  return depth;
+}
+
+TEST_CASE("the deepest place of a star is found from anywhere, or that there is none inside of all faces") {
+  const unsigned seed = 2031;
+  CAPTURE(seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> anywhere(-2, 2), unit(-1, 1);
+  int found = 0, none = 0;
+  for (int i = 0; i < 400; ++i) {
+    CAPTURE(i);
+    const auto star = make_star(random, i % 2 == 0 ? 0.1 : 0.5, {anywhere(random), anywhere(random), anywhere(random)});
+    const auto deep = tets::find_deep_point(star);
+    REQUIRE(deep);
+    CHECK(deep->depth == Approx(depth_of(star, deep->point)).margin(1e-12));
+    const bool is_star_shaped = deep->depth > 0;
+    is_star_shaped ? ++found : ++none;
+    Vec3 best = deep->point;
+    double depth = deep->depth;
+    for (double reach = 2; reach > 1e-3; reach *= 0.99) {  // random steps uphill
+      const Vec3 next = best + reach * Vec3{unit(random), unit(random), unit(random)};
+      if (depth_of(star, next) > depth) best = next, depth = depth_of(star, best);
+    }
+    CHECK(depth <= (is_star_shaped ? 1.1 * deep->depth : 1e-6));
+  }
+  CHECK(found > 100);
+  CHECK(none > 50);
 }
 
 TEST_CASE("a vertex that is best where it is, stays") {

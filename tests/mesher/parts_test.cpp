@@ -111,6 +111,23 @@ TEST_CASE("triangles that are missing between parts are recovered") {
   }
 }
 
+// Two rough balls, one in the other, nearer to each other than their triangles are wide.
+TEST_CASE("parts mend thousands of missing triangles of a thin wall") {
+  std::mt19937 random(5);
+  const auto rough = [&](double radius) {
+    return ball_surface(6, {0, 0, 0}, 0,
+                        [&, radius](const Vec3&) { return radius + 8e-4 * double(random()) * 0x1p-32; });
+  };
+  PartsCase one{"thin", rough(1), SizeField::uniform(0.05), 4e3};
+  Surface hole = rough(0.999);
+  for (Vec3& p : hole.points) p = {0.96 * p.x - 0.28 * p.y, 0.28 * p.x + 0.96 * p.y, p.z};
+  for (auto& triangle : hole.tri_to_vert) std::swap(triangle[1], triangle[2]);
+  one.surface.append(hole);
+  const VolumeMesh mesh = fill_case(one);
+  CHECK(mesh.figures.missing_triangles > 3000);
+  check_whole(one, mesh, fill_case(one, kOnePart, TaskRunner(2)));
+}
+
 TEST_CASE("where sizes change as fast as they may, tets that a part cannot know are found by asking") {
   struct Small {
     double finest, shift, tets_per_part;

@@ -231,6 +231,45 @@ TEST_CASE("the field is the same, bit for bit, for any number of threads") {
   for (const int threads : {2, 3, 8}) CHECK(build(*torus, options, threads).serialize() == reference);
 }
 
+TEST_CASE("refinements that come in rounds give the field that they give at once") {
+  const unsigned seed = 10;
+  INFO("seed " << seed);
+  const auto torus = test_models::make_torus(3, 1);
+  SizeOptions options{.size = 0.5, .curvature = 24};
+  SECTION("on top of curvature") {}
+  SECTION("with a region of its own size") { options.entity_sizes = {{ModelRegionId(std::size_t{0}), 0.3}}; }
+  SECTION("with a callback") {
+    options.callback = [](const Vec3& x) { return 0.1 + 0.3 * std::abs(std::sin(3 * x.x)); };
+  }
+  RandomPoints random(torus->bounding_box(), seed);
+  std::vector<SizeRefinement> refinements;
+  const TaskRunner runner(2);
+  // The cube of the tree is chosen by the first build.
+  SizeFieldBuilder in_rounds(*torus, options, runner), at_once(*torus, options, runner);
+  in_rounds.build(refinements);
+  at_once.build(refinements);
+  std::vector<std::byte> last;
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 10; ++i) {
+      const double turn = 6.28 * random.unit();
+      const Vec3 x = Vec3{3 * std::cos(turn), 3 * std::sin(turn), 0} + 0.8 * random.unit() * random.direction();
+      refinements.push_back({{x, x, x + 0.1 * random.direction()}, 0.01 + 0.05 * random.unit()});
+    }
+    std::vector<SizeRefinement> not_taken = refinements;
+    not_taken.resize(refinements.size() - 5);
+    not_taken.push_back({refinements[0].corners, 0.01});
+    in_rounds.build(not_taken);
+    last = in_rounds.build(refinements).sizes.serialize();
+  }
+  CHECK(last == at_once.build(refinements).sizes.serialize());
+  SECTION("and others than before are not taken for more of them") {
+    refinements.erase(refinements.begin());
+    const SizeField other = in_rounds.build(refinements).sizes;
+    for (const SizeRefinement& wish : refinements) CHECK(other.size_at(wish.corners[0]) <= 1.1 * wish.size);
+    CHECK(other.serialize() == build(*torus, options, 1, refinements).serialize());
+  }
+}
+
 TEST_CASE("building a size field stops when it is cancelled") {
   CancelToken cancel;
   cancel.cancel();

@@ -66,6 +66,7 @@ TEST_CASE("plates however thin get tets of 15 degrees and more") {
     const auto model = make_box({0, 0, 0}, {6, 5, thickness});
     MeshOptions options = options_of_size(1);
     options.sizes.min_size = 0.01;
+    options.most_refinement = HUGE_VAL;
     const Made fitting(*model, options);
     CHECK(fitting.quality.tets.min_dihedral_deg >= 15);
     options.refine_surface = false;
@@ -83,9 +84,12 @@ TEST_CASE("plates however thin get tets of 15 degrees and more") {
   }
 }
 
-TEST_CASE("sizes are reduced to min_size, or to a tenth, and no further") {
+TEST_CASE("sizes are reduced to min_size, to what features that stay need, or to a tenth, and no further") {
   const auto model = make_box({0, 0, 0}, {2, 2, 0.03});
   MeshOptions options = options_of_size(1);
+  options.most_refinement = HUGE_VAL;
+  CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.25));
+  options.keep_small_features = true;
   CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.1));
   options.sizes.min_size = 0.14;
   CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.14));
@@ -122,7 +126,7 @@ TEST_CASE("what a smaller size would not make better stays as it is") {
 TEST_CASE("a size may jump by ten thousand") {
   MeshOptions options = options_of_size(0.2);
   options.sizes.gradation = 1;
-  for (const Vec3& place : {Vec3{0.4, 0.5, 0.6}, Vec3{0, 0, 0}, Vec3{0.3, 0, 0.2}}) {
+  for (const Vec3& place : {Vec3{0.4, 0.5, 0.6}, Vec3{0, 0, 0}, Vec3{0.31, 0, 0.22}}) {
     options.sizes.point_sizes = {{place, 2e-5}};
     const Made made(*make_box({0, 0, 0}, {1, 1, 1}), options);
     CHECK(made.result.sizes.size_at(place) < 4e-5);

@@ -1,0 +1,216 @@
+#include "core/discrete/open_rims.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/disjoint_sets.hpp"
+#include "core/discrete/polygon.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+Box3 box_of(std::span<const Vec3> points) {
+  Box3 box;
+  for (const Vec3& p : points) box.add(p);
+  return box;
+}
+
+/// One round of cuts at T-junctions, at most one edge of each facet.
+class JunctionCutter {
+ public:
+  JunctionCutter(FacetSoup& soup, const FacetEdges& edges, double tolerance)
+      : soup_(soup), edges_(edges), tolerance_(tolerance) {}
+
+  std::size_t run() {
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t edge = 0; edge < edges_.size(); ++edge) {
+      if (edges_.halves(edge).size() == 1) open.push_back(edge);
+    }
+    for (const std::uint32_t edge : open) {
+      for (const std::uint32_t v : edges_.edge_to_vert[edge]) along_x_.push_back({soup_.points[v].x, v});
+    }
+    std::sort(along_x_.begin(), along_x_.end());
+    along_x_.erase(std::unique(along_x_.begin(), along_x_.end()), along_x_.end());
+    std::vector<bool> done(soup_.tri_to_vert.size(), false);
+    std::size_t cuts = 0;
+    for (const std::uint32_t edge : open) {
+      const std::uint32_t half = edges_.halves(edge)[0], tri = half_to_tri(half);
+      if (done[tri]) continue;
+      const std::vector<std::uint32_t> between = find_between(half);
+      if (between.empty()) continue;
+      cut(half, between);
+      done[tri] = true, ++cuts;
+    }
+    return cuts;
+  }
+
+ private:
+  /// Points of open edges inside of the half-edge, in its order.
+  std::vector<std::uint32_t> find_between(std::uint32_t half) const {
+    const std::uint32_t a = half_origin(soup_.tri_to_vert, half), b = half_head(soup_.tri_to_vert, half);
+    const Vec3 &p = soup_.points[a], d = soup_.points[b] - p;
+    const double length2 = norm2(d), nearest = tolerance_ / std::sqrt(length2);
+    std::vector<std::pair<double, std::uint32_t>> found;
+    const std::pair<double, std::uint32_t> first{std::min(p.x, p.x + d.x) - tolerance_, 0};
+    for (auto at = std::ranges::lower_bound(along_x_, first); at != along_x_.end(); ++at) {
+      if (at->first > std::max(p.x, p.x + d.x) + tolerance_) break;
+      const Vec3 offset = soup_.points[at->second] - p;
+      const double share = dot(offset, d) / length2;
+      if (share <= nearest || share >= 1 - nearest || norm(offset - share * d) > tolerance_) continue;
+      const Triangle& t = soup_.tri_to_vert[half_to_tri(half)];
+      if (std::ranges::find(t, at->second) == t.end()) found.push_back({share, at->second});
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<std::uint32_t> verts;
+    for (const auto& [share, v] : found) verts.push_back(v);
+    return verts;
+  }
+
+  ///      c           The facet a, b, c becomes a, m, c and m, b, c.
+  ///     /|\          .
+  ///    a─m─b
+  void cut(std::uint32_t half, const std::vector<std::uint32_t>& between) {
+    const std::uint32_t tri = half_to_tri(half), c = half_origin(soup_.tri_to_vert, previous_half(half));
+    const std::uint32_t end = half_head(soup_.tri_to_vert, half);
+    soup_.tri_to_vert[tri] = {half_origin(soup_.tri_to_vert, half), between[0], c};
+    for (std::size_t i = 0; i < between.size(); ++i) {
+      soup_.tri_to_vert.push_back({between[i], i + 1 < between.size() ? between[i + 1] : end, c});
+      if (!soup_.tri_to_group.empty()) soup_.tri_to_group.push_back(soup_.tri_to_group[tri]);
+    }
+  }
+
+  FacetSoup& soup_;
+  const FacetEdges& edges_;
+  double tolerance_;
+  std::vector<std::pair<double, std::uint32_t>> along_x_;  // points of open edges
+};
+
+bool joins(const FacetEdges& edges, std::uint32_t a, std::uint32_t b) {
+  const std::array<std::uint32_t, 2> key{std::min(a, b), std::max(a, b)};
+  return std::binary_search(edges.edge_to_vert.begin(), edges.edge_to_vert.end(), key);
+}
+
+/// The loop of open edges from a point, each point with the two edges in `around`.
+std::vector<std::uint32_t> walk_rim(const FacetEdges& edges, std::uint32_t first_edge,
+                                    const std::vector<std::array<std::uint32_t, 2>>& around) {
+  std::vector<std::uint32_t> verts;
+  const std::uint32_t start = edges.edge_to_vert[first_edge][0];
+  std::uint32_t v = start, edge = first_edge;
+  do {
+    verts.push_back(v);
+    const auto& ends = edges.edge_to_vert[edge];
+    v = ends[0] == v ? ends[1] : ends[0];
+    edge = around[v][0] == edge ? around[v][1] : around[v][0];
+  } while (v != start);
+  return verts;
+}
+
+void fill(FacetSoup& soup, std::vector<std::uint32_t> rim, const FacetEdges& edges) {
+  // The filling runs against the facets at the rim.
+  const auto first = static_cast<std::size_t>(
+      std::ranges::lower_bound(edges.edge_to_vert, std::array{std::min(rim[0], rim[1]), std::max(rim[0], rim[1])}) -
+      edges.edge_to_vert.begin());
+  const std::uint32_t half = edges.halves(first)[0];
+  if (half_origin(soup.tri_to_vert, half) == rim[0]) std::reverse(rim.begin(), rim.end());
+  const std::uint32_t group = soup.group(half_to_tri(half));
+  std::vector<Vec3> corners;
+  for (const std::uint32_t v : rim) corners.push_back(soup.points[v]);
+  const auto n = static_cast<std::uint32_t>(rim.size());
+  const auto neighbours = [&](std::uint32_t i, std::uint32_t j) { return (i + 1) % n == j || (j + 1) % n == i; };
+  std::vector<std::array<std::uint32_t, 3>> triangles = triangulate_polygon(corners);
+  const bool meets_others = std::ranges::any_of(triangles, [&](const auto& t) {
+    return std::ranges::any_of(std::array{0, 1, 2}, [&](int k) {
+      const std::uint32_t i = t[k], j = t[(k + 1) % 3];
+      return !neighbours(i, j) && joins(edges, rim[i], rim[j]);
+    });
+  });
+  if (meets_others) {
+    Vec3 middle;
+    for (const Vec3& p : corners) middle += p / static_cast<double>(n);
+    rim.push_back(static_cast<std::uint32_t>(soup.points.size()));
+    soup.points.push_back(middle);
+    triangles.clear();
+    for (std::uint32_t i = 0; i < n; ++i) triangles.push_back({i, (i + 1) % n, n});
+  }
+  for (const auto& [i, j, k] : triangles) {
+    soup.tri_to_vert.push_back({rim[i], rim[j], rim[k]});
+    if (!soup.tri_to_group.empty()) soup.tri_to_group.push_back(group);
+  }
+}
+
+}  // namespace
+
+std::size_t close_t_junctions(FacetSoup& soup, const CancelToken* cancel) {
+  constexpr double kTolerance = 1e-5;
+  constexpr int kRounds = 4;
+  std::size_t cuts = 0;
+  FacetEdges edges = find_edges(soup.tri_to_vert, soup.points.size());
+  const double tolerance = kTolerance * box_of(soup.points).diagonal();
+  for (int round = 0; round < kRounds; ++round) {
+    check_cancelled(cancel);
+    const std::size_t open = edges.open_count();
+    if (open == 0) break;
+    FacetSoup trial{soup.points, soup.tri_to_vert, soup.tri_to_group, {}, {}};
+    const std::size_t count = JunctionCutter(trial, edges, tolerance).run();
+    if (count == 0) break;
+    FacetEdges trial_edges = find_edges(trial.tri_to_vert, trial.points.size());
+    if (trial_edges.open_count() >= open || trial_edges.crowded_count() > edges.crowded_count()) break;
+    soup.tri_to_vert = std::move(trial.tri_to_vert), soup.tri_to_group = std::move(trial.tri_to_group);
+    edges = std::move(trial_edges), cuts += count;
+  }
+  return cuts;
+}
+
+std::vector<OpenRim> find_open_rims(std::span<const Vec3> points, const FacetEdges& edges) {
+  DisjointSets sets(points.size());
+  std::vector<std::array<std::uint32_t, 2>> around(points.size(), {kNone, kNone});
+  std::vector<std::uint8_t> degree(points.size(), 0);
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t edge = 0; edge < edges.size(); ++edge) {
+    if (edges.halves(edge).size() != 1) continue;
+    open.push_back(edge);
+    const auto& ends = edges.edge_to_vert[edge];
+    sets.join(ends[0], ends[1]);
+    for (const std::uint32_t v : ends) {
+      if (degree[v] < 2) around[v][degree[v]] = edge;
+      degree[v] = static_cast<std::uint8_t>(std::min(degree[v] + 1, 3));
+    }
+  }
+  std::vector<OpenRim> rims;
+  std::vector<std::uint32_t> set_to_rim(points.size(), kNone), first_edge;
+  std::vector<Box3> boxes;
+  std::vector<bool> simple;
+  for (const std::uint32_t edge : open) {
+    const auto& ends = edges.edge_to_vert[edge];
+    std::uint32_t& rim = set_to_rim[sets.find(ends[0])];
+    if (rim == kNone) {
+      rim = static_cast<std::uint32_t>(rims.size());
+      rims.push_back({{}, 0, 0, 0.5 * (points[ends[0]] + points[ends[1]])});
+      boxes.emplace_back(), simple.push_back(true), first_edge.push_back(edge);
+    }
+    ++rims[rim].edges;
+    for (const std::uint32_t v : ends) {
+      boxes[rim].add(points[v]);
+      if (degree[v] != 2) simple[rim] = false;
+    }
+  }
+  for (std::size_t rim = 0; rim < rims.size(); ++rim) {
+    rims[rim].width = boxes[rim].diagonal();
+    if (simple[rim]) rims[rim].verts = walk_rim(edges, first_edge[rim], around);
+  }
+  return rims;
+}
+
+std::size_t fill_holes(FacetSoup& soup, double width, const CancelToken* cancel) {
+  const FacetEdges edges = find_edges(soup.tri_to_vert, soup.points.size());
+  std::size_t filled = 0;
+  for (const OpenRim& rim : find_open_rims(soup.points, edges)) {
+    check_cancelled(cancel);
+    if (rim.verts.size() < 3 || rim.width > width) continue;
+    fill(soup, rim.verts, edges);
+    ++filled;
+  }
+  return filled;
+}
+
+}  // namespace tetloom::detail

@@ -1,0 +1,277 @@
+#include "mesher/check_solids.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "mesher/complexes.hpp"
+#include "mesher/intersection/triangle_tree.hpp"
+
+namespace tetloom {
+namespace {
+
+constexpr double kTolerated = 0.01;  // of a solid's volume
+constexpr double kTouching = 0.25;   // sizes: what lies deeper in a solid does not touch it
+constexpr std::size_t kMostFacesNamed = 10;
+constexpr std::size_t kMostAsked = 5000;  // points of one solid
+constexpr std::size_t kPointsPerTask = 256;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.tri_to_vert[triangle];
+  return {mesh.points[a], mesh.points[b], mesh.points[c]};
+}
+
+// What the triangles of each region bound, measured from the middle of them all.
+std::vector<double> volumes_of(const MeshedModel& meshed) {
+  const ModelTopology& topology = meshed.model.topology();
+  std::vector<double> volumes(topology.region_count(), 0);
+  Box3 box;
+  for (const Vec3& x : meshed.surface.points) box.add(x);
+  const Vec3 middle = box.center();
+  for (std::size_t t = 0; t < meshed.surface.tri_to_vert.size(); ++t) {
+    const FaceSides& sides = topology.face_to_sides[meshed.surface.tri_to_entity[t]];
+    const auto [a, b, c] = corners_of(meshed.surface, t);
+    const double volume = dot(a - middle, cross(b - middle, c - middle)) / 6;
+    if (sides.back.valid()) volumes[sides.back.value] += volume;
+    if (sides.front.valid()) volumes[sides.front.value] -= volume;
+  }
+  return volumes;
+}
+
+std::vector<bool> regions_with_triangles(const MeshedModel& meshed) {
+  const ModelTopology& topology = meshed.model.topology();
+  std::vector<bool> found(topology.region_count(), false);
+  for (const std::uint32_t face : meshed.surface.tri_to_entity) {
+    const FaceSides& sides = topology.face_to_sides[face];
+    for (const ModelRegionId region : {sides.front, sides.back})
+      if (region.valid()) found[region.value] = true;
+  }
+  return found;
+}
+
+struct FaceMesh {
+  double area = 0, largest = 0;  // largest: the area of the largest triangle
+  Vec3 point;                    // its centre
+};
+
+std::vector<FaceMesh> measure_faces(const MeshedModel& meshed) {
+  std::vector<FaceMesh> faces(meshed.model.topology().face_count());
+  for (std::size_t t = 0; t < meshed.surface.tri_to_vert.size(); ++t) {
+    const auto [a, b, c] = corners_of(meshed.surface, t);
+    const double area = 0.5 * norm(cross(b - a, c - a));
+    FaceMesh& face = faces[meshed.surface.tri_to_entity[t]];
+    face.area += area;
+    if (area <= face.largest) continue;
+    face.largest = area;
+    face.point = (1.0 / 3) * (a + b + c);
+  }
+  return faces;
+}
+
+double model_area(const GeometricModel& model, ModelFaceId face) {
+  try {
+    return model.area(face);
+  } catch (const Error&) {
+    return 0;  // what cannot be measured comes first
+  }
+}
+
+// The region, and its faces by how much their areas differ from the model's.
+void place(const MeshedModel& meshed, const std::vector<FaceMesh>& faces, ModelRegionId region,
+           Diagnostic& diagnostic) {
+  std::vector<std::pair<double, ModelFaceId>> worst;
+  for (const ModelFaceId face : meshed.model.topology().region_to_faces[region.value])
+    worst.emplace_back(-std::abs(faces[face.value].area - model_area(meshed.model, face)), face);
+  std::ranges::sort(worst, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second.value < b.second.value;
+  });
+  diagnostic.entities.push_back(meshed.model.named(region));
+  if (worst.size() > kMostFacesNamed) worst.resize(kMostFacesNamed);
+  for (const auto& [difference, face] : worst) diagnostic.entities.push_back(meshed.model.named(face));
+  if (!worst.empty()) diagnostic.point = faces[worst[0].second.value].point;
+}
+
+std::optional<Diagnostic> judge_volume(double mesh, double model, const std::string& region) {
+  if (mesh < 0) {
+    return Diagnostic{ErrorCode::RegionInsideOut,
+                      "the boundary of " + region + " is inside out: it bounds a volume of " + number(mesh),
+                      {},
+                      {},
+                      {}};
+  }
+  const double difference = mesh - model;
+  if (!(std::abs(difference) > kTolerated * std::abs(model))) return std::nullopt;
+  const std::string share = model != 0 ? " (" + number(100 * difference / std::abs(model)) + " %)" : "";
+  return Diagnostic{
+      ErrorCode::VolumeDiffers,
+      "the mesh of " + region + " has a volume of " + number(mesh) + " where the model has " + number(model) + share,
+      {},
+      {},
+      {}};
+}
+
+// Which solid, if any, a point of the surface of another lies in.
+class OverlapSearch {
+ public:
+  OverlapSearch(const MeshedModel& meshed, const TaskRunner& runner)
+      : meshed_(meshed),
+        sides_(meshed.model.topology().face_to_sides),
+        complexes_(find_complexes(meshed.model.topology())),
+        tree_(meshed.surface.points, meshed.surface.tri_to_vert, runner) {
+    const Mesh& mesh = meshed.surface;
+    boxes_.resize(complexes_.empty() ? 0 : std::ranges::max(complexes_) + std::size_t{1});
+    point_to_triangle_.assign(mesh.points.size(), kNone);
+    for (std::uint32_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
+      if (!is_of_solid(mesh.tri_to_entity[t])) continue;
+      for (const std::uint32_t v : mesh.tri_to_vert[t]) {
+        boxes_[complex_of(t)].add(mesh.points[v]);
+        point_to_triangle_[v] = std::min(point_to_triangle_[v], t);
+      }
+    }
+    find_neighbors();
+  }
+
+  /// Points of solids that lie in the box of another: all, or evenly chosen ones of solids with many.
+  std::vector<std::uint32_t> points_to_ask() const {
+    std::vector<std::vector<std::uint32_t>> of_complex(boxes_.size());
+    for (std::uint32_t v = 0; v < point_to_triangle_.size(); ++v) {
+      if (point_to_triangle_[v] == kNone) continue;
+      const std::uint32_t complex = complex_of(point_to_triangle_[v]);
+      if (is_in_neighbor_box(complex, meshed_.surface.points[v])) of_complex[complex].push_back(v);
+    }
+    std::vector<std::uint32_t> chosen;
+    for (const auto& points : of_complex) {
+      const std::size_t step = (points.size() + kMostAsked - 1) / kMostAsked;
+      for (std::size_t i = 0; i < points.size(); i += step) chosen.push_back(points[i]);
+    }
+    return chosen;
+  }
+  std::uint32_t triangle_at(std::size_t point) const { return point_to_triangle_[point]; }
+
+  /// The lowest region that point `v` of the surface lies deep inside of; invalid: none.
+  ModelRegionId region_around(std::size_t v) const {
+    const std::uint32_t own = point_to_triangle_[v];
+    const Vec3& x = meshed_.surface.points[v];
+    std::map<std::uint32_t, int> windings;  // of surfaces of other solids above the point, by region
+    tree_.for_each_above(x, [&](std::uint32_t t, bool up) {
+      if (complex_of(t) == complex_of(own)) return;
+      const FaceSides& sides = sides_[meshed_.surface.tri_to_entity[t]];
+      const ModelRegionId below = up ? sides.back : sides.front, above = up ? sides.front : sides.back;
+      if (below.valid()) ++windings[below.value];
+      if (above.valid()) --windings[above.value];
+    });
+    for (const auto& [region, winding] : windings)
+      if (winding > 0 && is_deep(x, region)) return ModelRegionId(region);
+    return {};
+  }
+
+ private:
+  bool is_of_solid(std::uint32_t face) const { return sides_[face].front.valid() || sides_[face].back.valid(); }
+  std::uint32_t complex_of(std::uint32_t triangle) const { return complexes_[meshed_.surface.tri_to_entity[triangle]]; }
+
+  // Sweeps along x; of n solids side by side few are compared.
+  void find_neighbors() {
+    std::vector<std::uint32_t> order, reaching;
+    for (std::uint32_t c = 0; c < boxes_.size(); ++c)
+      if (!boxes_[c].empty()) order.push_back(c);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t c) { return boxes_[c].lo.x; });
+    neighbors_.resize(boxes_.size());
+    for (const std::uint32_t c : order) {
+      std::erase_if(reaching, [&](std::uint32_t other) { return boxes_[other].hi.x < boxes_[c].lo.x; });
+      for (const std::uint32_t other : reaching) {
+        if (!boxes_[c].overlaps(boxes_[other])) continue;
+        neighbors_[c].push_back(other), neighbors_[other].push_back(c);
+      }
+      reaching.push_back(c);
+    }
+  }
+
+  bool is_in_neighbor_box(std::uint32_t complex, const Vec3& x) const {
+    return std::ranges::any_of(neighbors_[complex], [&](std::uint32_t other) { return boxes_[other].contains(x); });
+  }
+
+  bool is_deep(const Vec3& x, std::uint32_t region) const {
+    const double reach = kTouching * meshed_.sizes.size_at(x);
+    const Vec3 extent{reach, reach, reach};
+    bool touches = false;
+    tree_.for_each_in({x - extent, x + extent}, [&](std::uint32_t t) {
+      const FaceSides& sides = sides_[meshed_.surface.tri_to_entity[t]];
+      if (touches || (sides.front.value != region && sides.back.value != region)) return;
+      const auto [a, b, c] = corners_of(meshed_.surface, t);
+      touches = intersection::distance_to_triangle(x, a, b, c) < reach;
+    });
+    return !touches;
+  }
+
+  const MeshedModel& meshed_;
+  const std::vector<FaceSides>& sides_;
+  std::vector<std::uint32_t> complexes_;  // per face
+  intersection::TriangleTree tree_;
+  std::vector<Box3> boxes_;                            // per complex; empty for sheets
+  std::vector<std::vector<std::uint32_t>> neighbors_;  // per complex: those whose boxes overlap its own
+  std::vector<std::uint32_t> point_to_triangle_;       // the first of a solid that has the point
+};
+
+Diagnostic describe_overlap(const MeshedModel& meshed, std::pair<std::uint32_t, std::uint32_t> regions,
+                            std::uint32_t face, const Vec3& point) {
+  const NamedEntity one = meshed.model.named(ModelRegionId(regions.first)),
+                    other = meshed.model.named(ModelRegionId(regions.second));
+  return {ErrorCode::RegionsOverlap,
+          describe(one) + " and " + describe(other) + " lie in each other, and are meshed each on its own",
+          {one, other, meshed.model.named(ModelFaceId(face))},
+          point,
+          {}};
+}
+
+}  // namespace
+
+std::vector<Diagnostic> check_volumes(const MeshedModel& meshed, std::span<const double> model_volumes) {
+  const std::vector<double> volumes = volumes_of(meshed);
+  const std::vector<bool> is_meshed = regions_with_triangles(meshed);
+  std::optional<std::vector<FaceMesh>> faces;
+  std::vector<Diagnostic> warnings;
+  for (std::uint32_t r = 0; r < volumes.size(); ++r) {
+    const ModelRegionId region(r);
+    if (!is_meshed[r]) continue;
+    auto warning = judge_volume(volumes[r], model_volumes[r], describe(meshed.model.named(region)));
+    if (!warning) continue;
+    if (!faces) faces = measure_faces(meshed);
+    place(meshed, *faces, region, *warning);
+    warnings.push_back(std::move(*warning));
+  }
+  return warnings;
+}
+
+std::vector<Diagnostic> check_overlaps(const MeshedModel& meshed, const TaskRunner& runner) {
+  std::vector<Diagnostic> warnings;
+  if (meshed.model.topology().region_count() < 2) return warnings;
+  const OverlapSearch search(meshed, runner);
+  const Mesh& mesh = meshed.surface;
+  const std::vector<std::uint32_t> points = search.points_to_ask();
+  std::vector<ModelRegionId> around(points.size());
+  runner.for_blocks(points.size(), kPointsPerTask, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) around[i] = search.region_around(points[i]);
+  });
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;  // point, by regions
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!around[i].valid()) continue;
+    const FaceSides& sides = meshed.model.topology().face_to_sides[mesh.tri_to_entity[search.triangle_at(points[i])]];
+    const std::uint32_t own = sides.back.valid() ? sides.back.value : sides.front.value;
+    first.emplace(std::minmax(own, around[i].value), points[i]);
+  }
+  for (const auto& [regions, v] : first)
+    warnings.push_back(describe_overlap(meshed, regions, mesh.tri_to_entity[search.triangle_at(v)], mesh.points[v]));
+  return warnings;
+}
+
+}  // namespace tetloom
