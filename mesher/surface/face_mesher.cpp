@@ -84,15 +84,24 @@ class FaceMesher {
           other.verdict == FaceVerdict::Ok && (best.verdict != FaceVerdict::Ok || other.inverted < best.inverted);
       if (better) best = std::move(other);
     };
-    const bool crosses = best.verdict == FaceVerdict::RimCrosses;
-    if (!crosses || last_attempt_) try_other([&] { mesh_facets(); });
+    const bool may_become_finer = best.verdict == FaceVerdict::RimCrosses && !last_attempt_;
+    if (best.verdict != FaceVerdict::Ok && !may_become_finer) try_other([&] { mesh_facets(); });
     for (const bool follow : {true, false})
-      if (!is_sound(best)) try_other([&] { mesh_over_plane(follow); });
+      if (!is_sound(best) && is_affordable(best)) try_other([&] { mesh_over_plane(follow); });
     return best;
   }
 
  private:
   static bool is_sound(const FaceMesh& mesh) { return mesh.verdict == FaceVerdict::Ok && mesh.inverted == 0; }
+
+  // Every point over the fitted plane asks the whole rim.
+  bool is_affordable(const FaceMesh& mesh) const {
+    constexpr std::size_t kMost = 5'000'000;
+    std::size_t pieces = 0;
+    for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
+      for (const EdgeUse& use : loop) pieces += rim_.mesh(use.edge).points.size();
+    return pieces * mesh.tri_to_vert.size() <= kMost;
+  }
 
   // Has the face no area, between edges that lie on each other?
   bool bounds_nothing() const {

@@ -9,6 +9,7 @@
 #include "core/mesh/quality.hpp"
 #include "core/mesh/validate.hpp"
 #include "mesher/mesher.hpp"
+#include "tests/cad/cad_samples.hpp"
 #include "tests/cad/faulty_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -167,4 +168,32 @@ TEST_CASE("a rod far thinner than the size keeps its volume where curvature is a
   const Meshed meshed = mesh_faulty(Fault::ThinRod, 1, 12);
   require_valid(meshed);
   CHECK(volume_of(meshed) == Approx(std::numbers::pi * 0.01 * 10).epsilon(0.04));
+}
+
+TEST_CASE("solids that interpenetrate are meshed on their own, and named") {
+  const Meshed meshed = mesh_faulty(Fault::OverlappingBoxes, 2);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(2000));
+  const auto& warnings = meshed.result.warnings;
+  const auto overlap = std::find_if(warnings.begin(), warnings.end(), [](const Diagnostic& warning) {
+    return warning.code == ErrorCode::RegionsOverlap;
+  });
+  REQUIRE(overlap != warnings.end());
+  REQUIRE(overlap->entities.size() >= 2);
+  CHECK(overlap->entities[0].entity.dim == 3);
+  CHECK(overlap->entities[1].entity.dim == 3);
+  CHECK(overlap->entities[0].entity != overlap->entities[1].entity);
+}
+
+TEST_CASE("solids that only touch do not overlap") {
+  const test::TemporaryFolder folder;
+  test::write_sample(test::Sample::TouchingBoxes, folder / "model.brep");
+  const ModelDocument document = read_model(folder / "model.brep");
+  MeshOptions options;
+  options.sizes.size = 2;
+  options.volume_worker = TETLOOM_WORKER;
+  const MeshResult result = make_mesh(*document.model, options);
+  REQUIRE(result.status == MeshStatus::Ok);
+  REQUIRE(document.model->topology().region_count() == 2);
+  for (const Diagnostic& warning : result.warnings) CHECK(warning.code != ErrorCode::RegionsOverlap);
 }
