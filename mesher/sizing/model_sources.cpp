@@ -220,7 +220,8 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
       tolerate_bad_geometry([&] {
         const auto geometry = model.edge_geometry(ModelEdgeId(e));
         const double small = targets.small.on(std::min(targets.edge[e], targets.global));
-        const bool is_small = small > 0 && length_up_to(*geometry, small) < small;
+        const bool is_closed = topology.edges[e].vertices[0] == topology.edges[e].vertices[1];
+        const bool is_small = small > 0 && !is_closed && length_up_to(*geometry, small) < small;
         list = EdgeSplitter(*geometry, targets.edge[e], is_small ? without_curvature(targets) : targets).run();
       });
     }
@@ -244,8 +245,9 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
       // Wires have a floor below the usual one; they are no features of something else.
-      const bool is_small = floors[f] >= targets.floor &&
-                            mean_width(facets[f]) < targets.small.on(std::min(targets.face[f], targets.global));
+      const double small = targets.small.on(std::min(targets.face[f], targets.global));
+      const bool is_small =
+          small > 0 && floors[f] >= targets.floor && mean_width(model, ModelFaceId(f), facets[f]) < small;
       const double floor = is_small ? targets.global : floors[f];
       list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
     });

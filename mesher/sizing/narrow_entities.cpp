@@ -1,26 +1,23 @@
 #include "mesher/sizing/narrow_entities.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
 namespace tetloom {
 
-double mean_width(const Tessellation& facets) {
-  std::vector<std::array<std::uint32_t, 2>> sides;
+double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets) {
   double area = 0;
-  for (const auto& tri : facets.tri_to_vert) {
-    const Vec3 &a = facets.points[tri[0]], &b = facets.points[tri[1]], &c = facets.points[tri[2]];
-    area += 0.5 * norm(cross(b - a, c - a));
-    for (std::size_t i = 0; i < 3; ++i)
-      sides.push_back({std::min(tri[i], tri[(i + 1) % 3]), std::max(tri[i], tri[(i + 1) % 3])});
-  }
-  std::ranges::sort(sides);
+  for (const auto& [a, b, c] : facets.tri_to_vert)
+    area += 0.5 * norm(cross(facets.points[b] - facets.points[a], facets.points[c] - facets.points[a]));
+  std::vector<ModelEdgeId> edges;
+  for (const ModelLoop& loop : model.topology().face_to_loops[face.value])
+    for (const EdgeUse& use : loop) edges.push_back(use.edge);
   double rim = 0;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const bool shared = (i > 0 && sides[i - 1] == sides[i]) || (i + 1 < sides.size() && sides[i + 1] == sides[i]);
-    if (!shared) rim += distance(facets.points[sides[i][0]], facets.points[sides[i][1]]);
+  for (const ModelEdgeId edge : edges) {
+    const bool is_seam = std::ranges::count(edges, edge) > 1;
+    if (is_seam || model.topology().edges[edge.value].degenerate) continue;
+    rim += length_up_to(*model.edge_geometry(edge), HUGE_VAL);
   }
   return rim > 0 ? 2 * area / rim : HUGE_VAL;
 }

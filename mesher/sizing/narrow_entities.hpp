@@ -5,9 +5,9 @@
 
 namespace tetloom {
 
-/// Twice the area over the length of the rim: the width of a long face. Infinite where there is no rim. Seams count as
-/// rim.
-double mean_width(const Tessellation& facets);
+/// Twice the area of the facets over the length of the face's rim: the width of a long face. Seams are no rim. Infinite
+/// where there is none.
+double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets);
 
 /// The length of an edge, within a few percent, as far as `most`.
 double length_up_to(EdgeGeometry& edge, double most);

@@ -97,6 +97,7 @@ TEST_CASE("sizes are reduced to min_size, to what features that stay need, or to
 
 TEST_CASE("needles and narrow faces have finer elements beside them") {
   MeshOptions options = options_of_size(0.5);
+  options.most_refinement = HUGE_VAL;
   const Made needle(*make_box({0, 0, 0}, {8, 0.1, 0.1}), options);
   CHECK(needle.quality.tets.min_dihedral_deg >= 15);
   CHECK(needle.result.refinement.narrow_places > 0);
@@ -139,6 +140,7 @@ TEST_CASE("sizes that fit but not in memory are not used") {
   const auto model = make_box({0, 0, 0}, {40, 30, 0.1});
   MeshOptions options = options_of_size(1);
   options.max_memory = std::uint64_t{12} << 20;
+  options.most_refinement = HUGE_VAL;
   const Made made(*model, options);
   const Diagnostic* const warning = find_warning(made.result);
   REQUIRE(warning != nullptr);
