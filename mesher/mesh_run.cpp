@@ -215,13 +215,14 @@ class MeshRun {
   }
 
   // Eliminates small features from the surface, and returns where it crosses itself afterwards. Where it does so at a
-  // place where something was eliminated, that is undone.
+  // place where something was eliminated, or where a region would lose too much of its volume, that is undone.
   std::vector<TriangleIntersection> settle_features(Candidate& candidate, const std::vector<std::uint32_t>& complexes) {
     if (!features_ || !candidate.surface.errors.empty()) return find_intersections(candidate.surface.mesh, complexes);
     const Mesh given = std::move(candidate.surface.mesh);
-    constexpr int kMostTries = 4;
+    constexpr int kMostTries = 6;
     for (int tries = 1;; ++tries) {
       EliminationResult eliminated = features_->eliminate(given, candidate.sizes, runner_);
+      if (tries < kMostTries && features_->spare_regions(given, eliminated)) continue;
       const Mesh& mesh = eliminated.mesh ? *eliminated.mesh : given;
       std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes);
       if (tries < kMostTries && features_->keep_where_crossing(eliminated, hits)) continue;

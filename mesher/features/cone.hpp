@@ -9,13 +9,13 @@ namespace tetloom::features {
 
 /// All directions between two unit vectors, in their plane. Angles in radians.
 struct Cone {
-  Vec3 first, last;  ///< unit vectors along the sides
-  Vec3 middle;       ///< unit vector half way between them
-  Vec3 normal;       ///< of the triangle, unit length
-  double angle = 0;  ///< between the sides, above 0 and below pi
+  Vec3 first, last;        ///< unit vectors along the sides
+  Vec3 middle;             ///< unit vector half way between them
+  Vec3 normal;             ///< of the triangle, unit length; zero where it has no area
+  double half_cosine = 1;  ///< of half the angle between the sides, which is above 0 and below pi
 };
 
-/// The corner of the triangle `corner` b c at its first point. Its angle is 0 where the triangle has no area.
+/// The corner of the triangle `corner` b c at its first point.
 Cone make_cone(const Vec3& corner, const Vec3& b, const Vec3& c);
 
 /// The angle between a unit vector and the nearest direction of the cone.

@@ -1,6 +1,7 @@
 #include "mesher/features/small_features.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetloom {
 
@@ -9,6 +10,54 @@ double SmallFeatures::tolerance_at(const Vec3& x, double size, ModelEntity entit
   const double wanted = options_.small_feature > 0 ? options_.small_feature : kSmallFeature * asked_.size_at(x);
   const double model = entity.valid() ? model_.attributes(entity).tolerance : 0;
   return std::min(std::max(wanted, model), kMostOfSize * size);
+}
+
+namespace {
+
+// The volume that the triangles at each region bound, as they are turned; from the middle of the box, to keep digits.
+std::vector<double> region_volumes(const Mesh& mesh, std::size_t regions) {
+  std::vector<double> volumes(regions, 0);
+  Box3 box;
+  for (const Vec3& x : mesh.points) box.add(x);
+  const Vec3 middle = box.center();
+  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
+    const auto& [a, b, c] = mesh.tri_to_vert[t];
+    const FaceSides& sides = mesh.face_to_sides[mesh.tri_to_entity[t]];
+    const double six = dot(mesh.points[a] - middle, cross(mesh.points[b] - middle, mesh.points[c] - middle));
+    if (sides.back.valid()) volumes[sides.back.value] += six / 6;
+    if (sides.front.valid()) volumes[sides.front.value] -= six / 6;
+  }
+  return volumes;
+}
+
+}  // namespace
+
+void SmallFeatures::spare_points(const Mesh& surface, std::vector<double>& tolerances) const {
+  if (region_to_share_.empty()) return;
+  std::vector<double> shares(tolerances.size(), 1);
+  for (std::size_t t = 0; t < surface.tri_to_vert.size(); ++t) {
+    const FaceSides& sides = surface.face_to_sides[surface.tri_to_entity[t]];
+    for (const ModelRegionId region : {sides.front, sides.back})
+      for (const std::uint32_t v : surface.tri_to_vert[t])
+        if (region.valid()) shares[v] = std::min(shares[v], region_to_share_[region.value]);
+  }
+  for (std::size_t v = 0; v < shares.size(); ++v) tolerances[v] *= shares[v];
+}
+
+bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& eliminated) {
+  constexpr double kMostChange = 0.005;
+  if (!eliminated.mesh) return false;
+  const std::size_t regions = model_.topology().region_count();
+  const std::vector<double> before = region_volumes(surface, regions);
+  const std::vector<double> after = region_volumes(*eliminated.mesh, regions);
+  region_to_share_.resize(regions, 1);
+  bool any = false;
+  for (std::size_t r = 0; r < regions; ++r) {
+    if (!(std::abs(after[r] - before[r]) > kMostChange * std::abs(before[r]))) continue;
+    region_to_share_[r] *= 0.5;
+    any = true;
+  }
+  return any;
 }
 
 EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField& sizes,
@@ -20,6 +69,7 @@ EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField&
       tolerances[v] = tolerance_at(surface.points[v], wanted[v], surface.point_to_entity[v]);
     }
   });
+  spare_points(surface, tolerances);
   return eliminate_small_features(surface, {tolerances, wanted, kept_}, runner);
 }
 
@@ -35,7 +85,10 @@ bool SmallFeatures::keep_where_crossing(const EliminationResult& eliminated,
         double reach = 0;
         for (const std::uint32_t w : mesh.tri_to_vert[t])
           reach = std::max(reach, distance(mesh.points[v], mesh.points[w]));
-        kept_.push_back({mesh.points[v], reach});
+        const bool is_kept = std::ranges::any_of(kept_, [&](const KeptPlace& place) {
+          return place.radius >= 0.5 * reach && distance(place.center, mesh.points[v]) <= 0.5 * place.radius;
+        });
+        if (!is_kept) kept_.push_back({mesh.points[v], reach});
       }
   return kept_.size() > before;
 }

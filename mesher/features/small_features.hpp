@@ -18,21 +18,29 @@ class SmallFeatures {
   SmallFeatures(const GeometricModel& model, const MeshOptions& options, SizeField asked)
       : model_(model), options_(options), asked_(std::move(asked)) {}
 
-  /// What is smaller than this at a place is eliminated: `small_feature`, or kSmallFeature of the size asked for; never
-  /// below the tolerance of the model there, nor above .4 of the size that the mesh has there.
+  /// What is smaller than this at a place is eliminated, where no region is spared: `small_feature`, or kSmallFeature
+  /// of the size asked for; never below the tolerance of the model there, nor above .4 of the size that the mesh has
+  /// there.
   double tolerance_at(const Vec3& x, double size, ModelEntity entity) const;
 
   /// The surface without small features; see eliminate_small_features.
   EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
 
+  /// Regions of which the elimination changed the volume by more than a two hundredth have half the tolerance from now
+  /// on. Whether there are such.
+  bool spare_regions(const Mesh& surface, const EliminationResult& eliminated);
+
   /// Where triangles cross at points where something was merged, nothing will be from now on. Whether there are such.
   bool keep_where_crossing(const EliminationResult& eliminated, std::span<const TriangleIntersection> crossings);
 
  private:
+  void spare_points(const Mesh& surface, std::vector<double>& tolerances) const;
+
   const GeometricModel& model_;
   const MeshOptions& options_;
   SizeField asked_;
   std::vector<KeptPlace> kept_;
+  std::vector<double> region_to_share_;  // of the tolerance; empty: 1 for all
 };
 
 }  // namespace tetloom

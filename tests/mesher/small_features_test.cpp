@@ -293,6 +293,17 @@ TEST_CASE("a chamfer far below the size becomes an edge") {
   }
 }
 
+TEST_CASE("what is small beside the size but not beside the solid stays") {
+  // The chamfer is a hundredth of the volume, and below a tenth of the size.
+  MeshOptions options = options_of_size(2.2);
+  options.refine_surface = false;
+  const auto model = make_chamfered_cube(0.2);
+  const Made made(*model, options);
+  CHECK_FALSE(made.absorbed(ModelFaceId(4)));
+  CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.005));
+  CHECK(Made(*make_chamfered_cube(0.06), options).absorbed(ModelFaceId(4)));
+}
+
 TEST_CASE("a step far below the size goes, one that is not stays") {
   const Made low(*make_stepped_block(0.005), options_of_size(0.25));
   CHECK(low.absorbed(ModelFaceId(7)));
