@@ -21,6 +21,7 @@ install(FILES threading/communicator.hpp threading/message.hpp threading/partiti
               threading/schedule.hpp threading/task_runner.hpp threading/trace.hpp threading/whole_mesh.hpp
         DESTINATION ${tetloom_include_dir}/threading)
 install(FILES mesher/mesh_in_parts.hpp mesher/mesher.hpp DESTINATION ${tetloom_include_dir}/mesher)
+install(FILES mesher/features/absorbed_entity.hpp DESTINATION ${tetloom_include_dir}/mesher/features)
 install(FILES mesher/lattice/lattice_kind.hpp DESTINATION ${tetloom_include_dir}/mesher/lattice)
 install(FILES mesher/volume/volume_mesher.hpp DESTINATION ${tetloom_include_dir}/mesher/volume)
 install(FILES mesher/tets/acute_tets.hpp mesher/tets/optimizer.hpp mesher/tets/quality_goals.hpp mesher/tets/tet_mesh.hpp

@@ -111,8 +111,9 @@ class MeshRun {
   // still crosses after a few rounds crosses in the model. After the first round a few misfits are not worth another.
   bool mesh_fitting_surface() {
     const std::vector<std::uint32_t> complexes = find_complexes(model_.topology());
-    const SmallWidth small =
-        options_.keep_small_features ? SmallWidth{} : SmallWidth{options_.small_feature, kSmallFeature};
+    const SmallWidth small = options_.keep_small_features
+                                 ? SmallWidth{}
+                                 : SmallWidth{options_.small_feature, kSmallFeature, small_face_limits(model_)};
     SizeFieldBuilder sizing(model_, options_.sizes, work_, options_.max_memory, small);
     if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
     std::vector<SizeRefinement> refinements;
@@ -140,6 +141,7 @@ class MeshRun {
       try {
         work_.together([&] { sized = refine(candidate, hits, misfits, sizing, refinements); });
       } catch (const Error& error) {
+        if (error.code() == ErrorCode::OutOfMemory) note_wishes(misfits, candidate.surface.mesh, round + 1);
         if (hits.empty()) good = std::move(candidate);
         if (error.code() != ErrorCode::OutOfMemory || !good) throw;
         return accept(std::move(*good), Refined::TooLarge);
@@ -172,6 +174,13 @@ class MeshRun {
   void set_aside(SurfaceMeshResult& surface) {
     if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
     if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
+  }
+
+  // What was wanted of a round for which there is too little memory.
+  void note_wishes(const std::vector<Misfit>& misfits, const Mesh& mesh, int rounds) {
+    for (const Misfit& misfit : misfits) note(misfit, mesh);
+    result_.refinement.narrow_places += misfits.size();
+    result_.refinement.rounds = rounds;
   }
 
   // Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow

@@ -33,15 +33,14 @@ std::vector<double> region_volumes(const Mesh& mesh, std::size_t regions) {
 }  // namespace
 
 void SmallFeatures::spare_points(const Mesh& surface, std::vector<double>& tolerances) const {
-  if (region_to_share_.empty()) return;
-  std::vector<double> shares(tolerances.size(), 1);
   for (std::size_t t = 0; t < surface.tri_to_vert.size(); ++t) {
-    const FaceSides& sides = surface.face_to_sides[surface.tri_to_entity[t]];
-    for (const ModelRegionId region : {sides.front, sides.back})
-      for (const std::uint32_t v : surface.tri_to_vert[t])
-        if (region.valid()) shares[v] = std::min(shares[v], region_to_share_[region.value]);
+    const std::uint32_t face = surface.tri_to_entity[t];
+    double share = 1;
+    for (const ModelRegionId region : {surface.face_to_sides[face].front, surface.face_to_sides[face].back})
+      if (region.valid() && !region_to_share_.empty()) share = std::min(share, region_to_share_[region.value]);
+    const double limit = share * face_limits_[face];
+    for (const std::uint32_t v : surface.tri_to_vert[t]) tolerances[v] = std::min(tolerances[v], limit);
   }
-  for (std::size_t v = 0; v < shares.size(); ++v) tolerances[v] *= shares[v];
 }
 
 bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& eliminated) {

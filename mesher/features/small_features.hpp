@@ -7,6 +7,7 @@
 #include "mesher/features/eliminate_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/mesher.hpp"
+#include "mesher/sizing/build_size_field.hpp"
 
 namespace tetloom {
 
@@ -16,14 +17,15 @@ class SmallFeatures {
  public:
   /// `asked` holds the sizes that were asked for, without those from curvature and proximity.
   SmallFeatures(const GeometricModel& model, const MeshOptions& options, SizeField asked)
-      : model_(model), options_(options), asked_(std::move(asked)) {}
+      : model_(model), options_(options), asked_(std::move(asked)), face_limits_(small_face_limits(model)) {}
 
   /// What is smaller than this at a place is eliminated, where no region is spared: `small_feature`, or kSmallFeature
   /// of the size asked for; never below the tolerance of the model there, nor above .4 of the size that the mesh has
   /// there.
   double tolerance_at(const Vec3& x, double size, ModelEntity entity) const;
 
-  /// The surface without small features; see eliminate_small_features.
+  /// The surface without small features; see eliminate_small_features. The tolerance is also at most kSmallOfSolid of
+  /// the thickness of the solids beside a face, so that a small solid keeps its shape.
   EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
 
   /// Regions of which the elimination changed the volume by more than a two hundredth have half the tolerance from now
@@ -39,6 +41,7 @@ class SmallFeatures {
   const GeometricModel& model_;
   const MeshOptions& options_;
   SizeField asked_;
+  std::vector<double> face_limits_;  // of the tolerance; see SmallWidth
   std::vector<KeptPlace> kept_;
   std::vector<double> region_to_share_;  // of the tolerance; empty: 1 for all
 };

@@ -1,5 +1,6 @@
 #pragma once
 // From a model and the sizes asked for to the size field.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -17,8 +18,21 @@ namespace tetloom {
 struct SmallWidth {
   double width = 0;  ///< model length
   double share = 0;  ///< of the size asked for on the entity; counts where there is no width
+  /// Nothing above this is small: kSmallOfSolid of the thickness of the thinner solid beside each face. Empty: no
+  /// limit.
+  std::vector<double> face_limits;
+
   double on(double size) const { return width > 0 ? width : share * size; }
+  double on_face(std::size_t face, double size) const {
+    return face_limits.empty() ? on(size) : std::min(on(size), face_limits[face]);
+  }
 };
+
+/// The share of a solid's thickness, twice its volume over its surface, below which its features may be small.
+inline constexpr double kSmallOfSolid = 0.3;
+
+/// `face_limits` of a SmallWidth.
+std::vector<double> small_face_limits(const GeometricModel& model);
 
 /// A triangle on which a size is asked for; a point where its corners coincide.
 struct SizeRefinement {

@@ -66,6 +66,15 @@ class EdgeSplitter {
   std::vector<SizeSource> out_;
 };
 
+/// The least limit of the faces at each edge.
+std::vector<double> small_edge_limits(const ModelTopology& topology, const SmallWidth& small) {
+  std::vector<double> limits(topology.edge_count(), HUGE_VAL);
+  for (std::size_t f = 0; f < small.face_limits.size(); ++f)
+    for (const ModelLoop& loop : topology.face_to_loops[f])
+      for (const EdgeUse& use : loop) limits[use.edge.value] = std::min(limits[use.edge.value], small.face_limits[f]);
+  return limits;
+}
+
 SizeTargets without_curvature(SizeTargets targets) {
   targets.curvature = 0;
   return targets;
@@ -211,6 +220,7 @@ std::vector<FacetTolerance> source_tolerances(const GeometricModel& model, const
 std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTargets& targets, const SharedWork& work) {
   const ModelTopology& topology = model.topology();
   const std::vector<double> edges(topology.edge_count(), 1.0);
+  const std::vector<double> edge_limits = small_edge_limits(topology, targets.small);
   auto lists = work.make_lists<SizeSource>(edges, [&](std::size_t e) {
     std::vector<SizeSource> list;
     if (topology.edges[e].degenerate) {
@@ -219,7 +229,7 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
     } else if (targets.curvature > 0 || targets.edge[e] < targets.global) {
       tolerate_bad_geometry([&] {
         const auto geometry = model.edge_geometry(ModelEdgeId(e));
-        const double small = targets.small.on(std::min(targets.edge[e], targets.global));
+        const double small = std::min(edge_limits[e], targets.small.on(std::min(targets.edge[e], targets.global)));
         const bool is_closed = topology.edges[e].vertices[0] == topology.edges[e].vertices[1];
         const bool is_small = small > 0 && !is_closed && length_up_to(*geometry, small) < small;
         list = EdgeSplitter(*geometry, targets.edge[e], is_small ? without_curvature(targets) : targets).run();
@@ -245,7 +255,7 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
       // Wires have a floor below the usual one; they are no features of something else.
-      const double small = targets.small.on(std::min(targets.face[f], targets.global));
+      const double small = targets.small.on_face(f, std::min(targets.face[f], targets.global));
       const bool is_small =
           small > 0 && floors[f] >= targets.floor && mean_width(model, ModelFaceId(f), facets[f]) < small;
       const double floor = is_small ? targets.global : floors[f];

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "mesher/sizing/build_size_field.hpp"
+#include "mesher/sizing/model_facets.hpp"
+
 namespace tetloom {
 
 double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets) {
@@ -20,6 +23,22 @@ double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellat
     rim += length_up_to(*model.edge_geometry(edge), HUGE_VAL);
   }
   return rim > 0 ? 2 * area / rim : HUGE_VAL;
+}
+
+std::vector<double> small_face_limits(const GeometricModel& model) {
+  const ModelTopology& topology = model.topology();
+  std::vector<double> limits(topology.face_count(), HUGE_VAL);
+  for (std::size_t r = 0; r < topology.region_count(); ++r) {
+    double area = 0;
+    tolerate_bad_geometry([&] {
+      for (const ModelFaceId face : topology.region_to_faces[r]) area += model.area(face);
+    });
+    const double volume = std::abs(model.volume(ModelRegionId(r)));
+    if (!(area > 0 && volume > 0)) continue;
+    for (const ModelFaceId face : topology.region_to_faces[r])
+      limits[face.value] = std::min(limits[face.value], kSmallOfSolid * 2 * volume / area);
+  }
+  return limits;
 }
 
 double length_up_to(EdgeGeometry& edge, double most) {

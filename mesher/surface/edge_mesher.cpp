@@ -171,6 +171,17 @@ void separate_parallel_edges(const ModelTopology& topology, const std::vector<Jo
   }
 }
 
+// A loop that runs along one edge and back, as around a crease that ends within its face, has two pieces each way: one
+// would leave it two nodes.
+void open_slits(const ModelTopology& topology, std::vector<MeasuredEdge>& edges) {
+  for (const std::vector<ModelLoop>& loops : topology.face_to_loops)
+    for (const ModelLoop& loop : loops) {
+      if (loop.size() != 2 || loop[0].edge != loop[1].edge) continue;
+      std::size_t& pieces = edges[loop[0].edge.value].pieces;
+      pieces = std::max<std::size_t>(pieces, 2);
+    }
+}
+
 }  // namespace
 
 std::vector<EdgeMesh> mesh_edges(const GeometricModel& model, const SizeField& sizes, const EdgeMeshOptions& options,
@@ -211,6 +222,7 @@ std::vector<EdgeMesh> mesh_edges(const GeometricModel& model, const SizeField& s
   runner.for_each(count, measure);
   joined = join_coincident_edges(model, measured);
   separate_parallel_edges(topology, joined, measured);
+  open_slits(topology, measured);
   runner.for_each(count, place);
   for (std::size_t e = 0; e < count; ++e) {
     if (joined[e].to.value == e) continue;

@@ -110,6 +110,15 @@ class FaceMesher {
     return length && model_.area(face_) <= kNoArea * *length * *length;
   }
 
+  static const char* why_not(FacetPatchVerdict verdict) {
+    switch (verdict) {
+      case FacetPatchVerdict::NotManifold: return "its facets are no surface with a rim on its edges";
+      case FacetPatchVerdict::ChainsDisagree: return "the rim of its facets does not run along its edges";
+      case FacetPatchVerdict::Stuck: return "its rim bounds no triangle";
+      default: return "";
+    }
+  }
+
   // The face's facets, with the nodes of its edges as their rim, brought to the sizes asked for in space.
   void mesh_facets() {
     const double size = smallest_rim_size();
@@ -119,6 +128,7 @@ class FaceMesher {
                                                [&](const Vec3& x) { return sizes_.size_at(x); });
     if (facets.verdict != FacetPatchVerdict::Ok) {
       result_.verdict = FaceVerdict::NotTriangulated;
+      result_.message = why_not(facets.verdict);
       result_.point = facets.trouble;
       return;
     }

@@ -16,7 +16,7 @@ constexpr std::size_t kMostGrowth = 12;  // tets that join a cavity after its st
 constexpr int kSteps = 4;                // of Newton's method, for one cavity
 constexpr double kMuchBetter = 1.3;      // in cubed quality, where as many tets stay poor, or one is nearly flat
 constexpr double kTwiceAsGood = 2;       // the same, where more tets become poor
-constexpr double kNearlyFlat = 0.25 * 0.25 * 0.25;  // what tets with an angle below five degrees have at most
+constexpr double kNearlyFlat = 0.15 * 0.15 * 0.15;  // what tets with an angle below two degrees have at most
 
 // Faces are listed counter-clockwise from outside; turned, they are seen from inside.
 std::array<std::uint32_t, 3> inward_face(const TetMesh& mesh, FaceCode face) {

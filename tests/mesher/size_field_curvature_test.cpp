@@ -185,8 +185,10 @@ TEST_CASE("curvature is limited by the floor, which is a tenth of the size unles
   CHECK(field.smallest() == Approx(0.05).epsilon(1e-6));
   CHECK(field.size_at({0, 0, 2}) == Approx(0.05).epsilon(0.1));
   CHECK(build(*cone, {.size = 0.5, .min_size = 0.02, .curvature = 24}).smallest() == Approx(0.02).epsilon(1e-6));
+  // Wires keep their shape: their floor is a twentieth of the usual one, unless one is given.
   const auto tiny = test_models::make_cylinder(1e-4, 1);
-  CHECK(build(*tiny, {.size = 0.1, .curvature = 24}).smallest() == Approx(0.01).epsilon(1e-6));
+  CHECK(build(*tiny, {.size = 0.1, .curvature = 24}).smallest() == Approx(0.0005).epsilon(1e-6));
+  CHECK(build(*tiny, {.size = 0.1, .min_size = 0.01, .curvature = 24}).smallest() == Approx(0.01).epsilon(1e-6));
 }
 
 TEST_CASE("the poles of a sphere get no smaller size than its equator") {
