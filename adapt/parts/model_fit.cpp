@@ -44,12 +44,14 @@ class FitCheck {
                                                 ", but the model has only " + std::to_string(count));
   }
 
+  // Vertices beyond the model's are corners of the mesh alone: where edges of the model were merged, or unnamed ones
+  // meet. They stay where they are.
   void check_names() const {
     for (const LinkedTriangle& t : whole_.triangles) check_name(2, t.triangle.face);
     for (const std::uint32_t edge : mesh_.edge_to_entity) check_name(1, edge);
     for (const std::uint32_t region : mesh_.tet_to_entity) check_name(3, region);
     for (const ModelEntity& entity : mesh_.point_to_entity)
-      if (entity.valid()) check_name(entity.dim, entity.index);
+      if (entity.valid() && entity.dim > 0) check_name(entity.dim, entity.index);
   }
 
   // Those that the mesh does not name have names of their own in `whole_`, which mean nothing to the model.
@@ -100,7 +102,7 @@ class FitCheck {
   void check_corners() const {
     for (std::uint32_t v = 0; v < mesh_.point_to_entity.size(); ++v) {
       const ModelEntity entity = mesh_.point_to_entity[v];
-      if (!entity.valid() || entity.dim != 0) continue;
+      if (!entity.valid() || entity.dim != 0 || entity.index >= model_.topology().vertex_count) continue;
       if (const auto fault = judge(entity, v, model_.vertex_point(ModelVertexId(entity.index)))) throw Error(*fault);
     }
   }

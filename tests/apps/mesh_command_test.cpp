@@ -288,9 +288,13 @@ TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a repor
       check_cancelled(result, folder, {"r.json", "sleeper"});
       CHECK_THAT(result.err, Catch::Contains("cancelled"));
       const auto seconds = read_json(folder / "r.json")["seconds"];
-      CHECK((seconds["size_field"] > 0) == (std::string(stage) != "read"));
-      CHECK((seconds["surface"] > 0) == (std::string(stage) != "read"));
-      CHECK((seconds["volume"] > 0) == volume);
+      // The stage that the signal was meant for, and those before; on a busy machine it may come in a later one.
+      CHECK(seconds["read"] > 0);
+      if (std::string(stage) != "read") {
+        CHECK(seconds["size_field"] > 0);
+        CHECK(seconds["surface"] > 0);
+      }
+      if (volume) CHECK(seconds["volume"] > 0);
       return result.seconds_after_signal < kMostSecondsToCancel;
     }));
   }
