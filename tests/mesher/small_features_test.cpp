@@ -301,8 +301,8 @@ TEST_CASE("what is small beside the size but not beside the solid stays") {
   const Made made(*model, options);
   CHECK_FALSE(made.absorbed(ModelFaceId(4)));
   CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.005));
-  options.sizes.size = 0.7;
-  CHECK(Made(*make_chamfered_cube(0.035), options).absorbed(ModelFaceId(4)));
+  options.sizes.size = 0.3;
+  CHECK(Made(*make_chamfered_cube(0.02), options).absorbed(ModelFaceId(4)));
 }
 
 TEST_CASE("a step far below the size goes, one that is not stays") {
