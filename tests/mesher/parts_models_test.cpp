@@ -100,7 +100,13 @@ TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[
     return;
   }
   const ModelDocument document = read_model(file);
-  const MeshResult result = make(*document.model, 0.0125, 9e3, 2);
+  MeshOptions options;
+  options.sizes.relative_size = 0.0125;
+  options.tets_per_part = 5e3;
+  options.threads = 2;
+  options.most_refinement = HUGE_VAL;
+  options.keep_small_features = true;  // they leave the poor tets
+  const MeshResult result = make_mesh(*document.model, options);
   check_valid(result);
   const auto& strips = result.filling.parts.strips;
   CHECK(strips[0].waiting > 500);
