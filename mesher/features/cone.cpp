@@ -14,8 +14,12 @@ bool is_inside(const Vec3& foot, const Cone& cone) {
 
 // What lies over the inside of a cone is out of its plane; what lies beside it may be in it.
 double one_way(const Cone& s, const Cone& t, double limit) {
-  const bool above = is_inside(s.middle - dot(s.middle, t.normal) * t.normal, t);
   const double half_angle = std::acos(std::min(1.0, s.half_cosine));
+  // A needle beside a cone may seem to be just over its side.
+  constexpr double kClearly = 0.03;
+  const double from_sides = std::min(angle_between(s.middle, t.first), angle_between(s.middle, t.last));
+  const bool above =
+      from_sides > std::max(1.1 * half_angle, kClearly) && is_inside(s.middle - dot(s.middle, t.normal) * t.normal, t);
   return angle_to_cone(s.middle, t) / (above ? limit : std::min(limit, 0.9 * half_angle));
 }
 
