@@ -56,8 +56,9 @@ struct MeshOptions {
   bool surface_only = false;
   bool keep_small_features = false;  ///< false: edges, faces, steps and spikes of the model that are too small for the
                                      ///< size are eliminated from the mesh; the model itself stays as it is
-  double small_feature = 0;    ///< what is smaller is small; model length; 0: kSmallFeature of the size asked for at a
-                               ///< place. Never below the model's own tolerance there, nor above .4 of the size there
+  double small_feature =
+      0;  ///< what is smaller is small; model length; 0: kSmallFeature of the size asked for at a
+          ///< place. At most .4 of the size there and .3 of the solid's thickness; see small_features.hpp
   bool refine_surface = true;  ///< sizes become smaller where they do not fit: where walls, faces or model edges are
                                ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
                                ///< at the place), and where the surface mesh would cross itself; false: the sizes
