@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostLost = 0.005;  // of a solid's volume
 // The triangles that all lowered floors together may ask for.
-constexpr double kMostTriangles = 400'000;
+constexpr double kMostTriangles = 300'000;
 constexpr double kGivesWay = 1.2;  // by which a solid that is too dear may lose more
 constexpr double kTriangleArea = 0.433;  // of edges of length 1
 
