@@ -78,15 +78,13 @@ EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField&
   return eliminate_small_features(surface, {tolerances, wanted, kept_}, runner);
 }
 
-bool SmallFeatures::keep_where_crossing(const EliminationResult& eliminated,
+bool SmallFeatures::keep_where_crossing(const Mesh& mesh, std::span<const std::uint32_t> changed,
                                         std::span<const TriangleIntersection> crossings) {
-  if (!eliminated.mesh) return false;
-  const Mesh& mesh = *eliminated.mesh;
   const std::size_t before = kept_.size();
   for (const TriangleIntersection& crossing : crossings)
     for (const std::uint32_t t : {crossing.first, crossing.second})
       for (const std::uint32_t v : mesh.tri_to_vert[t]) {
-        if (!std::ranges::binary_search(eliminated.changed, v)) continue;
+        if (!std::ranges::binary_search(changed, v)) continue;
         double reach = 0;
         for (const std::uint32_t w : mesh.tri_to_vert[t])
           reach = std::max(reach, distance(mesh.points[v], mesh.points[w]));

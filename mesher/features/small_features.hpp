@@ -28,12 +28,14 @@ class SmallFeatures {
   /// the thickness of the solids beside a face, so that a small solid keeps its shape.
   EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
 
-  /// Regions that the elimination brought further from the model's volume, and by more than a two hundredth in all, have
-  /// a smaller tolerance from now on, and none after three such cuts. Whether there are such.
+  /// Regions that the elimination brought further from the model's volume, and by more than a two hundredth in all,
+  /// have a smaller tolerance from now on, and none after three such cuts. Whether there are such.
   bool spare_regions(const Mesh& surface, const EliminationResult& eliminated);
 
-  /// Where triangles cross at points where something was merged, nothing will be from now on. Whether there are such.
-  bool keep_where_crossing(const EliminationResult& eliminated, std::span<const TriangleIntersection> crossings);
+  /// Where triangles of `mesh` cross at points where something was merged (`changed`, ascending), nothing will be
+  /// from now on. Whether there are such.
+  bool keep_where_crossing(const Mesh& mesh, std::span<const std::uint32_t> changed,
+                           std::span<const TriangleIntersection> crossings);
 
  private:
   void spare_points(const Mesh& surface, std::vector<double>& tolerances) const;

@@ -34,19 +34,24 @@ class Searcher {
 
   std::size_t leaf_count() const { return tree_.leaf_count(); }
 
-  // Intersections between the triangles of the leaves [begin, end) and those of all later leaves.
+  // Intersections between the triangles of the leaves [begin, end) and those of all later leaves, and of all leaves
+  // without new triangles.
   std::vector<TriangleIntersection> search_leaves(std::size_t begin, std::size_t end) const {
     std::vector<TriangleIntersection> found;
     for (std::size_t leaf = begin; leaf < end && found.size() < search_.most; ++leaf) {
+      if (!has_new(leaf)) continue;
       runner_.check_cancelled();  // of long triangles, each may lie near all others
       for (const std::uint32_t triangle : tree_.leaf_triangles(leaf)) {
-        if (degenerate_[triangle]) found.push_back(degenerate_at(triangle));
+        if (degenerate_[triangle] && is_new(triangle)) found.push_back(degenerate_at(triangle));
       }
       std::array<Box3, intersection::TriangleTree::kLeafSize> boxes;
       const auto ours = tree_.leaf_triangles(leaf);
       for (std::size_t i = 0; i < ours.size(); ++i) boxes[i] = tree_.box_of(ours[i]);
-      tree_.for_each_leaf_in(tree_.leaf_box(leaf), leaf,
-                             [&](std::size_t other) { compare_leaves(leaf, boxes, other, found); });
+      // Of two leaves with new triangles the first compares them.
+      const std::size_t first = search_.tri_is_new.empty() ? leaf : 0;
+      tree_.for_each_leaf_in(tree_.leaf_box(leaf), first, [&](std::size_t other) {
+        if (other >= leaf || !has_new(other)) compare_leaves(leaf, boxes, other, found);
+      });
     }
     const std::size_t last = std::min(end * intersection::TriangleTree::kLeafSize, search_.tri_to_vert.size());
     if (search_.tells_progress) runner_.advance(last - begin * intersection::TriangleTree::kLeafSize);
@@ -54,6 +59,11 @@ class Searcher {
   }
 
  private:
+  bool is_new(std::uint32_t triangle) const { return search_.tri_is_new.empty() || search_.tri_is_new[triangle] != 0; }
+  bool has_new(std::size_t leaf) const {
+    return std::ranges::any_of(tree_.leaf_triangles(leaf), [&](auto t) { return is_new(t); });
+  }
+
   // `boxes`: of the triangles of `leaf`.
   void compare_leaves(std::size_t leaf, std::span<const Box3> boxes, std::size_t other,
                       std::vector<TriangleIntersection>& found) const {
@@ -70,6 +80,7 @@ class Searcher {
   void compare(std::uint32_t one, std::uint32_t other, std::vector<TriangleIntersection>& found) const {
     const auto [first, second] = std::minmax(one, other);
     if (degenerate_[first] || degenerate_[second] || found.size() >= search_.most) return;
+    if (!is_new(first) && !is_new(second)) return;
     if (!search_.tri_to_group.empty() && search_.tri_to_group[first] != search_.tri_to_group[second]) return;
     const auto verdict =
         intersection::check_pair(search_.points, search_.tri_to_vert[first], search_.tri_to_vert[second]);

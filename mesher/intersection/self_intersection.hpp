@@ -30,11 +30,13 @@ struct IntersectionSearch {
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
   /// Only triangles of one group are compared; empty: all are of one group.
-  std::span<const std::uint32_t> tri_to_group;
+  std::span<const std::uint32_t> tri_to_group = {};
   /// At most this many are returned.
   std::size_t most = 1000;
   /// Whether triangles are counted as done of the runner's present stage.
   bool tells_progress = false;
+  /// Only pairs with one such triangle at least are compared, where the others are known to be embedded; empty: all.
+  std::span<const std::uint8_t> tri_is_new = {};
 };
 
 /// All pairs of triangles of the same group that meet beyond what they share by vertex id: those that cross, those that

@@ -180,11 +180,14 @@ class MisfitSearch {
 
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<double(const Vec3&)>& floor,
-                                 const intersection::TriangleTree& tree, const SharedWork& work) {
+                                 const intersection::TriangleTree& tree, const SharedWork& work,
+                                 std::span<const std::uint8_t> tri_is_new) {
   const MisfitSearch search(surface, topology, sizes, tree);
-  std::vector<double> fitting(surface.tri_to_vert.size());
+  std::vector<double> fitting(surface.tri_to_vert.size(), HUGE_VAL);
   work.fill<double>(fitting, 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) fitting[t] = search.fitting_size(static_cast<std::uint32_t>(t), floor);
+    for (std::size_t t = begin; t < end; ++t)
+      if (tri_is_new.empty() || tri_is_new[t] != 0)
+        fitting[t] = search.fitting_size(static_cast<std::uint32_t>(t), floor);
   });
   std::vector<Misfit> misfits;
   for (std::size_t t = 0; t < fitting.size(); ++t)

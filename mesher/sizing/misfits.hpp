@@ -2,6 +2,7 @@
 // Where a surface mesh cannot have the sizes asked for: walls and faces much thinner than these, edges much shorter.
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/model.hpp"
@@ -30,10 +31,11 @@ inline constexpr double kLeastWidth = 0.4;
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
 /// edges that meet: smaller sizes would not make them any better. Nor are widths below a tenth of the floor, which no
 /// size allowed fits. Widths are sampled once per triangle, at its centre. `sizes`: those that the mesh was made with.
-/// `tree`: of the mesh.
+/// `tree`: of the mesh. `tri_is_new`: those that are looked at; empty: all.
 /// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<double(const Vec3&)>& floor,
-                                 const intersection::TriangleTree& tree, const SharedWork& work);
+                                 const intersection::TriangleTree& tree, const SharedWork& work,
+                                 std::span<const std::uint8_t> tri_is_new = {});
 
 }  // namespace tetloom

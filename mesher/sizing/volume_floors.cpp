@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostLost = 0.005;  // of a solid's volume
 // The triangles that all lowered floors together may ask for.
 constexpr double kMostTriangles = 300'000;
-constexpr double kGivesWay = 1.2;  // by which a solid that is too dear may lose more
+constexpr double kGivesWay = 1.2;        // by which a solid that is too dear may lose more
 constexpr double kTriangleArea = 0.433;  // of edges of length 1
 
 /// The size of a face at the scale `c`: curved faces are finer, but not by much, since what a triangle saves grows with
@@ -60,8 +60,8 @@ class SolidFloors {
   /// The triangles that the sizes of a scale ask for on the faces that become better.
   double count_triangles(double c) const {
     double triangles = 0;
-    for_each_better(
-        c, [&](std::uint32_t f, double size) { triangles += faces_[f].area / (kTriangleArea * size * size); });
+    for_each_better(c,
+                    [&](std::uint32_t f, double size) { triangles += faces_[f].area / (kTriangleArea * size * size); });
     return triangles;
   }
 

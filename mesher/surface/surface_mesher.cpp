@@ -1,7 +1,10 @@
 #include "mesher/surface/surface_mesher.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
+#include "core/sizing/size_change.hpp"
 #include "mesher/surface/coincident_faces.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/edge_mesher.hpp"
@@ -9,21 +12,26 @@
 #include "mesher/surface/mesh_faces.hpp"
 
 namespace tetloom {
-namespace {
 
-class SurfaceMesher {
+class SurfaceMesher::State {
  public:
-  SurfaceMesher(const GeometricModel& model, const SizeField& sizes, const SharedWork& work)
-      : model_(model), topology_(model.topology()), sizes_(sizes), work_(work), runner_(work.runner()) {}
-
-  SurfaceMeshResult run() {
-    faces_.resize(topology_.face_count());
-    std::vector<std::size_t> pending(topology_.face_count());
-    for (std::size_t f = 0; f < pending.size(); ++f) pending[f] = f;
+  State(const GeometricModel& model, const SharedWork& work)
+      : model_(model), topology_(model.topology()), work_(work), runner_(work_.runner()) {
     options_.finer.assign(topology_.edge_count(), 1);
+  }
+
+  SurfaceMeshResult run(const SizeField& sizes) {
+    const bool is_first = faces_.empty();
+    faces_.resize(topology_.face_count());
+    taken_chords_.clear();
+    result_ = {};
+    const auto changes = is_first ? std::nullopt : find_changes(sizes_, sizes);
+    sizes_ = sizes;
+    std::vector<std::size_t> pending = faces_to_mesh(changes);
+    remeshed_ = pending.size();
     constexpr int kMostRounds = 6;
     for (int round = 0; round < kMostRounds && !pending.empty(); ++round) {
-      remesh_edges();
+      if (round > 0) remesh_edges();
       last_attempt_ = round + 1 == kMostRounds;
       mesh_faces(pending);
       if (!last_attempt_) pending = refine_crossing_edges();
@@ -33,7 +41,60 @@ class SurfaceMesher {
     return std::move(result_);
   }
 
+  std::size_t remeshed() const { return remeshed_; }
+
  private:
+  // Meshes the edges with the present sizes. Faces have to follow that have another rim now, or other sizes near them.
+  // `changes`: of the sizes, where they are known.
+  std::vector<std::size_t> faces_to_mesh(const std::optional<std::vector<Box3>>& changes) {
+    const std::vector<Box3> boxes = changes ? boxes_around_faces() : std::vector<Box3>{};
+    const std::vector<EdgeMesh> old_edges = edges_;
+    remesh_edges();
+    std::vector<std::size_t> pending;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const bool is_kept = changes && faces_[f].verdict == FaceVerdict::Ok && has_same_rim(f, old_edges) &&
+                           std::ranges::none_of(*changes, [&](const Box3& box) { return box.overlaps(boxes[f]); });
+      if (!is_kept) pending.push_back(f);
+    }
+    return pending;
+  }
+
+  std::vector<Box3> boxes_around_faces() const {
+    const RimNodes rim(model_, edges_);
+    std::vector<Box3> boxes(faces_.size());
+    runner_.for_each(faces_.size(), [&](std::size_t f) { boxes[f] = box_around(faces_[f], rim); });
+    return boxes;
+  }
+
+  // The face's mesh, and as far beside it as its longest edge.
+  static Box3 box_around(const FaceMesh& face, const RimNodes& rim) {
+    const auto place = [&](std::uint32_t v) {
+      return v & FaceMesh::kInner ? face.points[v & ~FaceMesh::kInner] : rim.point(v);
+    };
+    Box3 box;
+    double longest2 = 0;
+    for (const auto& [a, b, c] : face.tri_to_vert) {
+      const Vec3 x = place(a), y = place(b), z = place(c);
+      for (const Vec3& corner : {x, y, z}) box.add(corner);
+      longest2 = std::max({longest2, norm2(y - x), norm2(z - y), norm2(x - z)});
+    }
+    if (box.empty()) return box;
+    const double reach = std::sqrt(longest2);
+    return {box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}};
+  }
+
+  bool has_same_rim(std::size_t f, const std::vector<EdgeMesh>& old_edges) const {
+    for (const ModelLoop& loop : topology_.face_to_loops[f])
+      for (const EdgeUse& use : loop) {
+        const EdgeMesh &now = edges_[use.edge.value], &before = old_edges[use.edge.value];
+        if (now.t != before.t || now.joined_to != before.joined_to || now.reversed != before.reversed) return false;
+        if (now.points.size() != before.points.size()) return false;
+        for (std::size_t i = 0; i < now.points.size(); ++i)
+          if (norm2(now.points[i] - before.points[i]) != 0) return false;
+      }
+    return true;
+  }
+
   // Faces that are not meshed again keep their triangles, under the new numbers of their rim nodes.
   void remesh_edges() {
     const std::vector<EdgeMesh> old_edges = std::move(edges_);
@@ -301,9 +362,10 @@ class SurfaceMesher {
 
   const GeometricModel& model_;
   const ModelTopology& topology_;
-  const SizeField& sizes_;
-  const SharedWork& work_;
+  const SharedWork work_;
   const TaskRunner& runner_;
+  SizeField sizes_ = SizeField::uniform(1);
+  std::size_t remeshed_ = 0;
   EdgeMeshOptions options_;
   bool last_attempt_ = false;
   std::vector<EdgeMesh> edges_;
@@ -312,10 +374,17 @@ class SurfaceMesher {
   SurfaceMeshResult result_;
 };
 
-}  // namespace
+SurfaceMesher::SurfaceMesher(const GeometricModel& model, const SharedWork& work)
+    : state_(std::make_unique<State>(model, work)) {}
+
+SurfaceMesher::~SurfaceMesher() = default;
+
+SurfaceMeshResult SurfaceMesher::mesh(const SizeField& sizes) { return state_->run(sizes); }
+
+std::size_t SurfaceMesher::remeshed() const { return state_->remeshed(); }
 
 SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const SharedWork& work) {
-  return SurfaceMesher(model, sizes, work).run();
+  return SurfaceMesher(model, work).mesh(sizes);
 }
 
 }  // namespace tetloom

@@ -1,5 +1,6 @@
 #pragma once
 // The surface mesh of a model: edges once each, then faces in parallel, then one conforming mesh of all.
+#include <memory>
 #include <vector>
 
 #include "core/geometry/model.hpp"
@@ -20,5 +21,22 @@ struct SurfaceMeshResult {
 /// whole surface in the end. The result does not depend on the number of threads or ranks. Errors: Cancelled,
 /// OutOfMemory and EdgeFailed are thrown; faces that fail are in the result.
 SurfaceMeshResult mesh_surface(const GeometricModel& model, const SizeField& sizes, const SharedWork& work);
+
+/// mesh_surface again and again, each time with sizes that are those of the last time or smaller: faces are meshed
+/// again where a size has changed beside them or on their edges, the others stay as they are. Refers to the model,
+/// which must outlive it. Thread safety: one call at a time.
+class SurfaceMesher {
+ public:
+  SurfaceMesher(const GeometricModel& model, const SharedWork& work);
+  ~SurfaceMesher();
+
+  SurfaceMeshResult mesh(const SizeField& sizes);
+  /// How many faces the last call has meshed at least once.
+  std::size_t remeshed() const;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace tetloom

@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/sizing/morton.hpp"
+#include "core/sizing/size_change.hpp"
 #include "core/sizing/size_field.hpp"
 
 namespace tetloom {
@@ -45,6 +46,31 @@ bool is_refused(const SizeOctree& tree) {
 }
 
 }  // namespace
+
+TEST_CASE("changes of a refined field are the leaves with other corners, and pieces of leaves") {
+  const SizeField before = SizeField::from_octree(small_tree());
+  CHECK(find_changes(before, before)->empty());
+  SizeOctree lowered = small_tree();
+  lowered.corner_ratios[1][7] = 0.25f;
+  const auto one = find_changes(before, SizeField::from_octree(lowered));
+  REQUIRE(one->size() == 1);
+  CHECK(norm(one->front().lo - Vec3{2, 0, 0}) == 0);
+  CHECK(norm(one->front().hi - Vec3{4, 2, 2}) == 0);
+  SizeOctree cut = small_tree();
+  cut.cells.insert(cut.cells.end(), 8, kGlobal);
+  cut.cells[7] = 2;
+  cut.cells[16] = kLeaf + 2;
+  cut.corner_ratios.push_back({1, 1, 1, 1, 1, 1, 1, 0.5f});
+  const auto corner = find_changes(before, SizeField::from_octree(cut));
+  REQUIRE(corner->size() == 1);
+  CHECK(norm(corner->front().lo - Vec3{4, 4, 4}) == 0);
+  CHECK(norm(corner->front().hi - Vec3{6, 6, 6}) == 0);
+  SizeOctree moved = small_tree();
+  moved.origin = {-1, -1, -1};
+  moved.width = 10;
+  CHECK_FALSE(find_changes(before, SizeField::from_octree(moved)).has_value());
+  CHECK_FALSE(find_changes(SizeField::uniform(2), before).has_value());
+}
 
 TEST_CASE("a uniform field answers its size bit for bit in the whole space") {
   const double size = 0.1234567890123;

@@ -264,6 +264,40 @@ TEST_CASE("a cancelled search stops with Cancelled") {
   CHECK_THROWS_AS(find_self_intersections({surface.points, surface.triangles, {}, 10}, runner), Error);
 }
 
+TEST_CASE("where some triangles are new, the crossings that they have a part in are found") {
+  // Two crossing sheets side by side, of which one or the other is new.
+  Surface both = sheet(12, [](double x, double) { return 0.3 * (x - 0.51); });
+  const Surface flat = sheet(12, [](double, double) { return 0.0; });
+  const auto first = static_cast<std::uint32_t>(both.points.size());
+  const std::size_t own = both.triangles.size();
+  both.points.insert(both.points.end(), flat.points.begin(), flat.points.end());
+  for (auto tri : flat.triangles) {
+    for (std::uint32_t& v : tri) v += first;
+    both.triangles.push_back(tri);
+  }
+  const TaskRunner runner(2);
+  IntersectionSearch search{both.points, both.triangles, {}};
+  const auto all = find_self_intersections(search, runner);
+  REQUIRE(all.size() > 10);
+  const auto pairs = [](const std::vector<TriangleIntersection>& hits) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> list;
+    for (const TriangleIntersection& hit : hits) list.emplace_back(hit.first, hit.second);
+    return list;
+  };
+  for (const bool second_is_new : {false, true}) {
+    std::vector<std::uint8_t> is_new(both.triangles.size(), 0);
+    for (std::size_t t = 0; t < is_new.size(); ++t) is_new[t] = (t >= own) == second_is_new;
+    search.tri_is_new = is_new;
+    CHECK(pairs(find_self_intersections(search, runner)) == pairs(all));
+  }
+  std::vector<std::uint8_t> one(both.triangles.size(), 0);
+  one[all[3].second] = 1;
+  search.tri_is_new = one;
+  auto expected = all;
+  std::erase_if(expected, [&](const TriangleIntersection& hit) { return !one[hit.first] && !one[hit.second]; });
+  CHECK(pairs(find_self_intersections(search, runner)) == pairs(expected));
+}
+
 TEST_CASE("the crossings above a point balance for rays through edges and vertices of a closed surface") {
   // The unit cube on a lattice, asked on the lattice: rays meet vertices, edges and vertical faces.
   Surface cube{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 4}, {4, 0, 4}, {4, 4, 4}, {0, 4, 4}},

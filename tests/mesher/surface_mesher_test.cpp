@@ -6,6 +6,9 @@
 #include <map>
 #include <numbers>
 
+#include "core/mesh/digest.hpp"
+#include "mesher/intersection/new_triangles.hpp"
+#include "mesher/sizing/build_size_field.hpp"
 #include "tests/support/analytic_model.hpp"
 
 using namespace tetloom;
@@ -133,4 +136,45 @@ TEST_CASE("a surface mesh can be cancelled from its progress callback") {
   } catch (const Error& error) {
     CHECK(error.code() == ErrorCode::Cancelled);
   }
+}
+
+TEST_CASE("a surface with smaller sizes somewhere is the one made from nothing, and only faces there are meshed") {
+  const auto model = make_box({0, 0, 0}, {8, 8, 8});
+  SizeOptions options;
+  options.size = 0.5;
+  options.point_sizes = {{{0, 0, 0}, 0.2}};
+  const TaskRunner runner(2);
+  SizeFieldBuilder sizing(*model, options, runner);
+  std::vector<SizeRefinement> refinements;
+  SurfaceMesher mesher(*model, runner);
+  mesher.mesh(sizing.build(refinements).sizes);
+  CHECK(mesher.remeshed() == 6);
+  refinements.push_back({{Vec3{4, 4, 8}, Vec3{4, 4, 8}, Vec3{4, 4, 8}}, 0.2});
+  const SizeField finer = sizing.build(refinements).sizes;
+  const Mesh again = mesher.mesh(finer).mesh;
+  CHECK(mesher.remeshed() == 1);
+  CHECK(mesh_digest(again) == mesh_digest(mesh_surface(*model, finer, runner).mesh));
+  mesher.mesh(finer);
+  CHECK(mesher.remeshed() == 0);
+  refinements.push_back({{Vec3{8, 8, 4}, Vec3{8, 8, 4}, Vec3{8, 8, 4}}, 0.1});
+  const SizeField finest = sizing.build(refinements).sizes;
+  CHECK(mesh_digest(mesher.mesh(finest).mesh) == mesh_digest(mesh_surface(*model, finest, runner).mesh));
+  CHECK(mesher.remeshed() >= 2);
+  CHECK(mesher.remeshed() < 6);
+}
+
+TEST_CASE("triangles are known again by face and corners, however they are numbered") {
+  const TaskRunner runner(1);
+  const Mesh mesh = mesh_uniformly(*make_box({0, 0, 0}, {1, 1, 1}), 0.3).mesh;
+  const KnownTriangles known(mesh, runner);
+  CHECK(KnownTriangles().find_new(mesh, runner).empty());
+  Mesh other = mesh;
+  std::ranges::reverse(other.tri_to_vert);
+  std::ranges::reverse(other.tri_to_entity);
+  for (auto& tri : other.tri_to_vert) std::ranges::rotate(tri, tri.begin() + 1);
+  std::swap(other.tri_to_vert[0][0], other.tri_to_vert[0][1]);  // turned over
+  other.tri_to_entity[1] += 1;
+  std::vector<std::uint8_t> expected(mesh.tri_to_vert.size(), 0);
+  expected[0] = expected[1] = 1;
+  CHECK(known.find_new(other, runner) == expected);
 }

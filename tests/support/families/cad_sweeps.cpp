@@ -145,9 +145,7 @@ struct Profile {
   double width = 0, length = 0;
   double groove = 0, edge = 0;  ///< radii
 
-  double volume() const {
-    return length * (width * width - 2 * kPi * groove * groove - (4 - kPi) * edge * edge);
-  }
+  double volume() const { return length * (width * width - 2 * kPi * groove * groove - (4 - kPi) * edge * edge); }
 };
 
 TopoDS_Shape grooved_bar(const Profile& profile) {

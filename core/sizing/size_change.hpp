@@ -1,0 +1,16 @@
+#pragma once
+// Where a size field that was refined differs from the one before.
+#include <optional>
+#include <vector>
+
+#include "core/base/vec.hpp"
+#include "core/sizing/size_field.hpp"
+
+namespace tetloom {
+
+/// Leaves of `after` in which it has other sizes than `before`. Pre: `after` has no larger size anywhere, as
+/// where sizes were added to those of `before`. None where the two have no leaves in common, because their octrees
+/// stand on different grids or one of them is uniform; nothing can be said then. Linear.
+std::optional<std::vector<Box3>> find_changes(const SizeField& before, const SizeField& after);
+
+}  // namespace tetloom

@@ -1,0 +1,274 @@
+#include "mesher/fit_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/stopwatch.hpp"
+#include "mesher/complexes.hpp"
+#include "mesher/sizing/refinement_budget.hpp"
+#include "mesher/surface/drop_faces.hpp"
+
+namespace tetloom {
+namespace {
+
+SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) {
+  if (options.keep_small_features) return {};
+  return {options.small_feature, kSmallFeature, small_face_limits(model)};
+}
+
+bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
+  constexpr double kFew = 1e-3;  // of the triangles
+  return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
+}
+
+double longest_edge(const Mesh& mesh, std::uint32_t tri) {
+  const auto& [a, b, c] = mesh.tri_to_vert[tri];
+  return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
+                   distance(mesh.points[c], mesh.points[a])});
+}
+
+}  // namespace
+
+SurfaceFitter::SurfaceFitter(const GeometricModel& model, const MeshOptions& options, const SharedWork& work,
+                             FailedComplexes& failed, MeshResult& result)
+    : model_(model),
+      options_(options),
+      work_(work),
+      runner_(work.runner()),
+      failed_(failed),
+      result_(result),
+      complexes_(find_complexes(model.topology())),
+      sizing_(model, options.sizes, work, options.max_memory, small_width(model, options)),
+      mesher_(model, work) {}
+
+bool SurfaceFitter::run() {
+  if (!options_.keep_small_features) features_.emplace(model_, options_, build_asked_sizes());
+  SizedModel sized = build_sizes({});
+  first_sizes_ = sized.sizes;
+  first_elements_ = count_elements(sized.estimate);
+  std::optional<Candidate> good;
+  constexpr int kMostRounds = 6, kMostFittingRounds = 3;
+  for (int round = 0;; ++round) {
+    Candidate candidate = make_candidate(sized);
+    if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
+    Stopwatch watch;
+    const bool crosses = !candidate.solid_hits.empty();
+    std::vector<Misfit> misfits;
+    if (options_.refine_surface && round < kMostFittingRounds) misfits = find_misfits(candidate);
+    if (round > 0 && !crosses && are_few(misfits, candidate.surface.mesh)) misfits.clear();
+    result_.seconds.surface += watch.lap();
+    const bool done = !crosses && misfits.empty();
+    if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
+    if (done || !options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate));
+    bool refined = true;
+    try {
+      work_.together([&] {
+        std::optional<SizedModel> finer = refine(candidate, misfits);
+        refined = finer.has_value();
+        if (refined) sized = std::move(*finer);
+      });
+    } catch (const Error& error) {
+      if (!crosses) good = std::move(candidate);
+      if (error.code() != ErrorCode::OutOfMemory || !good) throw;
+      for (const Misfit& misfit : misfits) log_.note(misfit, good->surface.mesh);
+      result_.refinement.narrow_places += misfits.size();
+      result_.refinement.rounds = round + 1;
+      return accept(std::move(*good), false);
+    }
+    if (!refined) return accept(std::move(candidate), true);
+    result_.refinement.rounds = round + 1;
+    if (!crosses) good = std::move(candidate);
+  }
+}
+
+SizedModel SurfaceFitter::build_sizes(const std::vector<SizeRefinement>& refinements) {
+  Stopwatch watch;
+  runner_.begin_stage(Stage::SizeField, 0);
+  SizedModel sized = sizing_.build(refinements);
+  check_memory(options_.surface_only ? surface_part(sized.estimate) : sized.estimate, options_.max_memory);
+  result_.seconds.size_field += watch.lap();
+  return sized;
+}
+
+// Without those from curvature and proximity.
+SizeField SurfaceFitter::build_asked_sizes() const {
+  SizeOptions asked = options_.sizes;
+  asked.curvature = asked.proximity = 0;
+  return SizeFieldBuilder(model_, asked, work_, options_.max_memory).build({}).sizes;
+}
+
+// Tets, or triangles where nothing is filled. A wall thinner than the size has one and a half tets per triangle.
+double SurfaceFitter::count_elements(const MeshEstimate& estimate) const {
+  const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
+  constexpr double kTetsPerTriangleOfWalls = 1.5;
+  return fills ? std::max(estimate.tets, kTetsPerTriangleOfWalls * estimate.triangles) : estimate.triangles;
+}
+
+SurfaceFitter::Candidate SurfaceFitter::make_candidate(const SizedModel& sized) {
+  Stopwatch watch;
+  Candidate candidate;
+  candidate.sizes = sized.sizes;
+  candidate.elements = count_elements(sized.estimate);
+  work_.together([&] { candidate.surface = mesher_.mesh(sized.sizes); });
+  set_aside(candidate.surface);
+  if (candidate.surface.errors.empty()) settle_features(candidate);
+  embedded_ = candidate.all_hits.empty() ? KnownTriangles(candidate.surface.mesh, runner_) : KnownTriangles();
+  result_.seconds.surface += watch.lap();
+  return candidate;
+}
+
+// The complexes that failed go out of the surface, as far as the host wants the others.
+void SurfaceFitter::set_aside(SurfaceMeshResult& surface) {
+  if (options_.keep_going && !surface.errors.empty() && failed_.take(surface.errors)) surface.errors.clear();
+  if (!failed_.empty()) drop_faces(failed_.faces(), surface.mesh);
+}
+
+// Eliminates small features from the surface, and finds where it crosses itself afterwards. Where it does so at a place
+// where something was eliminated, or where a region would lose too much of its volume, that is undone.
+void SurfaceFitter::settle_features(Candidate& candidate) {
+  if (!features_) return find_crossings(candidate);
+  const Mesh given = std::move(candidate.surface.mesh);
+  constexpr int kMostTries = 6;  // at places that cross; those at regions end by themselves
+  for (int tries = 1;; ++tries) {
+    EliminationResult eliminated = features_->eliminate(given, candidate.sizes, runner_);
+    if (features_->spare_regions(given, eliminated)) continue;
+    const bool has_changed = eliminated.mesh.has_value();
+    candidate.surface.mesh = has_changed ? std::move(*eliminated.mesh) : given;
+    find_crossings(candidate);
+    if (has_changed && tries < kMostTries &&
+        features_->keep_where_crossing(candidate.surface.mesh, eliminated.changed, candidate.all_hits))
+      continue;
+    candidate.absorbed = std::move(eliminated.absorbed);
+    return;
+  }
+}
+
+void SurfaceFitter::find_crossings(Candidate& candidate) {
+  const Mesh& mesh = candidate.surface.mesh;
+  runner_.begin_stage(Stage::Intersections, mesh.tri_to_vert.size());
+  candidate.tree.emplace(mesh.points, mesh.tri_to_vert, runner_);
+  candidate.tri_is_new = embedded_.find_new(mesh, runner_);
+  std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
+  runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) groups[t] = complexes_[mesh.tri_to_entity[t]];
+  });
+  IntersectionSearch search{mesh.points, mesh.tri_to_vert, groups};
+  search.tri_is_new = candidate.tri_is_new;
+  search.tells_progress = true;
+  candidate.all_hits = find_self_intersections(search, *candidate.tree, work_);
+  candidate.solid_hits = those_of_solids(candidate.all_hits, mesh);
+}
+
+std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
+  // By default no smaller than what fits a feature that is just not eliminated.
+  const auto floor = [&](const Vec3& x) {
+    if (options_.sizes.min_size > 0) return options_.sizes.min_size;
+    constexpr double kLeastShare = 0.1;
+    const double first = first_sizes_.size_at(x), least = kLeastShare * first;
+    return features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+  };
+  return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, *candidate.tree,
+                               work_, candidate.tri_is_new);
+}
+
+std::vector<TriangleIntersection> SurfaceFitter::those_of_solids(std::vector<TriangleIntersection> hits,
+                                                                 const Mesh& mesh) const {
+  std::erase_if(hits, [&](const TriangleIntersection& hit) {
+    return !bounds_region(mesh.tri_to_entity[hit.first]) && !bounds_region(mesh.tri_to_entity[hit.second]);
+  });
+  return hits;
+}
+
+bool SurfaceFitter::bounds_region(std::uint32_t face) const {
+  const FaceSides& sides = model_.topology().face_to_sides[face];
+  return sides.front.valid() || sides.back.valid();
+}
+
+// Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow places
+// cost is estimated, and known when the sizes are there: they are chosen again where it was too much. None where
+// nothing is refined.
+std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, const std::vector<Misfit>& misfits) {
+  const Mesh& mesh = candidate.surface.mesh;
+  for (const TriangleIntersection& hit : candidate.solid_hits) refine_at(hit, mesh);
+  result_.refinement.crossings += candidate.solid_hits.size();
+  const double allowed = std::max(0.0, options_.most_refinement * first_elements_ - candidate.elements);
+  double budget = allowed;
+  constexpr int kMostTries = 6;
+  constexpr double kOver = 1.1, kUnder = 0.9;
+  for (int tries = 1;; ++tries) {
+    const bool give_up = tries == kMostTries;
+    const AffordableMisfits chosen = choose_affordable(misfits, mesh, candidate.sizes, give_up ? 0 : budget);
+    if (chosen.refined.empty() && candidate.solid_hits.empty()) return {};
+    std::vector<SizeRefinement> more = refinements_;
+    for (const Misfit& misfit : chosen.refined) more.push_back(refinement_for(misfit, mesh));
+    SizedModel sized = build_sizes(more);
+    const double added = count_elements(sized.estimate) - candidate.elements;
+    if (added > kOver * allowed && !chosen.refined.empty()) {
+      budget = kUnder * chosen.cost * allowed / added;
+      continue;
+    }
+    for (const Misfit& misfit : chosen.refined) log_.note(misfit, mesh);
+    result_.refinement.narrow_places += chosen.refined.size();
+    result_.refinement.left = chosen.left;
+    refinements_ = std::move(more);
+    return sized;
+  }
+}
+
+void SurfaceFitter::refine_at(const TriangleIntersection& hit, const Mesh& mesh) {
+  const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
+  if (!(length > 0)) return;  // a triangle of one point: no size makes it better
+  refinements_.push_back({{hit.point, hit.point, hit.point}, 0.5 * length});
+  log_.note(refinements_.back(), {hit.first, hit.second}, mesh);
+}
+
+bool SurfaceFitter::reject(Candidate&& candidate) {
+  append(candidate.surface.errors, candidate.surface.warnings);
+  take(std::move(candidate));
+  result_.status = MeshStatus::Failed;
+  return false;
+}
+
+bool SurfaceFitter::accept(Candidate&& candidate, bool is_fine_enough) {
+  append({}, candidate.surface.warnings);
+  if (result_.refinement.rounds > 0)
+    result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
+  take(std::move(candidate));
+  return true;
+}
+
+// Crossings spoil a solid and no sheet.
+bool SurfaceFitter::judge_crossings(Candidate&& candidate) {
+  const std::vector<Diagnostic> found =
+      describe_intersections(candidate.all_hits, {candidate.surface.mesh.tri_to_entity, &model_});
+  const auto spoils = [&](const NamedEntity& entity) {
+    return entity.entity.dim == 2 && bounds_region(entity.entity.index);
+  };
+  std::vector<Diagnostic> errors, warnings = candidate.surface.warnings;
+  for (const Diagnostic& diagnostic : found) {
+    const bool fatal = std::any_of(diagnostic.entities.begin(), diagnostic.entities.end(), spoils);
+    (fatal && !options_.surface_only ? errors : warnings).push_back(diagnostic);
+  }
+  if (options_.keep_going && !errors.empty() && failed_.take(errors)) {
+    errors.clear();
+    set_aside(candidate.surface);
+  }
+  append(errors, warnings);
+  take(std::move(candidate));
+  if (!errors.empty()) result_.status = MeshStatus::Failed;
+  return errors.empty();
+}
+
+void SurfaceFitter::take(Candidate&& candidate) {
+  result_.mesh = std::move(candidate.surface.mesh);
+  result_.sizes = candidate.sizes;
+  result_.absorbed = std::move(candidate.absorbed);
+  result_.refinement.smallest_size = log_.smallest_size();
+}
+
+void SurfaceFitter::append(const std::vector<Diagnostic>& errors, const std::vector<Diagnostic>& warnings) {
+  result_.errors.insert(result_.errors.end(), errors.begin(), errors.end());
+  result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
+}
+
+}  // namespace tetloom
