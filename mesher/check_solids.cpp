@@ -18,7 +18,7 @@ namespace {
 constexpr double kTolerated = 0.01;  // of a solid's volume
 constexpr double kTouching = 0.25;   // sizes: what lies deeper in a solid does not touch it
 constexpr std::size_t kMostFacesNamed = 10;
-constexpr std::size_t kMostAsked = 5000;  // points of one solid
+constexpr std::size_t kMostAsked = 1000;  // points of one solid
 constexpr std::size_t kPointsPerTask = 256;
 
 std::string number(double value) {

@@ -27,7 +27,7 @@ std::vector<Diagnostic> check_volumes(const MeshedModel& meshed, std::span<const
 /// Warnings of code RegionsOverlap, ascending by regions: pairs of regions that share no face, and of which one has a
 /// point of its surface mesh inside of the other, a quarter of the size deep. With both regions, the faces at a point,
 /// and the point. Overlaps that are smaller than triangles may go unnoticed, and so may small ones of large solids. A
-/// ray for each of at most 5,000 points per solid that lie in the box of another, O(log n + crossings) each. Errors:
+/// ray for each of at most 1,000 points per solid that lie in the box of another, O(log n + crossings) each. Errors:
 /// Cancelled.
 std::vector<Diagnostic> check_overlaps(const MeshedModel& meshed, const TaskRunner& runner);
 
