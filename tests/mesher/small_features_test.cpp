@@ -98,6 +98,16 @@ std::unique_ptr<GeometricModel> make_stepped_block(double step) {
   return make_polyhedron(points, faces);
 }
 
+/// A wedge along y, 1 long in x, with a blunt tip of this width.
+std::unique_ptr<GeometricModel> make_blunt_wedge(double degrees, double width) {
+  const double tip = 0.5 * width, base = tip + std::tan(0.5 * degrees * kDegree);
+  const std::vector<Vec3> points{{0, 0, -base}, {1, 0, -tip}, {1, 0, tip}, {0, 0, base},
+                                 {0, 1, -base}, {1, 1, -tip}, {1, 1, tip}, {0, 1, base}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1},
+                                                      {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
+  return make_polyhedron(points, faces);
+}
+
 MeshOptions options_of_size(double size) {
   MeshOptions options;
   options.sizes.size = size;
@@ -290,6 +300,18 @@ TEST_CASE("a chamfer far below the size becomes an edge") {
       CHECK(absorbed.into.valid());
     }
     CHECK(std::ranges::is_sorted(made.result.absorbed, {}, &AbsorbedEntity::entity));
+  }
+}
+
+TEST_CASE("the blunt tip of a wedge goes where the sharp wedge has the larger angle") {
+  for (const double width : {1e-5, 1e-3, 4e-3}) {
+    INFO("width " << width);
+    MeshOptions options = options_of_size(0.1);
+    options.refine_surface = false;
+    const Made made(*make_blunt_wedge(12, width), options);
+    CHECK(made.absorbed(ModelFaceId(3)));
+    CHECK(made.quality.tets.min_dihedral_deg >= 9);
+    CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.01));
   }
 }
 
