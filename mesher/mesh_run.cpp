@@ -131,9 +131,12 @@ class MeshRun {
       const std::vector<TriangleIntersection> hits = those_of_solids(all_hits, candidate.surface.mesh);
       const bool fits = !options_.refine_surface || round >= kMostFittingRounds || !candidate.surface.errors.empty();
       std::vector<Misfit> misfits = fits ? std::vector<Misfit>{} : find_misfits(candidate);
-      if (round > 0 && hits.empty() && are_few(misfits, candidate.surface.mesh)) misfits.clear();
+      if (round > 0 && hits.empty() && are_negligible(misfits, candidate.surface.mesh, candidate.sizes))
+        misfits.clear();
       result_.seconds.surface += watch.lap();
       if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
+      // Narrow places that were refined until triangles crossed, as those where faces touch.
+      if (good && !hits.empty() && round >= kMostFittingRounds) return accept(std::move(*good), Refined::Done);
       const bool done = hits.empty() && misfits.empty();
       if (done && all_hits.empty()) return accept(std::move(candidate), Refined::Done);
       if (done || !options_.refine_surface || round == kMostRounds)
@@ -150,11 +153,6 @@ class MeshRun {
       result_.refinement.rounds = round + 1;
       if (hits.empty()) good = std::move(candidate);
     }
-  }
-
-  static bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
-    constexpr double kFew = 1e-3;  // of the triangles
-    return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
   }
 
   bool bounds_region(std::uint32_t face) const {
@@ -267,12 +265,13 @@ class MeshRun {
   std::vector<Misfit> find_misfits(const Candidate& candidate) const {
     const Mesh& mesh = candidate.surface.mesh;
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
-    // By default no smaller than what fits a feature that is just not eliminated.
-    const auto floor = [&](const Vec3& x) {
-      if (options_.sizes.min_size > 0) return options_.sizes.min_size;
-      constexpr double kLeastShare = 0.1;
+    // By default no smaller than what fits a feature that is just not eliminated, but where angles are very small.
+    const auto floor = [&](const Vec3& x) -> SizeFloor {
+      if (options_.sizes.min_size > 0) return {options_.sizes.min_size, options_.sizes.min_size};
+      constexpr double kLeastShare = 0.1, kSevereShare = 0.02;
       const double first = first_sizes_.size_at(x), least = kLeastShare * first;
-      return features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+      const double usual = features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+      return {usual, kSevereShare * usual};
     };
     return tetloom::find_misfits(mesh, model_.topology(), candidate.sizes, floor, tree, work_);
   }

@@ -13,12 +13,18 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
+// What is narrower than this share of the size, so that tets have angles of 5 degrees, is refined beyond the usual
+// floor up to the second share: 9 degrees.
+constexpr double kSevere = 0.1, kEasedWidth = 0.2;
 // A width that is less of the smallest size allowed would leave more poor elements than it found.
 constexpr double kHopeless = 0.1;
-// Cosines between a ray and what is called the opposite wall.
-constexpr double kOpposite = 0.7, kParallel = 0.9998;
+// Cosines between a ray and what is called the opposite wall: from inside a triangle, from an edge, and of one that the
+// triangle's face meets.
+constexpr double kOpposite = 0.7, kBesideEdge = 0.35, kParallel = 0.9998;
 // Cosine between model edges that narrow a face towards a corner.
 constexpr double kAcute = 0.85;
+// Such edges are nearer than the corner explains at less than this share of its angle times the distance from it.
+constexpr double kStraight = 0.5;
 
 bool share_a_vertex(const Triangle& s, const Triangle& t) {
   return std::ranges::any_of(s, [&](std::uint32_t v) { return std::ranges::find(t, v) != t.end(); });
@@ -41,21 +47,37 @@ class MisfitSearch {
   }
 
   /// The size that fits on the triangle, where it is smaller than the present one; else infinity.
-  double fitting_size(std::uint32_t triangle, const std::function<double(const Vec3&)>& floor) const {
+  double fitting_size(std::uint32_t triangle, const std::function<SizeFloor(const Vec3&)>& floor) const {
     const auto [a, b, c] = tree_.corners_of(triangle);
     const Vec3 center = (1.0 / 3) * (a + b + c), normal = normalized(cross(b - a, c - a));
     if (norm2(normal) == 0) return HUGE_VAL;
     const double present = sizes_.size_at(center), reach = kLeastWidth * present;
     double width = height_of_flat(triangle, {a, b, c});
-    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
-    if (sides.front.valid()) width = std::min(width, wall_width(sides.front, triangle, center, reach * normal));
-    if (sides.back.valid()) width = std::min(width, wall_width(sides.back, triangle, center, -reach * normal));
+    for (const Wall& wall : find_walls(triangle, center, reach * normal))
+      if (wall.cosine > kOpposite) width = std::min(width, wall.distance);
+    // A wall may be very narrow at an edge alone, which points at it.
+    const Triangle& verts = mesh_.tri_to_vert[triangle];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = verts[i], w = verts[(i + 1) % 3];
+      if (!is_model_piece(v, w)) continue;
+      for (const Wall& wall :
+           find_walls(triangle, 0.5 * (mesh_.points[v] + mesh_.points[w]), kSevere * present * normal))
+        if (wall.cosine > kBesideEdge) width = std::min(width, wall.cosine * wall.distance);
+    }
     if (width == HUGE_VAL) return HUGE_VAL;
-    const double least = floor(center), size = std::max(width / kLeastWidth, least);
-    return width >= kHopeless * least && size < kWorthwhile * present ? size : HUGE_VAL;
+    const auto [usual, severe] = floor(center);
+    double size = std::max(width / kLeastWidth, usual);
+    if (width < kSevere * present) size = std::min(size, std::max(width / kEasedWidth, severe));
+    return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;
   }
 
  private:
+  struct AcuteCorner {
+    std::array<std::uint32_t, 2> edges;  // the lower first
+    Vec3 place;
+    double angle;  // radians
+  };
+
   /// Pairs of model edges that meet at less than kAcute, as the mesh has them.
   void find_acute_corners() {
     struct End {
@@ -72,13 +94,17 @@ class MisfitSearch {
     std::ranges::stable_sort(ends, {}, &End::corner);
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size() && ends[j].corner == ends[i].corner; ++j)
-        if (ends[i].edge != ends[j].edge && dot(ends[i].direction, ends[j].direction) > kAcute)
-          acute_pairs_.push_back({std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)});
-    std::ranges::sort(acute_pairs_);
+        if (const double cosine = dot(ends[i].direction, ends[j].direction);
+            ends[i].edge != ends[j].edge && cosine > kAcute)
+          acute_corners_.push_back({{std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)},
+                                    mesh_.points[ends[i].corner],
+                                    std::acos(std::min(cosine, 1.0))});
+    std::ranges::stable_sort(acute_corners_, {}, &AcuteCorner::edges);
   }
 
-  /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle.
-  bool lies_in_acute_corner(std::uint32_t triangle) const {
+  /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle, and these are as near
+  /// to each other at the triangle, by its height, as that angle makes them: not much nearer, as in a crescent.
+  bool lies_in_acute_corner(std::uint32_t triangle, double height) const {
     const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
     const auto lies_on = [&](std::uint32_t v, std::uint32_t edge) {
       const ModelEntity at = mesh_.point_to_entity[v];
@@ -86,15 +112,19 @@ class MisfitSearch {
       return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
                                                 [&](ModelVertexId vertex) { return vertex.value == at.index; });
     };
-    const auto holds = [&](const std::array<std::uint32_t, 2>& pair) {
-      return std::ranges::binary_search(edges, pair[0]) && std::ranges::binary_search(edges, pair[1]) &&
-             std::ranges::all_of(mesh_.tri_to_vert[triangle],
-                                 [&](std::uint32_t v) { return lies_on(v, pair[0]) || lies_on(v, pair[1]); });
+    const Vec3 center = tree_.corners_of(triangle)[0];
+    const auto holds = [&](const AcuteCorner& corner) {
+      return height > kStraight * corner.angle * distance(center, corner.place) &&
+             std::ranges::binary_search(edges, corner.edges[1]) &&
+             std::ranges::all_of(mesh_.tri_to_vert[triangle], [&](std::uint32_t v) {
+               return lies_on(v, corner.edges[0]) || lies_on(v, corner.edges[1]);
+             });
     };
     for (const std::uint32_t edge : edges) {
-      const auto first = std::ranges::lower_bound(acute_pairs_, std::array{edge, std::uint32_t{0}});
-      for (auto pair = first; pair != acute_pairs_.end() && (*pair)[0] == edge; ++pair)
-        if (holds(*pair)) return true;
+      const auto first =
+          std::ranges::lower_bound(acute_corners_, std::array{edge, std::uint32_t{0}}, {}, &AcuteCorner::edges);
+      for (auto corner = first; corner != acute_corners_.end() && corner->edges[0] == edge; ++corner)
+        if (holds(*corner)) return true;
     }
     return false;
   }
@@ -109,19 +139,30 @@ class MisfitSearch {
     if (std::atan2(twice_area, dot(u, v)) >= kFlatAngle) return HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
     if (is_model_piece(verts[i], verts[(i + 1) % 3]) && is_model_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
-    if (lies_in_acute_corner(triangle)) return HUGE_VAL;
-    return twice_area / std::sqrt(std::ranges::max(length2));
+    const double height = twice_area / std::sqrt(std::ranges::max(length2));
+    return lies_in_acute_corner(triangle, height) ? HUGE_VAL : height;
   }
 
   bool is_model_piece(std::uint32_t a, std::uint32_t b) const {
     return std::ranges::binary_search(model_pieces_, std::array{std::min(a, b), std::max(a, b)});
   }
 
-  /// How far from `x`, on a triangle, the first opposite wall of the region within `ray` is, or infinity. Walls of
-  /// others do not count: solids may touch.
-  double wall_width(ModelRegionId region, std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
+  struct Wall {
+    double distance = HUGE_VAL;
+    double cosine = 0;  // between the ray and the wall's normal; 0: it is no wall for this triangle
+  };
+
+  /// Those on both sides of the triangle, as far as there are regions.
+  std::array<Wall, 2> find_walls(std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
+    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
+    return {sides.front.valid() ? find_wall(sides.front, triangle, x, ray) : Wall{},
+            sides.back.valid() ? find_wall(sides.back, triangle, x, -ray) : Wall{}};
+  }
+
+  /// The first wall of the region within `ray` from `x`, on a triangle. Walls of others do not count: solids may touch.
+  Wall find_wall(ModelRegionId region, std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
     double nearest = 1;
-    bool is_wall = false;
+    Wall wall;
     const Triangle& own = mesh_.tri_to_vert[triangle];
     tree_.for_each_along(x, ray, [&](std::uint32_t other) {
       if (other == triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
@@ -129,9 +170,9 @@ class MisfitSearch {
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.
       if (at >= nearest || near_region(other, ray) != region) return;
       nearest = at;
-      is_wall = is_opposite(triangle, other, ray);
+      wall = {at * norm(ray), cosine_to(triangle, other, ray)};
     });
-    return is_wall ? nearest * norm(ray) : HUGE_VAL;
+    return wall.cosine > 0 ? wall : Wall{};
   }
 
   /// The share of the ray up to a triangle (closed), after Möller & Trumbore (1997); 2 where it is not met.
@@ -153,11 +194,11 @@ class MisfitSearch {
     return dot(cross(b - a, c - a), ray) < 0 ? sides.front : sides.back;
   }
 
-  bool is_opposite(std::uint32_t triangle, std::uint32_t other, const Vec3& ray) const {
+  double cosine_to(std::uint32_t triangle, std::uint32_t other, const Vec3& ray) const {
     const auto [a, b, c] = tree_.corners_of(other);
     const double facing = std::abs(dot(normalized(cross(b - a, c - a)), normalized(ray)));
-    return facing >
-           (meet_at_an_edge(mesh_.tri_to_entity[triangle], mesh_.tri_to_entity[other]) ? kParallel : kOpposite);
+    const bool meet = meet_at_an_edge(mesh_.tri_to_entity[triangle], mesh_.tri_to_entity[other]);
+    return meet && facing <= kParallel ? 0 : facing;
   }
 
   bool meet_at_an_edge(std::uint32_t face, std::uint32_t other) const {
@@ -173,13 +214,13 @@ class MisfitSearch {
   const intersection::TriangleTree& tree_;
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
   std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
-  std::vector<std::array<std::uint32_t, 2>> acute_pairs_;   // of model edges, ascending, the lower first
+  std::vector<AcuteCorner> acute_corners_;                  // ascending by edges
 };
 
 }  // namespace
 
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-                                 const std::function<double(const Vec3&)>& floor,
+                                 const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work) {
   const MisfitSearch search(surface, topology, sizes, tree);
   std::vector<double> fitting(surface.tri_to_vert.size());
@@ -190,6 +231,16 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
   for (std::size_t t = 0; t < fitting.size(); ++t)
     if (fitting[t] < HUGE_VAL) misfits.push_back({static_cast<std::uint32_t>(t), fitting[t]});
   return misfits;
+}
+
+bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes) {
+  constexpr double kFew = 1e-3;  // of the triangles
+  if (static_cast<double>(misfits.size()) >= kFew * static_cast<double>(surface.tri_to_vert.size())) return false;
+  const std::vector<Vec3>& x = surface.points;
+  return std::ranges::none_of(misfits, [&](const Misfit& misfit) {
+    const auto& [a, b, c] = surface.tri_to_vert[misfit.triangle];
+    return misfit.size <= kSevere / kEasedWidth * sizes.size_at((1.0 / 3) * (x[a] + x[b] + x[c]));
+  });
 }
 
 }  // namespace tetloom
