@@ -113,3 +113,25 @@ TEST_CASE("a wall that is narrow below an edge alone is refined there") {
     CHECK(compute_quality(made.mesh, &made.sizes).tets.min_dihedral_deg >= 5);
   }
 }
+
+TEST_CASE("what forces small angles in a narrow region is named, with its width") {
+  MeshOptions options;
+  options.sizes.size = 0.2;
+  options.threads = 2;
+  options.refine_surface = false;
+  for (const double gap : {0.02, 0.006}) {
+    INFO("gap " << gap);
+    const MeshResult made = make_mesh(*make_block_with_bar(gap), options);
+    REQUIRE(made.status == MeshStatus::Ok);
+    const tets::OptimizeReport& report = made.filling.optimizer;
+    REQUIRE_FALSE(report.acute_tets.empty());
+    CHECK(report.forced == report.below_dihedral);
+    CHECK(report.forced == report.forced_by_angles + report.forced_by_triangles + report.forced_by_points);
+    for (const AcuteTet& tet : report.acute_tets) {
+      CHECK(tet.cause_angle > 0);
+      CHECK_FALSE(tet.entities.empty());
+      if (tet.cause == AngleCause::NarrowRegion) CHECK(tet.cause_length >= 0.999 * gap);
+    }
+    CHECK(std::ranges::count(report.acute_tets, AngleCause::NarrowRegion, &AcuteTet::cause) > 0);
+  }
+}
