@@ -9,7 +9,7 @@
 namespace tetloom::features {
 namespace {
 
-constexpr double kRegionFold = 15 * std::numbers::pi / 180, kVoidFold = 3 * std::numbers::pi / 180;
+constexpr double kRegionFold = 15 * std::numbers::pi / 180, kVoidFold = 0.3 * std::numbers::pi / 180;
 // A region may be left with a smaller wedge, down to this, where the wedge is so many times the angle that the feature
 // has as it is.
 constexpr double kLeastRegionFold = 1 * std::numbers::pi / 180, kFoldGain = 2;
