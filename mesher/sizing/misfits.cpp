@@ -37,6 +37,7 @@ class MisfitSearch {
       : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree) {
     for (auto [a, b] : surface.edge_to_vert) model_pieces_.push_back({std::min(a, b), std::max(a, b)});
     std::ranges::sort(model_pieces_);
+    sum_normals();
     face_to_edges_.resize(topology.face_count());
     for (std::size_t f = 0; f < face_to_edges_.size(); ++f) {
       for (const ModelLoop& loop : topology.face_to_loops[f])
@@ -55,15 +56,7 @@ class MisfitSearch {
     double width = height_of_flat(triangle, {a, b, c});
     for (const Wall& wall : find_walls(triangle, center, reach * normal))
       if (wall.cosine > kOpposite) width = std::min(width, wall.distance);
-    // A wall may be very narrow at an edge alone, which points at it.
-    const Triangle& verts = mesh_.tri_to_vert[triangle];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t v = verts[i], w = verts[(i + 1) % 3];
-      if (!is_model_piece(v, w)) continue;
-      for (const Wall& wall :
-           find_walls(triangle, 0.5 * (mesh_.points[v] + mesh_.points[w]), kSevere * present * normal))
-        if (wall.cosine > kBesideEdge) width = std::min(width, wall.cosine * wall.distance);
-    }
+    width = std::min(width, width_at_edges(triangle, normal, kSevere * present));
     if (width == HUGE_VAL) return HUGE_VAL;
     const auto [usual, severe] = floor(center);
     double size = std::max(width / kLeastWidth, usual);
@@ -77,6 +70,35 @@ class MisfitSearch {
     Vec3 place;
     double angle;  // radians
   };
+
+  /// Of the triangles at each piece of a model edge: inwards and outwards between two faces of a region.
+  void sum_normals() {
+    piece_normals_.resize(model_pieces_.size());
+    for (const Triangle& verts : mesh_.tri_to_vert) {
+      const auto& [a, b, c] = verts;
+      const Vec3 normal = normalized(cross(mesh_.points[b] - mesh_.points[a], mesh_.points[c] - mesh_.points[a]));
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const std::size_t piece = find_piece(verts[i], verts[(i + 1) % 3]); piece < model_pieces_.size())
+          piece_normals_[piece] += normal;
+    }
+  }
+
+  /// How wide a wall is at the sides of the triangle that are pieces of model edges, along its normal and between it
+  /// and its neighbours': it may be very narrow at an edge alone, which points at another side.
+  double width_at_edges(std::uint32_t triangle, const Vec3& normal, double reach) const {
+    double width = HUGE_VAL;
+    const Triangle& verts = mesh_.tri_to_vert[triangle];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = verts[i], w = verts[(i + 1) % 3];
+      const std::size_t piece = find_piece(v, w);
+      if (piece == model_pieces_.size()) continue;
+      const Vec3 middle = 0.5 * (mesh_.points[v] + mesh_.points[w]);
+      for (const Vec3& along : {normal, normalized(piece_normals_[piece])})
+        for (const Wall& wall : find_walls(triangle, middle, reach * along))
+          if (wall.cosine > kBesideEdge) width = std::min(width, wall.cosine * wall.distance);
+    }
+    return width;
+  }
 
   /// Pairs of model edges that meet at less than kAcute, as the mesh has them.
   void find_acute_corners() {
@@ -143,8 +165,14 @@ class MisfitSearch {
     return lies_in_acute_corner(triangle, height) ? HUGE_VAL : height;
   }
 
-  bool is_model_piece(std::uint32_t a, std::uint32_t b) const {
-    return std::ranges::binary_search(model_pieces_, std::array{std::min(a, b), std::max(a, b)});
+  bool is_model_piece(std::uint32_t a, std::uint32_t b) const { return find_piece(a, b) < model_pieces_.size(); }
+
+  /// The number of a piece of a model edge; that of all pieces where the edge is none.
+  std::size_t find_piece(std::uint32_t a, std::uint32_t b) const {
+    if (mesh_.point_to_entity[a].dim > 1 || mesh_.point_to_entity[b].dim > 1) return model_pieces_.size();
+    const std::array<std::uint32_t, 2> key{std::min(a, b), std::max(a, b)};
+    const auto at = std::ranges::lower_bound(model_pieces_, key);
+    return at != model_pieces_.end() && *at == key ? at - model_pieces_.begin() : model_pieces_.size();
   }
 
   struct Wall {
@@ -213,6 +241,7 @@ class MisfitSearch {
   const SizeField& sizes_;
   const intersection::TriangleTree& tree_;
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
+  std::vector<Vec3> piece_normals_;                         // of their triangles, summed
   std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
   std::vector<AcuteCorner> acute_corners_;                  // ascending by edges
 };
