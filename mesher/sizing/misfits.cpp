@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace tetloom {
 namespace {
@@ -13,6 +14,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
+// Corners nearer than this, in sizes, may be what makes a place narrow.
+constexpr double kNear = 2;
 // What is narrower than this share of the size, so that tets have angles of 5 degrees, is refined beyond the usual
 // floor up to the second share: 9 degrees.
 constexpr double kSevere = 0.1, kEasedWidth = 0.2;
@@ -23,8 +26,6 @@ constexpr double kHopeless = 0.1;
 constexpr double kOpposite = 0.7, kBesideEdge = 0.35, kParallel = 0.9998;
 // Cosine between model edges that narrow a face towards a corner.
 constexpr double kAcute = 0.85;
-// Such edges are nearer than the corner explains at less than this share of its angle times the distance from it.
-constexpr double kStraight = 0.5;
 
 bool share_a_vertex(const Triangle& s, const Triangle& t) {
   return std::ranges::any_of(s, [&](std::uint32_t v) { return std::ranges::find(t, v) != t.end(); });
@@ -44,6 +45,7 @@ class MisfitSearch {
         for (const EdgeUse& use : loop) face_to_edges_[f].push_back(use.edge.value);
       std::ranges::sort(face_to_edges_[f]);
     }
+    find_corners();
     find_acute_corners();
   }
 
@@ -54,13 +56,18 @@ class MisfitSearch {
     if (norm2(normal) == 0) return HUGE_VAL;
     const double present = sizes_.size_at(center), reach = kLeastWidth * present;
     double width = height_of_flat(triangle, {a, b, c});
-    for (const Wall& wall : find_walls(triangle, center, reach * normal))
-      if (wall.cosine > kOpposite) width = std::min(width, wall.distance);
-    width = std::min(width, width_at_edges(triangle, normal, kSevere * present));
+    double severe_width = is_near_acute_corner(triangle, center, present) ? HUGE_VAL : width;
+    for (const Wall& wall : find_walls(triangle, center, reach * normal)) {
+      if (wall.cosine <= kOpposite) continue;
+      width = std::min(width, wall.distance);
+      if (!meet_near(triangle, wall.triangle, center, present)) severe_width = std::min(severe_width, wall.distance);
+    }
+    severe_width = std::min(severe_width, width_at_edges(triangle, normal, kSevere * present));
+    width = std::min(width, severe_width);
     if (width == HUGE_VAL) return HUGE_VAL;
     const auto [usual, severe] = floor(center);
     double size = std::max(width / kLeastWidth, usual);
-    if (width < kSevere * present) size = std::min(size, std::max(width / kEasedWidth, severe));
+    if (severe_width < kSevere * present) size = std::min(size, std::max(severe_width / kEasedWidth, severe));
     return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;
   }
 
@@ -68,7 +75,6 @@ class MisfitSearch {
   struct AcuteCorner {
     std::array<std::uint32_t, 2> edges;  // the lower first
     Vec3 place;
-    double angle;  // radians
   };
 
   /// Of the triangles at each piece of a model edge: inwards and outwards between two faces of a region.
@@ -95,7 +101,8 @@ class MisfitSearch {
       const Vec3 middle = 0.5 * (mesh_.points[v] + mesh_.points[w]);
       for (const Vec3& along : {normal, normalized(piece_normals_[piece])})
         for (const Wall& wall : find_walls(triangle, middle, reach * along))
-          if (wall.cosine > kBesideEdge) width = std::min(width, wall.cosine * wall.distance);
+          if (wall.cosine > kBesideEdge && !meet_near(triangle, wall.triangle, middle, reach / kSevere))
+            width = std::min(width, wall.cosine * wall.distance);
     }
     return width;
   }
@@ -116,17 +123,14 @@ class MisfitSearch {
     std::ranges::stable_sort(ends, {}, &End::corner);
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size() && ends[j].corner == ends[i].corner; ++j)
-        if (const double cosine = dot(ends[i].direction, ends[j].direction);
-            ends[i].edge != ends[j].edge && cosine > kAcute)
+        if (ends[i].edge != ends[j].edge && dot(ends[i].direction, ends[j].direction) > kAcute)
           acute_corners_.push_back({{std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)},
-                                    mesh_.points[ends[i].corner],
-                                    std::acos(std::min(cosine, 1.0))});
+                                    mesh_.points[ends[i].corner]});
     std::ranges::stable_sort(acute_corners_, {}, &AcuteCorner::edges);
   }
 
-  /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle, and these are as near
-  /// to each other at the triangle, by its height, as that angle makes them: not much nearer, as in a crescent.
-  bool lies_in_acute_corner(std::uint32_t triangle, double height) const {
+  /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle.
+  bool lies_in_acute_corner(std::uint32_t triangle) const {
     const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
     const auto lies_on = [&](std::uint32_t v, std::uint32_t edge) {
       const ModelEntity at = mesh_.point_to_entity[v];
@@ -134,10 +138,8 @@ class MisfitSearch {
       return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
                                                 [&](ModelVertexId vertex) { return vertex.value == at.index; });
     };
-    const Vec3 center = tree_.corners_of(triangle)[0];
     const auto holds = [&](const AcuteCorner& corner) {
-      return height > kStraight * corner.angle * distance(center, corner.place) &&
-             std::ranges::binary_search(edges, corner.edges[1]) &&
+      return std::ranges::binary_search(edges, corner.edges[1]) &&
              std::ranges::all_of(mesh_.tri_to_vert[triangle], [&](std::uint32_t v) {
                return lies_on(v, corner.edges[0]) || lies_on(v, corner.edges[1]);
              });
@@ -151,6 +153,20 @@ class MisfitSearch {
     return false;
   }
 
+  /// Whether two edges of the triangle's face meet at a small angle near a place: if that is a cusp, its angle becomes
+  /// smaller, the finer it is meshed.
+  bool is_near_acute_corner(std::uint32_t triangle, const Vec3& x, double present) const {
+    const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
+    return std::ranges::any_of(edges, [&](std::uint32_t edge) {
+      auto corner =
+          std::ranges::lower_bound(acute_corners_, std::array{edge, std::uint32_t{0}}, {}, &AcuteCorner::edges);
+      for (; corner != acute_corners_.end() && corner->edges[0] == edge; ++corner)
+        if (distance(corner->place, x) < kNear * present && std::ranges::binary_search(edges, corner->edges[1]))
+          return true;
+      return false;
+    });
+  }
+
   /// The least height of a triangle with an angle that is too small and not the model's; else infinity.
   double height_of_flat(std::uint32_t triangle, const std::array<Vec3, 3>& x) const {
     std::array<double, 3> length2{};  // of the edge opposite to each corner
@@ -161,8 +177,8 @@ class MisfitSearch {
     if (std::atan2(twice_area, dot(u, v)) >= kFlatAngle) return HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
     if (is_model_piece(verts[i], verts[(i + 1) % 3]) && is_model_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
-    const double height = twice_area / std::sqrt(std::ranges::max(length2));
-    return lies_in_acute_corner(triangle, height) ? HUGE_VAL : height;
+    if (lies_in_acute_corner(triangle)) return HUGE_VAL;
+    return twice_area / std::sqrt(std::ranges::max(length2));
   }
 
   bool is_model_piece(std::uint32_t a, std::uint32_t b) const { return find_piece(a, b) < model_pieces_.size(); }
@@ -178,6 +194,7 @@ class MisfitSearch {
   struct Wall {
     double distance = HUGE_VAL;
     double cosine = 0;  // between the ray and the wall's normal; 0: it is no wall for this triangle
+    std::uint32_t triangle = 0;
   };
 
   /// Those on both sides of the triangle, as far as there are regions.
@@ -198,7 +215,7 @@ class MisfitSearch {
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.
       if (at >= nearest || near_region(other, ray) != region) return;
       nearest = at;
-      wall = {at * norm(ray), cosine_to(triangle, other, ray)};
+      wall = {at * norm(ray), cosine_to(triangle, other, ray), other};
     });
     return wall.cosine > 0 ? wall : Wall{};
   }
@@ -236,14 +253,39 @@ class MisfitSearch {
                                [&](std::uint32_t edge) { return std::ranges::binary_search(edges, edge); });
   }
 
+  /// Vertices of each face, and where they are in the mesh.
+  void find_corners() {
+    face_to_corners_.resize(topology_.face_count());
+    for (std::size_t f = 0; f < face_to_corners_.size(); ++f) {
+      for (const std::uint32_t edge : face_to_edges_[f])
+        for (const ModelVertexId vertex : topology_.edges[edge].vertices) face_to_corners_[f].push_back(vertex.value);
+      std::ranges::sort(face_to_corners_[f]);
+    }
+    corner_places_.assign(topology_.vertex_count, std::nullopt);
+    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
+      if (const ModelEntity at = mesh_.point_to_entity[v]; at.dim == 0) corner_places_[at.index] = mesh_.points[v];
+  }
+
+  /// Whether the faces of two triangles have a common vertex near a place, as walls have that close up to a cusp: the
+  /// finer that is meshed, the smaller is its angle.
+  bool meet_near(std::uint32_t triangle, std::uint32_t other, const Vec3& x, double present) const {
+    const auto& corners = face_to_corners_[mesh_.tri_to_entity[other]];
+    return std::ranges::any_of(face_to_corners_[mesh_.tri_to_entity[triangle]], [&](std::uint32_t corner) {
+      const std::optional<Vec3>& place = corner_places_[corner];
+      return place && distance(*place, x) < kNear * present && std::ranges::binary_search(corners, corner);
+    });
+  }
+
   const Mesh& mesh_;
   const ModelTopology& topology_;
   const SizeField& sizes_;
   const intersection::TriangleTree& tree_;
-  std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
-  std::vector<Vec3> piece_normals_;                         // of their triangles, summed
-  std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
-  std::vector<AcuteCorner> acute_corners_;                  // ascending by edges
+  std::vector<std::array<std::uint32_t, 2>> model_pieces_;   // of model edges, ascending, the lower end first
+  std::vector<Vec3> piece_normals_;                          // of their triangles, summed
+  std::vector<std::vector<std::uint32_t>> face_to_edges_;    // ascending
+  std::vector<std::vector<std::uint32_t>> face_to_corners_;  // model vertices, ascending
+  std::vector<std::optional<Vec3>> corner_places_;           // none for those that the mesh has no point at
+  std::vector<AcuteCorner> acute_corners_;                   // ascending by edges
 };
 
 }  // namespace

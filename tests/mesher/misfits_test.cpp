@@ -80,19 +80,17 @@ std::unique_ptr<GeometricModel> make_block_with_bar(double gap) {
 
 }  // namespace
 
-TEST_CASE("a face that narrows straight to a corner is no misfit, one that is narrower than that is") {
+TEST_CASE("a face that narrows between two edges up to where they meet is no misfit") {
   CHECK(Lens({0.1, 0.2, 0.2, 0.1}).misfits().empty());
-  const std::vector<Misfit> found = Lens({0.05, 0.02, 0.02, 0.02, 0.05}).misfits();
-  CHECK_FALSE(found.empty());
-  for (const Misfit& misfit : found) CHECK(misfit.size < 0.3);
+  CHECK(Lens({0.05, 0.02, 0.02, 0.02, 0.05}).misfits().empty());
 }
 
 TEST_CASE("what is a tenth of its size gets a smaller one than what is a little narrower than it should be") {
-  Lens lens({0.05, 0.02, 0.02, 0.02, 0.05});
+  Lens lens({0.7, 0.02, 0.02, 0.02, 0.02, 0.7});
   const std::vector<Misfit> found = lens.misfits();
   REQUIRE_FALSE(found.empty());
-  const auto size_of = [&](const Misfit& one, const Misfit& other) { return one.size < other.size; };
-  CHECK(std::ranges::min_element(found, size_of)->size == Approx(0.1).epsilon(0.05));  // width .02 over .2
+  const auto is_eased = [](const Misfit& misfit) { return misfit.size == Approx(0.02 / 0.2).epsilon(0.01); };
+  CHECK(std::ranges::count_if(found, is_eased) >= 5);
   CHECK_FALSE(are_negligible(found, lens.mesh, SizeField::uniform(1)));
   // Half of the size would do, and they are few.
   Mesh large = lens.mesh;
