@@ -226,10 +226,10 @@ class MeshRun {
   std::vector<TriangleIntersection> settle_features(Candidate& candidate, const std::vector<std::uint32_t>& complexes) {
     if (!features_ || !candidate.surface.errors.empty()) return find_intersections(candidate.surface.mesh, complexes);
     const Mesh given = std::move(candidate.surface.mesh);
-    constexpr int kMostTries = 6;
+    constexpr int kMostTries = 6;  // at places that cross; those at regions end by themselves
     for (int tries = 1;; ++tries) {
       EliminationResult eliminated = features_->eliminate(given, candidate.sizes, runner_);
-      if (tries < kMostTries && features_->spare_regions(given, eliminated)) continue;
+      if (features_->spare_regions(given, eliminated)) continue;
       const Mesh& mesh = eliminated.mesh ? *eliminated.mesh : given;
       std::vector<TriangleIntersection> hits = find_intersections(mesh, complexes);
       if (tries < kMostTries && features_->keep_where_crossing(eliminated, hits)) continue;

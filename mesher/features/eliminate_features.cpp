@@ -18,6 +18,8 @@ using namespace features;
 // Least height of new triangles as a share of the least one before: a collapse may leave a flatter one, which a snap
 // then takes; each snap has to gain.
 constexpr double kCollapseHeight = 0.5, kSnapHeight = 1.01;
+// Least mean ratio of triangles after a swap for the sake of their shape, as a share of the least one before.
+constexpr double kSwapShape = 1.001;
 // Edges beside merged vertices that are shorter than this share of the size are collapsed as well.
 constexpr double kShort = 0.5;
 // The distance, in sizes, by which that may move the surface beside what the tolerance allows: a half of the sagitta
@@ -218,7 +220,7 @@ class Eliminator {
     const std::optional<LocalChange> change = plan_snap(*surface_, t, i);
     if (!change || (!is_feature && !is_flat_swap(*change))) return;
     const BeforeAfter heights = compare_heights(*surface_, *change), shapes = compare_shapes(*surface_, *change);
-    if (!(is_feature ? heights.after > kSnapHeight * heights.before : shapes.after > shapes.before)) return;
+    if (!(is_feature ? heights.after > kSnapHeight * heights.before : is_better_swap(*change, heights, shapes))) return;
     const Vec3& start = surface_->point(u);
     const Vec3 along = surface_->point(v) - start;
     const double share = std::clamp(dot(change->place - start, along) / norm2(along), 0.0, 1.0);
@@ -231,6 +233,14 @@ class Eliminator {
     }
     ++result_.snaps;
     make(*change);
+  }
+
+  // Whether a swap improves shapes and makes no feature: that would be swapped back, and so on.
+  bool is_better_swap(const LocalChange& change, const BeforeAfter& heights, const BeforeAfter& shapes) const {
+    double largest = 0;  // tolerance
+    for (const AddedTriangle& added : change.added)
+      for (const std::uint32_t v : added.verts) largest = std::max(largest, how_.tolerances[v]);
+    return shapes.after > kSwapShape * shapes.before && (heights.after > heights.before || heights.after > largest);
   }
 
   // Whether a snap swaps an edge inside of a face that is flat there.

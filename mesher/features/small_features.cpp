@@ -37,23 +37,29 @@ void SmallFeatures::spare_points(const Mesh& surface, std::vector<double>& toler
     const std::uint32_t face = surface.tri_to_entity[t];
     double share = 1;
     for (const ModelRegionId region : {surface.face_to_sides[face].front, surface.face_to_sides[face].back})
-      if (region.valid() && !region_to_share_.empty()) share = std::min(share, region_to_share_[region.value]);
+      if (region.valid() && !region_limits_.empty()) share = std::min(share, region_limits_[region.value].share);
     const double limit = share * face_limits_[face];
     for (const std::uint32_t v : surface.tri_to_vert[t]) tolerances[v] = std::min(tolerances[v], limit);
   }
 }
 
 bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& eliminated) {
-  constexpr double kMostChange = 0.005;
+  constexpr double kMostError = 0.005, kMostWorse = 0.001;  // of the model's volume
+  // The next tolerance is the one that would do if the volume changed by as much as the tolerance does.
+  constexpr double kSafety = 0.7, kLeastCut = 0.05, kMostCut = 0.5;
+  constexpr int kMostCuts = 3;
   if (!eliminated.mesh) return false;
   const std::size_t regions = model_.topology().region_count();
   const std::vector<double> before = region_volumes(surface, regions);
   const std::vector<double> after = region_volumes(*eliminated.mesh, regions);
-  region_to_share_.resize(regions, 1);
+  region_limits_.resize(regions);
   bool any = false;
   for (std::size_t r = 0; r < regions; ++r) {
-    if (!(std::abs(after[r] - before[r]) > kMostChange * std::abs(before[r]))) continue;
-    region_to_share_[r] *= 0.5;
+    const double volume = std::abs(model_.volume(ModelRegionId(r)));
+    const double error = std::abs(after[r] - volume), worse = error - std::abs(before[r] - volume);
+    if (error <= kMostError * volume || worse <= kMostWorse * volume || region_limits_[r].cuts > kMostCuts) continue;
+    const double cut = std::clamp(kSafety * kMostError * volume / worse, kLeastCut, kMostCut);
+    region_limits_[r].share *= ++region_limits_[r].cuts > kMostCuts ? 0 : cut;
     any = true;
   }
   return any;

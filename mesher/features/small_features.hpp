@@ -28,8 +28,8 @@ class SmallFeatures {
   /// the thickness of the solids beside a face, so that a small solid keeps its shape.
   EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
 
-  /// Regions of which the elimination changed the volume by more than a two hundredth have half the tolerance from now
-  /// on. Whether there are such.
+  /// Regions that the elimination brought further from the model's volume, and by more than a two hundredth in all, have
+  /// a smaller tolerance from now on, and none after three such cuts. Whether there are such.
   bool spare_regions(const Mesh& surface, const EliminationResult& eliminated);
 
   /// Where triangles cross at points where something was merged, nothing will be from now on. Whether there are such.
@@ -43,7 +43,11 @@ class SmallFeatures {
   SizeField asked_;
   std::vector<double> face_limits_;  // of the tolerance; see SmallWidth
   std::vector<KeptPlace> kept_;
-  std::vector<double> region_to_share_;  // of the tolerance; empty: 1 for all
+  struct RegionLimit {
+    double share = 1;  // of the tolerance
+    int cuts = 0;
+  };
+  std::vector<RegionLimit> region_limits_;  // empty: none has changed
 };
 
 }  // namespace tetloom

@@ -39,6 +39,15 @@ int perturbed_side(const Vec3& u, const Vec3& v, const Vec3& x) {
   return v.x > u.x ? 1 : v.x < u.x ? -1 : 0;
 }
 
+// The coordinates in an order in which `up` is the last; turned, not mirrored.
+Vec3 turned(const Vec3& x, int up) { return {x[(up + 1) % 3], x[(up + 2) % 3], x[up]}; }
+
+int shortest_axis(const Box3& box) {
+  const Vec3 extent = box.hi - box.lo;
+  const int least = extent.x < extent.y ? 0 : 1;
+  return extent[least] < extent.z ? least : 2;
+}
+
 double distance_to_segment2(const Vec3& x, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length2 = norm2(d);
@@ -85,6 +94,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
       }
     });
   }
+  if (!nodes_[1].empty()) up_ = shortest_axis(nodes_[1]);
 }
 
 void TriangleTree::sort_triangles(const TaskRunner& runner) {
@@ -141,10 +151,11 @@ bool TriangleTree::may_meet(const Box3& box) const {
 
 // 1 when the ray crosses a triangle whose normal points up, -1 for down, 0 when it does not cross.
 int TriangleTree::crossing_above(std::uint32_t triangle, const Vec3& x) const {
-  const Vec3 &a = points_[tri_to_vert_[triangle][0]], &b = points_[tri_to_vert_[triangle][1]],
-             &c = points_[tri_to_vert_[triangle][2]];
-  const int side = perturbed_side(a, b, x);
-  if (side == 0 || perturbed_side(b, c, x) != side || perturbed_side(c, a, x) != side) return 0;
+  const auto [a, b, c] = corners_of(triangle);
+  const Vec3 start = turned(x, up_), ends[] = {turned(a, up_), turned(b, up_), turned(c, up_)};
+  const int side = perturbed_side(ends[0], ends[1], start);
+  if (side == 0 || perturbed_side(ends[1], ends[2], start) != side || perturbed_side(ends[2], ends[0], start) != side)
+    return 0;
   // Seen from above the triangle turns as `side` says; x is below it when the volume has the opposite sign.
   return orient3d(a, b, c, x) == -side ? side : 0;
 }

@@ -79,19 +79,15 @@ class TriangleTree {
   bool any_within(const Vec3& x, double radius) const;
   /// False when no triangle's box overlaps `box` (closed); true when one does, or nearly.
   bool may_meet(const Box3& box) const;
-  /// Calls visit(triangle, up) for every triangle that the ray from `x` along +z crosses; `up` when its normal points
-  /// up. Exact: a ray through an edge or a vertex is treated as if `x` were moved by an infinitesimal step, the same
-  /// for all triangles, so that the crossings of a closed surface balance.
+  /// Calls visit(triangle, up) for every triangle that a ray from `x` crosses; `up` when its normal points along the
+  /// ray. The ray goes along the coordinate axis in which the triangles' box is shortest (+z of equals), so that it
+  /// meets few triangles. Exact: a ray through an edge or a vertex is treated as if `x` were moved by an infinitesimal
+  /// step, the same for all triangles, so that the crossings of a closed surface balance.
   template <class Visit>
   void for_each_above(const Vec3& x, Visit&& visit) const {
-    descend(
-        [&](const Box3& n) {
-          return n.lo.x <= x.x && x.x <= n.hi.x && n.lo.y <= x.y && x.y <= n.hi.y && n.hi.z >= x.z;
-        },
-        [&](std::uint32_t triangle) {
-          if (const int side = crossing_above(triangle, x); side != 0) visit(triangle, side > 0);
-          return true;
-        });
+    if (up_ == 2) return for_each_along_axis<2>(x, visit);
+    if (up_ == 1) return for_each_along_axis<1>(x, visit);
+    for_each_along_axis<0>(x, visit);
   }
 
   static constexpr std::size_t kLeafSize = 4;
@@ -145,6 +141,19 @@ class TriangleTree {
       return true;
     });
   }
+  template <int kUp, class Visit>
+  void for_each_along_axis(const Vec3& x, Visit& visit) const {
+    constexpr int kU = (kUp + 1) % 3, kV = (kUp + 2) % 3;
+    descend(
+        [&](const Box3& n) {
+          return n.lo[kU] <= x[kU] && x[kU] <= n.hi[kU] && n.lo[kV] <= x[kV] && x[kV] <= n.hi[kV] &&
+                 n.hi[kUp] >= x[kUp];
+        },
+        [&](std::uint32_t triangle) {
+          if (const int side = crossing_above(triangle, x); side != 0) visit(triangle, side > 0);
+          return true;
+        });
+  }
   void sort_triangles(const TaskRunner& runner);
   int crossing_above(std::uint32_t triangle, const Vec3& x) const;
 
@@ -153,6 +162,7 @@ class TriangleTree {
   std::vector<std::uint32_t> order_;  // triangles in Morton order
   std::vector<Box3> nodes_;           // heap order, root at 1; empty boxes pad the last level
   std::size_t first_leaf_ = 1;
+  int up_ = 2;  // the axis of rays
 };
 
 /// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.

@@ -8,6 +8,7 @@
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
 #include "mesher/sizing/narrow_entities.hpp"
+#include "mesher/sizing/volume_floors.hpp"
 #include "mesher/sizing/wire_faces.hpp"
 
 namespace tetloom {
@@ -150,34 +151,54 @@ double wire_floor(double weight, const Tessellation& facets, double edges_per_tu
   return 6 / (edges_per_turn * std::sqrt(weight / area_of(facets)));
 }
 
-std::vector<double> join_lists(const std::vector<std::vector<double>>& lists) {
-  std::vector<double> all;
+/// What floors depend on.
+struct FaceMeasures {
+  double wire_weight = 0;  ///< 0 where the face is not of a wire
+  CurvedFace curved;
+};
+
+std::vector<FaceMeasures> measure_faces(const GeometricModel& model, const SizeTargets& targets,
+                                        const std::vector<Tessellation>& facets, const SharedWork& work) {
+  const WireFinder wires(model, targets);
+  auto lists = work.make_lists<FaceMeasures>(facet_counts(facets), [&](std::size_t f) {
+    FaceMeasures measures;
+    tolerate_bad_geometry([&] {
+      const ModelFaceId face(f);
+      const auto geometry = model.face_geometry(face);
+      measures.wire_weight = wires.weight(face, *geometry, facets[f]);
+      measures.curved = measure_curved_face(model, face, *geometry, facets[f], targets.curvature, targets.floor);
+    });
+    return std::vector{measures};
+  });
+  std::vector<FaceMeasures> all;
   for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
-// The floor for the curvature of every face. That of wires lets them have so many edges per turn as can be afforded.
-std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& targets,
-                                const std::vector<Tessellation>& facets, const SharedWork& work) {
-  std::vector<double> floors(facets.size(), targets.floor);
-  if (targets.curvature <= 0 || !targets.floor_is_default) return floors;
-  const WireFinder wires(model, targets);
-  const auto weights = join_lists(work.make_lists<double>(facet_counts(facets), [&](std::size_t f) {
-    double weight = 0;
-    tolerate_bad_geometry([&] {
-      const auto geometry = model.face_geometry(ModelFaceId(f));
-      weight = wires.weight(ModelFaceId(f), *geometry, facets[f]);
-    });
-    return std::vector{weight};
-  }));
+// That of wires lets them have so many edges per turn as can be afforded.
+void lower_floors_of_wires(const std::vector<FaceMeasures>& faces, const SizeTargets& targets,
+                           const std::vector<Tessellation>& facets, std::vector<double>& floors) {
+  std::vector<double> weights;
+  for (const FaceMeasures& face : faces) weights.push_back(face.wire_weight);
   const double edges = wire_edges_per_turn(weights, targets.curvature);
-  if (edges <= 0) return floors;
+  if (edges <= 0) return;
   for (std::size_t f = 0; f < floors.size(); ++f) {
     if (weights[f] <= 0) continue;
     floors[f] = kWireFloor * targets.floor;
     if (edges < targets.curvature) floors[f] = std::max(floors[f], wire_floor(weights[f], facets[f], edges));
   }
-  return floors;
+}
+
+// The floor for the curvature of every face.
+std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& targets,
+                                const std::vector<Tessellation>& facets, const SharedWork& work) {
+  std::vector<double> floors(facets.size(), targets.floor);
+  if (targets.curvature <= 0 || !targets.floor_is_default) return floors;
+  const std::vector<FaceMeasures> faces = measure_faces(model, targets, facets, work);
+  lower_floors_of_wires(faces, targets, facets, floors);
+  std::vector<CurvedFace> curved;
+  for (const FaceMeasures& face : faces) curved.push_back(face.curved);
+  return lower_floors_for_volumes(model, curved, std::move(floors));
 }
 
 }  // namespace
@@ -254,7 +275,7 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
-      // Wires have a floor below the usual one; they are no features of something else.
+      // What has a floor below the usual one is no feature of something else.
       const double small = targets.small.on_face(f, std::min(targets.face[f], targets.global));
       const bool is_small =
           small > 0 && floors[f] >= targets.floor && mean_width(model, ModelFaceId(f), facets[f]) < small;

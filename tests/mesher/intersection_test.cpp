@@ -279,18 +279,24 @@ TEST_CASE("the crossings above a point balance for rays through edges and vertic
                 {2, 7, 6},
                 {3, 0, 4},
                 {3, 4, 7}}};
-  const TriangleTree tree(cube.points, cube.triangles, TaskRunner(1));
-  for (int i = -1; i <= 5; ++i) {
-    for (int j = -1; j <= 5; ++j) {
-      int balance = 0;
-      tree.for_each_above({double(i), double(j), -1}, [&](std::uint32_t, bool up) { balance += up ? 1 : -1; });
-      CHECK(balance == 0);
-      balance = 0;
-      tree.for_each_above({double(i), double(j), 2.5}, [&](std::uint32_t, bool up) { balance += up ? 1 : -1; });
-      if (i > 0 && i < 4 && j > 0 && j < 4) CHECK(balance == 1);
-      if (i < 0 || i > 4 || j < 0 || j > 4) CHECK(balance == 0);
-    }
+  // Rays go along the shortest axis, whichever that is.
+  for (const Vec3& stretch : {Vec3{1, 1, 1}, Vec3{4, 4, 1}, Vec3{1, 2, 8}, Vec3{2, 1, 8}}) {
+    Surface block = cube;
+    for (Vec3& x : block.points) x = {x.x * stretch.x, x.y * stretch.y, x.z * stretch.z};
+    const TriangleTree tree(block.points, block.triangles, TaskRunner(1));
+    for (int i = -1; i <= 5; ++i)
+      for (int j = -1; j <= 5; ++j)
+        for (const double k : {-1.0, 1.0, 2.5, 5.0}) {
+          int balance = 0;
+          const Vec3 x{i * stretch.x, j * stretch.y, k * stretch.z};
+          tree.for_each_above(x, [&](std::uint32_t, bool up) { balance += up ? 1 : -1; });
+          const auto lies_in = [](double s) { return s > 0 && s < 4; };
+          const auto lies_out = [](double s) { return s < 0 || s > 4; };
+          if (lies_in(i) && lies_in(j) && lies_in(k)) CHECK(balance == 1);
+          if (lies_out(i) || lies_out(j) || lies_out(k)) CHECK(balance == 0);
+        }
   }
+  const TriangleTree tree(cube.points, cube.triangles, TaskRunner(1));
   CHECK(tree.any_within({2, 2, 5}, 1.01));
   CHECK_FALSE(tree.any_within({2, 2, 5}, 0.99));
   CHECK_FALSE(tree.any_within({2, 2, 2}, 1.99));

@@ -140,6 +140,28 @@ TopoDS_Shape assembly_part(int kind) {
   }
 }
 
+/// A long bar with round grooves along the middles of its sides and round edges, all of one length.
+struct Profile {
+  double width = 0, length = 0;
+  double groove = 0, edge = 0;  ///< radii
+
+  double volume() const {
+    return length * (width * width - 2 * kPi * groove * groove - (4 - kPi) * edge * edge);
+  }
+};
+
+TopoDS_Shape grooved_bar(const Profile& profile) {
+  const double w = profile.width, l = profile.length;
+  TopoDS_Shape bar = unite(block(gp_Pnt(profile.edge, 0, 0), w - 2 * profile.edge, w, l),
+                           block(gp_Pnt(0, profile.edge, 0), w, w - 2 * profile.edge, l));
+  for (const double x : {profile.edge, w - profile.edge})
+    for (const double y : {profile.edge, w - profile.edge})
+      bar = unite(bar, cylinder(upright(x, y, 0), profile.edge, l));
+  for (const auto& [x, y] : {std::pair{w / 2, 0.}, {w / 2, w}, {0., w / 2}, {w, w / 2}})
+    bar = cut(bar, cylinder(upright(x, y, -1), profile.groove, l + 2));
+  return bar;
+}
+
 }  // namespace
 
 FamilyModel make_threads(std::uint64_t seed, FamilyScale scale, const std::filesystem::path& folder) {
@@ -179,6 +201,20 @@ FamilyModel make_tubes(std::uint64_t seed, FamilyScale scale, const std::filesys
                            labelled(", straight", tube.straight) + labelled(", bend", tube.bend);
   FamilyModel model = write_family_model(bent_tube(tube), what, random, folder);
   model.volume = tube.volume();
+  return model;
+}
+
+FamilyModel make_profiles(std::uint64_t seed, FamilyScale scale, const std::filesystem::path& folder) {
+  Random random(18, seed);
+  Profile profile{.width = random.log_uniform(1, 20)};
+  profile.length = profile.width * random.log_uniform(5, scale == FamilyScale::Full ? 100 : 20);
+  profile.groove = profile.width * random.uniform(.15, .35);
+  profile.edge = profile.width * random.log_uniform(.01, .1);
+  const std::string what = labelled("width", profile.width) + labelled(", length", profile.length) +
+                           labelled(", grooves", profile.groove) + labelled(", edges", profile.edge);
+  FamilyModel model = write_family_model(grooved_bar(profile), what, random, folder);
+  model.volume = profile.volume();
+  model.volume_tolerance = .02;  // beside deep grooves: the rule counts the volume of the grooves
   return model;
 }
 

@@ -17,6 +17,7 @@ FamilyMaker make_transformed;  ///< parts that are scaled, mirrored or stretched
 FamilyMaker make_threads;      ///< helical sweeps
 FamilyMaker make_gears;
 FamilyMaker make_tubes;       ///< thin ones, straight and bent
+FamilyMaker make_profiles;    ///< long bars with round grooves
 FamilyMaker make_assemblies;  ///< of parts that touch or nearly do
 
 // Triangle surfaces.

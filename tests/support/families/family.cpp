@@ -18,6 +18,7 @@ constexpr Family kFamilies[] = {
     {"threads", make_threads},
     {"gears", make_gears},
     {"tubes", make_tubes},
+    {"profiles", make_profiles},
     {"assemblies", make_assemblies},
     {"blobs", make_blobs},
     {"noise", make_noisy_blobs},
