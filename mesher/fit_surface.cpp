@@ -16,11 +16,6 @@ SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) 
   return {options.small_feature, kSmallFeature, small_face_limits(model)};
 }
 
-bool are_few(const std::vector<Misfit>& misfits, const Mesh& mesh) {
-  constexpr double kFew = 1e-3;  // of the triangles
-  return static_cast<double>(misfits.size()) < kFew * static_cast<double>(mesh.tri_to_vert.size());
-}
-
 double longest_edge(const Mesh& mesh, std::uint32_t tri) {
   const auto& [a, b, c] = mesh.tri_to_vert[tri];
   return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
@@ -55,8 +50,10 @@ bool SurfaceFitter::run() {
     const bool crosses = !candidate.solid_hits.empty();
     std::vector<Misfit> misfits;
     if (options_.refine_surface && round < kMostFittingRounds) misfits = find_misfits(candidate);
-    if (round > 0 && !crosses && are_few(misfits, candidate.surface.mesh)) misfits.clear();
+    if (round > 0 && !crosses && are_negligible(misfits, candidate.surface.mesh, candidate.sizes)) misfits.clear();
     result_.seconds.surface += watch.lap();
+    // Narrow places that were refined until triangles crossed, as those where faces touch.
+    if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);
     const bool done = !crosses && misfits.empty();
     if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
     if (done || !options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate));
@@ -160,12 +157,13 @@ void SurfaceFitter::find_crossings(Candidate& candidate) {
 }
 
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
-  // By default no smaller than what fits a feature that is just not eliminated.
-  const auto floor = [&](const Vec3& x) {
-    if (options_.sizes.min_size > 0) return options_.sizes.min_size;
-    constexpr double kLeastShare = 0.1;
+  // By default no smaller than what fits a feature that is just not eliminated, but where angles are very small.
+  const auto floor = [&](const Vec3& x) -> SizeFloor {
+    if (options_.sizes.min_size > 0) return {options_.sizes.min_size, options_.sizes.min_size};
+    constexpr double kLeastShare = 0.1, kSevereShare = 0.02;
     const double first = first_sizes_.size_at(x), least = kLeastShare * first;
-    return features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+    const double usual = features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+    return {usual, kSevereShare * usual};
   };
   return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, *candidate.tree,
                                work_, candidate.tri_is_new);

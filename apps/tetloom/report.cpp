@@ -29,6 +29,7 @@ Json cause_json(AngleCause cause) {
     case AngleCause::SurfaceAngle: return "surface_angle";
     case AngleCause::SurfaceTriangle: return "surface_triangle";
     case AngleCause::SurfacePoints: return "surface_points";
+    case AngleCause::NarrowRegion: return "narrow_region";
     case AngleCause::NotForced: break;
   }
   return nullptr;
@@ -39,6 +40,7 @@ Json acute_tet_json(const AcuteTet& tet) {
           {"point", point_json(tet.point)},
           {"cause", cause_json(tet.cause)},
           {"cause_deg", tet.cause_angle > 0 ? Json(tet.cause_angle) : Json(nullptr)},
+          {"cause_length", tet.cause_length > 0 ? Json(tet.cause_length) : Json(nullptr)},
           {"entities", entities_json(tet.entities)}};
 }
 

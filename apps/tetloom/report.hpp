@@ -66,8 +66,9 @@ void write_report(const RunReport& report, const std::filesystem::path& path);
 nlohmann::ordered_json to_json(const Diagnostic& diagnostic);
 
 /// {"count", "forced_by_angles", "forced_by_triangles", "forced_by_points", "not_forced", "worst": [{"dihedral_deg",
-/// "point", "cause", "cause_deg", "entities"}, …]}: the tets with a smaller dihedral angle than asked for; "cause" is
-/// "surface_angle", "surface_triangle", "surface_points" or null.
+/// "point", "cause", "cause_deg", "cause_length", "entities"}, …]}: the tets with a smaller dihedral angle than asked
+/// for; "cause" is "surface_angle", "surface_triangle", "surface_points", "narrow_region" or null, and "cause_length"
+/// how far apart the points are, or the sides of the region. Both are in "forced_by_points".
 nlohmann::ordered_json acute_tets_json(const tets::OptimizeReport& optimizer);
 
 }  // namespace tetloom::app

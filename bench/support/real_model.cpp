@@ -45,7 +45,8 @@ std::optional<WorstAngle> worst_angle(const Json& report) {
   for (const Json& tet : child_of(child_of(child_of(report, "filling"), "acute_tets"), "worst")) {
     const double angle = number_of(tet, "dihedral_deg");
     if (worst && worst->dihedral_deg <= angle) continue;
-    worst = {angle, number_of(tet, "cause_deg"), text_of(tet, "cause"), entities_text(child_of(tet, "entities"))};
+    worst = {angle, number_of(tet, "cause_deg"), number_of(tet, "cause_length"), text_of(tet, "cause"),
+             entities_text(child_of(tet, "entities"))};
   }
   return worst;
 }
@@ -208,6 +209,7 @@ Json to_json(const RealModel& model) {
     json["worst_angle"] = {{"dihedral_deg", model.worst->dihedral_deg},
                            {"cause", model.worst->cause},
                            {"cause_deg", model.worst->cause_deg},
+                           {"cause_length", model.worst->cause_length},
                            {"entities", model.worst->entities}};
   return json;
 }

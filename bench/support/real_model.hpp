@@ -52,9 +52,9 @@ struct StageTimes {
 
 /// The tet with the smallest angle, and what of the model forces it.
 struct WorstAngle {
-  double dihedral_deg = 0, cause_deg = 0;
-  std::string cause;     ///< as in the report; empty where nothing forces it
-  std::string entities;  ///< "face 3, edge 7"
+  double dihedral_deg = 0, cause_deg = 0, cause_length = 0;  ///< as in the report
+  std::string cause;                                         ///< as in the report; empty where nothing forces it
+  std::string entities;                                      ///< "face 3, edge 7"
 };
 
 struct RealModel {

@@ -216,10 +216,11 @@ void print_findings(std::span<const RealModel> models) {
     if (!has_tets(model) || angle_of(model) >= kSharpAngle) continue;
     std::printf("%.3f degrees: %s", angle_of(model), model.name.c_str());
     if (model.worst && !model.worst->cause.empty())
-      std::printf(", forced by a %s of %.3f degrees on %s", model.worst->cause.c_str(), model.worst->cause_deg,
-                  model.worst->entities.c_str());
+      std::printf(", forced by a %s of %.3f degrees", model.worst->cause.c_str(), model.worst->cause_deg);
     else
       std::printf(", nothing known that forces it");
+    if (model.worst && model.worst->cause_length > 0) std::printf(" (%.4g wide)", model.worst->cause_length);
+    if (model.worst && !model.worst->entities.empty()) std::printf(" on %s", model.worst->entities.c_str());
     std::printf("\n");
   }
 }

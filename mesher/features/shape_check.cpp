@@ -9,7 +9,10 @@
 namespace tetloom::features {
 namespace {
 
-constexpr double kRegionFold = 15 * std::numbers::pi / 180, kVoidFold = 3 * std::numbers::pi / 180;
+constexpr double kRegionFold = 15 * std::numbers::pi / 180, kVoidFold = 0.3 * std::numbers::pi / 180;
+// A region may be left with a smaller wedge, down to this, where the wedge is so many times the angle that the feature
+// has as it is.
+constexpr double kLeastRegionFold = 1 * std::numbers::pi / 180, kFoldGain = 2;
 constexpr double kLeastCosine = 0.17;  // of the angle that a triangle may turn by
 constexpr double kKeptShare = 0.67;    // of an angle that was below the limits already
 
@@ -25,7 +28,10 @@ struct Corner {
 
 class FoldCheck {
  public:
-  FoldCheck(const SurfaceComplex& surface, const LocalChange& change) : surface_(surface), change_(change) {}
+  FoldCheck(const SurfaceComplex& surface, const LocalChange& change)
+      : surface_(surface),
+        change_(change),
+        region_fold_(std::clamp(kFoldGain * angle_of_feature(), kLeastRegionFold, kRegionFold)) {}
 
   bool run() const {
     for (std::size_t i = 0; i < change_.added.size(); ++i)
@@ -35,6 +41,22 @@ class FoldCheck {
   }
 
  private:
+  // The smallest angle of a tet across the feature: the length that is merged over the longest edge beside it.
+  double angle_of_feature() const {
+    double longest2 = 0;
+    for (const std::uint32_t t : change_.removed) {
+      const auto [a, b, c] = corners(surface_, t);
+      longest2 = std::max({longest2, norm2(b - a), norm2(c - b), norm2(a - c)});
+    }
+    return longest2 > 0 ? merged_length() / std::sqrt(longest2) : 0;
+  }
+
+  double merged_length() const {
+    if (change_.gone != kNone) return distance(surface_.point(change_.gone), surface_.point(change_.kept));
+    const Vec3 &u = surface_.point(change_.split[0]), &v = surface_.point(change_.split[1]);
+    return norm(cross(v - u, surface_.point(change_.kept) - u)) / distance(u, v);
+  }
+
   const Vec3& after(std::uint32_t v) const { return v == change_.kept ? change_.place : surface_.point(v); }
   const Vec3& before(std::uint32_t v) const { return surface_.point(v); }
 
@@ -59,7 +81,7 @@ class FoldCheck {
     const Cone near = cone_at(v, other.verts, [&](std::uint32_t w) { return after(w); });
     const FaceSides sides = surface_.sides(added.source);
     const bool in_region = (dot(cone.normal, near.middle) > 0 ? sides.front : sides.back).valid();
-    const double limit = in_region ? kRegionFold : kVoidFold;
+    const double limit = in_region ? region_fold_ : kVoidFold;
     const double now = separation(cone, near, limit);
     return now < 1 && now < kKeptShare * separation_before(v, added.source, other.source, limit);
   }
@@ -80,6 +102,7 @@ class FoldCheck {
 
   const SurfaceComplex& surface_;
   const LocalChange& change_;
+  double region_fold_;  // radians: the smallest wedge that a region may be left with
 };
 
 template <class Measure>

@@ -21,9 +21,10 @@ BeforeAfter compare_heights(const SurfaceComplex& surface, const LocalChange& ch
 BeforeAfter compare_shapes(const SurfaceComplex& surface, const LocalChange& change);
 
 /// Whether no triangle that was wider than half of `tolerance` turns by more than about 80 degrees, and no triangle
-/// comes to lie upon another one at a common vertex: at an angle below 15 degrees where a region lies between the two,
-/// below 3 where none does. Angles that were there already may stay, and lose up to a third. This is local: surfaces
-/// that meet from afar are found by the test for self-intersections.
+/// comes to lie upon another one at a common vertex: at an angle below .3 degrees where no region lies between the two;
+/// where one does, at twice the angle that the feature has as it is, the length that is merged over the longest edge
+/// beside it, though never below 1 degree and at most at 15. Angles that were there already may stay, and lose up to a
+/// third. This is local: surfaces that meet from afar are found by the test for self-intersections.
 bool keeps_shape(const SurfaceComplex& surface, const LocalChange& change, double tolerance);
 
 }  // namespace tetloom::features

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace tetloom {
 namespace {
@@ -13,10 +14,16 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
 constexpr double kWorthwhile = 0.9;
+// Corners nearer than this, in sizes, may be what makes a place narrow.
+constexpr double kNear = 2;
+// What is narrower than this share of the size, so that tets have angles of 5 degrees, is refined beyond the usual
+// floor up to the second share: 9 degrees.
+constexpr double kSevere = 0.1, kEasedWidth = 0.2;
 // A width that is less of the smallest size allowed would leave more poor elements than it found.
 constexpr double kHopeless = 0.1;
-// Cosines between a ray and what is called the opposite wall.
-constexpr double kOpposite = 0.7, kParallel = 0.9998;
+// Cosines between a ray and what is called the opposite wall: from inside a triangle, from an edge, and of one that the
+// triangle's face meets.
+constexpr double kOpposite = 0.7, kBesideEdge = 0.35, kParallel = 0.9998;
 // Cosine between model edges that narrow a face towards a corner.
 constexpr double kAcute = 0.85;
 
@@ -31,31 +38,75 @@ class MisfitSearch {
       : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree) {
     for (auto [a, b] : surface.edge_to_vert) model_pieces_.push_back({std::min(a, b), std::max(a, b)});
     std::ranges::sort(model_pieces_);
+    sum_normals();
     face_to_edges_.resize(topology.face_count());
     for (std::size_t f = 0; f < face_to_edges_.size(); ++f) {
       for (const ModelLoop& loop : topology.face_to_loops[f])
         for (const EdgeUse& use : loop) face_to_edges_[f].push_back(use.edge.value);
       std::ranges::sort(face_to_edges_[f]);
     }
+    find_corners();
     find_acute_corners();
   }
 
   /// The size that fits on the triangle, where it is smaller than the present one; else infinity.
-  double fitting_size(std::uint32_t triangle, const std::function<double(const Vec3&)>& floor) const {
+  double fitting_size(std::uint32_t triangle, const std::function<SizeFloor(const Vec3&)>& floor) const {
     const auto [a, b, c] = tree_.corners_of(triangle);
     const Vec3 center = (1.0 / 3) * (a + b + c), normal = normalized(cross(b - a, c - a));
     if (norm2(normal) == 0) return HUGE_VAL;
     const double present = sizes_.size_at(center), reach = kLeastWidth * present;
     double width = height_of_flat(triangle, {a, b, c});
-    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
-    if (sides.front.valid()) width = std::min(width, wall_width(sides.front, triangle, center, reach * normal));
-    if (sides.back.valid()) width = std::min(width, wall_width(sides.back, triangle, center, -reach * normal));
+    double severe_width = is_near_acute_corner(triangle, center, present) ? HUGE_VAL : width;
+    for (const Wall& wall : find_walls(triangle, center, reach * normal)) {
+      if (wall.cosine <= kOpposite) continue;
+      width = std::min(width, wall.distance);
+      if (!meet_near(triangle, wall.triangle, center, present)) severe_width = std::min(severe_width, wall.distance);
+    }
+    severe_width = std::min(severe_width, width_at_edges(triangle, normal, kSevere * present));
+    width = std::min(width, severe_width);
     if (width == HUGE_VAL) return HUGE_VAL;
-    const double least = floor(center), size = std::max(width / kLeastWidth, least);
-    return width >= kHopeless * least && size < kWorthwhile * present ? size : HUGE_VAL;
+    const auto [usual, severe] = floor(center);
+    double size = std::max(width / kLeastWidth, usual);
+    if (severe_width < kSevere * present) size = std::min(size, std::max(severe_width / kEasedWidth, severe));
+    return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;
   }
 
  private:
+  struct AcuteCorner {
+    std::array<std::uint32_t, 2> edges;  // the lower first
+    Vec3 place;
+  };
+
+  /// Of the triangles at each piece of a model edge: inwards and outwards between two faces of a region.
+  void sum_normals() {
+    piece_normals_.resize(model_pieces_.size());
+    for (const Triangle& verts : mesh_.tri_to_vert) {
+      const auto& [a, b, c] = verts;
+      const Vec3 normal = normalized(cross(mesh_.points[b] - mesh_.points[a], mesh_.points[c] - mesh_.points[a]));
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const std::size_t piece = find_piece(verts[i], verts[(i + 1) % 3]); piece < model_pieces_.size())
+          piece_normals_[piece] += normal;
+    }
+  }
+
+  /// How wide a wall is at the sides of the triangle that are pieces of model edges, along its normal and between it
+  /// and its neighbours': it may be very narrow at an edge alone, which points at another side.
+  double width_at_edges(std::uint32_t triangle, const Vec3& normal, double reach) const {
+    double width = HUGE_VAL;
+    const Triangle& verts = mesh_.tri_to_vert[triangle];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = verts[i], w = verts[(i + 1) % 3];
+      const std::size_t piece = find_piece(v, w);
+      if (piece == model_pieces_.size()) continue;
+      const Vec3 middle = 0.5 * (mesh_.points[v] + mesh_.points[w]);
+      for (const Vec3& along : {normal, normalized(piece_normals_[piece])})
+        for (const Wall& wall : find_walls(triangle, middle, reach * along))
+          if (wall.cosine > kBesideEdge && !meet_near(triangle, wall.triangle, middle, reach / kSevere))
+            width = std::min(width, wall.cosine * wall.distance);
+    }
+    return width;
+  }
+
   /// Pairs of model edges that meet at less than kAcute, as the mesh has them.
   void find_acute_corners() {
     struct End {
@@ -73,8 +124,9 @@ class MisfitSearch {
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size() && ends[j].corner == ends[i].corner; ++j)
         if (ends[i].edge != ends[j].edge && dot(ends[i].direction, ends[j].direction) > kAcute)
-          acute_pairs_.push_back({std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)});
-    std::ranges::sort(acute_pairs_);
+          acute_corners_.push_back({{std::min(ends[i].edge, ends[j].edge), std::max(ends[i].edge, ends[j].edge)},
+                                    mesh_.points[ends[i].corner]});
+    std::ranges::stable_sort(acute_corners_, {}, &AcuteCorner::edges);
   }
 
   /// Whether all corners of the triangle lie on two edges of its face that meet at a small angle.
@@ -86,17 +138,33 @@ class MisfitSearch {
       return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
                                                 [&](ModelVertexId vertex) { return vertex.value == at.index; });
     };
-    const auto holds = [&](const std::array<std::uint32_t, 2>& pair) {
-      return std::ranges::binary_search(edges, pair[0]) && std::ranges::binary_search(edges, pair[1]) &&
-             std::ranges::all_of(mesh_.tri_to_vert[triangle],
-                                 [&](std::uint32_t v) { return lies_on(v, pair[0]) || lies_on(v, pair[1]); });
+    const auto holds = [&](const AcuteCorner& corner) {
+      return std::ranges::binary_search(edges, corner.edges[1]) &&
+             std::ranges::all_of(mesh_.tri_to_vert[triangle], [&](std::uint32_t v) {
+               return lies_on(v, corner.edges[0]) || lies_on(v, corner.edges[1]);
+             });
     };
     for (const std::uint32_t edge : edges) {
-      const auto first = std::ranges::lower_bound(acute_pairs_, std::array{edge, std::uint32_t{0}});
-      for (auto pair = first; pair != acute_pairs_.end() && (*pair)[0] == edge; ++pair)
-        if (holds(*pair)) return true;
+      const auto first =
+          std::ranges::lower_bound(acute_corners_, std::array{edge, std::uint32_t{0}}, {}, &AcuteCorner::edges);
+      for (auto corner = first; corner != acute_corners_.end() && corner->edges[0] == edge; ++corner)
+        if (holds(*corner)) return true;
     }
     return false;
+  }
+
+  /// Whether two edges of the triangle's face meet at a small angle near a place: if that is a cusp, its angle becomes
+  /// smaller, the finer it is meshed.
+  bool is_near_acute_corner(std::uint32_t triangle, const Vec3& x, double present) const {
+    const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
+    return std::ranges::any_of(edges, [&](std::uint32_t edge) {
+      auto corner =
+          std::ranges::lower_bound(acute_corners_, std::array{edge, std::uint32_t{0}}, {}, &AcuteCorner::edges);
+      for (; corner != acute_corners_.end() && corner->edges[0] == edge; ++corner)
+        if (distance(corner->place, x) < kNear * present && std::ranges::binary_search(edges, corner->edges[1]))
+          return true;
+      return false;
+    });
   }
 
   /// The least height of a triangle with an angle that is too small and not the model's; else infinity.
@@ -113,15 +181,33 @@ class MisfitSearch {
     return twice_area / std::sqrt(std::ranges::max(length2));
   }
 
-  bool is_model_piece(std::uint32_t a, std::uint32_t b) const {
-    return std::ranges::binary_search(model_pieces_, std::array{std::min(a, b), std::max(a, b)});
+  bool is_model_piece(std::uint32_t a, std::uint32_t b) const { return find_piece(a, b) < model_pieces_.size(); }
+
+  /// The number of a piece of a model edge; that of all pieces where the edge is none.
+  std::size_t find_piece(std::uint32_t a, std::uint32_t b) const {
+    if (mesh_.point_to_entity[a].dim > 1 || mesh_.point_to_entity[b].dim > 1) return model_pieces_.size();
+    const std::array<std::uint32_t, 2> key{std::min(a, b), std::max(a, b)};
+    const auto at = std::ranges::lower_bound(model_pieces_, key);
+    return at != model_pieces_.end() && *at == key ? at - model_pieces_.begin() : model_pieces_.size();
   }
 
-  /// How far from `x`, on a triangle, the first opposite wall of the region within `ray` is, or infinity. Walls of
-  /// others do not count: solids may touch.
-  double wall_width(ModelRegionId region, std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
+  struct Wall {
+    double distance = HUGE_VAL;
+    double cosine = 0;  // between the ray and the wall's normal; 0: it is no wall for this triangle
+    std::uint32_t triangle = 0;
+  };
+
+  /// Those on both sides of the triangle, as far as there are regions.
+  std::array<Wall, 2> find_walls(std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
+    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
+    return {sides.front.valid() ? find_wall(sides.front, triangle, x, ray) : Wall{},
+            sides.back.valid() ? find_wall(sides.back, triangle, x, -ray) : Wall{}};
+  }
+
+  /// The first wall of the region within `ray` from `x`, on a triangle. Walls of others do not count: solids may touch.
+  Wall find_wall(ModelRegionId region, std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
     double nearest = 1;
-    bool is_wall = false;
+    Wall wall;
     const Triangle& own = mesh_.tri_to_vert[triangle];
     tree_.for_each_along(x, ray, [&](std::uint32_t other) {
       if (other == triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
@@ -129,9 +215,9 @@ class MisfitSearch {
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.
       if (at >= nearest || near_region(other, ray) != region) return;
       nearest = at;
-      is_wall = is_opposite(triangle, other, ray);
+      wall = {at * norm(ray), cosine_to(triangle, other, ray), other};
     });
-    return is_wall ? nearest * norm(ray) : HUGE_VAL;
+    return wall.cosine > 0 ? wall : Wall{};
   }
 
   /// The share of the ray up to a triangle (closed), after Möller & Trumbore (1997); 2 where it is not met.
@@ -153,11 +239,11 @@ class MisfitSearch {
     return dot(cross(b - a, c - a), ray) < 0 ? sides.front : sides.back;
   }
 
-  bool is_opposite(std::uint32_t triangle, std::uint32_t other, const Vec3& ray) const {
+  double cosine_to(std::uint32_t triangle, std::uint32_t other, const Vec3& ray) const {
     const auto [a, b, c] = tree_.corners_of(other);
     const double facing = std::abs(dot(normalized(cross(b - a, c - a)), normalized(ray)));
-    return facing >
-           (meet_at_an_edge(mesh_.tri_to_entity[triangle], mesh_.tri_to_entity[other]) ? kParallel : kOpposite);
+    const bool meet = meet_at_an_edge(mesh_.tri_to_entity[triangle], mesh_.tri_to_entity[other]);
+    return meet && facing <= kParallel ? 0 : facing;
   }
 
   bool meet_at_an_edge(std::uint32_t face, std::uint32_t other) const {
@@ -167,19 +253,45 @@ class MisfitSearch {
                                [&](std::uint32_t edge) { return std::ranges::binary_search(edges, edge); });
   }
 
+  /// Vertices of each face, and where they are in the mesh.
+  void find_corners() {
+    face_to_corners_.resize(topology_.face_count());
+    for (std::size_t f = 0; f < face_to_corners_.size(); ++f) {
+      for (const std::uint32_t edge : face_to_edges_[f])
+        for (const ModelVertexId vertex : topology_.edges[edge].vertices) face_to_corners_[f].push_back(vertex.value);
+      std::ranges::sort(face_to_corners_[f]);
+    }
+    corner_places_.assign(topology_.vertex_count, std::nullopt);
+    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
+      if (const ModelEntity at = mesh_.point_to_entity[v]; at.dim == 0) corner_places_[at.index] = mesh_.points[v];
+  }
+
+  /// Whether the faces of two triangles have a common vertex near a place, as walls have that close up to a cusp: the
+  /// finer that is meshed, the smaller is its angle.
+  bool meet_near(std::uint32_t triangle, std::uint32_t other, const Vec3& x, double present) const {
+    const auto& corners = face_to_corners_[mesh_.tri_to_entity[other]];
+    return std::ranges::any_of(face_to_corners_[mesh_.tri_to_entity[triangle]], [&](std::uint32_t corner) {
+      const std::optional<Vec3>& place = corner_places_[corner];
+      return place && distance(*place, x) < kNear * present && std::ranges::binary_search(corners, corner);
+    });
+  }
+
   const Mesh& mesh_;
   const ModelTopology& topology_;
   const SizeField& sizes_;
   const intersection::TriangleTree& tree_;
-  std::vector<std::array<std::uint32_t, 2>> model_pieces_;  // of model edges, ascending, the lower end first
-  std::vector<std::vector<std::uint32_t>> face_to_edges_;   // ascending
-  std::vector<std::array<std::uint32_t, 2>> acute_pairs_;   // of model edges, ascending, the lower first
+  std::vector<std::array<std::uint32_t, 2>> model_pieces_;   // of model edges, ascending, the lower end first
+  std::vector<Vec3> piece_normals_;                          // of their triangles, summed
+  std::vector<std::vector<std::uint32_t>> face_to_edges_;    // ascending
+  std::vector<std::vector<std::uint32_t>> face_to_corners_;  // model vertices, ascending
+  std::vector<std::optional<Vec3>> corner_places_;           // none for those that the mesh has no point at
+  std::vector<AcuteCorner> acute_corners_;                   // ascending by edges
 };
 
 }  // namespace
 
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-                                 const std::function<double(const Vec3&)>& floor,
+                                 const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work,
                                  std::span<const std::uint8_t> tri_is_new) {
   const MisfitSearch search(surface, topology, sizes, tree);
@@ -193,6 +305,16 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
   for (std::size_t t = 0; t < fitting.size(); ++t)
     if (fitting[t] < HUGE_VAL) misfits.push_back({static_cast<std::uint32_t>(t), fitting[t]});
   return misfits;
+}
+
+bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes) {
+  constexpr double kFew = 1e-3;  // of the triangles
+  if (static_cast<double>(misfits.size()) >= kFew * static_cast<double>(surface.tri_to_vert.size())) return false;
+  const std::vector<Vec3>& x = surface.points;
+  return std::ranges::none_of(misfits, [&](const Misfit& misfit) {
+    const auto& [a, b, c] = surface.tri_to_vert[misfit.triangle];
+    return misfit.size <= kSevere / kEasedWidth * sizes.size_at((1.0 / 3) * (x[a] + x[b] + x[c]));
+  });
 }
 
 }  // namespace tetloom

@@ -19,6 +19,12 @@ struct Misfit {
   double size = 0;  ///< model length, below the present size there
 };
 
+/// The smallest sizes that misfits may ask for at a place; model length.
+struct SizeFloor {
+  double usual = 0;
+  double severe = 0;  ///< where the present size leaves angles of less than 5 degrees; at most the usual one
+};
+
 /// The largest width of a wall, of a face or of a model edge, in sizes, that calls for a smaller size. A single layer
 /// of tets across a wall of this width has dihedral angles of 15 degrees and more (measured on plates: 14.7 at 0.3
 /// sizes, 18.3 at 0.4, 9.4 at 0.2), and so have triangles across a face of this width.
@@ -26,16 +32,22 @@ inline constexpr double kLeastWidth = 0.4;
 
 /// Triangles that face another wall of the same region at less than kLeastWidth sizes, measured along their normal, and
 /// triangles with an angle below 15 degrees and a height below that, in ascending order. Their size is what makes the
-/// width or height kLeastWidth, but at least `floor` of the place.
+/// width or height kLeastWidth, but at least the usual floor of the place; what is narrower than .1 sizes gets .2, but
+/// at least the severe floor.
 ///
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
-/// edges that meet: smaller sizes would not make them any better. Nor are widths below a tenth of the floor, which no
-/// size allowed fits. Widths are sampled once per triangle, at its centre. `sizes`: those that the mesh was made with.
-/// `tree`: of the mesh. `tri_is_new`: those that are looked at; empty: all.
+/// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold. Nor are
+/// widths below a tenth of the severe floor, which no size allowed fits. Widths are sampled once per triangle, at its
+/// centre; those below .1 sizes also at the middles of its sides that are pieces of model edges. `sizes`: those that the
+/// mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
 /// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-                                 const std::function<double(const Vec3&)>& floor,
+                                 const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work,
                                  std::span<const std::uint8_t> tri_is_new = {});
+
+/// Whether misfits are so few, less than a thousandth of the triangles, and so slight that they are not worth another
+/// surface: none leaves angles of less than 5 degrees. `surface`, `sizes`: with which they were found.
+bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes);
 
 }  // namespace tetloom

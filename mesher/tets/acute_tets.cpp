@@ -5,6 +5,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/many_values.hpp"
 #include "mesher/tets/triangle_verts.hpp"
@@ -27,6 +28,7 @@ namespace {
 constexpr double kRegularAngle = 1.2309594173407747;  // arccos(1/3)
 constexpr double kPoorTriangle = 0.5;
 constexpr double kShortEdge = 1.0 / 3;
+constexpr std::size_t kMostBeside = 200;  // tets beside one that are looked at
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
@@ -54,7 +56,7 @@ class CauseFinder {
   AcuteTet find() {
     found_.angle = degrees(dihedral_.angle);
     for (const std::uint32_t v : mesh_.verts(tet_)) found_.point += 0.25 * mesh_.point(v);
-    if (!find_surface_angle() && !find_triangle()) find_close_points();
+    if (!find_surface_angle() && !find_triangle() && !find_close_points()) find_narrow_region();
     return found_;
   }
 
@@ -105,23 +107,73 @@ class CauseFinder {
     return found_.cause == AngleCause::SurfaceTriangle;
   }
 
-  void find_close_points() {
+  bool find_close_points() {
     const auto verts = mesh_.verts(tet_);
-    double shortest = HUGE_VAL, longest = 0;
+    double shortest = kShortEdge * longest_edge();
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
         const double length = distance(mesh_.point(verts[i]), mesh_.point(verts[j]));
-        longest = std::max(longest, length);
         if (length >= shortest || !mesh_.is_fixed_point(verts[i]) || !mesh_.is_fixed_point(verts[j])) continue;
         shortest = length;
         found_.points = {verts[i], verts[j]};
       }
     }
-    if (shortest < kShortEdge * longest) {
-      found_.cause = AngleCause::SurfacePoints;
-    } else {
-      found_.points.clear();
+    if (!found_.points.empty()) set_length(AngleCause::SurfacePoints, shortest);
+    return !found_.points.empty();
+  }
+
+  void find_narrow_region() {
+    std::vector<std::uint32_t> points;
+    std::vector<TriangleVerts> triangles;
+    for (const std::uint32_t tet : tets_beside()) {
+      for (const std::uint32_t v : mesh_.verts(tet))
+        if (mesh_.is_fixed_point(v) && std::ranges::find(points, v) == points.end()) points.push_back(v);
+      for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
+        if (mesh_.mesh().is_fixed(face)) triangles.push_back(verts_of(mesh_.mesh(), face));
     }
+    double least = kShortEdge * longest_edge();
+    for (const TriangleVerts& t : triangles)
+      for (const std::uint32_t v : points) {
+        if (std::ranges::find(t, v) != t.end()) continue;
+        const double apart =
+            intersection::distance_to_triangle(mesh_.point(v), mesh_.point(t[0]), mesh_.point(t[1]), mesh_.point(t[2]));
+        if (apart >= least) continue;
+        least = apart;
+        found_.points = {v};
+        found_.triangles = {t};
+      }
+    if (!found_.points.empty()) set_length(AngleCause::NarrowRegion, least);
+  }
+
+  // The tets that share a vertex with this one, as far as the surface does not lie between; this one first.
+  std::vector<std::uint32_t> tets_beside() const {
+    std::vector<std::uint32_t> found{tet_};
+    const auto own = mesh_.verts(tet_);
+    for (std::size_t i = 0; i < found.size() && found.size() < kMostBeside; ++i)
+      for (FaceCode face = found[i] * 4; face < found[i] * 4 + 4; ++face) {
+        if (mesh_.mesh().is_fixed(face) || mesh_.mesh().to_neighbor[face] == kNone) continue;
+        const std::uint32_t other = mesh_.mesh().to_neighbor[face] / 4;
+        const auto verts = mesh_.verts(other);
+        const bool touches =
+            std::ranges::any_of(verts, [&](std::uint32_t v) { return std::ranges::find(own, v) != own.end(); });
+        if (touches && std::ranges::find(found, other) == found.end()) found.push_back(other);
+      }
+    return found;
+  }
+
+  double longest_edge() const {
+    const auto verts = mesh_.verts(tet_);
+    double longest = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        longest = std::max(longest, distance(mesh_.point(verts[i]), mesh_.point(verts[j])));
+    return longest;
+  }
+
+  void set_length(AngleCause cause, double length) {
+    found_.cause = cause;
+    found_.cause_length = length;
+    found_.cause_angle = degrees(std::atan2(length, longest_edge()));
   }
 
   const WorkingMesh& mesh_;
@@ -135,7 +187,7 @@ void count(const AcuteTet& tet, DihedralSummary& summary) {
   ++summary.below;
   summary.angles += tet.cause == AngleCause::SurfaceAngle;
   summary.triangles += tet.cause == AngleCause::SurfaceTriangle;
-  summary.points += tet.cause == AngleCause::SurfacePoints;
+  summary.points += tet.cause == AngleCause::SurfacePoints || tet.cause == AngleCause::NarrowRegion;
 }
 
 }  // namespace

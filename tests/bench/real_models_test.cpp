@@ -101,7 +101,7 @@ TEST_CASE("descriptions and reports are read, whatever is missing in them") {
       "errors": [{"code": "face_failed", "message": "face 3"}],
       "filling": {"acute_tets": {"worst": [
         {"dihedral_deg": 3, "cause": null, "cause_deg": null, "entities": []},
-        {"dihedral_deg": 2, "cause": "surface_angle", "cause_deg": 2.5,
+        {"dihedral_deg": 2, "cause": "narrow_region", "cause_deg": 2.5, "cause_length": 0.125,
          "entities": [{"dim": 2, "id": 7}, {"dim": 1, "id": 4}]}]}}})"),
               model);
   CHECK(model.stages.total == 4);
@@ -112,7 +112,8 @@ TEST_CASE("descriptions and reports are read, whatever is missing in them") {
   CHECK(model.tetloom.failure == "face_failed: face 3");
   REQUIRE(model.worst.has_value());
   CHECK(model.worst->dihedral_deg == 2);
-  CHECK(model.worst->cause == "surface_angle");
+  CHECK(model.worst->cause == "narrow_region");
+  CHECK(model.worst->cause_length == 0.125);
   CHECK(model.worst->entities == "face 7, edge 4");
 
   RealModel nothing;

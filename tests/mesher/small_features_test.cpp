@@ -98,6 +98,37 @@ std::unique_ptr<GeometricModel> make_stepped_block(double step) {
   return make_polyhedron(points, faces);
 }
 
+/// A wedge along y, 1 long in x, with a blunt tip of this width.
+std::unique_ptr<GeometricModel> make_blunt_wedge(double degrees, double width) {
+  const double tip = 0.5 * width, base = tip + std::tan(0.5 * degrees * kDegree);
+  const std::vector<Vec3> points{{0, 0, -base}, {1, 0, -tip}, {1, 0, tip}, {0, 0, base},
+                                 {0, 1, -base}, {1, 1, -tip}, {1, 1, tip}, {0, 1, base}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1},
+                                                      {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
+  return make_polyhedron(points, faces);
+}
+
+/// A block with a slot along y from the top to half its height, whose floor has this width and whose walls diverge by
+/// this angle.
+std::unique_ptr<GeometricModel> make_slotted_block(double width, double degrees) {
+  const double floor = 0.5 * width, top = floor + 0.5 * std::tan(0.5 * degrees * kDegree);
+  std::vector<Vec3> points{{0, 0, 0},           {2, 0, 0},           {2, 0, 1},       {1 + top, 0, 1},
+                           {1 + floor, 0, 0.5}, {1 - floor, 0, 0.5}, {1 - top, 0, 1}, {0, 0, 1}};
+  // The ends are not convex: each is three rings.
+  std::vector<std::vector<std::uint32_t>> faces{{0, 5, 6, 7}, {0, 1, 4, 5}, {1, 2, 3, 4}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::vector<std::uint32_t> ring(faces[i].rbegin(), faces[i].rend());
+    for (std::uint32_t& v : ring) v += 8;
+    faces.push_back(std::move(ring));
+  }
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const std::uint32_t j = (i + 1) % 8;
+    points.push_back(points[i] + Vec3{0, 1, 0});
+    faces.push_back({i, i + 8, j + 8, j});
+  }
+  return make_polyhedron(points, faces);
+}
+
 MeshOptions options_of_size(double size) {
   MeshOptions options;
   options.sizes.size = size;
@@ -290,6 +321,30 @@ TEST_CASE("a chamfer far below the size becomes an edge") {
       CHECK(absorbed.into.valid());
     }
     CHECK(std::ranges::is_sorted(made.result.absorbed, {}, &AbsorbedEntity::entity));
+  }
+}
+
+TEST_CASE("the blunt tip of a wedge goes where the sharp wedge has the larger angle") {
+  for (const double width : {1e-5, 1e-3, 4e-3}) {
+    INFO("width " << width);
+    MeshOptions options = options_of_size(0.1);
+    options.refine_surface = false;
+    const Made made(*make_blunt_wedge(12, width), options);
+    CHECK(made.absorbed(ModelFaceId(3)));
+    CHECK(made.quality.tets.min_dihedral_deg >= 9);
+    CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.01));
+  }
+}
+
+TEST_CASE("the floor of a slot goes where the walls hardly diverge: nothing is meshed between them") {
+  for (const double degrees : {0.5, 1.0, 10.0}) {
+    INFO("degrees " << degrees);
+    MeshOptions options = options_of_size(0.1);
+    options.refine_surface = false;
+    const Made made(*make_slotted_block(0.004, degrees), options);
+    CHECK(made.absorbed(ModelFaceId(10)));
+    CHECK(made.quality.tets.min_dihedral_deg >= 12);
+    CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.005));
   }
 }
 

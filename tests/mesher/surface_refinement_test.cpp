@@ -85,10 +85,12 @@ TEST_CASE("plates however thin get tets of 15 degrees and more") {
 }
 
 TEST_CASE("sizes are reduced to min_size, to what features that stay need, or to a tenth, and no further") {
-  const auto model = make_box({0, 0, 0}, {2, 2, 0.03});
+  const auto model = make_box({0, 0, 0}, {2, 2, 0.03}), thicker = make_box({0, 0, 0}, {2, 2, 0.1});
   MeshOptions options = options_of_size(1);
   options.most_refinement = HUGE_VAL;
-  CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.25));
+  CHECK(Made(*thicker, options).result.refinement.smallest_size == Approx(0.25));
+  // Where the angle would be below 5 degrees, to what makes it 9.
+  CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.15).epsilon(0.01));
   options.keep_small_features = true;
   CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.1));
   options.sizes.min_size = 0.14;
@@ -116,7 +118,7 @@ TEST_CASE("what a smaller size would not make better stays as it is") {
   };
   for (const double degrees : {5.0, 10.0, 15.0}) expect_no_refinement(*make_wedge(degrees, 4, 3), 0.3);
   // Far too thin for the smallest size allowed.
-  expect_no_refinement(*make_box({0, 0, 0}, {2, 2, 0.004}), 1);
+  expect_no_refinement(*make_box({0, 0, 0}, {2, 2, 0.0004}), 1);
   // Solids that touch are no walls to each other.
   const std::vector<std::shared_ptr<const GeometricModel>> bodies{
       make_box({0, 0, 0}, {1, 1, 1}), make_box({1, 0, 0}, {2, 1, 1}), make_box({0, 0, 1.001}, {1, 1, 2})};
