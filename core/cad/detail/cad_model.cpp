@@ -4,8 +4,7 @@
 #include <Bnd_Box.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
+#include <TopExp_Explorer.hxx>
 #include <utility>
 #include <vector>
 
@@ -77,7 +76,9 @@ constexpr double kToleranceMargin = 1.25;
 
 CadModel::CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes,
                    double metres_per_unit)
-    : shapes_(std::move(parts.shapes)), areas_(parts.topology.face_count()), volumes_(parts.topology.region_count()) {
+    : shapes_(std::move(parts.shapes)),
+      integrals_(parts.topology.face_count()),
+      volumes_(parts.topology.region_count()) {
   topology_ = std::move(parts.topology);
   attributes_ = make_entity_attributes(root, attributes, shapes_);
   metres_per_unit_ = metres_per_unit;
@@ -136,27 +137,27 @@ std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
   return std::make_unique<CadFace>(shapes_, topology_, id, named(id));
 }
 
+const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {
+  return integrals_.get(id.value, [&] { return integrate_face(shapes_.face(id)); });
+}
+
 double CadModel::area(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
-  return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] {
-    return areas_.get(id.value, [&] {
-      GProp_GProps properties;
-      BRepGProp::SurfaceProperties(shapes_.face(id), properties);
-      return properties.Mass();
-    });
-  });
+  return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] { return integrals(id).area; });
 }
 
 double CadModel::volume(ModelRegionId id) const {
   TETLOOM_ASSERT(id.value < topology_.region_count());
   return translate_failures(named(id), ErrorCode::VolumeFailed, "the volume", [&] {
-    // Adaptive integration: with the fixed number of Gauss points of the plain call, solids of spline faces come out
-    // wrong by up to two percent.
-    constexpr double kRelativeError = 1e-4;
     return volumes_.get(id.value, [&] {
-      GProp_GProps properties;
-      BRepGProp::VolumeProperties(shapes_.solid(id), properties, kRelativeError);
-      return properties.Mass();
+      VolumeSum sum;
+      for (TopExp_Explorer face(shapes_.solid(id), TopAbs_FACE); face.More(); face.Next()) {
+        const TopAbs_Orientation orientation = face.Current().Orientation();
+        if (orientation != TopAbs_FORWARD && orientation != TopAbs_REVERSED) continue;
+        const int index = shapes_.faces.FindIndex(face.Current());
+        sum.add(integrals(ModelFaceId(static_cast<std::size_t>(index - 1))), orientation == TopAbs_REVERSED);
+      }
+      return sum.volume();
     });
   });
 }

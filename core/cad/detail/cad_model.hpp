@@ -4,25 +4,27 @@
 #include <mutex>
 #include <vector>
 
+#include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
 
 namespace tetloom::cad {
 
-/// Numbers that are dear to compute, each found when it is first asked for. Thread safety: any number of threads.
-class LazyNumbers {
+/// Values that are dear to compute, each found when it is first asked for. Thread safety: any number of threads.
+template <class Value>
+class LazyValues {
  public:
-  explicit LazyNumbers(std::size_t count) : found_(new std::once_flag[count]), values_(count) {}
+  explicit LazyValues(std::size_t count) : found_(new std::once_flag[count]), values_(count) {}
   /// What `compute` throws reaches the caller, and the next one computes again.
   template <class Compute>
-  double get(std::size_t i, const Compute& compute) const {
+  const Value& get(std::size_t i, const Compute& compute) const {
     std::call_once(found_[i], [&] { values_[i] = compute(); });
     return values_[i];
   }
 
  private:
   std::unique_ptr<std::once_flag[]> found_;
-  mutable std::vector<double> values_;
+  mutable std::vector<Value> values_;
 };
 
 class CadModel final : public GeometricModel {
@@ -38,11 +40,13 @@ class CadModel final : public GeometricModel {
   const ShapeTables& shapes() const { return shapes_; }
 
  private:
+  const FaceIntegrals& integrals(ModelFaceId id) const;
   void measure_tolerances();
   void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use);
 
   ShapeTables shapes_;
-  LazyNumbers areas_, volumes_;
+  LazyValues<FaceIntegrals> integrals_;  // of faces
+  LazyValues<double> volumes_;
 };
 
 }  // namespace tetloom::cad

@@ -3,12 +3,11 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>
-#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_PurgeLocations.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
 #include <Geom_Plane.hxx>
-#include <GProp_GProps.hxx>
+#include <Precision.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <ShapeFix_Shape.hxx>
@@ -18,6 +17,7 @@
 #include <TopoDS.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 
+#include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/faults.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/stray_curves.hpp"
@@ -120,12 +120,6 @@ void apply(Document& document, const Context& context) {
   replace_shapes(document, root, [&](const TopoDS_Shape& shape) { return successors_in(context, shape); });
 }
 
-double volume_of(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
-}
-
 std::size_t badness(const TopoDS_Shape& shape) {
   const BRepCheck_Analyzer analyzer(shape);
   return (analyzer.IsValid() ? 0 : count_faults(analyzer, shape)) + 1000 * find_open_edges(shape).size();
@@ -138,7 +132,7 @@ bool is_improved(const TopoDS_Shape& before, const TopoDS_Shape& after) {
   if (after.IsNull() || badness(after) >= badness(before)) return false;
   if (before.ShapeType() != TopAbs_SOLID) return true;
   if (!TopExp_Explorer(after, TopAbs_SOLID).More()) return false;
-  const double old_volume = volume_of(before), new_volume = volume_of(after);
+  const double old_volume = enclosed_volume(before), new_volume = enclosed_volume(after);
   return std::abs(std::abs(new_volume) - std::abs(old_volume)) <= kVolumeChange * std::abs(old_volume);
 }
 
@@ -255,10 +249,8 @@ double perimeter_of(const TopoDS_Shape& face) {
 
 /// Narrower than its tolerance, on average.
 bool is_collapsed(const TopoDS_Face& face) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
   const double width = std::max(BRep_Tool::Tolerance(face), Precision::Confusion());
-  return std::abs(properties.Mass()) <= width * std::max(0.5 * perimeter_of(face), width);
+  return std::abs(integrate_face(face).area) <= width * std::max(0.5 * perimeter_of(face), width);
 }
 
 /// Faces of no solid that are a line or a point: whatever is sewn to them would be a solid without volume.
@@ -288,9 +280,9 @@ std::size_t turn_right_side_out(Document& document) {
   std::size_t count = 0;
   for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
     const TopoDS_Shape body = original.Located(TopLoc_Location());
-    if (context->IsRecorded(body) || !(volume_of(body) < 0) || !find_open_edges(body).empty()) continue;
+    if (context->IsRecorded(body) || !(enclosed_volume(body) < 0) || !find_open_edges(body).empty()) continue;
     TopoDS_Solid solid = TopoDS::Solid(body);
-    if (!BRepLib::OrientClosedSolid(solid) || !(volume_of(solid) > 0)) continue;
+    if (!BRepLib::OrientClosedSolid(solid) || !(enclosed_volume(solid) > 0)) continue;
     context->Replace(body, with_own_orientation(solid));
     ++count;
   }
