@@ -4,6 +4,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
@@ -30,7 +31,8 @@ class LazyValues {
 class CadModel final : public GeometricModel {
  public:
   /// Takes over the shapes and their tables. Errors: InputUnsuitable.
-  CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes, double metres_per_unit);
+  CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes, double metres_per_unit,
+           const BlockLoop& loop);
 
   Vec3 vertex_point(ModelVertexId id) const override;
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
@@ -41,8 +43,13 @@ class CadModel final : public GeometricModel {
 
  private:
   const FaceIntegrals& integrals(ModelFaceId id) const;
-  void measure_tolerances();
-  void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use);
+  struct Gap {
+    ModelEntity entity;
+    double width;
+  };
+  void measure_tolerances(const BlockLoop& loop);
+  std::vector<Gap> measure_face(ModelFaceId id) const;
+  void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const;
 
   ShapeTables shapes_;
   LazyValues<FaceIntegrals> integrals_;  // of faces

@@ -239,13 +239,16 @@ double VolumeSum::volume() const {
   return sum / 3;
 }
 
-double enclosed_volume(const TopoDS_Shape& shape) {
-  VolumeSum sum;
+double enclosed_volume(const TopoDS_Shape& shape, const BlockLoop& loop) {
+  std::vector<TopoDS_Face> faces;
   for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
     const TopAbs_Orientation orientation = face.Current().Orientation();
-    if (orientation == TopAbs_FORWARD || orientation == TopAbs_REVERSED)
-      sum.add(integrate_face(TopoDS::Face(face.Current())), orientation == TopAbs_REVERSED);
+    if (orientation == TopAbs_FORWARD || orientation == TopAbs_REVERSED) faces.push_back(TopoDS::Face(face.Current()));
   }
+  std::vector<FaceIntegrals> integrals(faces.size());
+  loop.for_blocks(faces.size(), 1, [&](std::size_t i, std::size_t) { integrals[i] = integrate_face(faces[i]); });
+  VolumeSum sum;
+  for (std::size_t i = 0; i < faces.size(); ++i) sum.add(integrals[i], faces[i].Orientation() == TopAbs_REVERSED);
   return sum.volume();
 }
 

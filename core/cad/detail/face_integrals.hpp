@@ -11,6 +11,7 @@
 #include <TopoDS_Shape.hxx>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/vec.hpp"
 
 namespace tetloom::cad {
@@ -42,6 +43,6 @@ class VolumeSum {
 };
 
 /// The volume that the faces of a shape enclose, by their orientation in it. Faces inside a solid count nothing.
-double enclosed_volume(const TopoDS_Shape& shape);
+double enclosed_volume(const TopoDS_Shape& shape, const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom::cad
