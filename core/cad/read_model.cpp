@@ -75,8 +75,7 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
     if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes, loop));
     append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
     if (cancel) cancel->check();
-    result.model = std::make_unique<cad::CadModel>(std::move(parts), document.root, document.attributes,
-                                                   document.metres_per_unit, loop);
+    result.model = std::make_unique<cad::CadModel>(std::move(parts), document, loop);
     add_names(*result.model, result.warnings);
     return result;
   });

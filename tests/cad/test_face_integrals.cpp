@@ -51,6 +51,11 @@ double area_of(const TopoDS_Shape& shape) {
   return area;
 }
 
+double volume_of(const TopoDS_Shape& shape) {
+  KnownIntegrals known;
+  return enclosed_volume(shape, known, serial_loop());
+}
+
 TopoDS_Wire ellipse(double x_radius, double y_radius, double z) {
   const gp_Elips curve(gp_Ax2(gp_Pnt(0, 0, z), gp_Dir(0, 0, 1)), x_radius, y_radius);
   return BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(curve).Edge()).Wire();
@@ -99,7 +104,7 @@ TEST_CASE("solids of elementary faces have their areas and volumes in closed for
   for (const Case& c : cases) {
     INFO(c.name);
     CHECK(area_of(c.shape) == Approx(c.area).epsilon(1e-9));
-    CHECK(enclosed_volume(c.shape) == Approx(c.volume).epsilon(1e-9));
+    CHECK(volume_of(c.shape) == Approx(c.volume).epsilon(1e-9));
   }
 }
 
@@ -108,21 +113,21 @@ TEST_CASE("as rational splines, and read from a file, the same solids have the s
                                     BRepPrimAPI_MakeTorus(10, 3).Shape(), BRepPrimAPI_MakeCone(5, 2, 10).Shape()}) {
     const TopoDS_Shape splines = BRepBuilderAPI_NurbsConvert(shape, true).Shape();
     CHECK(area_of(splines) == Approx(area_of(shape)).epsilon(1e-6));
-    CHECK(enclosed_volume(splines) == Approx(enclosed_volume(shape)).epsilon(1e-6));
+    CHECK(volume_of(splines) == Approx(volume_of(shape)).epsilon(1e-6));
     std::stringstream file;
     BRepTools::Write(splines, file);
     TopoDS_Shape read;
     BRepTools::Read(read, file, BRep_Builder());
-    CHECK(enclosed_volume(read) == Approx(enclosed_volume(shape)).epsilon(1e-6));
+    CHECK(volume_of(read) == Approx(volume_of(shape)).epsilon(1e-6));
   }
 }
 
 TEST_CASE("extruded and turned ellipses have their volumes in closed form") {
   const TopoDS_Face disc = BRepBuilderAPI_MakeFace(ellipse(5, 3, 0)).Face();
   const TopoDS_Shape prism = BRepPrimAPI_MakePrism(disc, gp_Vec(1, 2, 7)).Shape();
-  CHECK(enclosed_volume(prism) == Approx(15 * kPi * 7).epsilon(1e-9));
+  CHECK(volume_of(prism) == Approx(15 * kPi * 7).epsilon(1e-9));
   const TopoDS_Shape ring = BRepPrimAPI_MakeRevol(disc, gp_Ax1(gp_Pnt(11, 0, 0), gp_Dir(0, 1, 0))).Shape();
-  CHECK(std::abs(enclosed_volume(ring)) == Approx(15 * kPi * 2 * kPi * 11).epsilon(1e-9));
+  CHECK(std::abs(volume_of(ring)) == Approx(15 * kPi * 2 * kPi * 11).epsilon(1e-9));
 }
 
 TEST_CASE("holes through curved walls count") {
@@ -131,25 +136,46 @@ TEST_CASE("holes through curved walls count") {
   const TopoDS_Shape drilled = BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(5, 10).Shape(), across).Shape();
   GProp_GProps reference;
   BRepGProp::VolumeProperties(drilled, reference, 1e-8);
-  CHECK(enclosed_volume(drilled) == Approx(reference.Mass()).epsilon(1e-6));
-  CHECK(enclosed_volume(drilled) < 250 * kPi - 100);
+  CHECK(volume_of(drilled) == Approx(reference.Mass()).epsilon(1e-6));
+  CHECK(volume_of(drilled) < 250 * kPi - 100);
 }
 
 TEST_CASE("a skin of splines agrees with OpenCASCADE's adaptive integration") {
   const TopoDS_Shape shape = loft();
   GProp_GProps reference;
   BRepGProp::VolumeProperties(shape, reference, 1e-9);
-  CHECK(enclosed_volume(shape) == Approx(reference.Mass()).epsilon(1e-7));
+  CHECK(volume_of(shape) == Approx(reference.Mass()).epsilon(1e-7));
 }
 
 TEST_CASE("a volume depends neither on the place nor, but for the sign, on the side of its faces") {
   const TopoDS_Shape shape = loft();
-  const double volume = enclosed_volume(shape);
+  const double volume = volume_of(shape);
   gp_Trsf far;
   far.SetTranslation(gp_Vec(1e6, -2e6, 3e6));
-  CHECK(enclosed_volume(BRepBuilderAPI_Transform(shape, far, true).Shape()) == Approx(volume).epsilon(1e-8));
-  CHECK(enclosed_volume(shape.Moved(TopLoc_Location(far))) == Approx(volume).epsilon(1e-8));
-  CHECK(enclosed_volume(shape.Reversed()) == Approx(-volume).epsilon(1e-12));
+  CHECK(volume_of(BRepBuilderAPI_Transform(shape, far, true).Shape()) == Approx(volume).epsilon(1e-8));
+  CHECK(volume_of(shape.Moved(TopLoc_Location(far))) == Approx(volume).epsilon(1e-8));
+  CHECK(volume_of(shape.Reversed()) == Approx(-volume).epsilon(1e-12));
+}
+
+TEST_CASE("instances of one part are integrated once, each where it lies") {
+  const TopoDS_Shape part = loft();
+  gp_Trsf turn, place;
+  turn.SetRotation(gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 1)), 0.7);
+  place.SetTranslation(gp_Vec(100, -20, 3));
+  KnownIntegrals known;
+  const double volume = enclosed_volume(part, known, serial_loop());
+  const int faces = known.Extent();
+  const TopoDS_Shape copy = part.Moved(TopLoc_Location(place * turn));
+  CHECK(enclosed_volume(copy, known, serial_loop()) == Approx(volume).epsilon(1e-10));
+  CHECK(known.Extent() == faces);
+  for (TopExp_Explorer at(copy, TopAbs_FACE); at.More(); at.Next()) {
+    const TopoDS_Face face = TopoDS::Face(at.Current());
+    const FaceIntegrals direct = integrate_face(face), found = find_integrals(known, face).value();
+    CHECK(found.area == Approx(direct.area).epsilon(1e-9));
+    CHECK(distance(found.origin, direct.origin) < 1e-9);
+    CHECK(distance(found.area_vector, direct.area_vector) < 1e-9 * direct.area);
+    CHECK(found.moment == Approx(direct.moment).epsilon(1e-8).margin(1e-8));
+  }
 }
 
 TEST_CASE("a loop that runs the wrong way counts negative") {

@@ -83,14 +83,14 @@ constexpr double kToleranceMargin = 1.25;
 
 }  // namespace
 
-CadModel::CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes,
-                   double metres_per_unit, const BlockLoop& loop)
+CadModel::CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop)
     : shapes_(std::move(parts.shapes)),
+      known_(document.integrals),
       integrals_(parts.topology.face_count()),
       volumes_(parts.topology.region_count()) {
   topology_ = std::move(parts.topology);
-  attributes_ = make_entity_attributes(root, attributes, shapes_);
-  metres_per_unit_ = metres_per_unit;
+  attributes_ = make_entity_attributes(document.root, document.attributes, shapes_);
+  metres_per_unit_ = document.metres_per_unit;
   translate_failures({}, ErrorCode::InputUnsuitable, "the bounding box",
                      [&] { bounding_box_ = compute_box(shapes_, topology_.face_count(), loop); });
   measure_tolerances(loop);
@@ -157,7 +157,11 @@ std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
 }
 
 const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {
-  return integrals_.get(id.value, [&] { return integrate_face(shapes_.face(id)); });
+  return integrals_.get(id.value, [&] {
+    const TopoDS_Face face = shapes_.face(id);
+    const auto known = find_integrals(known_, face);
+    return known ? *known : integrate_face(face);
+  });
 }
 
 double CadModel::area(ModelFaceId id) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/block_loop.hpp"
+#include "core/cad/detail/document.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
@@ -30,9 +31,8 @@ class LazyValues {
 
 class CadModel final : public GeometricModel {
  public:
-  /// Takes over the shapes and their tables. Errors: InputUnsuitable.
-  CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes, double metres_per_unit,
-           const BlockLoop& loop);
+  /// Takes over the shapes of a document and their tables. Errors: InputUnsuitable.
+  CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop);
 
   Vec3 vertex_point(ModelVertexId id) const override;
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
@@ -52,7 +52,8 @@ class CadModel final : public GeometricModel {
   void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const;
 
   ShapeTables shapes_;
-  LazyValues<FaceIntegrals> integrals_;  // of faces
+  KnownIntegrals known_;                 ///< from the reading
+  LazyValues<FaceIntegrals> integrals_;  ///< of faces
   LazyValues<double> volumes_;
 };
 

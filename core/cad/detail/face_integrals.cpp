@@ -239,16 +239,54 @@ double VolumeSum::volume() const {
   return sum / 3;
 }
 
-double enclosed_volume(const TopoDS_Shape& shape, const BlockLoop& loop) {
+namespace {
+
+TopoDS_Face without_location(const TopoDS_Shape& face) {
+  return TopoDS::Face(face.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD));
+}
+
+std::vector<TopoDS_Face> bounding_faces(const TopoDS_Shape& shape) {
   std::vector<TopoDS_Face> faces;
   for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
     const TopAbs_Orientation orientation = face.Current().Orientation();
     if (orientation == TopAbs_FORWARD || orientation == TopAbs_REVERSED) faces.push_back(TopoDS::Face(face.Current()));
   }
-  std::vector<FaceIntegrals> integrals(faces.size());
-  loop.for_blocks(faces.size(), 1, [&](std::size_t i, std::size_t) { integrals[i] = integrate_face(faces[i]); });
+  return faces;
+}
+
+void integrate_unknown(const std::vector<TopoDS_Face>& faces, KnownIntegrals& known, const BlockLoop& loop) {
+  std::vector<TopoDS_Face> unknown;
+  for (const TopoDS_Face& face : faces) {
+    const TopoDS_Face local = without_location(face);
+    if (known.IsBound(local)) continue;
+    known.Bind(local, {});
+    unknown.push_back(local);
+  }
+  std::vector<FaceIntegrals> found(unknown.size());
+  loop.for_blocks(unknown.size(), 1, [&](std::size_t i, std::size_t) { found[i] = integrate_face(unknown[i]); });
+  for (std::size_t i = 0; i < unknown.size(); ++i) known.ChangeFind(unknown[i]) = found[i];
+}
+
+}  // namespace
+
+std::optional<FaceIntegrals> find_integrals(const KnownIntegrals& known, const TopoDS_Face& face) {
+  const FaceIntegrals* found = known.Seek(without_location(face));
+  if (found == nullptr) return std::nullopt;
+  FaceIntegrals placed = *found;
+  if (face.Location().IsIdentity()) return placed;
+  const gp_Trsf place = face.Location().Transformation();
+  const Vec3& n = found->area_vector;
+  placed.origin = to_vec3(to_pnt(found->origin).Transformed(place));
+  placed.area_vector = to_vec3(gp_Vec(n.x, n.y, n.z).Transformed(place));
+  return placed;
+}
+
+double enclosed_volume(const TopoDS_Shape& shape, KnownIntegrals& known, const BlockLoop& loop) {
+  const std::vector<TopoDS_Face> faces = bounding_faces(shape);
+  integrate_unknown(faces, known, loop);
   VolumeSum sum;
-  for (std::size_t i = 0; i < faces.size(); ++i) sum.add(integrals[i], faces[i].Orientation() == TopAbs_REVERSED);
+  for (const TopoDS_Face& face : faces)
+    sum.add(find_integrals(known, face).value(), face.Orientation() == TopAbs_REVERSED);
   return sum.volume();
 }
 

@@ -7,8 +7,11 @@
 // 1e-5 where parameter curves run unevenly. Cost: Gauss points along the boundary times those across the face.
 //
 // Private to core/cad. Thread safety: any number of threads, also on faces that share surfaces and curves.
+#include <NCollection_DataMap.hxx>
+#include <optional>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
+#include <TopTools_ShapeMapHasher.hxx>
 #include <vector>
 
 #include "core/base/block_loop.hpp"
@@ -42,7 +45,14 @@ class VolumeSum {
   std::vector<Term> terms_;
 };
 
-/// The volume that the faces of a shape enclose, by their orientation in it. Faces inside a solid count nothing.
-double enclosed_volume(const TopoDS_Shape& shape, const BlockLoop& loop = serial_loop());
+/// Integrals by face as it lies without its location: instances of one part share them.
+using KnownIntegrals = NCollection_DataMap<TopoDS_Shape, FaceIntegrals, TopTools_ShapeMapHasher>;
+
+/// Those of the face as it lies in space; null where they are not known.
+std::optional<FaceIntegrals> find_integrals(const KnownIntegrals& known, const TopoDS_Face& face);
+
+/// The volume that the faces of a shape enclose, by their orientation in it; faces inside a solid count nothing. What
+/// is not known is integrated on the threads of `loop`, and known afterwards.
+double enclosed_volume(const TopoDS_Shape& shape, KnownIntegrals& known, const BlockLoop& loop);
 
 }  // namespace tetloom::cad

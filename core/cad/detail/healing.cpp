@@ -132,7 +132,8 @@ constexpr double kVolumeChange = 0.01;
 bool keeps_volume(const TopoDS_Shape& before, const TopoDS_Shape& after, const BlockLoop& loop) {
   if (before.ShapeType() != TopAbs_SOLID) return true;
   if (!TopExp_Explorer(after, TopAbs_SOLID).More()) return false;
-  const double old_volume = enclosed_volume(before, loop), new_volume = enclosed_volume(after, loop);
+  KnownIntegrals known;
+  const double old_volume = enclosed_volume(before, known, loop), new_volume = enclosed_volume(after, known, loop);
   return std::abs(std::abs(new_volume) - std::abs(old_volume)) <= kVolumeChange * std::abs(old_volume);
 }
 
@@ -283,9 +284,11 @@ std::size_t turn_right_side_out(Document& document, const BlockLoop& loop) {
   std::size_t count = 0;
   for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
     const TopoDS_Shape body = original.Located(TopLoc_Location());
-    if (context->IsRecorded(body) || !(enclosed_volume(body, loop) < 0) || !find_open_edges(body).empty()) continue;
+    if (context->IsRecorded(body) || !(enclosed_volume(body, document.integrals, loop) < 0) ||
+        !find_open_edges(body).empty())
+      continue;
     TopoDS_Solid solid = TopoDS::Solid(body);
-    if (!BRepLib::OrientClosedSolid(solid) || !(enclosed_volume(solid, loop) > 0)) continue;
+    if (!BRepLib::OrientClosedSolid(solid) || !(enclosed_volume(solid, document.integrals, loop) > 0)) continue;
     context->Replace(body, with_own_orientation(solid));
     ++count;
   }
