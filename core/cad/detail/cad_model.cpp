@@ -85,6 +85,7 @@ constexpr double kToleranceMargin = 1.25;
 
 CadModel::CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop)
     : shapes_(std::move(parts.shapes)),
+      faces_(parts.topology.face_count()),
       known_(document.integrals),
       integrals_(parts.topology.face_count()),
       volumes_(parts.topology.region_count()) {
@@ -153,7 +154,9 @@ std::unique_ptr<EdgeGeometry> CadModel::edge_geometry(ModelEdgeId id) const {
 
 std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
-  return std::make_unique<CadFace>(shapes_, topology_, id, named(id));
+  const auto& known =
+      faces_.get(id.value, [&] { return std::make_unique<const CadFace>(shapes_, topology_, id, named(id)); });
+  return known->another();
 }
 
 const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/block_loop.hpp"
+#include "core/cad/detail/cad_face.hpp"
 #include "core/cad/detail/document.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
@@ -52,8 +53,9 @@ class CadModel final : public GeometricModel {
   void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const;
 
   ShapeTables shapes_;
-  KnownIntegrals known_;                 ///< from the reading
-  LazyValues<FaceIntegrals> integrals_;  ///< of faces
+  LazyValues<std::unique_ptr<const CadFace>> faces_;  ///< those that others are copied from
+  KnownIntegrals known_;                              ///< from the reading
+  LazyValues<FaceIntegrals> integrals_;               ///< of faces
   LazyValues<double> volumes_;
 };
 
