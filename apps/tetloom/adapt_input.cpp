@@ -104,7 +104,7 @@ AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runne
     input.metric = read_metric_file(command.metric_file, input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
-  if (!command.model.empty()) input.document = read_model(command.model, command.read, &cancel);
+  if (!command.model.empty()) input.document = read_model(command.model, command.read, &cancel, runner);
   return input;
 }
 

@@ -40,11 +40,11 @@ void describe_mesh(const InfoCommand& command, const TaskRunner& runner, Run& ru
   describe_whole(mesh, {}, runner, run);
 }
 
-void describe_model(const InfoCommand& command, Run& run) {
+void describe_model(const InfoCommand& command, const TaskRunner& runner, Run& run) {
   RunReport& report = run.report();
   ModelDocument document;
-  report.seconds.read =
-      timed([&] { document = read_input([&] { return read_model(command.input, command.read, &run.cancel()); }); });
+  report.seconds.read = timed(
+      [&] { document = read_input([&] { return read_model(command.input, command.read, &run.cancel(), runner); }); });
   run.begin(Stage::Check);
   report.warnings = document.warnings;
   report.counts.regions = document.model->topology().region_count();
@@ -69,7 +69,7 @@ ExitStatus run_info(const InfoCommand& command, Communicator& communicator) {
     }
     run_on_first(communicator, [&] {
       r.begin(Stage::Read);
-      is_mesh_file(command.input) ? describe_mesh(command, runner, r) : describe_model(command, r);
+      is_mesh_file(command.input) ? describe_mesh(command, runner, r) : describe_model(command, runner, r);
     });
   });
 }

@@ -5,6 +5,7 @@
 #include "apps/tetloom/console.hpp"
 #include "apps/tetloom/entity_sizes.hpp"
 #include "apps/tetloom/mesh_report.hpp"
+#include "apps/tetloom/model_reading.hpp"
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
@@ -48,7 +49,7 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   reading.rebuild = regions_that_cross(result, sized.document.model->topology());
   if (!reading.heal || reading.rebuild.empty() || result.status == MeshStatus::Cancelled) return result;
   Sized repaired;
-  const auto read = [&] { return read_model(command.input, reading, &run.cancel()); };
+  const auto read = [&] { return app::read(command.input, reading, command.options.threads, run.cancel()); };
   run_on_all(communicator, [&] { repaired = read_sized_model(command, read, run); });
   if (repaired.document.rebuilt == 0) return result;
   sized = std::move(repaired);

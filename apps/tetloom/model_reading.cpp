@@ -3,18 +3,26 @@
 #include <chrono>
 
 #include "apps/tetloom/ranks.hpp"
+#include "threading/task_runner.hpp"
 
 namespace tetloom::app {
 
+ModelDocument read(const std::filesystem::path& path, const ReadOptions& options, int threads,
+                   const CancelToken& cancel) {
+  const TaskRunner runner(threads, {{}, &cancel});
+  return read_model(path, options, &cancel, runner);
+}
+
 ModelReading::ModelReading(const MeshCommand& command) : command_(command) {
   if (!is_one_of_several()) return;
-  begun_ = std::async(std::launch::async, [this] { return read_model(command_.input, command_.read, &stop_); });
+  begun_ = std::async(std::launch::async,
+                      [this] { return read(command_.input, command_.read, command_.options.threads, stop_); });
 }
 
 ModelReading::~ModelReading() { stop_.cancel(); }
 
 ModelDocument ModelReading::take(const CancelToken& cancel) {
-  if (!begun_.valid()) return read_model(command_.input, command_.read, &cancel);
+  if (!begun_.valid()) return read(command_.input, command_.read, command_.options.threads, cancel);
   constexpr auto kPatience = std::chrono::milliseconds(20);
   while (begun_.wait_for(kPatience) != std::future_status::ready)
     if (cancel.cancelled()) stop_.cancel();

@@ -8,6 +8,10 @@
 
 namespace tetloom::app {
 
+/// Reads a model on `threads` threads; 0: on all cores. Errors: as read_model.
+ModelDocument read(const std::filesystem::path& path, const ReadOptions& options, int threads,
+                   const CancelToken& cancel);
+
 /// Starting MPI takes about as long as reading a small model, and it mostly waits: where several ranks were started
 /// together, each begins to read at once, in a thread of its own.
 class ModelReading {

@@ -55,13 +55,13 @@ void append(std::vector<Diagnostic>& list, const std::vector<Diagnostic>& more) 
 }
 
 ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format, const ReadOptions& options,
-                       const CancelToken* cancel) {
+                       const CancelToken* cancel, const BlockLoop& loop) {
   const cad::ReadingSession session;
   cad::Document document = cad::read_document(path, format, cancel);
   return cad::translate_failures({}, ErrorCode::InputUnsuitable, "preparing the model", [&] {
     ModelDocument result;
     cad::complete_geometry(document, result.healing);
-    bool valid = options.heal && cad::heal(document, result.healing, cancel);
+    bool valid = options.heal && cad::heal(document, result.healing, cancel, loop);
     if (options.imprint) valid = cad::imprint(document, result.healing, cancel) ? false : valid;
     if (cancel) cancel->check();
     result.rebuilt = cad::rebuild_solids(document, options.rebuild, cancel);
@@ -72,11 +72,10 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
     result.warnings = std::move(document.warnings);
     append(result.warnings, parts.warnings);
-    if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes));
+    if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes, loop));
     append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
     if (cancel) cancel->check();
-    result.model =
-        std::make_unique<cad::CadModel>(std::move(parts), document.root, document.attributes, document.metres_per_unit);
+    result.model = std::make_unique<cad::CadModel>(std::move(parts), document, loop);
     add_names(*result.model, result.warnings);
     return result;
   });
@@ -84,15 +83,16 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
 
 }  // namespace
 
-ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options, const CancelToken* cancel) {
+ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options, const CancelToken* cancel,
+                         const BlockLoop& loop) {
   check_options(options);
   const Extension& extension = find_extension(path);
   if (cancel) cancel->check();
   ModelDocument document;
   switch (extension.format) {
-    case Format::Step: document = read_cad(path, cad::CadFormat::Step, options, cancel); break;
-    case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, options, cancel); break;
-    case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, options, cancel); break;
+    case Format::Step: document = read_cad(path, cad::CadFormat::Step, options, cancel, loop); break;
+    case Format::Iges: document = read_cad(path, cad::CadFormat::Iges, options, cancel, loop); break;
+    case Format::Brep: document = read_cad(path, cad::CadFormat::Brep, options, cancel, loop); break;
     case Format::Stl:
     case Format::Obj: document = read_discrete_model(path, options, cancel); break;
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
 #include "core/base/progress.hpp"
 #include "core/geometry/model.hpp"
 
@@ -37,8 +38,9 @@ struct ModelDocument {
 /// Reads the model in `path`; the format follows from the file's extension (.step .stp .iges .igs .brep .stl .obj,
 /// any case) and must agree with its content.
 /// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape),
-/// Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside.
+/// Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside. Checks and
+/// measurements run on the threads of `loop`; the model does not depend on it.
 ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options = {},
-                         const CancelToken* cancel = nullptr);
+                         const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom

@@ -1,5 +1,7 @@
 // Reading STEP, IGES and BREP files: names, colours, units, healing, imprinting.
 #include <unistd.h>
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
@@ -7,10 +9,12 @@
 #include <iterator>
 #include <random>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
+#include "tests/cad/faulty_samples.hpp"
 #include "tests/cad/model_checks.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -46,7 +50,63 @@ bool has_warning(const ModelDocument& document, ErrorCode code) {
   return false;
 }
 
+/// Four threads that take blocks as they come.
+class ThreadLoop : public BlockLoop {
+ public:
+  void for_blocks(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) const override {
+    std::atomic<std::size_t> next = 0;  // shared by the threads below, which count blocks with it
+    const auto work = [&] {
+      for (std::size_t at; (at = next.fetch_add(grain)) < count;) body(at, std::min(at + grain, count));
+    };
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 4; ++i) threads.emplace_back(work);
+  }
+};
+
+/// All that reading finds out: numbers to the last digit.
+std::string described(const ModelDocument& document) {
+  std::ostringstream text;
+  text << std::hexfloat << document.rebuilt << '\n';
+  for (const HealingStep& step : document.healing) text << step.what << ' ' << step.count << '\n';
+  for (const Diagnostic& warning : document.warnings) {
+    text << warning.message;
+    for (const NamedEntity& entity : warning.entities)
+      text << ' ' << int{entity.entity.dim} << ':' << entity.entity.index;
+    text << '\n';
+  }
+  const GeometricModel& model = *document.model;
+  for (const Vec3& corner : {model.bounding_box().lo, model.bounding_box().hi})
+    text << corner.x << ' ' << corner.y << ' ' << corner.z << '\n';
+  const ModelTopology& topology = model.topology();
+  for (std::size_t i = 0; i < topology.vertex_count; ++i) text << model.attributes(ModelVertexId(i)).tolerance << '\n';
+  for (std::size_t i = 0; i < topology.edge_count(); ++i) text << model.attributes(ModelEdgeId(i)).tolerance << '\n';
+  for (std::size_t i = 0; i < topology.face_count(); ++i) text << model.area(ModelFaceId(i)) << '\n';
+  for (std::size_t i = 0; i < topology.region_count(); ++i) text << model.volume(ModelRegionId(i)) << '\n';
+  return text.str();
+}
+
 }  // namespace
+
+TEST_CASE("a model does not depend on who carries out the loops of its reading") {
+  const TemporaryFolder scratch;
+  std::vector<std::filesystem::path> files;
+  for (const Sample sample : {Sample::DrilledBox, Sample::LoftedSolid, Sample::TurnedSpline, Sample::InsideOutBox,
+                              Sample::OffsetSheet, Sample::LooseHollow, Sample::OpenBox}) {
+    files.push_back(scratch / ("sample" + std::to_string(files.size()) + ".brep"));
+    test::write_sample(sample, files.back());
+  }
+  for (const test::Fault fault : {test::Fault::TangentHoleInPlate, test::Fault::CurveShortOfVertex,
+                                  test::Fault::FloorInOuterFace, test::Fault::OverlappingBoxes}) {
+    files.push_back(scratch / ("fault" + std::to_string(files.size()) + ".brep"));
+    test::write_faulty(fault, files.back());
+  }
+  for (const std::filesystem::path& file : files) {
+    INFO(file);
+    const std::string alone = described(read_model(file));
+    for (int round = 0; round < 3; ++round) CHECK(described(read_model(file, {}, nullptr, ThreadLoop())) == alone);
+  }
+}
 
 TEST_CASE("a box has six faces, twelve edges, eight vertices and one region in every CAD format") {
   for (const char* name : {"box.step", "box.STP", "box.brep", "box.igs"}) {

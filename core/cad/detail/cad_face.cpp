@@ -28,14 +28,36 @@ auto on_face(const NamedEntity& who, const char* doing, Body&& body) {
 CadFace::CadFace(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, NamedEntity who)
     : shapes_(shapes), topology_(topology), id_(id), who_(std::move(who)), face_(shapes.face(id)) {
   on_face(who_, "taking the surface", [&] {
-    const Handle(Geom_Surface) surface = untrimmed(BRep_Tool::Surface(face_));
-    if (surface.IsNull()) throw Error(ErrorCode::FaceFailed, "the face has no surface");
-    surface_ = make_evaluator(surface);
-    period_ = {surface->IsUPeriodic() ? surface->UPeriod() : 0, surface->IsVPeriodic() ? surface->VPeriod() : 0};
+    geometry_ = untrimmed(BRep_Tool::Surface(face_));
+    if (geometry_.IsNull()) throw Error(ErrorCode::FaceFailed, "the face has no surface");
+    surface_ = make_evaluator(geometry_);
+    period_ = {geometry_->IsUPeriodic() ? geometry_->UPeriod() : 0,
+               geometry_->IsVPeriodic() ? geometry_->VPeriod() : 0};
     for (const ModelLoop& loop : topology_.face_to_loops[id_.value])
       for (const EdgeUse& use : loop) parameter_curve(use);
     find_box();
   });
+}
+
+CadFace::CadFace(const CadFace& other)
+    : shapes_(other.shapes_),
+      topology_(other.topology_),
+      id_(other.id_),
+      who_(other.who_),
+      face_(other.face_),
+      geometry_(other.geometry_),
+      surface_(make_evaluator(geometry_)),
+      box_(other.box_),
+      search_box_(other.search_box_),
+      period_(other.period_),
+      length_scale_(other.length_scale_) {
+  curves_.reserve(other.curves_.size());
+  for (const ParameterCurve& curve : other.curves_)  // an adaptor of its own: they keep spans of splines
+    curves_.push_back({curve.use, Geom2dAdaptor_Curve(curve.curve.Curve()), curve.range, curve.scale, curve.shift});
+}
+
+std::unique_ptr<CadFace> CadFace::another() const {
+  return on_face(who_, "taking the surface", [&] { return std::unique_ptr<CadFace>(new CadFace(*this)); });
 }
 
 Vec3 CadFace::evaluate(const Vec2& uv) {
@@ -56,7 +78,7 @@ void CadFace::find_box() {
     }
   }
   double lo[2], hi[2];
-  untrimmed(BRep_Tool::Surface(face_))->Bounds(lo[0], hi[0], lo[1], hi[1]);
+  geometry_->Bounds(lo[0], hi[0], lo[1], hi[1]);
   const auto widen = [](double& a, double& b, double period, double domain_lo, double domain_hi) {
     const double margin = kSearchMargin * (b - a);
     if (period > 0 && b - a + 2 * margin >= period) {

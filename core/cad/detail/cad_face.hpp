@@ -21,6 +21,11 @@ class CadFace final : public FaceGeometry {
   /// `shapes` and `topology` belong to the model and outlive this. Errors: FaceFailed.
   CadFace(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, NamedEntity who);
 
+  /// Another one of the same face, which shares nothing mutable with this: much cheaper than to look at the shape
+  /// again, above all where parameter curves on planes have to be made. Thread safety: any number of threads, while
+  /// nobody else uses this. Errors: FaceFailed.
+  std::unique_ptr<CadFace> another() const;
+
   Parametrization parametrization() override { return Parametrization::Smooth; }
   ParameterBox parameter_box() override { return box_; }
   Vec2 period() override { return period_; }
@@ -46,6 +51,8 @@ class CadFace final : public FaceGeometry {
     bool converged = false;
   };
 
+  CadFace(const CadFace& other);
+
   ParameterCurve& parameter_curve(const EdgeUse& use);
   ParameterCurve make_parameter_curve(const EdgeUse& use) const;
   void find_box();
@@ -66,6 +73,7 @@ class CadFace final : public FaceGeometry {
   ModelFaceId id_;
   NamedEntity who_;
   TopoDS_Face face_;
+  Handle(Geom_Surface) geometry_;  ///< untrimmed
   std::unique_ptr<SurfaceEvaluator> surface_;
   ParameterBox box_, search_box_;
   Vec2 period_;

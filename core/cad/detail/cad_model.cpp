@@ -4,8 +4,7 @@
 #include <Bnd_Box.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
+#include <TopExp_Explorer.hxx>
 #include <utility>
 #include <vector>
 
@@ -52,19 +51,28 @@ Box3 tight_box(const TopoDS_Face& face) {
 
 /// The tight box of a face costs an optimisation; most faces lie inside the box of the others anyway, the more so when
 /// those that may stick out farthest come first.
-Box3 compute_box(const ShapeTables& shapes, std::size_t face_count) {
+Box3 compute_box(const ShapeTables& shapes, std::size_t face_count, const BlockLoop& loop) {
   Box3 result;
   for (int i = 1; i <= shapes.vertices.Extent(); ++i)
     result.add(to_vec3(BRep_Tool::Pnt(shapes.vertex(ModelVertexId(static_cast<std::size_t>(i - 1))))));
-  std::vector<Box3> loose;
+  constexpr std::size_t kBatch = 4;  // for threads; few, since one face may make the next ones needless
+  std::vector<Box3> loose(face_count);
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < face_count; ++i) {
-    loose.push_back(loose_box(shapes.face(ModelFaceId(i))));
-    order.emplace_back(-overhang(result, loose.back()), i);
-  }
+  loop.for_blocks(face_count, 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) loose[i] = loose_box(shapes.face(ModelFaceId(i)));
+  });
+  for (std::size_t i = 0; i < face_count; ++i) order.emplace_back(-overhang(result, loose[i]), i);
   std::sort(order.begin(), order.end());
-  for (const auto& [unused, i] : order)
-    if (!covers(result, loose[i])) result.add(tight_box(shapes.face(ModelFaceId(i))));
+  for (auto next = order.begin(); next != order.end();) {
+    std::vector<std::size_t> batch;
+    for (; next != order.end() && batch.size() < kBatch; ++next)
+      if (!covers(result, loose[next->second])) batch.push_back(next->second);
+    std::vector<Box3> tight(batch.size());
+    loop.for_blocks(batch.size(), 1,
+                    [&](std::size_t k, std::size_t) { tight[k] = tight_box(shapes.face(ModelFaceId(batch[k]))); });
+    for (std::size_t k = 0; k < batch.size(); ++k)
+      if (!covers(result, loose[batch[k]])) result.add(tight[k]);
+  }
   if (result.empty()) throw Error(ErrorCode::InputUnsuitable, "the model has no extent");
   return result;
 }
@@ -75,49 +83,62 @@ constexpr double kToleranceMargin = 1.25;
 
 }  // namespace
 
-CadModel::CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes,
-                   double metres_per_unit)
-    : shapes_(std::move(parts.shapes)), areas_(parts.topology.face_count()), volumes_(parts.topology.region_count()) {
+CadModel::CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop)
+    : shapes_(std::move(parts.shapes)),
+      faces_(parts.topology.face_count()),
+      known_(document.integrals),
+      integrals_(parts.topology.face_count()),
+      volumes_(parts.topology.region_count()) {
   topology_ = std::move(parts.topology);
-  attributes_ = make_entity_attributes(root, attributes, shapes_);
-  metres_per_unit_ = metres_per_unit;
+  attributes_ = make_entity_attributes(document.root, document.attributes, shapes_);
+  metres_per_unit_ = document.metres_per_unit;
   translate_failures({}, ErrorCode::InputUnsuitable, "the bounding box",
-                     [&] { bounding_box_ = compute_box(shapes_, topology_.face_count()); });
-  measure_tolerances();
+                     [&] { bounding_box_ = compute_box(shapes_, topology_.face_count(), loop); });
+  measure_tolerances(loop);
 }
 
 // Files understate how far parameter curves lie off their edges, and vertices off both.
-void CadModel::measure_tolerances() {
-  for (std::size_t i = 0; i < topology_.face_count(); ++i) {
-    try {
-      const auto face = face_geometry(ModelFaceId(i));
-      for (const ModelLoop& loop : topology_.face_to_loops[i]) {
-        for (const EdgeUse& use : loop) {
-          if (topology_.edges[use.edge.value].degenerate) continue;
-          const auto edge = edge_geometry(use.edge);
-          measure_use(*face, *edge, use);
-        }
-      }
-    } catch (const Error& error) {  // whoever meshes this face gets the same error, with its place
-      if (error.code() == ErrorCode::OutOfMemory) throw;
+void CadModel::measure_tolerances(const BlockLoop& loop) {
+  std::vector<std::vector<Gap>> gaps(topology_.face_count());
+  loop.for_blocks(gaps.size(), 1, [&](std::size_t i, std::size_t) { gaps[i] = measure_face(ModelFaceId(i)); });
+  for (const std::vector<Gap>& of_face : gaps)
+    for (const Gap& gap : of_face) {
+      double& tolerance = attributes_[gap.entity.dim][gap.entity.index].tolerance;
+      if (gap.width > tolerance) tolerance = kToleranceMargin * gap.width;
     }
-  }
 }
 
-void CadModel::measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use) {
-  const auto raise = [&](ModelEntity entity, double gap) {
-    double& tolerance = attributes_[entity.dim][entity.index].tolerance;
-    if (gap > tolerance) tolerance = kToleranceMargin * gap;
+/// The gaps wider than the file says, in the order in which they are met.
+std::vector<CadModel::Gap> CadModel::measure_face(ModelFaceId id) const {
+  std::vector<Gap> gaps;
+  try {
+    const auto face = face_geometry(id);
+    for (const ModelLoop& loop : topology_.face_to_loops[id.value]) {
+      for (const EdgeUse& use : loop) {
+        if (topology_.edges[use.edge.value].degenerate) continue;
+        const auto edge = edge_geometry(use.edge);
+        measure_use(*face, *edge, use, gaps);
+      }
+    }
+  } catch (const Error& error) {  // whoever meshes this face gets the same error, with its place
+    if (error.code() == ErrorCode::OutOfMemory) throw;
+  }
+  return gaps;
+}
+
+void CadModel::measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const {
+  const auto note = [&](ModelEntity entity, double gap) {
+    if (gap > attributes_[entity.dim][entity.index].tolerance) gaps.push_back({entity, gap});
   };
   const ParameterRange range = face.edge_range(use);
   for (int i = 0; i <= kToleranceSamples; ++i) {
     const double t = range.lo + (range.hi - range.lo) * i / kToleranceSamples;
     const Vec3 on_edge = edge.evaluate(t), on_face = face.evaluate(face.edge_parameters(use, t));
-    raise(use.edge, distance(on_edge, on_face));
+    note(use.edge, distance(on_edge, on_face));
     if (i > 0 && i < kToleranceSamples) continue;
     const ModelVertexId vertex = topology_.edges[use.edge.value].vertices[i == 0 ? 0 : 1];
     const Vec3 at = vertex_point(vertex);
-    raise(vertex, std::max(distance(at, on_edge), distance(at, on_face)));
+    note(vertex, std::max(distance(at, on_edge), distance(at, on_face)));
   }
 }
 
@@ -133,30 +154,36 @@ std::unique_ptr<EdgeGeometry> CadModel::edge_geometry(ModelEdgeId id) const {
 
 std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
-  return std::make_unique<CadFace>(shapes_, topology_, id, named(id));
+  const auto& known =
+      faces_.get(id.value, [&] { return std::make_unique<const CadFace>(shapes_, topology_, id, named(id)); });
+  return known->another();
+}
+
+const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {
+  return integrals_.get(id.value, [&] {
+    const TopoDS_Face face = shapes_.face(id);
+    const auto known = find_integrals(known_, face);
+    return known ? *known : integrate_face(face);
+  });
 }
 
 double CadModel::area(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
-  return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] {
-    return areas_.get(id.value, [&] {
-      GProp_GProps properties;
-      BRepGProp::SurfaceProperties(shapes_.face(id), properties);
-      return properties.Mass();
-    });
-  });
+  return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] { return integrals(id).area; });
 }
 
 double CadModel::volume(ModelRegionId id) const {
   TETLOOM_ASSERT(id.value < topology_.region_count());
   return translate_failures(named(id), ErrorCode::VolumeFailed, "the volume", [&] {
-    // Adaptive integration: with the fixed number of Gauss points of the plain call, solids of spline faces come out
-    // wrong by up to two percent.
-    constexpr double kRelativeError = 1e-4;
     return volumes_.get(id.value, [&] {
-      GProp_GProps properties;
-      BRepGProp::VolumeProperties(shapes_.solid(id), properties, kRelativeError);
-      return properties.Mass();
+      VolumeSum sum;
+      for (TopExp_Explorer face(shapes_.solid(id), TopAbs_FACE); face.More(); face.Next()) {
+        const TopAbs_Orientation orientation = face.Current().Orientation();
+        if (orientation != TopAbs_FORWARD && orientation != TopAbs_REVERSED) continue;
+        const int index = shapes_.faces.FindIndex(face.Current());
+        sum.add(integrals(ModelFaceId(static_cast<std::size_t>(index - 1))), orientation == TopAbs_REVERSED);
+      }
+      return sum.volume();
     });
   });
 }

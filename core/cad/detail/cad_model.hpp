@@ -4,31 +4,36 @@
 #include <mutex>
 #include <vector>
 
+#include "core/base/block_loop.hpp"
+#include "core/cad/detail/cad_face.hpp"
+#include "core/cad/detail/document.hpp"
+#include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
 
 namespace tetloom::cad {
 
-/// Numbers that are dear to compute, each found when it is first asked for. Thread safety: any number of threads.
-class LazyNumbers {
+/// Values that are dear to compute, each found when it is first asked for. Thread safety: any number of threads.
+template <class Value>
+class LazyValues {
  public:
-  explicit LazyNumbers(std::size_t count) : found_(new std::once_flag[count]), values_(count) {}
+  explicit LazyValues(std::size_t count) : found_(new std::once_flag[count]), values_(count) {}
   /// What `compute` throws reaches the caller, and the next one computes again.
   template <class Compute>
-  double get(std::size_t i, const Compute& compute) const {
+  const Value& get(std::size_t i, const Compute& compute) const {
     std::call_once(found_[i], [&] { values_[i] = compute(); });
     return values_[i];
   }
 
  private:
   std::unique_ptr<std::once_flag[]> found_;
-  mutable std::vector<double> values_;
+  mutable std::vector<Value> values_;
 };
 
 class CadModel final : public GeometricModel {
  public:
-  /// Takes over the shapes and their tables. Errors: InputUnsuitable.
-  CadModel(ShapeTopology parts, const TopoDS_Shape& root, const AttributeMap& attributes, double metres_per_unit);
+  /// Takes over the shapes of a document and their tables. Errors: InputUnsuitable.
+  CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop);
 
   Vec3 vertex_point(ModelVertexId id) const override;
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
@@ -38,11 +43,20 @@ class CadModel final : public GeometricModel {
   const ShapeTables& shapes() const { return shapes_; }
 
  private:
-  void measure_tolerances();
-  void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use);
+  const FaceIntegrals& integrals(ModelFaceId id) const;
+  struct Gap {
+    ModelEntity entity;
+    double width;
+  };
+  void measure_tolerances(const BlockLoop& loop);
+  std::vector<Gap> measure_face(ModelFaceId id) const;
+  void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const;
 
   ShapeTables shapes_;
-  LazyNumbers areas_, volumes_;
+  LazyValues<std::unique_ptr<const CadFace>> faces_;  ///< those that others are copied from
+  KnownIntegrals known_;                              ///< from the reading
+  LazyValues<FaceIntegrals> integrals_;               ///< of faces
+  LazyValues<double> volumes_;
 };
 
 }  // namespace tetloom::cad

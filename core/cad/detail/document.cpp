@@ -4,6 +4,7 @@
 #include <BRepTools.hxx>
 #include <fstream>
 #include <IGESCAFControl_Reader.hxx>
+#include <Interface_Static.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <TDF_LabelSequence.hxx>
 #include <TDocStd_Document.hxx>
@@ -49,9 +50,25 @@ class CafDocument {
   Handle(TDocStd_Document) document_;
 };
 
+/// One of OpenCASCADE's global settings, otherwise while this lives.
+class Setting {
+ public:
+  Setting(const char* name, double value) : name_(name), before_(Interface_Static::RVal(name)) {
+    Interface_Static::SetRVal(name_, value);
+  }
+  ~Setting() { Interface_Static::SetRVal(name_, before_); }
+  Setting(const Setting&) = delete;
+  Setting& operator=(const Setting&) = delete;
+
+ private:
+  const char* name_;
+  double before_;
+};
+
 template <class Reader>
 void transfer(Reader& reader, CafDocument& document, const std::filesystem::path& path, const CancelToken* cancel) {
   if (cancel) cancel->check();
+  const Setting no_regularity("read.encoderegularity.angle", 0);  // how smooth edges are, which nobody asks for
   Handle(CancelIndicator) indicator = new CancelIndicator(cancel);
   const bool done = reader.Transfer(document.get(), Message_ProgressIndicator::Start(indicator));
   if (cancel) cancel->check();

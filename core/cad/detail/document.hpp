@@ -4,6 +4,7 @@
 #include <TopoDS_Compound.hxx>
 
 #include "core/base/progress.hpp"
+#include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 
 namespace tetloom::cad {
@@ -13,6 +14,7 @@ struct Document {
   AttributeMap attributes;
   double metres_per_unit = 0;
   std::vector<Diagnostic> warnings;
+  KnownIntegrals integrals;  ///< of faces as they are now
 };
 
 enum class CadFormat { Step, Iges, Brep };

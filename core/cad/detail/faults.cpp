@@ -4,6 +4,7 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepCheck_ListOfStatus.hxx>
 #include <BRepCheck_Result.hxx>
+#include <Geom_OffsetSurface.hxx>
 #include <map>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -11,6 +12,7 @@
 #include <TopTools_DataMapOfShapeInteger.hxx>
 
 #include "core/cad/detail/conversions.hpp"
+#include "core/cad/detail/surface_evaluator.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -173,7 +175,26 @@ void warn_of_open_edges(const TopoDS_Shape& shape, const ShapeTables& shapes, co
   warnings.push_back(std::move(warning));
 }
 
+/// Those keep helpers inside, which two threads must not use at once.
+bool has_offset_surface(const TopoDS_Shape& shape) {
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    TopLoc_Location place;
+    const Handle(Geom_Surface)& surface = BRep_Tool::Surface(TopoDS::Face(face.Current()), place);
+    if (!surface.IsNull() && untrimmed(surface)->IsKind(STANDARD_TYPE(Geom_OffsetSurface))) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+std::unique_ptr<BRepCheck_Analyzer> analyze(const TopoDS_Shape& shape, const BlockLoop& loop) {
+  std::unique_ptr<BRepCheck_Analyzer> result;
+  const bool parallel = &loop != &serial_loop() && !has_offset_surface(shape);
+  // As one block of the loop: what OpenCASCADE hands to oneTBB stays on the threads of its owner.
+  loop.for_blocks(
+      1, 1, [&](std::size_t, std::size_t) { result = std::make_unique<BRepCheck_Analyzer>(shape, true, parallel); });
+  return result;
+}
 
 std::size_t count_faults(const BRepCheck_Analyzer& analyzer, const TopoDS_Shape& shape) {
   std::size_t count = 0;
@@ -201,11 +222,11 @@ std::vector<TopoDS_Edge> find_open_edges(const TopoDS_Shape& shape) {
   return open;
 }
 
-std::vector<Diagnostic> describe_faults(const TopoDS_Shape& root, const ShapeTables& shapes) {
+std::vector<Diagnostic> describe_faults(const TopoDS_Shape& root, const ShapeTables& shapes, const BlockLoop& loop) {
   FaultList faults(shapes);
-  const BRepCheck_Analyzer analyzer(root);
-  if (analyzer.IsValid()) return {};
-  for_each_fault(analyzer, root, [&](const TopoDS_Shape& shape, const TopoDS_Shape& context, BRepCheck_Status status) {
+  const auto analyzer = analyze(root, loop);
+  if (analyzer->IsValid()) return {};
+  for_each_fault(*analyzer, root, [&](const TopoDS_Shape& shape, const TopoDS_Shape& context, BRepCheck_Status status) {
     faults.add(shape, context, status);
   });
   return faults.take();

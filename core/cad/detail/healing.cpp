@@ -3,12 +3,11 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>
-#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_PurgeLocations.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
 #include <Geom_Plane.hxx>
-#include <GProp_GProps.hxx>
+#include <Precision.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <ShapeFix_Shape.hxx>
@@ -18,6 +17,7 @@
 #include <TopoDS.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 
+#include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/faults.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/stray_curves.hpp"
@@ -120,30 +120,25 @@ void apply(Document& document, const Context& context) {
   replace_shapes(document, root, [&](const TopoDS_Shape& shape) { return successors_in(context, shape); });
 }
 
-double volume_of(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
-}
-
-std::size_t badness(const TopoDS_Shape& shape) {
-  const BRepCheck_Analyzer analyzer(shape);
+std::size_t badness(const BRepCheck_Analyzer& analyzer, const TopoDS_Shape& shape) {
   return (analyzer.IsValid() ? 0 : count_faults(analyzer, shape)) + 1000 * find_open_edges(shape).size();
 }
+
+std::size_t badness(const TopoDS_Shape& shape, const BlockLoop& loop) { return badness(*analyze(shape, loop), shape); }
 
 /// A repair must not change the shape itself by more than this share of its volume.
 constexpr double kVolumeChange = 0.01;
 
-bool is_improved(const TopoDS_Shape& before, const TopoDS_Shape& after) {
-  if (after.IsNull() || badness(after) >= badness(before)) return false;
+bool keeps_volume(const TopoDS_Shape& before, const TopoDS_Shape& after, const BlockLoop& loop) {
   if (before.ShapeType() != TopAbs_SOLID) return true;
   if (!TopExp_Explorer(after, TopAbs_SOLID).More()) return false;
-  const double old_volume = volume_of(before), new_volume = volume_of(after);
+  KnownIntegrals known;
+  const double old_volume = enclosed_volume(before, known, loop), new_volume = enclosed_volume(after, known, loop);
   return std::abs(std::abs(new_volume) - std::abs(old_volume)) <= kVolumeChange * std::abs(old_volume);
 }
 
 /// Each body on its own: what holds a valid body together is not touched.
-std::size_t fix_invalid_bodies(Document& document, const CancelToken* cancel) {
+std::size_t fix_invalid_bodies(Document& document, const CancelToken* cancel, const BlockLoop& loop) {
   std::vector<TopoDS_Shape> bodies = shapes_of(document.root, TopAbs_SOLID);
   for (const TopoDS_Shape& shell : shapes_of(document.root, TopAbs_SHELL, TopAbs_SOLID)) bodies.push_back(shell);
   for (const TopoDS_Shape& face : shapes_of(document.root, TopAbs_FACE, TopAbs_SHELL)) bodies.push_back(face);
@@ -151,14 +146,17 @@ std::size_t fix_invalid_bodies(Document& document, const CancelToken* cancel) {
   for (const TopoDS_Shape& original : bodies) {
     if (cancel) cancel->check();
     const TopoDS_Shape body = original.Located(TopLoc_Location());
-    if (BRepCheck_Analyzer(body).IsValid()) continue;
+    const auto analyzer = analyze(body, loop);
+    if (analyzer->IsValid()) continue;
+    const std::size_t faults = badness(*analyzer, body);
     const Context context = new ShapeBuild_ReShape;
     const Handle(ShapeFix_Shape) fix = new ShapeFix_Shape(body);
     fix->SetContext(context);
     Handle(CancelIndicator) indicator = new CancelIndicator(cancel);
     fix->Perform(Message_ProgressIndicator::Start(indicator));
     if (cancel) cancel->check();
-    if (!is_improved(body, context->Apply(body))) continue;
+    const TopoDS_Shape fixed = context->Apply(body);
+    if (fixed.IsNull() || badness(fixed, loop) >= faults || !keeps_volume(body, fixed, loop)) continue;
     apply(document, context);
     ++count;
   }
@@ -186,7 +184,7 @@ std::size_t count_tiny_edges(const TopoDS_Shape& root, double length) {
 }
 
 /// Edges shorter than the precision of the kernel are points.
-std::size_t remove_tiny_edges(Document& document) {
+std::size_t remove_tiny_edges(Document& document, const BlockLoop& loop) {
   const double length = Precision::Confusion();
   const std::size_t before = count_tiny_edges(document.root, length);
   if (before == 0) return 0;
@@ -197,7 +195,7 @@ std::size_t remove_tiny_edges(Document& document) {
   fix->ModeDropSmallEdges() = true;
   fix->FixSmallEdges();
   const TopoDS_Shape root = context->Apply(document.root);
-  if (root.IsNull() || badness(root) > badness(document.root)) return 0;
+  if (root.IsNull() || badness(root, loop) > badness(document.root, loop)) return 0;
   const std::size_t after = count_tiny_edges(root, length);
   apply(document, context);
   return before - std::min(before, after);
@@ -255,10 +253,8 @@ double perimeter_of(const TopoDS_Shape& face) {
 
 /// Narrower than its tolerance, on average.
 bool is_collapsed(const TopoDS_Face& face) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
   const double width = std::max(BRep_Tool::Tolerance(face), Precision::Confusion());
-  return std::abs(properties.Mass()) <= width * std::max(0.5 * perimeter_of(face), width);
+  return std::abs(integrate_face(face).area) <= width * std::max(0.5 * perimeter_of(face), width);
 }
 
 /// Faces of no solid that are a line or a point: whatever is sewn to them would be a solid without volume.
@@ -283,14 +279,16 @@ TopoDS_Solid with_own_orientation(const TopoDS_Solid& solid) {
   return result;
 }
 
-std::size_t turn_right_side_out(Document& document) {
+std::size_t turn_right_side_out(Document& document, const BlockLoop& loop) {
   const Context context = new ShapeBuild_ReShape;
   std::size_t count = 0;
   for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
     const TopoDS_Shape body = original.Located(TopLoc_Location());
-    if (context->IsRecorded(body) || !(volume_of(body) < 0) || !find_open_edges(body).empty()) continue;
+    if (context->IsRecorded(body) || !(enclosed_volume(body, document.integrals, loop) < 0) ||
+        !find_open_edges(body).empty())
+      continue;
     TopoDS_Solid solid = TopoDS::Solid(body);
-    if (!BRepLib::OrientClosedSolid(solid) || !(volume_of(solid) > 0)) continue;
+    if (!BRepLib::OrientClosedSolid(solid) || !(enclosed_volume(solid, document.integrals, loop) > 0)) continue;
     context->Replace(body, with_own_orientation(solid));
     ++count;
   }
@@ -309,15 +307,15 @@ void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
   add_step(steps, "edges got a parameter curve that they lacked", add_parameter_curves(document.root));
 }
 
-bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel) {
+bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel, const BlockLoop& loop) {
   add_step(steps, "edges were brought to one parameter with their parameter curves", reparametrise(document.root));
   add_step(steps, "curves were fitted to the vertices that they missed", repair_stray_curves(document.root));
   add_step(steps, "faces without area were left out", drop_collapsed_faces(document));
   sew_loose_faces(document, steps, cancel);
   add_step(steps, "edges within the tolerance of one vertex were removed", remove_swallowed_spurs(document));
-  const bool valid = BRepCheck_Analyzer(document.root).IsValid();
-  if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_invalid_bodies(document, cancel));
-  const std::size_t removed = remove_tiny_edges(document), turned = turn_right_side_out(document);
+  const bool valid = analyze(document.root, loop)->IsValid();
+  if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_invalid_bodies(document, cancel, loop));
+  const std::size_t removed = remove_tiny_edges(document, loop), turned = turn_right_side_out(document, loop);
   add_step(steps, "edges without length were removed", removed);
   add_step(steps, "solids were turned right side out", turned);
   return valid && removed + turned == 0;

@@ -13,7 +13,7 @@ void complete_geometry(Document& document, std::vector<HealingStep>& steps);
 /// Repairs invalid solids and sheets (wires, pcurves, tolerances, orientation), sews loose faces into shells, makes
 /// solids of closed shells and turns solids right side out. A repair that does not lessen the faults is undone.
 /// Names and colours follow the shapes. Returns whether everything is known to be valid now.
-bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel);
+bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel, const BlockLoop& loop);
 
 /// Sews the faces that belong to no solid, and makes solids of the closed shells among them; a closed shell inside
 /// another one becomes its cavity.
