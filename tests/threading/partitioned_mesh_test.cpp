@@ -65,6 +65,14 @@ TEST_CASE("a mesh that cannot be a part is refused on all ranks, and they stay i
     std::swap(bad.tri_to_vert[0][0], bad.tri_to_vert.back()[2]);
     expected.code = ErrorCode::InputUnsuitable;
   }
+  SECTION("with a tag beyond what a part can hold") {
+    bad.tet_to_entity[0] = (1u << 30) + 3;
+    expected.code = ErrorCode::InputUnsuitable;
+  }
+  SECTION("with a point on an entity of such a tag") {
+    bad.point_to_entity[0] = ModelEntity(0, 1u << 30);
+    expected.code = ErrorCode::InputUnsuitable;
+  }
   // What other ranks hold is not looked at, good or bad.
   for (const bool others_too : {false, true}) {
     const bool gives_bad = others_too || communicator->rank() == 0;
