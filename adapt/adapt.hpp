@@ -83,10 +83,11 @@ struct AdaptResult {
 
 /// Adapts `mesh`, of tets alone, which stays as it is, to `metric`, one per point, limited where it turns faster than
 /// elements can (adapt::limit_turning). Every face of its boundary, and between its regions, must be a triangle that
-/// names a model face.
+/// names a model face. Every tet of the result is positive by the exact predicate.
 ///
 /// Errors are in the result: InvalidArgument for options out of range and a metric of another length; InputUnsuitable
-/// with a place for meshes that cannot be adapted and for fields on tets that are not finite; Cancelled; OutOfMemory.
+/// with a place for meshes that cannot be adapted, for tags of entities above 2^28 and for fields on tets that are not
+/// finite; Cancelled; OutOfMemory.
 /// Thread safety: may be called from any thread, several calls at once.
 AdaptResult adapt_mesh(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
                        const Host& host = {});
