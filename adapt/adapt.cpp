@@ -1,9 +1,9 @@
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "adapt/adapt_on_ranks.hpp"
 #include "adapt/adapter.hpp"
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"

@@ -1,4 +1,5 @@
 #include "adapt/input_checks.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <array>
 #include <cstdio>
@@ -10,8 +11,8 @@
 #include "adapt/kernel/surface_map.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/part/part_mesh.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {
 

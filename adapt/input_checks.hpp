@@ -1,6 +1,6 @@
 #pragma once
 // What has to be true of the input of adapt_mesh before anything is done with it.
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
 
 namespace tetloom::adapt {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "core/predicates/predicates.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,7 +1,7 @@
 #pragma once
 // What is true of every mesh that adapt_mesh hands back.
-#include "core/base/block_loop.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::adapt {
 

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "adapt/kernel/metric_stage.hpp"
-#include "adapt/metric/metric_field.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::adapt {
 

@@ -20,6 +20,9 @@
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "mesher/tets/quality_goals.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "adapt/metric/tensor.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,12 +1,13 @@
 #include "adapt/parts/whole_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/link_tets.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 

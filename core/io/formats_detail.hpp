@@ -12,8 +12,8 @@
 #include "core/io/input_detail.hpp"
 #include "core/io/mesh_parts.hpp"
 #include "core/io/mesh_piece.hpp"
-#include "core/mesh/mesh.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
 

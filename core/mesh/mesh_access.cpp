@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {

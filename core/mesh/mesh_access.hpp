@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/base/block_loop.hpp"
-#include "core/mesh/cell_shape.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom {
 

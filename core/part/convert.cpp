@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/base/error.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/part/adjacency.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/mesh/mesh.hpp"
-#include "core/part/part_mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom {
 

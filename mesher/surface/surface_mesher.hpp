@@ -2,9 +2,9 @@
 // The surface mesh of a model: edges once each, then faces in parallel, then one conforming mesh of all.
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -1,5 +1,5 @@
 // Meshes led to a metric, without a model.
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -9,12 +9,11 @@
 #include <limits>
 #include <random>
 
-#include "adapt/metric/metric_field.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/metric.hpp"
 
 using namespace tetloom;
 using adapt::Tensor;

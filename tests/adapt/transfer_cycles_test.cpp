@@ -4,12 +4,12 @@
 #include <limits>
 #include <map>
 
-#include "adapt/adapt.hpp"
 #include "adapt/transfer/clip_tet.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/adapt.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

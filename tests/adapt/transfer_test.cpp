@@ -7,6 +7,7 @@
 #include "adapt/transfer/overlaps.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

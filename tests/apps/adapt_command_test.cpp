@@ -7,11 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/io/mesh_io.hpp"
-#include "core/io/solution_io.hpp"
-#include "core/mesh/digest.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom::test;
 using tetloom::Mesh;

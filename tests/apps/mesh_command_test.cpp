@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <regex>
 
-#include "core/io/mesh_io.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom::test;
 

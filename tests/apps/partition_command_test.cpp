@@ -5,12 +5,12 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "core/io/mesh_io.hpp"
 #include "core/io/mesh_piece.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom::test;
 using tetloom::Mesh;

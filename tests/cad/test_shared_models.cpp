@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/cad/read_model.hpp"
 #include "tests/cad/model_checks.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 

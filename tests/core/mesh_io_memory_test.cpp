@@ -6,8 +6,8 @@
 #include <new>
 #include <string>
 
-#include "core/io/mesh_io.hpp"
 #include "tests/core/mesh_io_support.hpp"
+#include "tetloom/io.hpp"
 
 namespace {
 std::atomic<std::size_t> allocated{0};

@@ -5,11 +5,10 @@
 #include <filesystem>
 #include <tuple>
 
-#include "core/cad/read_model.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/mesher/real_models.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 namespace fs = std::filesystem;

@@ -1,5 +1,6 @@
 // Parts under random migrations: the whole mesh stays what it was, and every link names its copy from both sides.
-#include "threading/partitioned_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -10,8 +11,6 @@
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/disordering_communicator.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/migration.hpp"
-#include "threading/whole_mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <TopoDS_Compound.hxx>
 
-#include "core/base/progress.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::cad {
 

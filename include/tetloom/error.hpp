@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/ids.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

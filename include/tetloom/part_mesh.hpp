@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/growing_array.hpp"
-#include "core/base/ids.hpp"
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/cell_shape.hpp"
+#include "tetloom/growing_array.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 
@@ -58,7 +58,7 @@ class CellPlace {
   std::uint32_t bits_ = 0xffffffffu;
 };
 
-/// All cells of one kind. Vertices in the order of cell_shape.hpp.
+/// All cells of one kind. Vertices in the order of tetloom/mesh_data.hpp.
 struct CellBlock {
   GrowingArray<std::uint32_t> to_vert;    ///< vertices per cell · cell
   GrowingArray<CellPlace> to_neighbor;    ///< faces per cell · cell: the same face as a face of the cell behind it;

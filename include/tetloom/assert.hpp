@@ -1,7 +1,6 @@
 #pragma once
 // Assertions on tetloom's own invariants. A broken invariant is thrown as an Error of code Internal, because a library
 // must never end its host. TETLOOM_ASSERT stays on in Release; TETLOOM_DEBUG_ASSERT does not.
-
 namespace tetloom::detail {
 [[noreturn]] void fail_assertion(const char* condition, const char* file, int line);
 }

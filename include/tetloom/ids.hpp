@@ -2,7 +2,6 @@
 // Distinct 32-bit id types, the index of nothing, and the name of a model entity.
 #include <compare>
 #include <cstdint>
-#include <functional>
 
 namespace tetloom {
 

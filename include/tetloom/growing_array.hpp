@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom {
 

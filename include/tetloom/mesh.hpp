@@ -1,25 +1,40 @@
 #pragma once
+// From a geometric model to a mesh: in one piece, in parts, by one process and by several ranks.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tetloom/communicator.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/filling.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/size_field.hpp"
+
+// A model entity that is too small for a mesh.
+
+namespace tetloom {
+
+/// A model entity of which a mesh has nothing, because it was too small for the sizes.
+struct AbsorbedEntity {
+  ModelEntity entity;
+  ModelEntity into;     ///< the entity on which the mesh now lies where it was
+  double distance = 0;  ///< by which its points were moved, at most; model length
+};
+
 // From a geometric model to a mesh: the one header that a host includes.
 //
 // Contract: the library prints nothing, never ends the process and installs no signal handler. Progress and
 // cancellation go through Host. The mesh depends on the model, the options and the number of parts, and on nothing
 // else: not on the number of threads.
-#include <array>
-#include <cstdint>
-#include <functional>
-#include <map>
-#include <string>
-#include <vector>
 
-#include "core/base/error.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
-#include "mesher/features/absorbed_entity.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "threading/task_runner.hpp"
-
-namespace tetloom {
+class Trace;
 
 /// The size asked of one model entity and everything on its closure.
 struct EntitySize {
@@ -121,5 +136,32 @@ std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const Mo
 /// Errors: throws Error(InvalidArgument) for options out of range. Everything that happens later is in the result.
 /// Thread safety: may be called from any thread, several calls at once.
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host = {});
+
+// From a geometric model to a mesh in one piece, by several ranks.
+
+/// As make_mesh, by the ranks of `communicator` together. The first rank has the mesh that make_mesh makes, element for
+/// element; the meshes of the others are the surface alone, as it was before the volume was filled. All else in the
+/// result is the same on all ranks. A collective call, for which all ranks give the same. Errors and thread safety: as
+/// make_mesh; one call for each communicator.
+MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
+                              const Host& host = {});
+
+// From a geometric model to a mesh in parts, which is nowhere put together.
+
+struct MeshInPartsResult {
+  MeshResult run;  ///< as of make_mesh, but its mesh is the surface alone, as it was before the volume was filled
+  std::optional<PartitionedMesh> mesh;  ///< when the run's status is Ok
+  double partition_seconds = 0;         ///< of dealing the mesh to parts
+};
+
+/// The mesh that make_mesh makes, in parts: `options.parts` of them, or, where that is 0, those in which volumes were
+/// filled, which are complexes (regions connected through faces) and the parts of large ones. Global ids of vertices
+/// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it.
+///
+/// Errors: InvalidArgument is thrown, for options out of range and for surface_only. In the result: what make_mesh
+/// says, and InputUnsuitable, before any work is done, for a model without regions and for one with faces or edges that
+/// bound none. Thread safety: one call for each communicator.
+MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,
+                                     Communicator& communicator, const Host& host = {});
 
 }  // namespace tetloom
