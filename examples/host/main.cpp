@@ -11,9 +11,9 @@
 #include <string>
 #include <thread>
 
-#include "tetloom/io.hpp"
-#include "tetloom/mesh.hpp"
-#include "tetloom/model.hpp"
+#include <tetloom/io.hpp>
+#include <tetloom/mesh.hpp>
+#include <tetloom/model.hpp>
 
 namespace {
 

@@ -81,7 +81,7 @@ struct FieldTransfer {
 
 }  // namespace tetloom::adapt
 
-// From a mesh and a metric to a mesh whose edges have length 1 in that metric: the one header that a host includes.
+// What is done with the mesh.
 //
 // Coarsening, refinement, swaps and motion, each iterated (Li, Shephard & Beall 2005), all of them made of one operator
 // on cavities (adapt/kernel). The mesh is led to the metric in stages, and dealt to parts anew for every round, each of

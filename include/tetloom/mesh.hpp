@@ -28,7 +28,7 @@ struct AbsorbedEntity {
   double distance = 0;  ///< by which its points were moved, at most; model length
 };
 
-// From a geometric model to a mesh: the one header that a host includes.
+// What a host asks for, and what it gets.
 //
 // Contract: the library prints nothing, never ends the process and installs no signal handler. Progress and
 // cancellation go through Host. The mesh depends on the model, the options and the number of parts, and on nothing

@@ -217,9 +217,9 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
 
 // Partitioned meshes in files:
 //
-//   .pvtu  a list of pieces, and beside it a folder of its stem with one <stem>_<part>.vtu for each part. ParaView
-//   opens
-//          it; every rank reads and writes the pieces of its own parts. Holds everything that a PartitionedMesh holds.
+//   .pvtu  a list of pieces, and beside it a folder of its stem with one <stem>_<part>.vtu for each part, which
+//          ParaView opens; every rank reads and writes the pieces of its own parts. Holds everything that a
+//          PartitionedMesh holds.
 //   .msh   Gmsh 4.1 with $PartitionedEntities, in one file, which rank 0 reads and writes: it has to hold the mesh as a
 //          whole. Global ids are the order of the nodes.
 
