@@ -1,12 +1,13 @@
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "adapt/adapt_on_ranks.hpp"
 #include "adapt/adapter.hpp"
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
+#include "adapt/result_check.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/stopwatch.hpp"
 
@@ -101,8 +102,9 @@ class AdaptRun {
     adapter->run(result);
     watch.lap();
     work_.each([&] {
-      if (work_.rank() == 0)
-        result.report.after = conformity_of(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
+      if (work_.rank() != 0) return;
+      check_positive(result.mesh, work_.runner_for_one());
+      result.report.after = conformity_of(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
     });
     share_findings(result.report, work_);
     result.report.stages.result += watch.lap();

@@ -1,11 +1,11 @@
 #include <new>
 #include <utility>
 
-#include "adapt/adapt_on_ranks.hpp"
 #include "core/base/stopwatch.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/balance/balance.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom {
 

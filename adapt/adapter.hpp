@@ -5,12 +5,13 @@
 #include <span>
 #include <vector>
 
-#include "adapt/adapt.hpp"
 #include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/transfer/field_transfer.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom::adapt {

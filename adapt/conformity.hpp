@@ -2,8 +2,8 @@
 // How well a mesh fits the metrics that its vertices have while it is adapted.
 #include <span>
 
-#include "adapt/adapt.hpp"
 #include "adapt/metric/vertex_metric.hpp"
+#include "tetloom/adapt.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,4 +1,5 @@
 #include "adapt/input_checks.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <array>
 #include <cstdio>
@@ -7,16 +8,38 @@
 #include <string>
 #include <type_traits>
 
+#include "adapt/kernel/surface_map.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/part/part_mesh.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
 constexpr double kBytesPerTet = 200;  // at the least
+// Indices of entities: as many again are left for corners and edges that the mesh does not name, below kTouching.
+constexpr std::uint32_t kMostGiven = kTouching / 2;
+
+// Tables of corners and edges get places for those that the mesh does not name, so no tag may lie far behind them.
+void require_in_tables(const Mesh& mesh) {
+  const auto require = [&](ModelEntity entity, const char* what, std::size_t element) {
+    const std::size_t known = mesh.entities[entity.dim].size();
+    if (known == 0 || entity.index < known) return;
+    throw Error(Diagnostic{ErrorCode::InputUnsuitable,
+                           std::string(what) + " lies on the entity with tag " + std::to_string(entity.tag()) +
+                               ", but the mesh's table of these ends at " + std::to_string(known),
+                           {},
+                           {},
+                           {element}});
+  };
+  for (std::size_t v = 0; v < mesh.point_to_entity.size(); ++v)
+    if (mesh.point_to_entity[v].valid() && mesh.point_to_entity[v].dim < 2)
+      require(mesh.point_to_entity[v], "a point of the mesh", v);
+  for (std::size_t e = 0; e < mesh.edge_to_entity.size(); ++e)
+    if (mesh.edge_to_entity[e] != kNone) require({1, mesh.edge_to_entity[e]}, "an edge of the mesh", e);
+}
 
 class Fingerprint {
  public:
@@ -70,6 +93,8 @@ void check_mesh(const Mesh& mesh, const BlockLoop& loop) {
     if (!is_finite(mesh.points[v]))
       throw Error(Diagnostic{ErrorCode::InputUnsuitable, "the mesh has points that are not finite", {}, {}, {v}});
   if (mesh.tet_to_vert.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
+  require_entities_below(mesh, kMostGiven, loop);
+  require_in_tables(mesh);
 }
 
 void check_metric(const MetricField& metric, const Mesh& mesh) {

@@ -1,11 +1,12 @@
 #pragma once
 // What has to be true of the input of adapt_mesh before anything is done with it.
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
 
 namespace tetloom::adapt {
 
 /// Throws Error(InvalidArgument) where arrays and indices of `mesh` do not fit, and InputUnsuitable for points that are
-/// not finite and for a mesh without tets.
+/// not finite, for a mesh without tets, for tags of entities above 2^28, and for those of corners and edges that are
+/// not in the mesh's table where it has one.
 void check_mesh(const Mesh& mesh, const BlockLoop& loop);
 
 /// Throws Error(InvalidArgument) unless there is one metric per point, and InputUnsuitable where one is not finite.

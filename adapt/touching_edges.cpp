@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "core/predicates/predicates.hpp"
 #include "mesher/volume/model_projector.hpp"
 
 namespace tetloom::adapt {
@@ -23,10 +24,6 @@ EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), 
 template <class Verts>
 bool has(const Verts& verts, std::uint32_t vert) {
   return std::find(verts.begin(), verts.end(), vert) != verts.end();
-}
-
-double volume(const std::vector<Vec3>& x, const TetVerts& v) {
-  return dot(cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]), x[v[3]] - x[v[0]]);
 }
 
 /// Edges of more than three triangles, ascending: fans that touch have two each.
@@ -164,7 +161,9 @@ class Splitter {
     const double pieces = std::max(2.0, std::round(edge_length(ma, mb, e)));
     const double share = place_on_edge(std::sqrt(dot(ma, e)), std::sqrt(dot(mb, e)), std::floor(pieces / 2) / pieces);
     const std::vector<std::uint32_t> tets = tets_.at_edge(a, b);
-    const std::uint32_t middle = add_point(a, b, share, tets);
+    const std::optional<Vec3> place = find_place(a, b, share, tets);
+    if (!place) return;
+    const std::uint32_t middle = add_point(a, b, share, *place);
     for (const std::uint32_t tet : tets) {
       tets_.split(tet, a, b, middle);
       for (MeshField& field : mesh_.cell_fields) {
@@ -177,10 +176,9 @@ class Splitter {
     ask(a, middle), ask(middle, b);
   }
 
-  std::uint32_t add_point(std::uint32_t a, std::uint32_t b, double share, std::span<const std::uint32_t> tets) {
+  std::uint32_t add_point(std::uint32_t a, std::uint32_t b, double share, const Vec3& place) {
     const auto middle = static_cast<std::uint32_t>(mesh_.points.size());
-    mesh_.points.push_back(mesh_.points[a] + share * (mesh_.points[b] - mesh_.points[a]));
-    lead_to_model(a, b, tets);
+    mesh_.points.push_back(place);
     if (!mesh_.point_to_entity.empty()) mesh_.point_to_entity.emplace_back();
     const std::vector<Tensor>& logs = result_.metric.logs;
     result_.metric.logs.push_back(function_ ? log(function_(mesh_.points.back()))
@@ -194,22 +192,40 @@ class Splitter {
     return middle;
   }
 
-  // The last point.
-  void lead_to_model(std::uint32_t a, std::uint32_t b, std::span<const std::uint32_t> tets) {
+  // Where the edge is split: on the model, or else on the straight edge. Nothing where even there rounding would leave
+  // a flat or inverted tet.
+  std::optional<Vec3> find_place(std::uint32_t a, std::uint32_t b, double share,
+                                 std::span<const std::uint32_t> tets) const {
+    const Vec3 straight = mesh_.points[a] + share * (mesh_.points[b] - mesh_.points[a]);
+    const std::optional<Vec3> led = place_on_model(a, b, straight);
+    if (led && keeps_sides(a, b, *led, tets)) return led;
+    return keeps_sides(a, b, straight, tets) ? std::optional(straight) : std::nullopt;
+  }
+
+  std::optional<Vec3> place_on_model(std::uint32_t a, std::uint32_t b, const Vec3& straight) const {
     const auto piece = pieces_.find(ascending(a, b));
-    if (!project_ || piece == pieces_.end() || mesh_.edge_to_entity[piece->second] == kNone) return;
-    const Vec3 straight = mesh_.points.back();
+    if (!project_ || piece == pieces_.end() || mesh_.edge_to_entity[piece->second] == kNone) return {};
     const auto spot = project_(ModelEntity(1, mesh_.edge_to_entity[piece->second]), straight);
-    if (!spot || norm2(spot->point - straight) > 0.25 * norm2(mesh_.points[b] - mesh_.points[a])) return;
-    mesh_.points.back() = spot->point;
-    const auto middle = static_cast<std::uint32_t>(mesh_.points.size() - 1);
+    if (!spot || norm2(spot->point - straight) > 0.25 * norm2(mesh_.points[b] - mesh_.points[a])) return {};
+    return spot->point;
+  }
+
+  // Whether the tets that a split makes turn as those at the edge do, exactly.
+  bool keeps_sides(std::uint32_t a, std::uint32_t b, const Vec3& place, std::span<const std::uint32_t> tets) const {
     for (const std::uint32_t tet : tets) {
-      for (const std::uint32_t end : {a, b}) {
-        TetVerts verts = mesh_.tet_to_vert[tet];
-        std::replace(verts.begin(), verts.end(), end, middle);
-        if (!(volume(mesh_.points, verts) > 0)) mesh_.points.back() = straight;
-      }
+      const int side = side_of(tet, kNone, place);
+      if (side_of(tet, a, place) != side || side_of(tet, b, place) != side) return false;
     }
+    return true;
+  }
+
+  // orient3d of a tet with `place` in the place of a vertex.
+  int side_of(std::uint32_t tet, std::uint32_t vert, const Vec3& place) const {
+    const auto at = [&](std::size_t i) {
+      const std::uint32_t v = mesh_.tet_to_vert[tet][i];
+      return v == vert ? place : mesh_.points[v];
+    };
+    return orient3d(at(0), at(1), at(2), at(3));
   }
 
   void split_piece(std::uint32_t a, std::uint32_t b, std::uint32_t middle) {

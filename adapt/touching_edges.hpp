@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "adapt/kernel/metric_stage.hpp"
-#include "adapt/metric/metric_field.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::adapt {
 
@@ -17,10 +17,10 @@ struct RefinedInput {
 
 /// Splits edges longer than sqrt 2 at which several fans of tets touch (adapt/parts/fans.hpp), for all fans alike, the
 /// longest first: adaptation itself leaves them as they are. New points lie on the edge, or with a model on its edge
-/// where that inverts no tet; fields on points are interpolated there, those on tets inherited. Points, tets and
-/// triangles keep their numbers; what is new comes behind them. Ends when there are `most_tets`, which a metric of very
-/// small sizes at few points may reach. Nothing where there is nothing to split. `function`: the metric asked for;
-/// empty: `metric`. Pre: the mesh is consistent, the metric one per point.
+/// where that inverts no tet, and edges stay where even the former would; fields on points are interpolated there,
+/// those on tets inherited. Points, tets and triangles keep their numbers; what is new comes behind them. Ends when
+/// there are `most_tets`, which a metric of very small sizes at few points may reach. Nothing where there is nothing to
+/// split. `function`: the metric asked for; empty: `metric`. Pre: the mesh is consistent, the metric one per point.
 std::optional<RefinedInput> split_touching_edges(const Mesh& mesh, const MetricField& metric,
                                                  const MetricFunction& function, const GeometricModel* model,
                                                  std::size_t most_tets);

@@ -13,12 +13,12 @@
 
 #include "bench/support/sphere_surface.hpp"
 #include "bench/support/wavy_face.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/surface/constrained_delaunay.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 namespace {

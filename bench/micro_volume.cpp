@@ -15,7 +15,6 @@
 
 #include "bench/support/sphere_surface.hpp"
 #include "core/predicates/predicates.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
@@ -27,7 +26,8 @@
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/shell.hpp"
 #include "mesher/volume/volume_mesher.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 namespace {

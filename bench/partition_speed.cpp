@@ -22,14 +22,13 @@
 #include "bench/support/lattice_part.hpp"
 #include "bench/support/machine.hpp"
 #include "bench/support/temporary_folder.hpp"
-#include "core/io/mesh_io.hpp"
 #include "core/part/convert.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/balance/balance.hpp"
-#include "threading/parts_figures.hpp"
-#include "threading/validate_parts.hpp"
 #ifdef TETLOOM_HAS_MPI
-#include "threading/mpi_communicator.hpp"
+#include "tetloom/communicator.hpp"
 #endif
 
 namespace tetloom::bench {

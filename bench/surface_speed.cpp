@@ -16,8 +16,8 @@
 #include "bench/support/session.hpp"
 #include "bench/support/surface_run.hpp"
 #include "bench/support/surface_table.hpp"
-#include "core/cad/read_model.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom::bench {
 namespace {

@@ -29,7 +29,8 @@ function(tetloom_library name)
   add_library(tetloom::${name} ALIAS tetloom_${name})
   set_target_properties(tetloom_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(tetloom_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/tetloom>)
+                                                    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   tetloom_configure(tetloom_${name})
   set_property(GLOBAL APPEND PROPERTY TETLOOM_LIBRARIES tetloom_${name})
 endfunction()

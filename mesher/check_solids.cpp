@@ -1,4 +1,5 @@
 #include "mesher/check_solids.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,11 @@
 #include <span>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,6 @@
 #include "mesher/classify_parts.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

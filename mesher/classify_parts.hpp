@@ -1,8 +1,9 @@
 #pragma once
 // The parts of a volume as parts of a mesh, with everything that is known of the surface that it was filled from.
-#include "core/mesh/mesh.hpp"
 #include "mesher/volume/volume_parts.hpp"
-#include "threading/partitioned_mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

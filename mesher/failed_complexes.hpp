@@ -2,8 +2,8 @@
 // What is set aside so that the rest of a model is meshed: the complexes in which something failed.
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

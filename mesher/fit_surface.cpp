@@ -1,4 +1,5 @@
 #include "mesher/fit_surface.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <cmath>

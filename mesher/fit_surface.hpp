@@ -4,16 +4,17 @@
 #include <vector>
 
 #include "mesher/failed_complexes.hpp"
-#include "mesher/features/absorbed_entity.hpp"
 #include "mesher/features/small_features.hpp"
 #include "mesher/intersection/new_triangles.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/refinement_log.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -1,12 +1,13 @@
 #include <algorithm>
 
 #include "core/base/page_size.hpp"
-#include "mesher/mesh_on_ranks.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/volume/fill_over_given.hpp"
 #include "mesher/volume/gather_volume.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/trace.hpp"
 
 namespace tetloom {
 namespace {

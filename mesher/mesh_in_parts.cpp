@@ -1,12 +1,14 @@
-#include "mesher/mesh_in_parts.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/classify_parts.hpp"
 #include "mesher/mesh_run_detail.hpp"
+#include "tetloom/partition.hpp"
 #include "threading/agreement.hpp"
-#include "threading/balance/balance.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,4 +1,5 @@
 #include "mesher/mesh_run_detail.hpp"
+#include "mesher/tets/quality_goals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,8 @@
 #include "mesher/fit_surface.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -3,8 +3,10 @@
 #include <functional>
 #include <vector>
 
-#include "mesher/mesher.hpp"
-#include "threading/communicator.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

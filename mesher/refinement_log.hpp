@@ -3,10 +3,10 @@
 #include <initializer_list>
 #include <map>
 
-#include "core/mesh/mesh.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom {
 

@@ -29,6 +29,15 @@ MAY_INCLUDE = {
     "tests": {"core", "threading", "mesher", "adapt", "apps", "bench", "examples"},
 }
 
+# Public headers (include/tetloom) and the rooms whose declarations they hold.
+PUBLIC = {
+    "core": {"assert", "check", "error", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
+             "size_field", "vec"},
+    "threading": {"communicator", "partition", "tasks"},
+    "mesher": {"filling", "mesh"},
+    "adapt": {"adapt", "metric"},
+}
+
 # (what, headers that belong to it, files that may include them)
 ADAPTERS = [
     ("oneTBB", re.compile(r"^(tbb|oneapi)/"), re.compile(r"^threading/")),
@@ -71,9 +80,20 @@ def private_violation(name, header):
     return None
 
 
+def room_of(name):
+    public = re.fullmatch(r"(?:include/)?tetloom/(\w+)\.hpp", name)
+    if not public:
+        return name.split("/")[0]
+    return next((room for room, headers in PUBLIC.items() if public.group(1) in headers), "include")
+
+
 def edge_violation(name, header):
     """Why `name` may not include `header`; None where it may."""
-    room, target = name.split("/")[0], header.split("/")[0]
+    if header.startswith("tetloom/") and room_of(header) == "include":
+        return f"{header} is no public header of a known room"
+    if name.startswith("include/") and "/" in header and not header.startswith("tetloom/"):
+        return f"a public header may include public ones only, not {header}"
+    room, target = room_of(name), room_of(header)
     if target in MAY_INCLUDE and "/" in header:
         if room in MAY_INCLUDE and target != room and target not in MAY_INCLUDE[room]:
             return f"{room} may not include {target} ({header}): imports point downwards"
@@ -92,8 +112,9 @@ def check_edges(root, names):
             if not match:
                 continue
             reason = edge_violation(name, match.group(2))
-            if reason is None and match.group(1) == '"' and not (root / match.group(2)).exists():
-                reason = f'"{match.group(2)}" is not a path from the root of the checkout'
+            if reason is None and match.group(1) == '"' and not any(
+                    (root / base / match.group(2)).exists() for base in ("", "include")):
+                reason = f'"{match.group(2)}" is no path from the root of the checkout or include/'
             if reason:
                 problems.append(f"{name}:{number}: {reason}")
     return problems
@@ -114,7 +135,7 @@ def check_header_alone(root, name, flags):
     folder = str((root / name).parent)
     while folder not in flags and len(folder) > len(str(root)):
         folder = os.path.dirname(folder)
-    command = ["g++", "-std=c++20", *flags.get(folder, []), "-I", str(root), "-fsyntax-only", "-x", "c++",
+    command = ["g++", "-std=c++20", *flags.get(folder, []), "-I", str(root), "-I", str(root / "include"), "-fsyntax-only", "-x", "c++",
                "-include", str(root / name), "/dev/null"]
     result = subprocess.run(command, capture_output=True, text=True)
     return None if result.returncode == 0 else f"{name}: does not compile alone:\n{result.stderr[:2000]}"

@@ -3,8 +3,8 @@
 #include <functional>
 #include <optional>
 
-#include "core/base/error.hpp"
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,4 @@
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom {
 

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom {
 

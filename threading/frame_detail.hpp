@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "threading/message.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::detail {
 

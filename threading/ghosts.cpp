@@ -1,4 +1,6 @@
 #include "threading/ghosts.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>

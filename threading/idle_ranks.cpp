@@ -1,4 +1,5 @@
 #include "threading/idle_ranks.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,7 @@
 #pragma once
 // Threads for a rank that works while the others of its machine wait for it.
-#include "threading/partitioned_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -2,7 +2,9 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "threading/partitioned_mesh.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/residence_detail.hpp"
 
 namespace tetloom {

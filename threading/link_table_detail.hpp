@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/assert.hpp"
-#include "threading/message.hpp"
+#include "tetloom/assert.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::detail {
 

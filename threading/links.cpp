@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,6 @@
-#include "threading/migration.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "threading/mpi_communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 #define OMPI_SKIP_MPICXX 1
 #include <mpi.h>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 #include "threading/agreement.hpp"
 #include "threading/frame_detail.hpp"
 

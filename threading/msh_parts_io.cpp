@@ -1,10 +1,10 @@
 #include <array>
 
 #include "core/io/mesh_parts.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/migration.hpp"
 #include "threading/parts_io_detail.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom::detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::detail {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "threading/migration.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::detail {
 

@@ -2,6 +2,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/part/adjacency.hpp"
 #include "threading/packet_detail.hpp"
 
 namespace tetloom::detail {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/part/adjacency.hpp"
 #include "threading/packet_detail.hpp"
 
 namespace tetloom::detail {

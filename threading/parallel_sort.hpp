@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

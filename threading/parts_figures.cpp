@@ -1,4 +1,4 @@
-#include "threading/parts_figures.hpp"
+#include "tetloom/partition.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,12 +1,12 @@
-#include "threading/parts_io.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <cctype>
 
-#include "core/io/mesh_io.hpp"
 #include "core/io/mesh_parts.hpp"
+#include "tetloom/io.hpp"
 #include "threading/agreement.hpp"
 #include "threading/parts_io_detail.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom {
 namespace {

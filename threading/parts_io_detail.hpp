@@ -1,6 +1,7 @@
 #pragma once
 // Private to threading: one reader and one writer per format.
-#include "threading/parts_io.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::detail {
 

@@ -3,10 +3,10 @@
 
 #include "core/io/mesh_piece.hpp"
 #include "core/part/convert.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/parts_figures.hpp"
 #include "threading/parts_io_detail.hpp"
-#include "threading/validate_parts.hpp"
 
 namespace tetloom::detail {
 namespace {

@@ -5,8 +5,9 @@
 #include "core/io/atomic_folder.hpp"
 #include "core/io/mesh_piece.hpp"
 #include "core/part/convert.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/parts_figures.hpp"
 #include "threading/parts_io_detail.hpp"
 
 namespace tetloom::detail {

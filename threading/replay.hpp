@@ -2,7 +2,7 @@
 // How long the tasks of a trace would take on another number of threads: a prediction, not a measurement.
 #include <span>
 
-#include "threading/trace.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

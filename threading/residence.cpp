@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/exchange.hpp"
 #include "threading/residence_detail.hpp"
 

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "threading/partitioned_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::detail {
 

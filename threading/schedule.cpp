@@ -1,4 +1,4 @@
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <utility>
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 #include "threading/schedule_state_detail.hpp"
 

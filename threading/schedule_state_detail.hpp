@@ -8,8 +8,8 @@
 #include <mutex>
 #include <tuple>
 
+#include "tetloom/tasks.hpp"
 #include "threading/link_table_detail.hpp"
-#include "threading/schedule.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,5 @@
 #include "threading/shared_work.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

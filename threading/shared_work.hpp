@@ -8,9 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "threading/communicator.hpp"
-#include "threading/message.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

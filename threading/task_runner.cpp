@@ -1,4 +1,4 @@
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
@@ -13,8 +13,6 @@
 #include <numeric>
 #include <optional>
 #include <vector>
-
-#include "threading/trace.hpp"
 
 namespace tetloom {
 

@@ -1,5 +1,5 @@
-#include "core/base/assert.hpp"
-#include "threading/communicator.hpp"
+#include "tetloom/assert.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom {
 

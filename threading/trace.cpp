@@ -1,4 +1,4 @@
-#include "threading/trace.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <chrono>

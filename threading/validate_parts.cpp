@@ -1,4 +1,6 @@
-#include "threading/validate_parts.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <unordered_set>

@@ -1,11 +1,11 @@
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <numeric>
 
 #include "core/part/convert.hpp"
 #include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
-#include "threading/migration.hpp"
 #include "threading/packet_detail.hpp"
 
 namespace tetloom {

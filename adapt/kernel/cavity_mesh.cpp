@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "adapt/kernel/quality_pairs.hpp"
+#include "core/predicates/predicates.hpp"
 
 namespace tetloom::adapt {
 
@@ -15,7 +16,9 @@ using tets::pairs::PairVec;
 }  // namespace
 
 double CavityMesh::quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-  return cubed_mean_ratio(mesh.points, to_metric, {a, b, c, d});
+  const double quality = cubed_mean_ratio(mesh.points, to_metric, {a, b, c, d});
+  const bool is_sure = quality > surely_positive_ || !(quality > 0);
+  return is_sure || orient3d(point(a), point(b), point(c), point(d)) > 0 ? quality : 0;
 }
 
 double CavityMesh::length_of(std::uint32_t a, std::uint32_t b) const {
@@ -55,7 +58,21 @@ double CavityMesh::evaluate(const Cavity& cavity, std::uint32_t p, double goal, 
       if (!(least > goal)) return least;
     }
   }
-  return least;
+  return least > surely_positive_ || makes_positive(cavity, p) ? least : 0;
+}
+
+// Exactly.
+bool CavityMesh::makes_positive(const Cavity& cavity, std::uint32_t p) const {
+  const bool is_core = cavity.is_core(p);
+  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
+    const std::uint32_t* old = verts(cavity.tets[i]);
+    if (!is_core && corner_of(cavity.tets[i], p) < 4) continue;
+    for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+      const auto& [a, b, c] = tets::kFaceVerts[cavity.corners[i][k]];
+      if (orient3d(point(p), point(old[a]), point(old[b]), point(old[c])) <= 0) return false;
+    }
+  }
+  return true;
 }
 
 // Two tets at a time.
@@ -86,7 +103,7 @@ double CavityMesh::evaluate_all(const Cavity& cavity, std::uint32_t p, double go
     least = std::min(least, std::min(qualities[0], qualities[1]));
     if (!(least > goal)) return least;
   }
-  return least;
+  return least > surely_positive_ || makes_positive(cavity, p) ? least : 0;
 }
 
 void CavityMesh::stamp(const Cavity& cavity) const {
@@ -257,6 +274,7 @@ void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQual
 void CavityMesh::start() {
   vert_to_tet.resize(mesh.points.size());
   to_quality.resize_for_overwrite(mesh.size());
+  for (const VertexMetric& metric : to_metric) note_metric(metric);
   for (std::uint32_t tet = 0; tet < mesh.size(); ++tet) {
     const std::uint32_t* v = verts(tet);
     for (std::size_t j = 0; j < 4; ++j) vert_to_tet[v[j]] = tet;
@@ -304,6 +322,7 @@ void CavityMesh::drop_tet(std::uint32_t tet) {
 std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint) {
   mesh.points.push_back(x);
   to_metric.push_back({metric, det(metric)});
+  note_metric(to_metric[to_metric.size() - 1]);
   to_entity.push_back(entity);
   vert_to_tet.push_back(kNone);
   to_hint.push_back(hint);
@@ -312,7 +331,10 @@ std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, Packed
   return static_cast<std::uint32_t>(mesh.points.size() - 1);
 }
 
-void CavityMesh::set_metric(std::uint32_t v, const Tensor& metric) { to_metric[v] = {metric, det(metric)}; }
+void CavityMesh::set_metric(std::uint32_t v, const Tensor& metric) {
+  to_metric[v] = {metric, det(metric)};
+  note_metric(to_metric[v]);
+}
 
 void CavityMesh::drop_last_vertex() {
   const std::size_t count = mesh.points.size() - 1;

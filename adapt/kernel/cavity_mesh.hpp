@@ -13,6 +13,7 @@
 // piece of code: what fills the cavity anew is the star of p (the cavity operator of Loseille & Löhner 2013, here with
 // cavities that follow from the core, so that links follow by counting, without a search). Where nothing of the surface
 // lies at an edge, any triangulation of its ring may take its place, not only those of one vertex: `replace_ring`.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,10 +22,10 @@
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
 #include "adapt/metric/tet_edges.hpp"
-#include "core/part/part_mesh.hpp"
 #include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/tet_quality.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {
 
@@ -111,8 +112,11 @@ class CavityMesh {
     return entity.valid() ? entity.dim : 3;
   }
 
-  /// Cubed mean ratio in the metric of the vertex at which the metric's determinant is largest; 0 where inverted.
+  /// Cubed mean ratio in the metric of the vertex at which the metric's determinant is largest; 0 unless orient3d > 0,
+  /// exactly. So is all that is evaluated here: what has a quality above 0 is positive.
   double quality_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const;
+  /// Tets of a larger cubed quality, however it was computed, are positive for sure; see surely_positive_quality.
+  double surely_positive() const { return surely_positive_; }
   double length_of(std::uint32_t a, std::uint32_t b) const;
   TetEdges edges_of(std::uint32_t tet) const { return edges_of_tet(mesh.points, to_metric, verts(tet)); }
   /// The vertices of the i-th tet at an edge that the edge does not have. Pre: `shell` is the cavity of an edge.
@@ -138,8 +142,8 @@ class CavityMesh {
   /// A tet that has the edge; kNone where the mesh has no such edge.
   std::uint32_t find_edge(std::uint32_t a, std::uint32_t b, Cavity& scratch) const;
 
-  /// The worst cubed quality of what `p` in the place of the core would make; something not above `goal` as soon as
-  /// that is certain. `made` is filled as far as it got.
+  /// The worst cubed quality of what `p` in the place of the core would make; 0 where one of that would not be
+  /// positive; something not above `goal` as soon as that is certain. `made` is filled as far as it got.
   double evaluate(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const;
   /// The same, faster where most of it will be needed. Pre: no tet of the cavity has p unless it is the core.
   double evaluate_all(const Cavity& cavity, std::uint32_t p, double goal, MadeQualities& made) const;
@@ -179,6 +183,10 @@ class CavityMesh {
   void refresh_qualities(std::span<const std::uint32_t> tets);
 
  private:
+  void note_metric(const VertexMetric& metric) {
+    surely_positive_ = std::max(surely_positive_, surely_positive_quality(metric));
+  }
+  bool makes_positive(const Cavity& cavity, std::uint32_t p) const;
   bool collect_ball(std::uint32_t tet, Cavity& cavity) const;
   bool collect_shell(std::uint32_t tet, std::size_t most, double least, Cavity& cavity) const;
   void add_fixed_faces(std::uint32_t tet, std::uint32_t own, Cavity& cavity) const;
@@ -192,6 +200,7 @@ class CavityMesh {
   void permute_tets(std::span<const std::uint32_t> sources);
   void change_surface(const Cavity& cavity, std::uint32_t p);
 
+  double surely_positive_ = 0;  // the largest for all metrics that there were
   std::uint32_t first_dead_ = kNone;
   mutable GrowingArray<std::uint32_t> slot_;  // of a tet in the last cavity
   // Scratch of reconnect.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "adapt/metric/background.hpp"
-#include "adapt/metric/tensor.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::adapt {
 

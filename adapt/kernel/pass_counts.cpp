@@ -1,4 +1,4 @@
-#include "adapt/kernel/pass_counts.hpp"
+#include "tetloom/adapt.hpp"
 
 namespace tetloom::adapt {
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
-#include "adapt/kernel/pass_counts.hpp"
 #include "adapt/kernel/star_cavity.hpp"
 #include "mesher/tets/surface_geometry.hpp"
 #include "mesher/tets/vertex_star.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "adapt/kernel/quality_pairs.hpp"
+#include "core/predicates/predicates.hpp"
 
 namespace tetloom::adapt {
 
@@ -13,7 +14,8 @@ RingInMetric::RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring)
     : a_(mesh.point(ring.a)),
       b_(mesh.point(ring.b)),
       metric_of_a_(mesh.to_metric[ring.a]),
-      metric_of_b_(mesh.to_metric[ring.b]) {
+      metric_of_b_(mesh.to_metric[ring.b]),
+      surely_positive_(mesh.surely_positive()) {
   for (std::size_t i = 0; i < ring.old().size(); ++i)
     points_[i] = &mesh.point(ring.verts[i]), metrics_[i] = &mesh.to_metric[ring.verts[i]];
 }
@@ -28,7 +30,9 @@ double RingInMetric::worse_over(int i, int j, int k) const {
   const Pair qualities = cubed_mean_ratio(pair_of(pq, pr), pair_of(pr, pq), pair_of(b_ - p, a_ - p),
                                           metric_of_b_.det > metric->det ? metric_of_b_ : *metric,
                                           metric_of_a_.det > metric->det ? metric_of_a_ : *metric);
-  return std::min(qualities[0], qualities[1]);
+  const double least = std::min(qualities[0], qualities[1]);
+  if (least > surely_positive_ || !(least > 0)) return least;
+  return orient3d(p, q, r, b_) > 0 && orient3d(p, r, q, a_) > 0 ? least : 0;
 }
 
 }  // namespace tetloom::adapt

@@ -7,7 +7,7 @@
 
 namespace tetloom::adapt {
 
-/// Mean ratios in the metric of the tets over a ring.
+/// Mean ratios in the metric of the tets over a ring; 0 for those that are not positive, exactly.
 class RingInMetric {
  public:
   RingInMetric(const CavityMesh& mesh, const tets::EdgeRing& ring);
@@ -18,6 +18,7 @@ class RingInMetric {
   std::array<const VertexMetric*, tets::kMostRingVerts> metrics_;
   const Vec3 &a_, &b_;
   const VertexMetric &metric_of_a_, &metric_of_b_;
+  double surely_positive_;
 };
 
 }  // namespace tetloom::adapt

@@ -6,9 +6,9 @@
 #include <span>
 #include <unordered_map>
 
-#include "core/base/ids.hpp"
 #include "core/base/mix_bits.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/ids.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,10 +1,11 @@
 #include "adapt/metric/background.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/assert.hpp"
 #include "core/base/mix_bits.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "adapt/metric/boundary_tree.hpp"
-#include "adapt/metric/metric_field.hpp"
 #include "adapt/metric/tet_links.hpp"
-#include "core/mesh/mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

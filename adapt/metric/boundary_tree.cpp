@@ -1,4 +1,5 @@
 #include "adapt/metric/boundary_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

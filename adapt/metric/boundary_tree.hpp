@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "adapt/metric/vertex_graph.hpp"
 #include "mesher/sizing/bvh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

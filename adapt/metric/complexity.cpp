@@ -1,8 +1,8 @@
 // The number of elements that a metric asks for.
 #include <algorithm>
 
-#include "adapt/metric/metric_field.hpp"
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,12 +1,13 @@
-#include "adapt/metric/curvature_limits.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "mesher/sizing/curvature_size.hpp"
 #include "mesher/sizing/model_facets.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <string>
 
-#include "adapt/metric/metric_field.hpp"
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,9 +1,9 @@
-#include "adapt/metric/hessian.hpp"
+#include "tetloom/metric.hpp"
 
 #include <algorithm>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {

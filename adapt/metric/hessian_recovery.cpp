@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
-#include "adapt/metric/hessian.hpp"
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,11 +1,11 @@
-#include "adapt/metric/metric_field.hpp"
+#include "tetloom/metric.hpp"
 
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "core/base/assert.hpp"
-#include "core/base/error.hpp"
+#include "tetloom/assert.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {

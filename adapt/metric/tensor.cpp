@@ -1,4 +1,4 @@
-#include "adapt/metric/tensor.hpp"
+#include "tetloom/metric.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 #include "adapt/metric/tet_links.hpp"
 
-#include "core/base/assert.hpp"
 #include "mesher/tets/face_groups.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 

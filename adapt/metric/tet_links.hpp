@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "adapt/metric/vertex_graph.hpp"
-#include "core/base/block_loop.hpp"
-#include "core/base/ids.hpp"
 #include "mesher/tets/tet_mesh.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 

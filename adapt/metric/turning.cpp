@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-#include "adapt/metric/metric_field.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {

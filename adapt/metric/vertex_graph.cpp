@@ -1,4 +1,4 @@
-#include "adapt/metric/vertex_graph.hpp"
+#include "tetloom/metric.hpp"
 
 #include <algorithm>
 

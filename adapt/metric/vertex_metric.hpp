@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "adapt/metric/tensor.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::adapt {
 
@@ -30,6 +30,17 @@ inline double cubed_mean_ratio(const Vec3& p, const Vec3& q, const Vec3& r, cons
       2 * (m.xy * sum(&Vec3::x, &Vec3::y) + m.xz * sum(&Vec3::x, &Vec3::z) + m.yz * sum(&Vec3::y, &Vec3::z));
   return 432 * volume * volume * metric.det / (squares * squares * squares);
 }
+
+/// A cubed mean ratio in `metric`, computed as above, beyond which orient3d > 0 is certain wherever the tet lies: a
+/// sure bound, so that the exact predicate is asked for flat tets alone. Infinite for metrics too ill-conditioned for
+/// one. Between 1e-9 and 1e-8 for aspect ratios up to 300.
+///
+/// With S the sum of the squares of three edges from one vertex, v = dot(cross(p, q), r) of differences of coordinates
+/// is off by less than 1e-15 S^1.5: at most 8 roundings lie on any path to a sum of products whose magnitudes add up to
+/// at most |p|_1 |q|_1 |r|_1 <= 3^1.5 |p| |q| |r| <= S^1.5. As squared edges in the metric add up to at least l S,
+/// where l is its smallest eigenvalue, v^2 > 1e-30 S^3 where 432 v^2 det / (l S)^3 > 4.4e-28 det / l^3. Twice that
+/// makes up for the roundings of these figures, as long as l exceeds 1e-10 times the trace.
+double surely_positive_quality(const VertexMetric& metric);
 
 /// The metric of a tet: that of its vertex at which the determinant is largest.
 template <class Metrics>

@@ -1,4 +1,5 @@
 #include "adapt/parts/cut_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "adapt/parts/share.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,4 +1,5 @@
 #include "adapt/parts/fans.hpp"
+#include "tetloom/tasks.hpp"
 
 #include "core/base/disjoint_sets.hpp"
 #include "threading/parallel_sort.hpp"

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "adapt/parts/whole_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

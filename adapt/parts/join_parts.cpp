@@ -1,4 +1,5 @@
 #include "adapt/parts/join_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

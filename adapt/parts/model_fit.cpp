@@ -1,12 +1,13 @@
 #include "adapt/parts/model_fit.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "mesher/volume/model_projector.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 

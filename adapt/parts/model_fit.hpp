@@ -1,9 +1,9 @@
 #pragma once
 // Whether a mesh and a model belong together.
 #include "adapt/parts/whole_mesh.hpp"
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

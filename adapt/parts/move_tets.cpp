@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "adapt/parts/share.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom::adapt {

@@ -1,12 +1,13 @@
 #include "adapt/parts/whole_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/link_tets.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 
@@ -127,6 +128,7 @@ class Builder {
       const bool is_edge = faces.size() != 2 || faces[0] != faces[1];
       const auto at = std::lower_bound(edges_.begin(), edges_.end(), ModelEdgePiece{uses[i].verts, 0});
       const bool known = at != edges_.end() && at->verts == uses[i].verts && at->edge != kNone;
+      if (next >= kTouching) throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
       if (known) {
         found.push_back(*at);
       } else if (is_edge) {

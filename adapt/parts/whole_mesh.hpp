@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
-#include "core/base/growing_array.hpp"
-#include "core/mesh/mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/growing_array.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

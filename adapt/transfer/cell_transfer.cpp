@@ -1,10 +1,11 @@
 #include "adapt/transfer/cell_transfer.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "adapt/transfer/overlaps.hpp"
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 namespace {

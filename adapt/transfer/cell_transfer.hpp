@@ -5,15 +5,10 @@
 
 #include "adapt/metric/background.hpp"
 #include "adapt/transfer/cell_slopes.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
-
-/// How values on tets are understood between the centres.
-enum class CellShape {
-  Constant,  ///< one value all over each tet: first order
-  Linear,    ///< with a gradient that makes no new extremes: second order where the field is smooth
-};
 
 /// Tets, and the region of each. Non-owning.
 struct TetsInRegions {

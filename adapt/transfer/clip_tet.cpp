@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "adapt/metric/tet_links.hpp"
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 namespace {

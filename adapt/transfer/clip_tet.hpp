@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "adapt/metric/vertex_graph.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,10 +1,11 @@
 #include "adapt/transfer/field_transfer.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "adapt/transfer/clip_tet.hpp"
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -5,31 +5,11 @@
 #include <vector>
 
 #include "adapt/transfer/cell_transfer.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
-
-/// One component of a field, on one mesh. The integral is over all tets, of a point field as it is interpolated.
-struct FieldFigures {
-  double integral = 0;
-  double least = 0, greatest = 0;  ///< values
-  double magnitude = 0;            ///< the integral of the magnitude
-};
-
-/// What has become of one field.
-struct FieldTransfer {
-  std::string name;
-  bool on_cells = false;  ///< else on points
-  struct Component {
-    FieldFigures before, after;
-    /// How far the integral has changed, as a share of that of the magnitude before.
-    double change() const {
-      const double by = after.integral - before.integral;
-      return by == 0 || before.magnitude == 0 ? by : by / before.magnitude;
-    }
-  };
-  std::vector<Component> components;
-};
 
 /// Throws Error(InvalidArgument), with the names that are known, for a name that no field on points or tets has, and
 /// for one that is there twice; InputUnsuitable, with the tet, for values on tets that are not finite, which no

@@ -20,8 +20,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "mesher/volume/worker_protocol.hpp"
+#include "tetloom/error.hpp"
 
 namespace {
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "adapt/adapt_on_ranks.hpp"
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/adapt_report.hpp"
 #include "apps/tetloom/commands.hpp"
@@ -8,11 +7,12 @@
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
 #include "apps/tetloom/validation_report.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/io/solution_io.hpp"
-#include "core/mesh/digest.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {

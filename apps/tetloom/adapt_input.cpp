@@ -1,14 +1,13 @@
 #include "apps/tetloom/adapt_input.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
-#include "adapt/metric/curvature_limits.hpp"
 #include "apps/tetloom/option_values.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/io/solution_io.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "threading/parts_io.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 namespace {

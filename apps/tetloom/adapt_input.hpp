@@ -2,10 +2,10 @@
 // What `adapt` starts from: the mesh, the model and the metric.
 #include <memory>
 
-#include "adapt/metric/metric_field.hpp"
 #include "apps/tetloom/options.hpp"
-#include "core/base/progress.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

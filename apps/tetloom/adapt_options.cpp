@@ -7,8 +7,8 @@
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
-#include "core/io/solution_io.hpp"
-#include "threading/parts_io.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 namespace {

@@ -2,8 +2,8 @@
 // What the report and a person are told of a run of `adapt`.
 #include <string>
 
-#include "adapt/adapt.hpp"
 #include "apps/tetloom/report.hpp"
+#include "tetloom/adapt.hpp"
 
 namespace tetloom::app {
 

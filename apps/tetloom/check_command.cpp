@@ -6,9 +6,10 @@
 #include "apps/tetloom/quantities.hpp"
 #include "apps/tetloom/run.hpp"
 #include "apps/tetloom/validation_report.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::app {

@@ -3,7 +3,7 @@
 #include "apps/tetloom/exit_status.hpp"
 #include "apps/tetloom/model_reading.hpp"
 #include "apps/tetloom/options.hpp"
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::app {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "mesher/mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::app {
 

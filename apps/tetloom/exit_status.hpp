@@ -2,7 +2,7 @@
 // What the command's exit status says; other tools rely on these numbers.
 #include <string_view>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::app {
 

@@ -4,8 +4,9 @@
 #include "apps/tetloom/parts_input.hpp"
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/run.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::app {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <thread>
 
-#include "core/base/progress.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::app {
 

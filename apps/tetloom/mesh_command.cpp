@@ -9,11 +9,11 @@
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
-#include "core/io/mesh_io.hpp"
-#include "mesher/mesh_in_parts.hpp"
-#include "mesher/mesh_on_ranks.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/parts_io.hpp"
 
 namespace tetloom::app {
 namespace {

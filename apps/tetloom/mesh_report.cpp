@@ -1,9 +1,10 @@
 #include "apps/tetloom/mesh_report.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "core/mesh/digest.hpp"
+#include "tetloom/check.hpp"
 
 namespace tetloom::app {
 namespace {

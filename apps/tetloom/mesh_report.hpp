@@ -1,8 +1,8 @@
 #pragma once
 // What the report says of a run of `mesh`.
 #include "apps/tetloom/report.hpp"
-#include "mesher/mesher.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "apps/tetloom/report.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::app {
 

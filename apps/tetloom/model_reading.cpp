@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "apps/tetloom/ranks.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

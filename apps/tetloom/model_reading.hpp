@@ -3,8 +3,8 @@
 #include <future>
 
 #include "apps/tetloom/options.hpp"
-#include "core/base/progress.hpp"
-#include "core/cad/read_model.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::app {
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/cad/read_model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::app {
 

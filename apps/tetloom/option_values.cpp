@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "apps/tetloom/quantities.hpp"
-#include "threading/parts_io.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 

@@ -1,4 +1,5 @@
 #include "apps/tetloom/options.hpp"
+#include "mesher/tets/quality_goals.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -9,8 +10,8 @@
 #include "apps/tetloom/adapt_options.hpp"
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
-#include "core/io/mesh_io.hpp"
-#include "threading/parts_io.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <variant>
 
-#include "adapt/adapt.hpp"
-#include "adapt/metric/hessian.hpp"
-#include "core/cad/read_model.hpp"
-#include "mesher/mesher.hpp"
-#include "threading/balance/balance.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 

@@ -3,9 +3,9 @@
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/quantities.hpp"
 #include "apps/tetloom/run.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/parts_io.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {

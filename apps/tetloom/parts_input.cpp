@@ -1,8 +1,8 @@
 #include "apps/tetloom/parts_input.hpp"
+#include "tetloom/tasks.hpp"
 
 #include "apps/tetloom/parts_text.hpp"
-#include "threading/parts_io.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 

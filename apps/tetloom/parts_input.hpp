@@ -4,8 +4,9 @@
 #include <optional>
 
 #include "apps/tetloom/run.hpp"
-#include "core/mesh/mesh.hpp"
-#include "threading/parts_figures.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "threading/parts_figures.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::app {
 

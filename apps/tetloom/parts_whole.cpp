@@ -1,10 +1,11 @@
 #include "apps/tetloom/parts_whole.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <array>
 
-#include "core/mesh/digest.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/partition.hpp"
 #include "threading/agreement.hpp"
-#include "threading/whole_mesh.hpp"
 
 namespace tetloom::app {
 namespace {

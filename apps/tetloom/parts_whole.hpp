@@ -3,8 +3,8 @@
 #include <functional>
 
 #include "apps/tetloom/report.hpp"
-#include "threading/parts_figures.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "core/base/progress.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::app {
 

@@ -4,7 +4,7 @@
 #include <initializer_list>
 
 #ifdef TETLOOM_HAS_MPI
-#include "threading/mpi_communicator.hpp"
+#include "tetloom/communicator.hpp"
 #endif
 
 namespace tetloom::app {

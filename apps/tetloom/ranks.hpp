@@ -2,7 +2,7 @@
 // The processes that run one command together.
 #include <memory>
 
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::app {
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "apps/tetloom/exit_status.hpp"
-#include "core/base/error.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/mesh/quality.hpp"
 #include "mesher/tets/optimizer.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::app {
 

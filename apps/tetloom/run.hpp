@@ -9,8 +9,8 @@
 #include "apps/tetloom/progress_display.hpp"
 #include "apps/tetloom/report.hpp"
 #include "core/base/stage_clock.hpp"
-#include "threading/communicator.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 

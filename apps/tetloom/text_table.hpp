@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::app {
 

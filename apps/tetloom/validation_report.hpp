@@ -1,7 +1,7 @@
 #pragma once
 // What the report says of whether a mesh is valid.
 #include "apps/tetloom/report.hpp"
-#include "core/mesh/validate.hpp"
+#include "tetloom/check.hpp"
 
 namespace tetloom::app {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "adapt/metric/tensor.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::bench {
 

@@ -5,14 +5,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adapt/adapt.hpp"
 #include "bench/support/adapt_cases.hpp"
 #include "bench/support/child_process.hpp"
 #include "bench/support/machine.hpp"
 #include "core/base/stopwatch.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/io/solution_io.hpp"
-#include "core/mesh/digest.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 namespace tetloom::bench {
 namespace {

@@ -2,7 +2,7 @@
 // The triangles of an STL or OBJ file as they are, to judge a model apart from the library's own reading.
 #include <filesystem>
 
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::bench {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "core/part/part_mesh.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom::bench {
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "bench/support/child_process.hpp"
-#include "core/io/mesh_io.hpp"
+#include "tetloom/io.hpp"
 
 namespace tetloom::bench {
 namespace {

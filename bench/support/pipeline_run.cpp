@@ -7,7 +7,7 @@
 #include "bench/support/child_process.hpp"
 #include "bench/support/peer.hpp"
 #include "bench/support/volume_run.hpp"
-#include "core/io/mesh_io.hpp"
+#include "tetloom/io.hpp"
 
 namespace tetloom::bench {
 namespace {

@@ -15,10 +15,9 @@
 #include "bench/support/peer.hpp"
 #include "bench/support/surface_distance.hpp"
 #include "bench/support/temporary_folder.hpp"
-#include "core/cad/read_model.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::bench {
 namespace {

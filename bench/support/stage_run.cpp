@@ -7,11 +7,11 @@
 #include "bench/support/child_process.hpp"
 #include "bench/support/machine.hpp"
 #include "core/base/stopwatch.hpp"
-#include "core/cad/read_model.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
-#include "mesher/mesher.hpp"
-#include "threading/trace.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 namespace {

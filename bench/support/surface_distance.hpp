@@ -2,8 +2,8 @@
 // How far the triangles of a mesh lie from the model faces that they are classified on.
 #include <cstddef>
 
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::bench {
 

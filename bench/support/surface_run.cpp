@@ -7,13 +7,12 @@
 
 #include "bench/support/child_process.hpp"
 #include "bench/support/machine.hpp"
-#include "core/cad/read_model.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/surface/surface_mesher.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "threading/trace.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 

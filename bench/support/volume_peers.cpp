@@ -6,7 +6,7 @@
 
 #include "bench/support/child_process.hpp"
 #include "bench/support/peer.hpp"
-#include "core/io/mesh_io.hpp"
+#include "tetloom/io.hpp"
 
 namespace tetloom::bench {
 namespace {

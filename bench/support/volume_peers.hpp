@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/support/volume_run.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom::bench {
 

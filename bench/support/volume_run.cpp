@@ -10,12 +10,11 @@
 
 #include "bench/support/child_process.hpp"
 #include "bench/support/machine.hpp"
-#include "core/cad/read_model.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "bench/support/wave_size.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom::bench {
 

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <string>
 
-#include "core/base/vec.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::bench {
 

@@ -2,8 +2,8 @@
 // A face without a CAD kernel, for the benches of single steps: z = a sin(2πu) cos(2πv) over the unit square.
 #include <cstdint>
 
-#include "core/geometry/model.hpp"
 #include "mesher/surface/patch.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::bench {
 

@@ -1,8 +1,8 @@
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 #include <string>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::detail {
 

@@ -1,4 +1,4 @@
-#include "core/base/block_loop.hpp"
+#include "tetloom/host.hpp"
 
 #include <algorithm>
 

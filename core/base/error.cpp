@@ -1,4 +1,4 @@
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 #include <array>
 #include <utility>

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/block_loop.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom {
 

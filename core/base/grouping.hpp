@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/base/growing_array.hpp"
+#include "tetloom/growing_array.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,4 @@
-#include "core/base/growing_array.hpp"
+#include "tetloom/growing_array.hpp"
 
 #include <cstdlib>
 #include <cstring>

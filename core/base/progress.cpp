@@ -1,4 +1,4 @@
-#include "core/base/progress.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <mutex>
 
-#include "core/base/progress.hpp"
 #include "core/base/stopwatch.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,4 @@
-#include "core/cad/read_model.hpp"
+#include "tetloom/model.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -11,7 +11,6 @@
 #include "core/cad/detail/imprint.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/rebuild.hpp"
-#include "core/discrete/discrete_model.hpp"
 
 namespace tetloom {
 namespace {

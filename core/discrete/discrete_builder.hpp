@@ -1,7 +1,7 @@
 #pragma once
 // From facets in any state to a geometric model. Private to core/discrete.
-#include "core/cad/read_model.hpp"
 #include "core/discrete/facet_soup.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 

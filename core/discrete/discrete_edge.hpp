@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/discrete/discrete_parts.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 

@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "core/discrete/discrete_parts.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 
-/// (u,v) as discrete_model.hpp defines them. Values outside of a facet are brought to its border.
+/// (u,v) as tetloom/model.hpp defines them. Values outside of a facet are brought to its border.
 class DiscreteFace final : public FaceGeometry {
  public:
   DiscreteFace(std::shared_ptr<const DiscreteParts> parts, ModelFaceId id);

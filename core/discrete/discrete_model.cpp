@@ -1,4 +1,4 @@
-#include "core/discrete/discrete_model.hpp"
+#include "tetloom/model.hpp"
 
 #include <algorithm>
 #include <cstdio>

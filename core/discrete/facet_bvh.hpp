@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "core/discrete/facet_soup.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::detail {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "core/discrete/facet_soup.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::detail {
 

@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "core/discrete/facet_surface.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 

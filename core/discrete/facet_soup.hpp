@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/progress.hpp"
-#include "core/base/vec.hpp"
-#include "core/cad/read_model.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::detail {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/discrete/facet_surface.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 
@@ -21,7 +21,7 @@ struct Segmentation {
   std::vector<std::vector<std::uint32_t>> model_edge_to_verts;  ///< points in order; closed: the first again at the end
   std::vector<std::uint32_t> model_vert_to_vert;                ///< ascending
   std::vector<std::uint32_t> vert_to_model_vert;                ///< kNone elsewhere
-  std::vector<std::vector<ModelLoop>> face_to_loops;  ///< see core/geometry/model.hpp; none for a face without edges
+  std::vector<std::vector<ModelLoop>> face_to_loops;  ///< see tetloom/model.hpp; none for a face without edges
 };
 
 /// Pre: 0 < feature_angle. Deterministic; linear in the number of facets.

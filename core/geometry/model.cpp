@@ -1,6 +1,6 @@
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom {
 

@@ -11,8 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/base/block_loop.hpp"
-#include "core/base/progress.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom {
 

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {

@@ -12,8 +12,8 @@
 #include "core/io/input_detail.hpp"
 #include "core/io/mesh_parts.hpp"
 #include "core/io/mesh_piece.hpp"
-#include "core/mesh/mesh.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
 
@@ -125,6 +125,14 @@ void check_read_mesh(const InputFile& file, const Mesh& mesh);
 
 /// Throws Error(InputUnsuitable) for elements that a Mesh cannot hold.
 [[noreturn]] void refuse_elements(const InputFile& file, const std::string& kind);
+
+/// Room for `count` more items: exactly what a file with one block of them needs, while adding any number of blocks
+/// takes time and memory in proportion to the items.
+template <class Item>
+void reserve_more(std::vector<Item>& items, std::size_t count) {
+  const std::size_t needed = items.size() + count;
+  if (needed > items.capacity()) items.reserve(items.empty() ? needed : std::max(needed, 2 * items.capacity()));
+}
 
 /// Puts `elements` and `ids` in the order of `ids` where those are a permutation of consecutive numbers; else leaves
 /// the order of the file.

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/base/progress.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::detail {
 

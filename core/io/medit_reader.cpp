@@ -99,8 +99,8 @@ class MeditText {
   void read_elements(std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
     Element element;
     const auto count = cursor_.read_count(2 * (element.size() + 1));
-    elements.reserve(elements.size() + count);
-    entities.reserve(entities.size() + count);
+    reserve_more(elements, count);
+    reserve_more(entities, count);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
       for (std::uint32_t& v : element) v = stored_index(cursor_.parse<std::uint64_t>() - 1);
@@ -194,8 +194,8 @@ class MeditBinary {
   void read_elements(std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
     Element element;
     const std::uint64_t count = read_count(element.size() + 1, 0);
-    elements.reserve(elements.size() + count);
-    entities.reserve(entities.size() + count);
+    reserve_more(elements, count);
+    reserve_more(entities, count);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
       for (std::uint32_t& v : element) v = read_index();

@@ -1,4 +1,4 @@
-#include "core/io/mesh_io.hpp"
+#include "tetloom/io.hpp"
 
 #include <algorithm>
 #include <array>

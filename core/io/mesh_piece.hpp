@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/block_loop.hpp"
-#include "core/base/progress.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom {
 

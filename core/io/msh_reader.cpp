@@ -14,8 +14,10 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::size_t kItemsBetweenLooks = std::size_t{1} << 20;
-/// Entities with larger tags get no names and no sides, since their tables are indexed by tag.
-constexpr std::int32_t kLargestNamedTag = 1'000'000;
+/// Tables of names and sides are indexed by tag. Where an entity has a larger tag than these there are none, nor beyond
+/// kLeastNamedTag where they would take more than kLargestRatio times the size of the file.
+constexpr std::int32_t kLargestNamedTag = 1'000'000, kLeastNamedTag = 10'000;
+constexpr std::size_t kLargestRatio = 64;
 
 /// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
 std::string describe_type(std::int32_t type) {
@@ -196,7 +198,7 @@ class MshReader {
                   std::vector<std::uint32_t>& entities, std::vector<std::uint64_t>& tags) {
     Element element;
     numbers.expect(count, 0, element.size() + 1);
-    elements.reserve(elements.size() + count);
+    reserve_more(elements, count);
     entities.resize(entities.size() + count, index);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
@@ -295,10 +297,17 @@ class MshReader {
     largest_tag_[0] = std::max(largest_tag_[0], tag);
   }
 
+  /// Whether the file is large enough for tables of the entities of a dimension.
+  bool can_name(int dim) const {
+    const std::size_t room = kLargestRatio * file_.bytes().size() / sizeof(EntityAttributes);
+    const auto largest = std::clamp<std::size_t>(room, kLeastNamedTag, kLargestNamedTag);
+    return largest_tag_[dim] <= static_cast<std::int32_t>(largest);
+  }
+
   void set_names() {
     for (const auto& [key, name] : entity_names_) {
       const auto& [dim, tag] = key;
-      if (dim < 0 || dim > 3 || tag <= 0 || largest_tag_[dim] > kLargestNamedTag) continue;
+      if (dim < 0 || dim > 3 || tag <= 0 || !can_name(dim)) continue;
       std::vector<EntityAttributes>& table = mesh_.entities[static_cast<std::size_t>(dim)];
       table.resize(static_cast<std::size_t>(largest_tag_[dim]));
       table[static_cast<std::size_t>(tag) - 1].name = name;
@@ -306,7 +315,7 @@ class MshReader {
   }
 
   void set_sides() {
-    if (!oriented_ || region_bounds_.empty() || largest_tag_[2] > kLargestNamedTag) return;
+    if (!oriented_ || region_bounds_.empty() || !can_name(2)) return;
     mesh_.face_to_sides.resize(static_cast<std::size_t>(std::max(largest_tag_[2], 0)));
     for (const auto& [region, face] : region_bounds_) {
       const auto index = static_cast<std::size_t>(std::abs(face)) - 1;

@@ -1,4 +1,4 @@
-#include "core/io/solution_io.hpp"
+#include "tetloom/io.hpp"
 
 #include <algorithm>
 #include <cctype>

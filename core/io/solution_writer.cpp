@@ -5,7 +5,7 @@
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/medit_detail.hpp"
-#include "core/io/solution_io.hpp"
+#include "tetloom/io.hpp"
 
 namespace tetloom {
 namespace {

@@ -156,7 +156,7 @@ class VtuReader {
       file_.fail(ErrorCode::InputUnsuitable, "the file has too many points");
     expect_size(numbers, 3 * count, "points");
     const std::size_t first_point = mesh_.points.size();
-    mesh_.points.reserve(mesh_.points.size() + count);
+    reserve_more(mesh_.points, count);
     for (std::size_t i = 0; i < count; ++i)
       mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
     mesh_.point_to_entity.resize(mesh_.points.size());
@@ -215,8 +215,8 @@ class VtuReader {
     for (std::size_t i = 0; i < cells; ++i) ++counts[static_cast<std::uint8_t>(piece.types.integer(i))];
     for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
       const std::size_t count = counts[kVtkTypes[static_cast<std::size_t>(block)]];
-      elements.reserve(elements.size() + count);
-      entities.reserve(entities.size() + count);
+      reserve_more(elements, count);
+      reserve_more(entities, count);
     });
   }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {
@@ -46,6 +46,33 @@ void require_indices(const std::vector<Element>& elements, std::size_t entity_co
                          {misfit}});
 }
 
+/// The first of `count` entities that is not below `limit`; kNowhere without one.
+template <class IndexOf>
+std::size_t find_entity_from(std::uint32_t limit, std::size_t count, const BlockLoop& loop, const IndexOf& index_of) {
+  const auto is_beyond = [&](std::size_t i) { return index_of(i) != kNone && index_of(i) >= limit; };
+  const auto first =
+      map_blocks(loop, count, kGrain, kNowhere, [&](std::size_t begin, std::size_t end, std::size_t& found) {
+        while (begin < end && !is_beyond(begin)) ++begin;
+        if (begin < end) found = begin;
+      });
+  return first.empty() ? kNowhere : *std::min_element(first.begin(), first.end());
+}
+
+template <class IndexOf>
+void require_below(std::uint32_t limit, std::size_t count, const char* what, const BlockLoop& loop,
+                   const IndexOf& index_of) {
+  const std::size_t found = find_entity_from(limit, count, loop, index_of);
+  if (found == kNowhere) return;
+  const std::uint64_t tag = std::uint64_t{index_of(found)} + 1;
+  throw Error(Diagnostic{ErrorCode::InputUnsuitable,
+                         "element " + std::to_string(found) + " of the mesh's " + what +
+                             " lies on the entity with tag " + std::to_string(tag) + "; tags up to " +
+                             std::to_string(limit) + " are supported",
+                         {},
+                         {},
+                         {found}});
+}
+
 void require_lengths(const std::vector<MeshField>& fields, std::size_t carriers, const char* what) {
   for (const MeshField& field : fields) {
     const bool fits = field.components > 0 && field.values.size() % static_cast<std::size_t>(field.components) == 0 &&
@@ -75,6 +102,21 @@ void require_consistent(const Mesh& mesh, const BlockLoop& loop) {
   require_indices(mesh.hex_to_vert, mesh.hex_to_entity.size(), points, "hexahedra", loop);
   require_lengths(mesh.point_fields, points, "points");
   require_lengths(mesh.cell_fields, cell_count(mesh), "cells");
+}
+
+void require_entities_below(const Mesh& mesh, std::uint32_t limit, const BlockLoop& loop) {
+  const auto require = [&](const std::vector<std::uint32_t>& entities, const char* what) {
+    require_below(limit, entities.size(), what, loop, [&](std::size_t i) { return entities[i]; });
+  };
+  require_below(limit, mesh.point_to_entity.size(), "points", loop,
+                [&](std::size_t i) { return mesh.point_to_entity[i].index; });
+  require(mesh.edge_to_entity, "edges");
+  require(mesh.tri_to_entity, "triangles");
+  require(mesh.quad_to_entity, "quadrilaterals");
+  require(mesh.tet_to_entity, "tets");
+  require(mesh.pyramid_to_entity, "pyramids");
+  require(mesh.prism_to_entity, "prisms");
+  require(mesh.hex_to_entity, "hexahedra");
 }
 
 std::size_t cell_count(const Mesh& mesh, CellKind kind) {

@@ -4,15 +4,18 @@
 #include <cstdint>
 #include <span>
 
-#include "core/base/block_loop.hpp"
-#include "core/mesh/cell_shape.hpp"
-#include "core/mesh/mesh.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom {
 
 /// Throws Error(InvalidArgument) when an array has the wrong length, an index is out of range, or the length of a field
 /// does not fit. `point_to_entity` may be empty, which stands for "all unknown". Linear.
 void require_consistent(const Mesh& mesh, const BlockLoop& loop = serial_loop());
+
+/// Throws Error(InputUnsuitable), with the first element and its tag, unless the indices of all entities that points
+/// and elements lie on are below `limit`; "no entity" is fine. Pre: require_consistent. Linear.
+void require_entities_below(const Mesh& mesh, std::uint32_t limit, const BlockLoop& loop = serial_loop());
 
 /// The entity of point `i`, invalid where unknown. Pre: i < mesh.points.size().
 inline ModelEntity entity_of_point(const Mesh& mesh, std::size_t i) {

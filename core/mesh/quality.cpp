@@ -1,4 +1,4 @@
-#include "core/mesh/quality.hpp"
+#include "tetloom/check.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/mesh/validate.hpp"
+#include "tetloom/check.hpp"
 
 #include <algorithm>
 #include <array>

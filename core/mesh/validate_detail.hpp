@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/filing.hpp"
-#include "core/mesh/cell_shape.hpp"
-#include "core/mesh/validate.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/part/part_mesh.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/base/error.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/part/adjacency.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {
@@ -33,6 +33,7 @@ class PartMaker {
 
   PartMesh make() {
     require_consistent(mesh_);
+    require_entities_below(mesh_, PackedEntity::kMaxIndex + 1);
     number_vertices();
     add_vertices();
     add_cells(CellKind::Tet, flat(mesh_.tet_to_vert), mesh_.tet_to_entity);

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/mesh/mesh.hpp"
-#include "core/part/part_mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom {
 
@@ -12,7 +12,8 @@ namespace tetloom {
 /// out. Everything is connected (connect_cells).
 ///
 /// Errors: InvalidArgument (array lengths, indices); InputUnsuitable when `mesh` has no volume cells, when a triangle,
-/// quadrilateral or edge belongs to no cell (the element and a point are named), or when it is too large for a part.
+/// quadrilateral or edge belongs to no cell (the element and a point are named), when an entity's index does not fit
+/// PackedEntity, or when it is too large for a part.
 PartMesh make_part(const Mesh& mesh);
 
 /// The same for a piece of a larger mesh: vertices have the given global ids, one for each point of `mesh`, and only

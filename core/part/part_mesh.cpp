@@ -1,4 +1,4 @@
-#include "core/part/part_mesh.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom {
 namespace {

@@ -15,7 +15,7 @@
 // stage departs from the paper: integers scaled by a common power of two instead of expansions.
 #include <cmath>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/vec.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -1,11 +1,11 @@
-#include "core/sizing/size_field.hpp"
+#include "tetloom/size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "core/base/error.hpp"
 #include "core/sizing/size_tree.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 

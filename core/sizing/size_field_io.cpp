@@ -3,8 +3,8 @@
 #include <cstring>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "core/sizing/size_tree.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {

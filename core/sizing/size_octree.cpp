@@ -1,4 +1,4 @@
-#include "core/sizing/size_octree.hpp"
+#include "tetloom/size_field.hpp"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/sizing/size_field.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom {
 

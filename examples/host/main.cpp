@@ -11,9 +11,9 @@
 #include <string>
 #include <thread>
 
-#include "core/cad/read_model.hpp"
-#include "core/io/mesh_io.hpp"
-#include "mesher/mesher.hpp"
+#include <tetloom/io.hpp>
+#include <tetloom/mesh.hpp>
+#include <tetloom/model.hpp>
 
 namespace {
 

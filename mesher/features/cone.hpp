@@ -3,7 +3,7 @@
 // common vertex lie one upon the other.
 #include <array>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::features {
 

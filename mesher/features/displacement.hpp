@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::features {
 

@@ -1,4 +1,5 @@
 #include "mesher/features/eliminate_features.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "mesher/features/absorbed_entity.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

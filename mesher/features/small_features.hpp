@@ -3,11 +3,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/sizing/size_field.hpp"
 #include "mesher/features/eliminate_features.hpp"
 #include "mesher/intersection/self_intersection.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::features {
 

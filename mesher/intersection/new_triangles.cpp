@@ -1,4 +1,5 @@
 #include "mesher/intersection/new_triangles.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

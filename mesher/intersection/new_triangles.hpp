@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,5 @@
 #include "mesher/intersection/self_intersection.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>

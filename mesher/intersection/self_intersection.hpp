@@ -5,10 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "core/base/vec.hpp"
 #include "mesher/intersection/self_intersection.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::intersection {
 

@@ -1,4 +1,5 @@
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <bit>
 #include <cmath>

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::intersection {
 

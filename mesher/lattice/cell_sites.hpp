@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/site_lattice.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::lattice {
 

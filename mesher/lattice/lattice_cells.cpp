@@ -1,11 +1,12 @@
 #include "mesher/lattice/lattice_cells.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "core/base/error.hpp"
 #include "mesher/lattice/point_grid.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::lattice {
 

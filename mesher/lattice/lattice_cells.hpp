@@ -6,6 +6,7 @@
 
 #include "mesher/lattice/cell_sites.hpp"
 #include "mesher/lattice/lattice_points.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

@@ -1,4 +1,5 @@
 #include "mesher/lattice/lattice_core.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

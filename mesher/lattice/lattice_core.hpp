@@ -14,6 +14,7 @@
 
 #include "mesher/lattice/lattice_points.hpp"
 #include "mesher/tets/tet_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

@@ -1,4 +1,5 @@
 #include "mesher/lattice/lattice_points.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <utility>
 

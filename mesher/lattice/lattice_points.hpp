@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/site_lattice.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

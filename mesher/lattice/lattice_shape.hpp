@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/lattice/lattice_kind.hpp"
+#include "tetloom/filling.hpp"
 
 namespace tetloom::lattice {
 

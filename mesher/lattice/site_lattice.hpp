@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/base/vec.hpp"
 #include "mesher/lattice/lattice_shape.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::lattice {
 

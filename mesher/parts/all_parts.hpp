@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mesher/parts/part_state.hpp"
-#include "threading/communicator.hpp"
-#include "threading/trace.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

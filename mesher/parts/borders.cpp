@@ -1,4 +1,5 @@
 #include "mesher/parts/borders.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -2,6 +2,7 @@
 // What parts know of each other's borders: how far they look for each other there, and whether their open faces fit
 // together in the end.
 #include "mesher/parts/all_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/decomposition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

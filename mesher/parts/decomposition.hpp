@@ -12,10 +12,10 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/lattice/lattice_cells.hpp"
-#include "threading/message.hpp"
-#include "threading/trace.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::parts {
 

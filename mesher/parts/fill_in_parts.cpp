@@ -1,4 +1,5 @@
 #include "mesher/parts/fill_in_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

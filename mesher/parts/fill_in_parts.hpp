@@ -13,8 +13,9 @@
 // by the distance from its boundary, so that no part of the volume is left open between the parts, and strips hold what
 // is to be bettered only.
 #include "mesher/parts/part_state.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts.hpp"
-#include "threading/trace.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/improve_part.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -6,6 +6,7 @@
 
 #include "mesher/parts/near_box.hpp"
 #include "mesher/parts/part_state.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/lattice_steps.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>

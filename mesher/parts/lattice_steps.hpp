@@ -1,6 +1,7 @@
 #pragma once
 // The first steps of a part: the points of the lattices in its box and their core.
 #include "mesher/parts/part_state.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/mend_surface.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

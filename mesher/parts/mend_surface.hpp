@@ -12,6 +12,7 @@
 #include "mesher/parts/part_state.hpp"
 #include "mesher/parts/patch.hpp"
 #include "mesher/parts/shell_steps.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/optimize_part.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

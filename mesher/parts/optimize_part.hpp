@@ -2,6 +2,7 @@
 // A part's tets optimised, and looked at in the end.
 #include "mesher/parts/part_state.hpp"
 #include "mesher/parts/strip.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

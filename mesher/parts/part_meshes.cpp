@@ -1,4 +1,5 @@
 #include "mesher/parts/part_meshes.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <new>

@@ -11,7 +11,7 @@
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/optimizer.hpp"
 #include "mesher/volume/filling.hpp"
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -6,7 +6,7 @@
 
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/volume/complex.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

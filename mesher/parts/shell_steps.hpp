@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mesher/parts/part_state.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/parts/strips.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

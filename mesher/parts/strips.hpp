@@ -5,6 +5,7 @@
 // around them move, first those between two parts, then those where more parts meet; what waits is less in each round
 // (de Cougny & Shephard 1999a move what lies between parts for the same reason, and finish in one part).
 #include "mesher/parts/part_state.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,4 +1,5 @@
 #include "mesher/sizing/build_size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

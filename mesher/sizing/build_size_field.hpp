@@ -6,10 +6,12 @@
 #include <memory>
 #include <span>
 
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -1,4 +1,5 @@
 #include "mesher/sizing/bvh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,5 @@
 #include "mesher/sizing/corner_values.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

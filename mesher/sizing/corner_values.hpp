@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/sizing/size_octree.hpp"
 #include "mesher/sizing/octree_builder.hpp"
 #include "mesher/sizing/target_field.hpp"
+#include "tetloom/size_field.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

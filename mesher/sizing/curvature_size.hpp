@@ -22,7 +22,7 @@
 // for. At N = 24 the loss is 0.78 %, which leaves room for edges that come out a few percent longer than asked.
 #include <cmath>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

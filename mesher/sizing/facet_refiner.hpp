@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/sizing/source_tree.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,5 @@
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
-#include "mesher/mesher.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

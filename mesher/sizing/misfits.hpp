@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {
@@ -36,10 +36,10 @@ inline constexpr double kLeastWidth = 0.4;
 /// at least the severe floor.
 ///
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
-/// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold. Nor are
-/// widths below a tenth of the severe floor, which no size allowed fits. Widths are sampled once per triangle, at its
-/// centre; those below .1 sizes also at the middles of its sides that are pieces of model edges. `sizes`: those that the
-/// mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
+/// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold. Nor
+/// are widths below a tenth of the severe floor, which no size allowed fits. Widths are sampled once per triangle, at
+/// its centre; those below .1 sizes also at the middles of its sides that are pieces of model edges. `sizes`: those
+/// that the mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
 /// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<SizeFloor(const Vec3&)>& floor,

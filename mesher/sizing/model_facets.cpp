@@ -1,4 +1,5 @@
 #include "mesher/sizing/model_facets.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/sizing/bvh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

@@ -1,4 +1,5 @@
 #include "mesher/sizing/model_sources.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 // what they return depends on the entities' order alone.
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
+#include "tetloom/model.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

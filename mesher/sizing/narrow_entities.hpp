@@ -1,7 +1,7 @@
 #pragma once
 // Faces and edges that are too small for the mesh: what curves there is eliminated from it and asks for no sizes.
 // Private to mesher/sizing.
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

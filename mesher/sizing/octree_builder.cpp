@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/assert.hpp"
 #include "core/sizing/morton.hpp"
+#include "tetloom/assert.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom {

@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/sizing/size_octree.hpp"
 #include "mesher/sizing/target_field.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

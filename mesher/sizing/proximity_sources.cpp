@@ -6,6 +6,7 @@
 
 #include "mesher/sizing/facet_refiner.hpp"
 #include "mesher/sizing/model_sources.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

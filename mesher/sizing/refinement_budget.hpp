@@ -3,9 +3,9 @@
 // mesh into a huge one.
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom {
 

@@ -2,9 +2,9 @@
 // The size options with every default resolved and every entity looked up. Private to mesher/sizing.
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

@@ -1,4 +1,5 @@
 #include "mesher/sizing/source_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

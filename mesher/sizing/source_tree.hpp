@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/sizing/bvh.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/base/vec.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -3,8 +3,8 @@
 // profile, of which the size says nothing because it comes from the whole box. Private to mesher/sizing.
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/sizing/size_targets.hpp"
+#include "tetloom/model.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

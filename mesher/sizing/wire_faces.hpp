@@ -2,8 +2,8 @@
 // Faces around something so thin that the floor of sizes would take its shape. Private to mesher/sizing.
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/sizing/size_targets.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/surface/triangulation.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

@@ -2,7 +2,7 @@
 // Leaving model faces out of a surface mesh.
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom {
 

@@ -1,11 +1,12 @@
 #include "mesher/surface/edge_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
 #include <numbers>
 
-#include "core/base/assert.hpp"
 #include "mesher/surface/coincident_edges.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom {
 namespace {

@@ -2,9 +2,9 @@
 // Model edges cut into pieces of the size asked for: once per edge, whatever faces meet there.
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

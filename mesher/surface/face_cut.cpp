@@ -1,4 +1,5 @@
 #include "mesher/surface/face_cut.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

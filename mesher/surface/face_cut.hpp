@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "mesher/surface/rim_patch.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

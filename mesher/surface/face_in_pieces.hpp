@@ -13,6 +13,7 @@
 #include <functional>
 
 #include "mesher/surface/face_cut.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

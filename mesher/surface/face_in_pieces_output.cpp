@@ -3,6 +3,7 @@
 #include <set>
 
 #include "mesher/surface/face_in_pieces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/surface/edge_mesher.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom {
 

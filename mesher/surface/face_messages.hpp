@@ -4,7 +4,7 @@
 
 #include "mesher/surface/face_cut.hpp"
 #include "mesher/surface/face_mesher.hpp"
-#include "threading/message.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/surface/face_mesher.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom {
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/triangulation.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::detail {
 

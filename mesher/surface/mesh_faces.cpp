@@ -1,4 +1,5 @@
 #include "mesher/surface/mesh_faces.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <memory>
 #include <optional>

@@ -11,10 +11,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
 #include "mesher/surface/triangulation.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

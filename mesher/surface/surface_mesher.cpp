@@ -1,4 +1,5 @@
 #include "mesher/surface/surface_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/geometry/model.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
 #include "threading/shared_work.hpp"
 
 namespace tetloom {

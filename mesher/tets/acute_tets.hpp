@@ -5,33 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/filling.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
-
-enum class AngleCause : std::uint8_t {
-  NotForced,        ///< nothing that was looked for
-  SurfaceAngle,     ///< the angle lies between two triangles of the surface that meet at less than what was asked for
-  SurfaceTriangle,  ///< the tet has a triangle of the surface whose quality is below 1/2
-  SurfacePoints,    ///< two of its points are of the surface, and nearer than a third of its longest edge
-  NarrowRegion  ///< a point of the surface, of it or of a tet beside it, is that near to a triangle that others have
-};
-
-struct AcuteTet {
-  double angle = 0;  ///< degrees, the smallest of its dihedral angles
-  Vec3 point;        ///< its centre
-  AngleCause cause = AngleCause::NotForced;
-  /// Degrees: between the two triangles, or the smallest of the one triangle, or that at which `cause_length` is seen
-  /// over the tet's longest edge; 0 where nothing forces it.
-  double cause_angle = 0;
-  double cause_length = 0;  ///< between the two points, or the point and the triangle; else 0; model length
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of the surface: two, one or none; by their vertices
-  std::vector<std::uint32_t> points;                    ///< the two near each other, the one near the triangle, or none
-  /// Where known: the model faces of the triangles and the model edge where they meet, or what the points lie on; the
-  /// highest dimension first.
-  std::vector<NamedEntity> entities;
-};
 
 inline constexpr std::size_t kMostAcuteTets = 100;
 

@@ -6,7 +6,7 @@
 
 #include "mesher/tets/many_values.hpp"
 #include "mesher/tets/working_mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

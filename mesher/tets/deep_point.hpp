@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
-#include "core/base/vec.hpp"
 #include "mesher/tets/vertex_star.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

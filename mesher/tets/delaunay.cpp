@@ -1,4 +1,5 @@
 #include "mesher/tets/delaunay.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>

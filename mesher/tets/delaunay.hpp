@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "mesher/tets/tet_mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

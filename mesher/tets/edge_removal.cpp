@@ -1,4 +1,5 @@
 #include "mesher/tets/edge_removal.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 
 #include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/working_mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

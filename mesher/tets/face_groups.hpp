@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/block_loop.hpp"
 #include "core/base/grouping.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::tets {
 

@@ -1,5 +1,6 @@
 // Which triangles are faces of the mesh: one pass over the tets, asking for faces of three surface points.
 #include "mesher/tets/find_triangles.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

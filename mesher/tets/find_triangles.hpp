@@ -4,6 +4,7 @@
 
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

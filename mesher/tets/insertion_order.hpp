@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

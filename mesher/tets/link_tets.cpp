@@ -1,4 +1,5 @@
 #include "mesher/tets/link_tets.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <mutex>

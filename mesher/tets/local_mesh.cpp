@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::tets {
 

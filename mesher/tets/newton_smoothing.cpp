@@ -1,4 +1,5 @@
 #include "mesher/tets/newton_smoothing.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <optional>

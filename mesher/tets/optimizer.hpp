@@ -19,7 +19,8 @@
 #include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/tet_mesh.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/filling.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 
@@ -32,27 +33,6 @@ struct OptimizeOptions {
   bool keep_points = false;       ///< numbers of points stay; those that no tet has any more are left where they are
   bool strong_gradation = false;  ///< the size grows by more than about .1 per unit of distance: twice the passes
   QualityGoals goals;             ///< what removing vertices and inserting points aim at
-};
-
-struct OptimizeReport {
-  std::size_t edges_removed = 0;
-  std::size_t vertices_moved = 0;  ///< moves, not vertices
-  std::size_t points_inserted = 0;
-  std::size_t vertices_removed = 0;
-  std::size_t edges_swapped = 0;             ///< of the surface, where it may change: see surface_improvement.hpp
-  std::size_t vertices_slid = 0;             ///< on the surface; moves, not vertices
-  double least_before = 0, mean_before = 0;  ///< mean ratio
-  double least = 0, mean = 0;                ///< mean ratio
-  std::size_t below_goal = 0;                ///< tets of a smaller mean ratio than asked for
-  double least_dihedral = 0;                 ///< degrees
-  std::size_t below_dihedral = 0;            ///< tets with a smaller angle than asked for
-  std::size_t forced = 0;                    ///< of those, tets to which the surface leaves little choice, and why:
-  std::size_t forced_by_angles = 0, forced_by_triangles = 0, forced_by_points = 0;
-  std::vector<AcuteTet> acute_tets;  ///< the worst of those tets, the worst first
-  std::size_t tets = 0;              ///< that were looked at
-
-  /// Takes another mesh into account: sums of counts, means over all tets, the lower of the extremes, the worst tets.
-  void add(const OptimizeReport& other);
 };
 
 /// Optimises in place; what is dead is dropped, and so are points from `fixed_points` on that no tet has any more.

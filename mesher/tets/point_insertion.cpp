@@ -1,4 +1,5 @@
 #include "mesher/tets/point_insertion.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <optional>

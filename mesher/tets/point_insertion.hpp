@@ -9,7 +9,7 @@
 #include <span>
 
 #include "mesher/tets/vertex_star.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,6 +1,6 @@
 #include "mesher/tets/quality_goals.hpp"
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 

@@ -4,6 +4,7 @@
 
 #include "mesher/tets/cavity.hpp"
 #include "mesher/tets/obstacles.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,4 +1,5 @@
 #include "mesher/tets/recovery.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mesher/tets/triangle_verts.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

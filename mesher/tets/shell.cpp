@@ -1,4 +1,5 @@
 #include "mesher/tets/shell.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
 #include "mesher/tets/tet_mesh.hpp"
 #include "mesher/tets/triangle_verts.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

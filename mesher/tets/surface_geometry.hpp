@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "core/base/ids.hpp"
 #include "mesher/tets/surface_triangles.hpp"
+#include "tetloom/ids.hpp"
 
 namespace tetloom::tets {
 

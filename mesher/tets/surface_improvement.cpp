@@ -1,4 +1,5 @@
 #include "mesher/tets/surface_improvement.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -5,6 +5,7 @@
 // the tets around what has changed are optimised again as those inside are.
 #include "mesher/tets/optimizer.hpp"
 #include "mesher/tets/surface_geometry.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

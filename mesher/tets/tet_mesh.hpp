@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "core/base/growing_array.hpp"
-#include "core/base/ids.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/growing_array.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

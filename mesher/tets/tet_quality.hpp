@@ -6,7 +6,7 @@
 // 1e-14 s^(3/2) wherever the tet lies: a q cubed above kSurelyPositive proves that orient3d > 0.
 #include <cmath>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::tets {
 

@@ -1,4 +1,5 @@
 #include "mesher/tets/vertex_removal.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "mesher/tets/vertex_star.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

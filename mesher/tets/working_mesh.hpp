@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "mesher/tets/edge_ring.hpp"
 #include "mesher/tets/tet_mesh.hpp"

@@ -1,4 +1,5 @@
 #include "mesher/volume/angle_causes.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <functional>

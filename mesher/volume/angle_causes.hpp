@@ -7,6 +7,7 @@
 
 #include "mesher/tets/acute_tets.hpp"
 #include "mesher/volume/complex.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom::volume {
 

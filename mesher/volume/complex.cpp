@@ -1,4 +1,6 @@
 #include "mesher/volume/complex.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>

@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
 #include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

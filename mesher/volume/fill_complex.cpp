@@ -1,4 +1,5 @@
 #include "mesher/volume/fill_complex.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +14,8 @@
 #include "mesher/volume/lattice_filling.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/trace.hpp"
 
 namespace tetloom::volume {
 

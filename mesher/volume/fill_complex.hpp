@@ -7,7 +7,9 @@
 
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/filling.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -1,6 +1,8 @@
 #pragma once
 // Complexes filled by several ranks together.
 #include "mesher/volume/fill_complex.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

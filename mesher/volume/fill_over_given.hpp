@@ -1,6 +1,7 @@
 #pragma once
 // A volume mesh whose points begin with the given ones, as the mesh of a whole model has them.
 #include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

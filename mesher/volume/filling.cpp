@@ -1,4 +1,5 @@
 #include "mesher/volume/filling.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #pragma once
 // What a rank tells the others of what it has filled.
 #include "mesher/volume/volume_parts.hpp"
-#include "threading/message.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::volume {
 

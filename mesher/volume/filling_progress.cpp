@@ -1,4 +1,6 @@
 #include "mesher/volume/filling_progress.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -3,7 +3,8 @@
 #include <cstdint>
 
 #include "mesher/volume/complex.hpp"
-#include "threading/task_runner.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

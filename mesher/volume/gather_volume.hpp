@@ -1,6 +1,8 @@
 #pragma once
 // A volume that ranks have filled in parts, put together on the first of them.
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

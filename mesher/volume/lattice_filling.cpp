@@ -1,4 +1,5 @@
 #include "mesher/volume/lattice_filling.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -6,6 +6,7 @@
 // tetrahedra between the core and the surface kept, those outside and in the core's place dropped; all of it optimised.
 // The idea is de Cougny & Shephard's (1999), who fill interior octants by templates and connect them to the surface.
 #include "mesher/volume/filling.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::volume {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Finds the places on a geometric model that are nearest to points beside it.
-#include "core/geometry/model.hpp"
 #include "mesher/tets/surface_geometry.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::volume {
 

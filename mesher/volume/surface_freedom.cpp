@@ -1,4 +1,6 @@
 #include "mesher/volume/surface_freedom.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 

@@ -8,6 +8,8 @@
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/surface_improvement.hpp"
 #include "mesher/volume/complex.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

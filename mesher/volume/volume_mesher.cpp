@@ -1,4 +1,5 @@
 #include "mesher/volume/volume_mesher.hpp"
+#include "mesher/tets/quality_goals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,8 @@
 #include "mesher/volume/volume_parts.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
-#include "threading/trace.hpp"
 
 namespace tetloom {
 

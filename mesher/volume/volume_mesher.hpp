@@ -8,14 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
-#include "core/sizing/size_field.hpp"
-#include "mesher/lattice/lattice_kind.hpp"
 #include "mesher/tets/optimizer.hpp"
-#include "threading/task_runner.hpp"
-#include "threading/trace.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/filling.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/size_field.hpp"
+#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 
@@ -34,40 +33,6 @@ struct VolumeInput {
 /// How much a mesh will hold and need, from the size field alone.
 struct MeshEstimate {
   double triangles = 0, tets = 0, bytes = 0;
-};
-
-/// How complexes came to be filled in parts.
-struct FillingPartsFigures {
-  /// What one round of bettering tets between parts took.
-  struct Strips {
-    std::size_t waiting = 0;  ///< vertices between parts at which tets are poor, each counted by every part that has it
-    std::size_t tets = 0;     ///< that came into strips
-    std::size_t moved = 0;    ///< of those, tets that came from another part
-  };
-  std::size_t parts = 0;          ///< in complexes of several; 0: there are none
-  std::size_t asked = 0;          ///< tets that were certified by what other parts answered
-  std::size_t asking_rounds = 0;  ///< the most that a complex took
-  std::array<Strips, 3> strips{};
-  std::size_t given_up = 0;  ///< complexes that were filled in one part because their parts did not fit together
-  std::string given_up_why;  ///< the first one's reason
-
-  void add(const FillingPartsFigures& other);
-};
-
-/// How a volume came to be filled. Seconds are of wall time; those of complexes filled at once add up.
-struct FillingFigures {
-  std::size_t core_tets = 0;          ///< exact lattice tets, as emitted
-  std::size_t shell_tets = 0;         ///< between the core and the surface, before optimisation
-  std::size_t worker_complexes = 0;   ///< filled by TetGen, as the last resort
-  std::size_t missing_triangles = 0;  ///< that were no faces of the Delaunay tetrahedralisation
-  std::size_t recovery_points = 0;    ///< put inside to recover them
-  FillingPartsFigures parts;
-  tets::OptimizeReport optimizer;
-  struct Seconds {
-    double points = 0, core = 0, delaunay = 0, recovery = 0, join = 0, optimize = 0, surface = 0;
-  } seconds;
-
-  void add(const FillingFigures& other);
 };
 
 struct MovedPoint {

@@ -1,4 +1,5 @@
 #include "mesher/volume/volume_parts.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/growing_array.hpp"
 #include "mesher/volume/volume_mesher.hpp"
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/growing_array.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,6 +1,7 @@
 #pragma once
 // Complexes on their way to a volume in parts.
 #include "mesher/volume/fill_complex.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

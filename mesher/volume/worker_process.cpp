@@ -1,4 +1,5 @@
 #include "mesher/volume/worker_process.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -19,8 +20,8 @@
 #include <sstream>
 #include <utility>
 
-#include "core/base/error.hpp"
 #include "mesher/volume/worker_protocol.hpp"
+#include "tetloom/error.hpp"
 
 extern char** environ;
 

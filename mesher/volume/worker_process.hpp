@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::volume {
 

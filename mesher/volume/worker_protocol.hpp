@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::volume {
 

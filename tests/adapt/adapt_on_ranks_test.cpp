@@ -4,19 +4,17 @@
 #include <new>
 #include <random>
 
-#include "adapt/adapt_on_ranks.hpp"
 #include "adapt/metric/tet_links.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/simulated_ranks.hpp"
-#include "threading/parts_figures.hpp"
-#include "threading/validate_parts.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using adapt::Tensor;

@@ -1,19 +1,19 @@
 // Meshes led to a metric, without a model.
-#include "adapt/adapt.hpp"
+#include "tetloom/adapt.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
-#include "adapt/metric/metric_field.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/metric.hpp"
 
 using namespace tetloom;
 using adapt::Tensor;
@@ -302,6 +302,47 @@ TEST_CASE("meshes that cannot be adapted are refused", "[adapt]") {
   SECTION("with other cells") {
     cube = test::make_mixed_box(4, 4, 4);
     CHECK(refused().code == ErrorCode::InputUnsuitable);
+  }
+}
+
+TEST_CASE("tags of entities that adaptation cannot tell apart are refused with the element", "[adapt]") {
+  // Two bits of 32 tell the dimension.
+  const std::uint32_t largest = std::uint32_t{1} << 28;
+  for (const std::uint32_t index : {largest, std::uint32_t{1} << 30, 0xfffffffeu}) {
+    CAPTURE(index);
+    const auto refused = [&](const std::function<void(Mesh&)>& change) {
+      Mesh cube = unit_cube(2);
+      for (auto& table : cube.entities) table.clear();
+      cube.face_to_sides.clear();
+      change(cube);
+      const Diagnostic error = refusal(cube, sizes(cube, 0.4));
+      CHECK(error.code == ErrorCode::InputUnsuitable);
+      CHECK_THAT(error.message, Catch::Contains(std::to_string(std::uint64_t{index} + 1)));
+      CHECK(error.elements.size() == 1);
+    };
+    refused([&](Mesh& cube) { cube.tet_to_entity[3] = index; });
+    refused([&](Mesh& cube) { cube.tri_to_entity[2] = index; });
+    refused([&](Mesh& cube) { cube.edge_to_entity[1] = index; });
+    refused([&](Mesh& cube) { cube.point_to_entity[0] = ModelEntity(0, index); });
+  }
+  Mesh cube = unit_cube(2);
+  for (std::uint32_t& region : cube.tet_to_entity) region = largest - 1;
+  for (ModelEntity& entity : cube.point_to_entity)
+    if (entity.dim == 3) entity.index = largest - 1;
+  cube.face_to_sides.clear(), cube.entities = {};
+  const AdaptResult result = adapted(cube, sizes(cube, 0.2));
+  CHECK(validate_mesh(result.mesh).valid());
+  for (const std::uint32_t region : result.mesh.tet_to_entity) REQUIRE(region == largest - 1);
+}
+
+TEST_CASE("tags of edges and corners behind the mesh's own tables are refused, however large", "[adapt]") {
+  for (const std::uint32_t index : {12u, (1u << 28) - 1}) {
+    Mesh cube = unit_cube(2);
+    cube.entities[1].resize(12);
+    for (std::uint32_t& edge : cube.edge_to_entity) edge = edge == 3 ? index : edge;
+    const Diagnostic error = refusal(cube, sizes(cube, 0.4));
+    CHECK(error.code == ErrorCode::InputUnsuitable);
+    CHECK_THAT(error.message, Catch::Contains("table"));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "adapt/metric/background.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 

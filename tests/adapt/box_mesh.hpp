@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "adapt/metric/vertex_graph.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 

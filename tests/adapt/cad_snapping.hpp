@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "adapt/adapt.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/meshed.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
 
 namespace tetloom::test {
 

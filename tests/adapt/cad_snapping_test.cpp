@@ -1,9 +1,9 @@
 // Boundaries that follow models of OpenCASCADE.
 #include "tests/adapt/cad_snapping.hpp"
-#include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/mesher/real_models.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 

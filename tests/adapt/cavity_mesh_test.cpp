@@ -1,5 +1,6 @@
 // The operator on cavities, against what its definition says, tet by tet.
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -12,9 +13,9 @@
 #include "adapt/kernel/ring_in_metric.hpp"
 #include "adapt/kernel/star_cavity.hpp"
 #include "adapt/parts/rounds.hpp"
-#include "core/mesh/validate.hpp"
 #include "mesher/tets/ring_triangulation.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

@@ -1,10 +1,11 @@
 // Curvature limits on models of OpenCASCADE.
 #include <catch2/catch.hpp>
 
-#include "adapt/metric/curvature_limits.hpp"
-#include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

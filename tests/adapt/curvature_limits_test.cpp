@@ -1,4 +1,5 @@
-#include "adapt/metric/curvature_limits.hpp"
+#include "tetloom/metric.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
-#include "core/mesh/validate.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::test {
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <utility>
 
-#include "mesher/mesher.hpp"
+#include "tetloom/mesh.hpp"
 
 namespace tetloom::test {
 

@@ -1,4 +1,4 @@
-#include "adapt/metric/metric_field.hpp"
+#include "tetloom/metric.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -5,6 +5,7 @@
 
 #include "adapt/kernel/passes.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::test {
 

@@ -4,13 +4,13 @@
 #include <memory>
 #include <string>
 
-#include "adapt/adapt.hpp"
-#include "core/mesh/digest.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

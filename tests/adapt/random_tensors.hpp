@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "adapt/metric/tensor.hpp"
+#include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 

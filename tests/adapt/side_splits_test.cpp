@@ -5,11 +5,12 @@
 
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/fans.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/one_round.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "adapt/adapt.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
 
 using namespace tetloom;
 using test::meshed;

@@ -10,6 +10,7 @@
 
 #include "adapt/parts/whole_mesh.hpp"
 #include "tests/adapt/box_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

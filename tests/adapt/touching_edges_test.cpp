@@ -1,16 +1,17 @@
 // Edges at which bodies touch, split before anything else.
 #include "adapt/touching_edges.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "adapt/adapt.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/adapt.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

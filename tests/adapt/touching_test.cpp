@@ -1,10 +1,10 @@
 // Bodies that touch in an edge or a vertex, and bodies that touch themselves there.
 #include <catch2/catch.hpp>
 
-#include "adapt/adapt.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
+#include "tetloom/adapt.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

@@ -4,12 +4,12 @@
 #include <limits>
 #include <map>
 
-#include "adapt/adapt.hpp"
 #include "adapt/transfer/clip_tet.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/adapt.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;
@@ -93,7 +93,7 @@ Metric layer_of_cycle(int cycle) {
 TEST_CASE("integrals are kept over ten adaptations of a cube, and bounds", "[transfer]") {
   const bool anisotropic = GENERATE(false, true);
   AdaptOptions options;
-  options.cell_shape = GENERATE(CellShape::Constant, CellShape::Linear);
+  options.cell_shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
   CAPTURE(anisotropic, static_cast<int>(options.cell_shape));
   Mesh cube = unit_cube(6, true);
   add_cell_field(cube, "constant", [](const Vec3&) { return 0.3; });

@@ -3,11 +3,10 @@
 #include <cmath>
 #include <functional>
 
-#include "adapt/metric/hessian.hpp"
-#include "adapt/metric/metric_field.hpp"
 #include "tests/adapt/box_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/block_loops.hpp"
+#include "tetloom/metric.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

@@ -3,11 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/cad/read_model.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/io/solution_io.hpp"
 #include "mesher/volume/model_projector.hpp"
 #include "tests/apps/command_process.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom::test;
 

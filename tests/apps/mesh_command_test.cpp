@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <regex>
 
-#include "core/io/mesh_io.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom::test;
 
@@ -273,7 +273,7 @@ TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a repor
     options.signal_when = stage;
     options.signals = {SIGINT};
     const bool volume = std::string(stage) == "volume";
-    CHECK(in_time([&] {
+    CHECK(in_time([&]() -> std::optional<bool> {
       const TestFolder folder;
       const std::string sleeper = folder.write("sleeper", "#!/bin/sh\nexec sleep 60\n");
       std::filesystem::permissions(sleeper, std::filesystem::perms::owner_all);
@@ -284,7 +284,7 @@ TEST_CASE("Ctrl-C ends a run within a second, wherever it is, and leaves a repor
                                                "--worker",     sleeper,
                                                "--max-memory", "64G"};
       const ProcessResult result = run_tetloom(arguments, options);
-      if (result.status == 0) return false;
+      if (result.status == 0) return std::nullopt;
       check_cancelled(result, folder, {"r.json", "sleeper"});
       CHECK_THAT(result.err, Catch::Contains("cancelled"));
       const auto seconds = read_json(folder / "r.json")["seconds"];

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/io/mesh_io.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using namespace tetloom::bench;

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/cad/read_model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::test {
 

@@ -4,9 +4,9 @@
 #include <functional>
 #include <random>
 
-#include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using test::file_content;

@@ -12,11 +12,11 @@
 #include <sstream>
 #include <thread>
 
-#include "core/cad/read_model.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/faulty_samples.hpp"
 #include "tests/cad/model_checks.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using test::Sample;

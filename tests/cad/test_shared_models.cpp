@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/cad/read_model.hpp"
 #include "tests/cad/model_checks.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 
@@ -47,7 +47,7 @@ constexpr KnownModel kModels[] = {
 TEST_CASE("every shared CAD model is read with its known counts and consistent loops") {
   const std::filesystem::path folder = std::filesystem::path(TETLOOM_SHARED_DIR) / "cad";
   if (!std::filesystem::exists(folder)) {
-    WARN("skipped: no shared CAD models in " << folder);
+    WARN("skipped: no models in " << folder);
     return;
   }
   std::printf("%-44.44s %6s %6s %6s %6s %9s %9s %9s %6s %5s\n", "model", "solids", "faces", "edges", "read s", "uv gap",

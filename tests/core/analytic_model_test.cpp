@@ -1,4 +1,4 @@
-// The analytic test models obey the conventions of core/geometry/model.hpp.
+// The analytic test models obey the conventions of tetloom/model.hpp.
 #include <catch2/catch.hpp>
 
 #include <map>

@@ -7,10 +7,10 @@
 #include <cstdint>
 
 #include "core/io/atomic_file.hpp"
-#include "core/io/mesh_io.hpp"
 #include "tests/core/file_size_limit.hpp"
 #include "tests/core/mesh_fixtures.hpp"
 #include "tests/core/mesh_io_support.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using test::error_of;

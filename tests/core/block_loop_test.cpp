@@ -4,15 +4,13 @@
 #include <numeric>
 #include <random>
 
-#include "core/base/error.hpp"
 #include "core/base/filing.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
 #include "core/mesh/statistics_detail.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/support/block_loops.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/error.hpp"
 
 using namespace tetloom;
 using test::BackwardsLoop;

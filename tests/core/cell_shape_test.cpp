@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/vec.hpp"
-#include "core/mesh/cell_shape.hpp"
 #include "core/predicates/predicates.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/vec.hpp"
 
 using namespace tetloom;
 

@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "core/discrete/discrete_model.hpp"
 #include "core/discrete/facet_bvh.hpp"
 #include "core/discrete/polygon.hpp"
 #include "tests/core/discrete_shapes.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::shapes;

@@ -5,8 +5,8 @@
 #include <random>
 #include <set>
 
-#include "core/discrete/discrete_model.hpp"
 #include "tests/core/discrete_shapes.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::shapes;

@@ -1,9 +1,9 @@
 // OpenMesh as an independent judge: its reader and half-edges must see the same surface.
 #include <catch2/catch.hpp>
 
-#include "core/discrete/discrete_model.hpp"
 #include "core/discrete/judge/half_edge_judge.hpp"
 #include "tests/core/discrete_shapes.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::shapes;

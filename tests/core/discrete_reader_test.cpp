@@ -4,8 +4,8 @@
 #include <cctype>
 #include <random>
 
-#include "core/discrete/discrete_model.hpp"
 #include "tests/core/discrete_shapes.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::shapes;

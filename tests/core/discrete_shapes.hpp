@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::shapes {
 

@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
-#include "core/base/error.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/siphash_detail.hpp"
 #include "tests/core/mesh_fixtures.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/error.hpp"
 
 using namespace tetloom;
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::test {
 

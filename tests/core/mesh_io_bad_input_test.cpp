@@ -8,10 +8,10 @@
 #include <cstring>
 #include <random>
 
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
 #include "tests/core/mesh_fixtures.hpp"
 #include "tests/core/mesh_io_support.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using test::error_of;

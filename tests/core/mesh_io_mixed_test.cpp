@@ -4,13 +4,11 @@
 #include <limits>
 #include <random>
 
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/core/mesh_io_support.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using test::check_same_elements;

@@ -7,10 +7,10 @@
 #include <iostream>
 #include <string>
 
-#include "core/base/error.hpp"
-#include "core/mesh/mesh.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::test {
 

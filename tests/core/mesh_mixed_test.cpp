@@ -8,12 +8,10 @@
 #include <tuple>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/error.hpp"
 
 using namespace tetloom;
 

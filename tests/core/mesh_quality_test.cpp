@@ -4,9 +4,9 @@
 #include <limits>
 #include <set>
 
-#include "core/base/error.hpp"
-#include "core/mesh/quality.hpp"
 #include "tests/core/mesh_fixtures.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/error.hpp"
 
 using namespace tetloom;
 

@@ -4,8 +4,8 @@
 #include <iostream>
 #include <limits>
 
-#include "core/mesh/validate.hpp"
 #include "tests/core/mesh_fixtures.hpp"
+#include "tetloom/check.hpp"
 
 using namespace tetloom;
 

@@ -6,7 +6,6 @@
 #include <future>
 
 #include "core/io/atomic_file.hpp"
-#include "core/io/mesh_io.hpp"
 #include "core/io/mesh_parts.hpp"
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/mesh_access.hpp"
@@ -14,6 +13,7 @@
 #include "tests/core/mesh_io_support.hpp"
 #include "tests/support/block_loops.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using test::BackwardsLoop;

@@ -5,10 +5,10 @@
 #include <limits>
 #include <random>
 
-#include "core/base/error.hpp"
 #include "core/sizing/morton.hpp"
 #include "core/sizing/size_change.hpp"
-#include "core/sizing/size_field.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/size_field.hpp"
 
 namespace tetloom {
 namespace {

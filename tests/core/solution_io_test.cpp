@@ -1,5 +1,5 @@
 // Files of solutions: what is written is read back, files of others are read, bad ones are refused.
-#include "core/io/solution_io.hpp"
+#include "tetloom/io.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

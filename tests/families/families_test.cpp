@@ -10,15 +10,14 @@
 #include <string>
 #include <string_view>
 
-#include "core/cad/read_model.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "tests/support/families/family.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using test::Family;

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "mesher/mesher.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -6,7 +6,9 @@
 #include "mesher/parts/key_filter.hpp"
 #include "mesher/parts/near_box.hpp"
 #include "mesher/parts/part_surface.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 namespace {

@@ -14,6 +14,7 @@
 
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/delaunay.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets::oracle_tests {
 

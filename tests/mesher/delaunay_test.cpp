@@ -6,11 +6,12 @@
 #include <random>
 #include <set>
 
-#include "core/base/error.hpp"
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/locate.hpp"
 #include "tests/mesher/delaunay_oracle.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 namespace {

@@ -2,6 +2,7 @@
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tests/mesher/delaunay_oracle.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::tets::oracle_tests;

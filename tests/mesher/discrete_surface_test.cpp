@@ -5,12 +5,12 @@
 #include <numbers>
 #include <random>
 
-#include "core/discrete/discrete_model.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
-#include "core/discrete/discrete_model.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "tests/core/discrete_shapes.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 

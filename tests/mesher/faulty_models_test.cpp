@@ -5,13 +5,12 @@
 #include <numbers>
 #include <set>
 
-#include "core/cad/read_model.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/faulty_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using test::Fault;

@@ -9,6 +9,7 @@
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::intersection;

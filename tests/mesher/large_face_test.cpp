@@ -12,6 +12,7 @@
 #include "mesher/surface/face_in_pieces.hpp"
 #include "mesher/surface/surface_mesher.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -11,6 +11,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/shell.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 namespace {

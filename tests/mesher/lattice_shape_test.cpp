@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::lattice {
 namespace {

@@ -1,5 +1,6 @@
 // Tets given by their vertices become a mesh, or a fault says why they cannot.
 #include "mesher/tets/link_tets.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

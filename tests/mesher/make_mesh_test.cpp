@@ -5,11 +5,9 @@
 #include <numbers>
 #include <thread>
 
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -4,14 +4,14 @@
 #include <filesystem>
 #include <random>
 
-#include "core/mesh/digest.hpp"
-#include "mesher/mesh_in_parts.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
-#include "threading/parts_io.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 namespace fs = std::filesystem;

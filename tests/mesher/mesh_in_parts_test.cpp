@@ -1,15 +1,13 @@
 // A mesh that is made in parts is the mesh that is made in one piece.
-#include "mesher/mesh_in_parts.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 
-#include "core/mesh/digest.hpp"
-#include "mesher/mesh_on_ranks.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/threading/communicators.hpp"
-#include "threading/parts_figures.hpp"
-#include "threading/validate_parts.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/partition.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -3,11 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -1,8 +1,8 @@
 #include "mesher/tets/optimizer.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 
-#include "core/base/error.hpp"
 #include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
@@ -10,6 +10,7 @@
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/vertex_removal.hpp"
 #include "tests/mesher/tet_fixtures.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,6 +1,8 @@
 // Input and options that filling in parts has to refuse, or that leave parts nearly empty.
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/parts_fixtures.hpp"
 #include "tests/support/error_of.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -3,8 +3,10 @@
 #include <chrono>
 #include <thread>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/parts_fixtures.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

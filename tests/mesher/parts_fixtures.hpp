@@ -5,7 +5,9 @@
 #include <limits>
 #include <vector>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume_tests {
 

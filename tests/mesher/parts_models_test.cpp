@@ -5,11 +5,10 @@
 #include <filesystem>
 #include <tuple>
 
-#include "core/cad/read_model.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/mesher/real_models.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 namespace fs = std::filesystem;
@@ -96,7 +95,7 @@ TEST_CASE("the worst tet of a real model is as good in parts as in one", "[worst
 TEST_CASE("poor tets at a patch that reaches far into other parts move, too", "[strips]") {
   const fs::path file = test::kRealModels / "Voron-0__Electronics_Mounts_SKR_3_EZ_Din_Mount.step";
   if (!fs::exists(file)) {
-    WARN("skipped: " << file << " is not there");
+    WARN("skipped: no models in " << test::kRealModels << " with " << file.filename());
     return;
   }
   const ModelDocument document = read_model(file);

@@ -1,7 +1,9 @@
 // Volumes filled in parts: as good as in one, and the same for any number of threads.
 #include "mesher/intersection/self_intersection.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/parts_fixtures.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

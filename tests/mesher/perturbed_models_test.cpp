@@ -6,13 +6,15 @@
 #include <filesystem>
 #include <random>
 
-#include "core/cad/read_model.hpp"
 #include "core/predicates/predicates.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/self_intersection.hpp"
-#include "mesher/mesher.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/real_models.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -12,6 +12,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume_tests {
 

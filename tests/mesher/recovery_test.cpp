@@ -7,6 +7,7 @@
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/small_polyhedron.hpp"
 #include "tests/mesher/recovery_shapes.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::tets;

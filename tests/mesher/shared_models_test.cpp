@@ -10,13 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/cad/read_model.hpp"
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/mesher/real_models.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 namespace fs = std::filesystem;

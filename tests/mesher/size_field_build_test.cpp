@@ -7,6 +7,7 @@
 
 #include "mesher/sizing/source_tree.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

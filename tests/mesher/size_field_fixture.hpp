@@ -5,6 +5,7 @@
 
 #include "mesher/sizing/build_size_field.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::test_sizes {
 

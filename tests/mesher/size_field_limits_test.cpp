@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

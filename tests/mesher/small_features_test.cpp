@@ -7,17 +7,16 @@
 #include <numbers>
 #include <random>
 
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
 #include "mesher/features/cone.hpp"
 #include "mesher/features/displacement.hpp"
 #include "mesher/features/eliminate_features.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
-#include "mesher/mesher.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::features;

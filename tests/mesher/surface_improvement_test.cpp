@@ -1,4 +1,6 @@
 #include "mesher/tets/surface_improvement.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,5 @@
 #include "mesher/surface/surface_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,10 +7,10 @@
 #include <map>
 #include <numbers>
 
-#include "core/mesh/digest.hpp"
 #include "mesher/intersection/new_triangles.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -4,12 +4,14 @@
 #include <new>
 #include <random>
 
-#include "mesher/mesh_in_parts.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/threading/communicators.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

@@ -1,10 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
-#include "mesher/mesher.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;

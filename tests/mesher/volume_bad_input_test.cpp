@@ -4,8 +4,10 @@
 #include <cstring>
 #include <limits>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tests/support/error_of.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -2,7 +2,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -1,7 +1,9 @@
 // Thousands of random polyhedra filled by our own means, judged by their triangles, volumes and orientations.
 #include "mesher/intersection/self_intersection.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/random_polyhedra.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -5,8 +5,10 @@
 #include <numbers>
 #include <thread>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

@@ -11,11 +11,13 @@
 #include <sstream>
 #include <thread>
 
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tests/support/in_time.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;

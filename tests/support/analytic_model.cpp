@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "core/base/assert.hpp"
 #include "tests/support/analytic_shapes.hpp"
 #include "tests/support/analytic_tessellation.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::test_models {
 namespace {

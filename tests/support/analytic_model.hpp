@@ -1,6 +1,6 @@
 #pragma once
 // Small geometric models with exact shapes, for tests that need no CAD kernel. They follow the conventions of
-// core/geometry/model.hpp to the letter: loops run with the face on their left seen from the tip of du x dv, a seam
+// tetloom/model.hpp to the letter: loops run with the face on their left seen from the tip of du x dv, a seam
 // appears twice in its loop (first along its own direction, then against it with second_side), poles and apexes are
 // degenerate edges, and every normal points out of its region.
 //
@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::test_models {
 

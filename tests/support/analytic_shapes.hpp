@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::test_models {
 

@@ -2,7 +2,7 @@
 // The error that a call ends with.
 #include <catch2/catch.hpp>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Meshes of boxes with every kind of cell and a full classification, for tests of whatever handles meshes.
-#include "core/mesh/mesh.hpp"
+#include "tetloom/mesh_data.hpp"
 
 namespace tetloom::test {
 

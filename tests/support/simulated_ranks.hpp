@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::test {
 

@@ -1,5 +1,6 @@
 // Neighbours, balls, shells and faces against brute force, in parts whose cells hang together or do not.
 #include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -9,7 +10,7 @@
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

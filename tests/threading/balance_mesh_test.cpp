@@ -6,9 +6,8 @@
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/balance/balance.hpp"
-#include "threading/validate_parts.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

@@ -7,6 +7,7 @@
 
 #include "core/base/hilbert.hpp"
 #include "tests/support/simulated_ranks.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/partitioners.hpp"
 
 using namespace tetloom;

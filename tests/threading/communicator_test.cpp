@@ -1,4 +1,5 @@
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>

@@ -2,7 +2,7 @@
 // The communicator that the tests of this executable are run on: threads in one, MPI in the other.
 #include <memory>
 
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 std::unique_ptr<tetloom::Communicator> make_communicator();
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "threading/communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 namespace tetloom::test {
 

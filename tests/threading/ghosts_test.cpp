@@ -1,5 +1,7 @@
 // Ghost layers against a search through the whole mesh.
 #include "threading/ghosts.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -8,7 +10,7 @@
 #include "core/part/convert.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

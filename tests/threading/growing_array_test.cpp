@@ -1,4 +1,4 @@
-#include "core/base/growing_array.hpp"
+#include "tetloom/growing_array.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/page_size.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 

@@ -1,5 +1,6 @@
 // Migrations that end early leave the mesh as it was, or are carried out whole.
-#include "threading/migration.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -11,7 +12,6 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/whole_mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

@@ -4,7 +4,7 @@
 
 #include "tests/support/sanitized.hpp"
 #include "tests/threading/communicators.hpp"
-#include "threading/mpi_communicator.hpp"
+#include "tetloom/communicator.hpp"
 
 std::unique_ptr<tetloom::Communicator> make_communicator() { return tetloom::make_mpi_communicator(10'000); }
 

@@ -4,8 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "tests/support/tet_lattice.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/aggregation_detail.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/multilevel.hpp"

@@ -1,4 +1,5 @@
 #include "threading/parallel_sort.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdint>

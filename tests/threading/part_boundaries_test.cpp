@@ -5,9 +5,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "tests/support/simulated_ranks.hpp"
 #include "tests/support/tet_lattice.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partition_figures.hpp"

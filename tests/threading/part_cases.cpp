@@ -1,15 +1,14 @@
 #include "tests/threading/part_cases.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "threading/validate_parts.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/partition.hpp"
 
 namespace tetloom::test {
 namespace {

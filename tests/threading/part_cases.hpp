@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/mesh.hpp"
 #include "core/part/adjacency.hpp"
-#include "threading/migration.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::test {
 

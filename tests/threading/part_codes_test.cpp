@@ -3,7 +3,7 @@
 #include <set>
 #include <vector>
 
-#include "core/part/part_mesh.hpp"
+#include "tetloom/part_mesh.hpp"
 
 using namespace tetloom;
 

@@ -4,7 +4,8 @@
 #include "core/part/convert.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::test {
 

@@ -1,5 +1,6 @@
 // Parts under random migrations: the whole mesh stays what it was, and every link names its copy from both sides.
-#include "threading/partitioned_mesh.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -10,8 +11,6 @@
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/disordering_communicator.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/migration.hpp"
-#include "threading/whole_mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;
@@ -63,6 +62,14 @@ TEST_CASE("a mesh that cannot be a part is refused on all ranks, and they stay i
   }
   SECTION("with a triangle that belongs to no cell") {
     std::swap(bad.tri_to_vert[0][0], bad.tri_to_vert.back()[2]);
+    expected.code = ErrorCode::InputUnsuitable;
+  }
+  SECTION("with a tag beyond what a part can hold") {
+    bad.tet_to_entity[0] = (1u << 30) + 3;
+    expected.code = ErrorCode::InputUnsuitable;
+  }
+  SECTION("with a point on an entity of such a tag") {
+    bad.point_to_entity[0] = ModelEntity(0, 1u << 30);
     expected.code = ErrorCode::InputUnsuitable;
   }
   // What other ranks hold is not looked at, good or bad.

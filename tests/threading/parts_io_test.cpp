@@ -1,5 +1,6 @@
 // Partitioned meshes go to files and come back, and files that do not fit together are refused with a place.
-#include "threading/parts_io.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -7,19 +8,15 @@
 #include <fstream>
 #include <functional>
 
-#include "core/io/mesh_io.hpp"
 #include "core/io/mesh_piece.hpp"
-#include "core/mesh/digest.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/core/file_size_limit.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
-#include "threading/balance/balance.hpp"
-#include "threading/parts_figures.hpp"
-#include "threading/validate_parts.hpp"
-#include "threading/whole_mesh.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 using tetloom::test::error_of;

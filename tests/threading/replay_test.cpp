@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/support/error_of.hpp"
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using test::error_of;

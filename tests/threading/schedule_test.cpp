@@ -1,4 +1,4 @@
-#include "threading/schedule.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -6,13 +6,11 @@
 #include <thread>
 #include <vector>
 
-#include "core/io/mesh_io.hpp"
-#include "core/mesh/digest.hpp"
-#include "core/mesh/quality.hpp"
-#include "core/mesh/validate.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/io.hpp"
 
 using namespace tetloom;
 

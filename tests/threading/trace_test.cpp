@@ -1,4 +1,4 @@
-#include "threading/trace.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 
 #include "tests/support/temporary_folder.hpp"
 #include "threading/replay.hpp"
-#include "threading/schedule.hpp"
 
 using namespace tetloom;
 

@@ -1,13 +1,13 @@
 // One damage at a time, and what is said of it.
-#include "threading/validate_parts.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/threading/part_cases.hpp"
-#include "threading/migration.hpp"
-#include "threading/whole_mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test;

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "tests/support/tet_lattice.hpp"
+#include "tetloom/error.hpp"
 #include "threading/balance/partition_figures.hpp"
 #include "threading/balance/zoltan_partitioner.hpp"
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <type_traits>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/aggregation_detail.hpp"
 
 namespace tetloom::balance_detail {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/graph_detail.hpp"
 #include "threading/balance/partitioners.hpp"
 

@@ -1,4 +1,6 @@
-#include "threading/balance/balance.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +12,6 @@
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
 #include "threading/idle_ranks.hpp"
-#include "threading/parts_figures.hpp"
 
 namespace tetloom {
 namespace {

@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/aggregation_detail.hpp"
 
 namespace tetloom::balance_detail {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/part_boundaries.hpp"
-#include "threading/task_runner.hpp"
 
 namespace tetloom::balance_detail {
 

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/items_detail.hpp"
 
 namespace tetloom::balance_detail {

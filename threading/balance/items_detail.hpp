@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/partitioners.hpp"
 
 namespace tetloom::balance_detail {

@@ -2,9 +2,9 @@
 // Deals tets to parts by their graph: through clusters of tets, and clusters of clusters.
 #include <vector>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
-#include "threading/task_runner.hpp"
 
 namespace tetloom {
 

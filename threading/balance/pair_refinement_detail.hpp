@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/graph_detail.hpp"
 
 namespace tetloom::balance_detail {

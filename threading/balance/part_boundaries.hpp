@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "threading/task_runner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

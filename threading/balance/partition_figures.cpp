@@ -5,7 +5,7 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 #include "threading/balance/pair_refinement_detail.hpp"
 
 namespace tetloom {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "threading/communicator.hpp"
-#include "threading/task_runner.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

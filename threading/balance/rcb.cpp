@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "tetloom/tasks.hpp"
 #include "threading/balance/bisection_detail.hpp"
 #include "threading/balance/cut_planes_detail.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 
 namespace {

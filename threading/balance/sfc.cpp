@@ -1,6 +1,7 @@
 #include <vector>
 
 #include "core/base/hilbert.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/bisection_detail.hpp"
 
 namespace tetloom {

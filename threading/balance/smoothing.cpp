@@ -5,7 +5,8 @@
 #include <numeric>
 #include <optional>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/pair_refinement_detail.hpp"
 
 namespace tetloom {

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
 #include "threading/neighbor_writers_detail.hpp"

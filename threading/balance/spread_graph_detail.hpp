@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "threading/migration.hpp"
+#include "core/part/adjacency.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::balance_detail {
 

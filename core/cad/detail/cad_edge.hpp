@@ -4,7 +4,7 @@
 #include <TopoDS_Edge.hxx>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

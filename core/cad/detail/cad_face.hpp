@@ -8,7 +8,7 @@
 
 #include "core/cad/detail/surface_evaluator.hpp"
 #include "core/cad/detail/topology.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

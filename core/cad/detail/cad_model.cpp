@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/assert.hpp"
 #include "core/cad/detail/cad_edge.hpp"
 #include "core/cad/detail/cad_face.hpp"
 #include "core/cad/detail/conversions.hpp"
 #include "core/cad/detail/occt_guard.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::cad {
 namespace {

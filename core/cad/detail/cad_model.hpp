@@ -4,12 +4,12 @@
 #include <mutex>
 #include <vector>
 
-#include "core/base/block_loop.hpp"
 #include "core/cad/detail/cad_face.hpp"
 #include "core/cad/detail/document.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "core/cad/detail/topology.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::cad {
 

@@ -4,7 +4,7 @@
 #include <gp_Pnt2d.hxx>
 #include <gp_Vec.hxx>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::cad {
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <TopoDS_Compound.hxx>
 
-#include "core/base/progress.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::cad {
 

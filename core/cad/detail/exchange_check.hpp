@@ -4,7 +4,7 @@
 #include <Interface_InterfaceModel.hxx>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "tetloom/error.hpp"
 
 namespace tetloom::cad {
 

@@ -14,8 +14,8 @@
 #include <TopTools_ShapeMapHasher.hxx>
 #include <vector>
 
-#include "core/base/block_loop.hpp"
-#include "core/base/vec.hpp"
+#include "tetloom/host.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::cad {
 

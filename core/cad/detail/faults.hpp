@@ -3,8 +3,8 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <memory>
 
-#include "core/base/block_loop.hpp"
 #include "core/cad/detail/topology.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::cad {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/base/assert.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::cad {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // Repairing what OpenCASCADE can repair, and only that: valid shapes stay as they are. Private to core/cad.
 #include "core/cad/detail/document.hpp"
-#include "core/cad/read_model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

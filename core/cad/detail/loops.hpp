@@ -2,7 +2,7 @@
 // Chaining the edges of a face's wire into closed loops. Private to core/cad.
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <string>
 
-#include "core/base/error.hpp"
-#include "core/base/progress.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::cad {
 

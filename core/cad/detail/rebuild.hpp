@@ -1,7 +1,7 @@
 #pragma once
 // Solids that cross themselves, made anew. Private to core/cad.
 #include "core/cad/detail/document.hpp"
-#include "core/cad/read_model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/cad/detail/topology.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

@@ -7,7 +7,7 @@
 #include <Geom_Surface.hxx>
 #include <vector>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::cad {
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/vec.hpp"
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::cad {
 

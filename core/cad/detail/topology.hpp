@@ -8,7 +8,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <vector>
 
-#include "core/geometry/model.hpp"
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 

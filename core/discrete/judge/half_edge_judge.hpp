@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 

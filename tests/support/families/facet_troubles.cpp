@@ -7,6 +7,7 @@
 #include "tests/support/families/facets.hpp"
 #include "tests/support/families/families.hpp"
 #include "tests/support/families/shapes.hpp"
+#include "tetloom/tasks.hpp"
 
 #include <BRep_Tool.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec.hpp"
 #include "tests/support/families/family.hpp"
 #include "tests/support/families/random.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::test {
 

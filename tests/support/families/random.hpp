@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "core/base/vec.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom::test {
 
