@@ -1,5 +1,4 @@
 #include "tetloom/adapt.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "adapt/result_check.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/stopwatch.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

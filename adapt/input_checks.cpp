@@ -1,5 +1,4 @@
 #include "adapt/input_checks.hpp"
-#include "mesher/volume/volume_mesher.hpp"
 
 #include <array>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {

@@ -1,5 +1,4 @@
 #include "mesher/check_solids.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,10 +1,10 @@
 #include "mesher/classify_parts.hpp"
-#include "core/part/adjacency.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
 
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom {

@@ -1,5 +1,4 @@
 #include "mesher/fit_surface.hpp"
-#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "mesher/complexes.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,5 +1,4 @@
 #include "mesher/mesh_run_detail.hpp"
-#include "mesher/tets/quality_goals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "mesher/fit_surface.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
+#include "mesher/tets/quality_goals.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"

@@ -1,10 +1,10 @@
 #include "threading/ghosts.hpp"
-#include "core/part/adjacency.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>
 
+#include "core/part/adjacency.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/neighbor_writers_detail.hpp"
 #include "threading/packet_detail.hpp"
 

@@ -1,7 +1,8 @@
 #include "threading/idle_ranks.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,5 +1,4 @@
 #include "threading/shared_work.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
 

@@ -1,11 +1,11 @@
 #include "adapt/metric/background.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/mix_bits.hpp"
 #include "tetloom/assert.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {

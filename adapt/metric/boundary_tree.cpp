@@ -1,9 +1,9 @@
 #include "adapt/metric/boundary_tree.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "adapt/metric/tet_links.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,9 +1,10 @@
 #include "adapt/parts/cut_parts.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <unordered_map>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

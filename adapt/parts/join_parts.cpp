@@ -1,9 +1,9 @@
 #include "adapt/parts/join_parts.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
 
+#include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom::adapt {

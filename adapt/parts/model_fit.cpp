@@ -1,5 +1,4 @@
 #include "adapt/parts/model_fit.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "mesher/volume/model_projector.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,5 +1,4 @@
 #include "adapt/parts/whole_mesh.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
@@ -8,6 +7,7 @@
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/link_tets.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 

@@ -1,11 +1,11 @@
 #include "adapt/transfer/cell_transfer.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "adapt/transfer/overlaps.hpp"
 #include "tetloom/assert.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,11 +1,11 @@
 #include "adapt/transfer/field_transfer.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "adapt/transfer/clip_tet.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {

@@ -1,5 +1,4 @@
 #include "apps/tetloom/adapt_input.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
@@ -8,6 +7,7 @@
 #include "tetloom/io.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 namespace {

@@ -1,10 +1,10 @@
 #include "apps/tetloom/mesh_report.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include "tetloom/check.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::app {
 namespace {

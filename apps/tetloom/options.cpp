@@ -1,5 +1,4 @@
 #include "apps/tetloom/options.hpp"
-#include "mesher/tets/quality_goals.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "apps/tetloom/adapt_options.hpp"
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
+#include "mesher/tets/quality_goals.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/partition.hpp"
 

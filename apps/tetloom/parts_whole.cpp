@@ -1,10 +1,10 @@
 #include "apps/tetloom/parts_whole.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <array>
 
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::app {

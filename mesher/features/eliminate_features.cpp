@@ -1,5 +1,4 @@
 #include "mesher/features/eliminate_features.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "mesher/features/displacement.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,8 +1,9 @@
 #include "mesher/features/small_features.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

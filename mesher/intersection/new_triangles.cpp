@@ -1,9 +1,9 @@
 #include "mesher/intersection/new_triangles.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 
+#include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom {

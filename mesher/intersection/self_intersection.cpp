@@ -1,5 +1,4 @@
 #include "mesher/intersection/self_intersection.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
@@ -9,6 +8,7 @@
 
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,11 +1,11 @@
 #include "mesher/intersection/triangle_tree.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <bit>
 #include <cmath>
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom::intersection {

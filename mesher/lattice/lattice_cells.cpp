@@ -1,5 +1,4 @@
 #include "mesher/lattice/lattice_cells.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "mesher/lattice/point_grid.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

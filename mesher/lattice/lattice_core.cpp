@@ -1,5 +1,4 @@
 #include "mesher/lattice/lattice_core.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 
 #include "mesher/lattice/block_tables.hpp"
 #include "mesher/lattice/site_blocks.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

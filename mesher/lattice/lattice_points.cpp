@@ -1,9 +1,9 @@
 #include "mesher/lattice/lattice_points.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <utility>
 
 #include "mesher/lattice/lattice_cells.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {
 

@@ -1,5 +1,4 @@
 #include "mesher/parts/borders.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -12,6 +11,7 @@
 #include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/many_values.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,10 +1,11 @@
 #include "mesher/parts/decomposition.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,5 +1,4 @@
 #include "mesher/parts/fill_in_parts.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "mesher/parts/shell_steps.hpp"
 #include "mesher/parts/strips.hpp"
 #include "mesher/volume/filling_messages.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::parts {

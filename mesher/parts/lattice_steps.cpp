@@ -1,11 +1,11 @@
 #include "mesher/parts/lattice_steps.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/near_box.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

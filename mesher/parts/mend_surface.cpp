@@ -1,5 +1,4 @@
 #include "mesher/parts/mend_surface.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recovery.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,5 +1,4 @@
 #include "mesher/parts/optimize_part.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
@@ -9,6 +8,7 @@
 #include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

@@ -1,11 +1,11 @@
 #include "mesher/parts/part_meshes.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <new>
 
 #include "core/base/page_size.hpp"
 #include "mesher/tets/triangle_verts.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 
 namespace tetloom::parts {

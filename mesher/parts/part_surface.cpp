@@ -1,10 +1,11 @@
 #include "mesher/parts/part_surface.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <compare>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

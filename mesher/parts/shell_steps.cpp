@@ -1,5 +1,4 @@
 #include "mesher/parts/shell_steps.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include "mesher/parts/shell_tets.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 

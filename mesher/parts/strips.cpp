@@ -1,5 +1,4 @@
 #include "mesher/parts/strips.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include "mesher/parts/key_filter.hpp"
 #include "mesher/parts/near_box.hpp"
 #include "mesher/parts/optimize_part.hpp"
+#include "tetloom/tasks.hpp"
 
 #include "mesher/parts/strip.hpp"
 #include "mesher/tets/many_values.hpp"

@@ -1,5 +1,4 @@
 #include "mesher/sizing/build_size_field.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
 #include "mesher/sizing/target_field.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,9 +1,10 @@
 #include "mesher/sizing/bvh.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

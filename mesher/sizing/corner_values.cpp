@@ -1,5 +1,4 @@
 #include "mesher/sizing/corner_values.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <numeric>
 
 #include "core/sizing/morton.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
 namespace tetloom {

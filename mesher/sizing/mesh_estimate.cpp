@@ -1,5 +1,4 @@
 #include "mesher/sizing/mesh_estimate.hpp"
-#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/size_targets.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom {
 namespace {

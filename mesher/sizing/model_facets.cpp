@@ -1,5 +1,4 @@
 #include "mesher/sizing/model_facets.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <utility>
 
 #include "mesher/sizing/source_tree.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

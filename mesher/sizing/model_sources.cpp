@@ -1,5 +1,4 @@
 #include "mesher/sizing/model_sources.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "mesher/sizing/narrow_entities.hpp"
 #include "mesher/sizing/volume_floors.hpp"
 #include "mesher/sizing/wire_faces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {
@@ -197,8 +197,9 @@ std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& 
   if (targets.curvature <= 0 || !targets.floor_is_default) return floors;
   const std::vector<FaceMeasures> faces = measure_faces(model, targets, facets, work);
   lower_floors_of_wires(faces, targets, facets, floors);
-  std::vector<CurvedFace> curved;
-  for (const FaceMeasures& face : faces) curved.push_back(face.curved);
+  std::vector<CurvedFace> curved;  // but for wires, which have as many edges per turn as can be afforded
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    curved.push_back(floors[f] < targets.floor ? CurvedFace{} : faces[f].curved);
   return lower_floors_for_volumes(model, curved, std::move(floors));
 }
 

@@ -1,10 +1,11 @@
 #include "mesher/sizing/source_tree.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

@@ -1,5 +1,4 @@
 #include "mesher/surface/edge_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
@@ -7,6 +6,7 @@
 
 #include "mesher/surface/coincident_edges.hpp"
 #include "tetloom/assert.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

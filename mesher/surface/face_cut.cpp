@@ -1,5 +1,4 @@
 #include "mesher/surface/face_cut.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/triangle_sharing.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

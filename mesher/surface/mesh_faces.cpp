@@ -1,11 +1,11 @@
 #include "mesher/surface/mesh_faces.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <memory>
 #include <optional>
 
 #include "mesher/surface/face_in_pieces.hpp"
 #include "mesher/surface/face_messages.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {

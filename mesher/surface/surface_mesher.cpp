@@ -1,5 +1,4 @@
 #include "mesher/surface/surface_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "mesher/surface/edge_mesher.hpp"
 #include "mesher/surface/face_mesher.hpp"
 #include "mesher/surface/mesh_faces.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 

@@ -1,5 +1,4 @@
 #include "mesher/tets/delaunay.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/insertion_order.hpp"
 #include "mesher/tets/locate.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,10 +1,10 @@
 #include "mesher/tets/edge_removal.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "mesher/tets/bad_tets.hpp"
 #include "mesher/tets/ring_triangulation.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

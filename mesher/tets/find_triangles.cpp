@@ -1,8 +1,9 @@
 // Which triangles are faces of the mesh: one pass over the tets, asking for faces of three surface points.
 #include "mesher/tets/find_triangles.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
+
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,5 +1,4 @@
 #include "mesher/tets/link_tets.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <mutex>
@@ -7,6 +6,7 @@
 
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/face_groups.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

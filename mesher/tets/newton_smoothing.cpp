@@ -1,5 +1,4 @@
 #include "mesher/tets/newton_smoothing.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -7,6 +6,7 @@
 #include "mesher/tets/bad_tets.hpp"
 #include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/tet_pairs.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

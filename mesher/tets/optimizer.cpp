@@ -1,15 +1,15 @@
 #include "mesher/tets/optimizer.hpp"
-#include "mesher/tets/quality_goals.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
+#include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/vertex_removal.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

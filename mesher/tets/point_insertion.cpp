@@ -1,5 +1,4 @@
 #include "mesher/tets/point_insertion.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,5 +1,4 @@
 #include "mesher/tets/recovery.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
@@ -7,6 +6,7 @@
 #include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recoverer.hpp"
 #include "mesher/tets/steiner.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

@@ -1,11 +1,11 @@
 #include "mesher/tets/shell.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
 #include "mesher/tets/find_triangles.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

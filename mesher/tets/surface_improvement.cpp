@@ -1,5 +1,4 @@
 #include "mesher/tets/surface_improvement.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "mesher/tets/surface_slide.hpp"
 #include "mesher/tets/surface_swap.hpp"
 #include "mesher/tets/vertex_removal.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

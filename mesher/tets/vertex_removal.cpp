@@ -1,9 +1,9 @@
 #include "mesher/tets/vertex_removal.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "mesher/tets/bad_tets.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
 

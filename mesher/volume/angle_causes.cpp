@@ -1,5 +1,4 @@
 #include "mesher/volume/angle_causes.hpp"
-#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -7,6 +6,7 @@
 #include <utility>
 
 #include "mesher/tets/triangle_verts.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom::volume {
 

@@ -1,6 +1,4 @@
 #include "mesher/volume/complex.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <map>
@@ -10,6 +8,8 @@
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/filing.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

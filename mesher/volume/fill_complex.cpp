@@ -1,5 +1,4 @@
 #include "mesher/volume/fill_complex.hpp"
-#include "mesher/volume/volume_mesher.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include "mesher/tets/link_tets.hpp"
 #include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/lattice_filling.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tetloom/tasks.hpp"

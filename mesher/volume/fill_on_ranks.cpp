@@ -1,13 +1,13 @@
 #include "mesher/volume/fill_on_ranks.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
 #include "mesher/volume/filling_messages.hpp"
+#include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
 

@@ -1,10 +1,10 @@
 #include "mesher/volume/filling.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

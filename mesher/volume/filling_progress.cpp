@@ -1,8 +1,9 @@
 #include "mesher/volume/filling_progress.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
+
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -1,6 +1,4 @@
 #include "mesher/volume/gather_volume.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -9,6 +7,8 @@
 
 #include "core/base/page_size.hpp"
 #include "mesher/volume/filling_messages.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 #include "threading/exchange.hpp"
 

@@ -1,5 +1,4 @@
 #include "mesher/volume/lattice_filling.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/shell.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -1,11 +1,11 @@
 #include "mesher/volume/surface_freedom.hpp"
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 
 #include "mesher/volume/model_projector.hpp"
 #include "mesher/volume/surface_clearance.hpp"
+#include "mesher/volume/volume_mesher.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -1,5 +1,4 @@
 #include "mesher/volume/volume_mesher.hpp"
-#include "mesher/tets/quality_goals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "mesher/sizing/mesh_estimate.hpp"
+#include "mesher/tets/quality_goals.hpp"
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
 #include "mesher/volume/fill_on_ranks.hpp"

@@ -1,10 +1,10 @@
 #include "mesher/volume/volume_parts.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include "mesher/volume/volume_parts_detail.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {
 

@@ -1,5 +1,4 @@
 #include "mesher/volume/worker_process.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -22,6 +21,7 @@
 
 #include "mesher/volume/worker_protocol.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 extern char** environ;
 

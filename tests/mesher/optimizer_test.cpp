@@ -358,8 +358,8 @@ TEST_CASE("the cause of a small angle is found: an angle of the surface, a poor 
   // Two tets share the 0.2 between the two surface triangles at the edge from (0, 0, 0) to (1, 0, 0).
   const auto at = [](double angle) { return Vec3{0.5, std::cos(angle), std::sin(angle)}; };
   TetMesh wedge = make_tets({{0, 0, 0}, {1, 0, 0}, at(0), at(0.1), at(0.2)}, {{0, 1, 2, 3}, {0, 1, 3, 4}});
-  const auto summary_of = [](TetMesh& mesh, double least_wanted) {
-    WorkingMesh working(mesh, static_cast<std::uint32_t>(mesh.points.size()));
+  const auto summary_of = [](TetMesh& mesh, double least_wanted, std::size_t free_points = 0) {
+    WorkingMesh working(mesh, static_cast<std::uint32_t>(mesh.points.size() - free_points));
     return tets::summarize_dihedrals(working, least_wanted);
   };
   const tets::DihedralSummary at_angle = summary_of(wedge, 0.25);
@@ -372,7 +372,7 @@ TEST_CASE("the cause of a small angle is found: an angle of the surface, a poor 
   REQUIRE(at_angle.worst[0].triangles.size() == 2);
   CHECK(summary_of(wedge, 0.15).angles == 0);  // the surface's angle alone would allow that
 
-  // A flat tet with one face on the surface, and one whose edges are all as long as its points allow.
+  // A tet with a flat face on the surface, and one that is flat although its face is not.
   const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0.5, 0.9, 0}, {0.5, 0.3, 0.05}};
   TetMesh needle = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 0.1, 0}, {0.5, 0.04, 0.005}}, {{0, 1, 2, 3}});
   needle.to_fixed[0] = 8;  // the face of the first three points
@@ -381,12 +381,20 @@ TEST_CASE("the cause of a small angle is found: an angle of the surface, a poor 
   CHECK(at_triangle.worst.at(0).cause_angle == Approx(std::atan(0.2) * 180 / 3.14159265358979));
   CHECK(at_triangle.worst.at(0).triangles.size() == 1);
 
-  TetMesh free = make_tets(flat, {{0, 1, 2, 3}});
+  // The same flat tet at a point inside, which may go elsewhere.
+  TetMesh free = make_tets({{0, 0, 0}, {9, 0, 0}, {4.5, 8, 0}, {4.5, 3, 7}, {4.5, 3, 0.2}},
+                           {{0, 1, 2, 4}, {0, 1, 4, 3}, {4, 1, 2, 3}, {0, 4, 2, 3}});
   free.to_fixed[0] = 8;
-  const tets::DihedralSummary not_forced = summary_of(free, 0.25);
+  const tets::DihedralSummary not_forced = summary_of(free, 0.25, 1);
   CHECK(not_forced.below == 1);
   CHECK(not_forced.forced() == 0);
-  CHECK(distance(not_forced.worst.at(0).point, Vec3{0.5, 0.3, 0.0125}) < 1e-12);
+  CHECK(distance(not_forced.worst.at(0).point, Vec3{4.5, 2.75, 0.05}) < 1e-12);
+  TetMesh narrow = make_tets(flat, {{0, 1, 2, 3}});  // the same where the fourth point is of the surface
+  narrow.to_fixed[0] = 8;
+  const tets::DihedralSummary at_region = summary_of(narrow, 0.25);
+  CHECK(at_region.forced() == 1);
+  CHECK(at_region.worst.at(0).cause == AngleCause::NarrowRegion);
+  CHECK(at_region.worst.at(0).cause_length == Approx(0.05));
 
   TetMesh close = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 0.9, 0}, {0, 0.01, 0.1}}, {{0, 1, 2, 3}});
   close.to_fixed[0] = 8;

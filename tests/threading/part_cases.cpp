@@ -1,14 +1,14 @@
 #include "tests/threading/part_cases.hpp"
-#include "core/part/adjacency.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "core/part/adjacency.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::test {
 namespace {

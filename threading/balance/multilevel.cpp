@@ -1,11 +1,11 @@
 #include "threading/balance/multilevel.hpp"
-#include "tetloom/tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 #include "threading/balance/aggregation_detail.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/pair_refinement_detail.hpp"
