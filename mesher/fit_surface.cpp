@@ -17,6 +17,13 @@ SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) 
   return {options.small_feature, kSmallFeature, small_face_limits(model)};
 }
 
+// Sizes are a sixteenth by then, and what triangles sag by a 256th; crossings that are as many as ever are the model's.
+// Where there were more than are told, they may still become fewer.
+bool cross_in_model(std::size_t crossings, std::size_t first, int round) {
+  constexpr int kEnoughRounds = 4;
+  return round >= kEnoughRounds && first > 0 && first < IntersectionSearch{}.most && crossings >= first;
+}
+
 double longest_edge(const Mesh& mesh, std::uint32_t tri) {
   const auto& [a, b, c] = mesh.tri_to_vert[tri];
   return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
@@ -43,10 +50,13 @@ bool SurfaceFitter::run() {
   first_sizes_ = sized.sizes;
   first_elements_ = count_elements(sized.estimate);
   std::optional<Candidate> good;
+  std::size_t first_crossings = 0;
   constexpr int kMostRounds = 6, kMostFittingRounds = 3;
   for (int round = 0;; ++round) {
     Candidate candidate = make_candidate(sized);
     if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
+    if (round == 0) first_crossings = candidate.solid_hits.size();
+    const bool is_last = round == kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
     std::vector<Misfit> misfits;
@@ -57,7 +67,7 @@ bool SurfaceFitter::run() {
     if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);
     const bool done = !crosses && misfits.empty();
     if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
-    if (done || !options_.refine_surface || round == kMostRounds) return judge_crossings(std::move(candidate));
+    if (done || !options_.refine_surface || is_last) return judge_crossings(std::move(candidate));
     bool refined = true;
     try {
       work_.together([&] {

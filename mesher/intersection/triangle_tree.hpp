@@ -141,13 +141,12 @@ class TriangleTree {
       return true;
     });
   }
-  template <int kUp, class Visit>
+  template <int Up, class Visit>
   void for_each_along_axis(const Vec3& x, Visit& visit) const {
-    constexpr int kU = (kUp + 1) % 3, kV = (kUp + 2) % 3;
+    constexpr int kU = (Up + 1) % 3, kV = (Up + 2) % 3;
     descend(
         [&](const Box3& n) {
-          return n.lo[kU] <= x[kU] && x[kU] <= n.hi[kU] && n.lo[kV] <= x[kV] && x[kV] <= n.hi[kV] &&
-                 n.hi[kUp] >= x[kUp];
+          return n.lo[kU] <= x[kU] && x[kU] <= n.hi[kU] && n.lo[kV] <= x[kV] && x[kV] <= n.hi[kV] && n.hi[Up] >= x[Up];
         },
         [&](std::uint32_t triangle) {
           if (const int side = crossing_above(triangle, x); side != 0) visit(triangle, side > 0);
