@@ -85,6 +85,9 @@ bool SurfaceFitter::run() {
     }
     if (!refined) return accept(std::move(candidate), true);
     result_.refinement.rounds = round + 1;
+    watch.lap();
+    embedded_ = candidate.all_hits.empty() ? KnownTriangles(candidate.surface.mesh, runner_) : KnownTriangles();
+    result_.seconds.surface += watch.lap();
     if (!crosses) good = std::move(candidate);
   }
 }
@@ -120,7 +123,6 @@ SurfaceFitter::Candidate SurfaceFitter::make_candidate(const SizedModel& sized) 
   work_.together([&] { candidate.surface = mesher_.mesh(sized.sizes); });
   set_aside(candidate.surface);
   if (candidate.surface.errors.empty()) settle_features(candidate);
-  embedded_ = candidate.all_hits.empty() ? KnownTriangles(candidate.surface.mesh, runner_) : KnownTriangles();
   result_.seconds.surface += watch.lap();
   return candidate;
 }

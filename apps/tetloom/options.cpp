@@ -245,7 +245,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   CLI::Option* keep = mesh->add_flag("--keep-small-features", raw.keep_small_features,
                                      "Mesh edges, faces and steps of the model however small they are");
   mesh->add_option("--small-feature", raw.small_feature,
-                   "Eliminate from the mesh what is smaller than TOL; default: a twentieth of the size asked for there")
+                   "Eliminate from the mesh what is smaller than TOL; default: a tenth of the size asked for there")
       ->type_name("TOL")
       ->excludes(keep)
       ->group(group);

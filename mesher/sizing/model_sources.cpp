@@ -140,13 +140,6 @@ class FaceSplitter {
   FacetRules rules_;
 };
 
-double area_of(const Tessellation& facets) {
-  double area = 0;
-  for (const auto& [a, b, c] : facets.tri_to_vert)
-    area += 0.5 * norm(cross(facets.points[b] - facets.points[a], facets.points[c] - facets.points[a]));
-  return area;
-}
-
 // By the mean curvature of the face.
 double wire_floor(double weight, const Tessellation& facets, double edges_per_turn) {
   return 6 / (edges_per_turn * std::sqrt(weight / area_of(facets)));

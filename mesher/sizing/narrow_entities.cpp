@@ -9,10 +9,14 @@
 
 namespace tetloom {
 
-double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets) {
+double area_of(const Tessellation& facets) {
   double area = 0;
   for (const auto& [a, b, c] : facets.tri_to_vert)
     area += 0.5 * norm(cross(facets.points[b] - facets.points[a], facets.points[c] - facets.points[a]));
+  return area;
+}
+
+double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets) {
   std::vector<ModelEdgeId> edges;
   for (const ModelLoop& loop : model.topology().face_to_loops[face.value])
     for (const EdgeUse& use : loop) edges.push_back(use.edge);
@@ -22,7 +26,7 @@ double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellat
     if (is_seam || model.topology().edges[edge.value].degenerate) continue;
     rim += length_up_to(*model.edge_geometry(edge), HUGE_VAL);
   }
-  return rim > 0 ? 2 * area / rim : HUGE_VAL;
+  return rim > 0 ? 2 * area_of(facets) / rim : HUGE_VAL;
 }
 
 std::vector<double> small_face_limits(const GeometricModel& model) {

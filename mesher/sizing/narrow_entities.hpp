@@ -5,6 +5,9 @@
 
 namespace tetloom {
 
+/// The area of all facets.
+double area_of(const Tessellation& facets);
+
 /// Twice the area of the facets over the length of the face's rim: the width of a long face. Seams are no rim. Infinite
 /// where there is none.
 double mean_width(const GeometricModel& model, ModelFaceId face, const Tessellation& facets);
