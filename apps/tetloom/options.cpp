@@ -269,9 +269,10 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
                    "in which volumes were filled")
       ->type_name("P")
       ->group(group);
-  mesh->add_option("--tets-per-part", raw.tets_per_part,
-                   "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: 2.5e5. The mesh "
-                   "depends on it, where parts meet")
+  mesh->add_option(
+          "--tets-per-part", raw.tets_per_part,
+          "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: about 2.5e5. The mesh "
+          "depends on it, where parts meet")
       ->type_name("N")
       ->group(group);
   mesh->add_option("--max-memory", raw.max_memory,

@@ -1,7 +1,9 @@
 #include "mesher/parts/ask_others.hpp"
 
 #include <algorithm>
+#include <limits>
 
+#include "mesher/parts/own_points.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "threading/agreement.hpp"
 
@@ -9,7 +11,10 @@ namespace tetloom::parts {
 
 namespace {
 
-constexpr std::size_t kMostRounds = 8;
+// Of a ball that holds many points a few nearest ones tell enough: the tets made with them have smaller balls. Should
+// that not come to an end soon, all are told.
+constexpr std::size_t kMostRounds = 8, kRoundsOfNearest = 5;
+constexpr std::size_t kNearest = 8;
 
 void ask(const AllParts& parts, PartId part, std::vector<Message>& questions) {
   const Decomposition& decomposition = parts.input.decomposition;
@@ -28,15 +33,22 @@ void ask(const AllParts& parts, PartId part, std::vector<Message>& questions) {
   }
 }
 
-std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& questions) {
+std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& questions, std::size_t most_per_doubt) {
   std::vector<Message> answers(questions.size());
-  const TraceSpan span(parts.trace, "answer", parts.runner.threads(), questions.size());
-  parts.runner.for_each(questions.size(), [&](std::size_t i) {
-    const Message& question = questions[i];
-    const auto doubts = MessageReader(question.bytes).get_view<Doubt>();
-    MessageWriter writer;
-    writer.put_array<ShellPoint>(find_points_in(parts.input, parts.states.at(question.to), question.to, doubts));
-    answers[i] = {question.to, question.from, 0, writer.take()};
+  std::vector<std::vector<std::size_t>> part_to_questions(parts.states.part_count());
+  for (std::size_t i = 0; i < questions.size(); ++i) part_to_questions[questions[i].to.value].push_back(i);
+  const auto& local = parts.states.local();
+  const TraceSpan span(parts.trace, "answer", parts.runner.threads(), local.size());
+  parts.runner.for_each(local.size(), [&](std::size_t p) {
+    const std::vector<std::size_t>& asked = part_to_questions[local[p].value];
+    if (asked.empty()) return;
+    const OwnPoints points = find_own_points(parts.input, parts.states.at(local[p]), local[p]);
+    for (const std::size_t i : asked) {
+      const auto doubts = MessageReader(questions[i].bytes).get_view<Doubt>();
+      MessageWriter writer;
+      writer.put_array<ShellPoint>(points.find_in(doubts, most_per_doubt));
+      answers[i] = {questions[i].to, questions[i].from, 0, writer.take()};
+    }
   });
   return answers;
 }
@@ -83,7 +95,8 @@ Asked ask_others(const AllParts& parts) {
     ++asked.rounds;
     questions = parts.exchange(std::move(questions));
     std::vector<Message> answers;
-    run_on_all(parts.communicator, [&] { answers = answer(parts, questions); });
+    const std::size_t most = asked.rounds <= kRoundsOfNearest ? kNearest : std::numeric_limits<std::size_t>::max();
+    run_on_all(parts.communicator, [&] { answers = answer(parts, questions, most); });
     if (!take_answers(parts, parts.exchange(std::move(answers)))) return asked;
   }
   return asked;

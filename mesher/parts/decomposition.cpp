@@ -15,6 +15,8 @@ namespace {
 // size^2 of surface. A cell that meets the surface is taken to hold its own width squared of that, and its whole
 // volume.
 constexpr double kCoreWork = 3, kVaryingWork = 15, kSurfaceWork = 10;
+// Small parts cost more at their boundaries than they give, and large ones leave cores idle.
+constexpr double kTetsPerPart = 2.5e5, kLeastOfTwo = 1.8e5, kLeastOfFour = 3.6e5;
 constexpr double kVaries = 1.1;  // ratio of the sizes in a cell from which on it is taken to vary
 constexpr double kTetsPerCube = 9.5;
 constexpr std::size_t kCellsPerTask = 256;
@@ -70,6 +72,15 @@ double estimate_tets(const lattice::LatticeCells& cells) {
   for (const lattice::LatticeCell& cell : cells.cells())
     tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? 0.5 : 1);
   return tets;
+}
+
+std::size_t count_parts(double tets, double tets_per_part) {
+  constexpr double kMost = 1e5;
+  if (tets_per_part > 0) return static_cast<std::size_t>(std::clamp(std::round(tets / tets_per_part), 1.0, kMost));
+  // An even number, so that two cores have as much to do as one another.
+  const double large = 2 * std::round(tets / (2 * kTetsPerPart));
+  const double small = tets < kLeastOfTwo ? 1 : tets < kLeastOfFour ? 2 : 4;
+  return static_cast<std::size_t>(std::clamp(large, small, kMost));
 }
 
 Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,

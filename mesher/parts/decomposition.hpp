@@ -22,6 +22,10 @@ namespace tetloom::parts {
 /// How many tets the cells will hold, within some ten percent.
 double estimate_tets(const lattice::LatticeCells& cells);
 
+/// In how many parts to fill so many tets: of about `tets_per_part` each, and where that is 0, of 2.5e5, or of fewer,
+/// down to 9e4, where that makes two or four parts of a smaller mesh. At least 1.
+std::size_t count_parts(double tets, double tets_per_part);
+
 /// Immutable; the same on all ranks. All of space belongs to some part: outer boxes are infinite.
 class Decomposition {
  public:

@@ -193,9 +193,8 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
       const TraceSpan span(request.trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
       cells.emplace(lattice, runner);
     }
-    const double parts = std::round(estimate_tets(*cells) / request.tets_per_part);
-    if (!(parts >= 2)) return;
-    decomposition.emplace(*cells, static_cast<std::size_t>(std::min(parts, 1e5)), runner, request.trace);
+    const std::size_t parts = count_parts(estimate_tets(*cells), request.tets_per_part);
+    if (parts > 1) decomposition.emplace(*cells, parts, runner, request.trace);
   });
   if (!decomposition) return std::nullopt;
   run_on_all(communicator, [&] {

@@ -20,7 +20,7 @@
 namespace tetloom::parts {
 
 struct PartsRequest {
-  double tets_per_part = kTetsPerPart;
+  double tets_per_part = 0;              ///< as VolumeOptions
   Trace* trace = nullptr;                ///< may be null
   bool keep_parts = false;               ///< they are not put together
   Communicator* communicator = nullptr;  ///< of the ranks that share the parts, which are kept then; null: this process

@@ -87,7 +87,8 @@ class Joiner {
     state_.shell = TetMesh();
     state_.levels = {}, state_.own_first = {}, state_.tri_verts = {};
     state_.core.shell_verts = {}, state_.core.pure_around = {}, state_.core.level_to_vert = {};
-    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.doubts = {}, state_.missing = {};
+    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.doubts = {}, state_.doubted = {},
+    state_.missing = {};
   }
 
   // Points around the part that none of its tets has got. The first ones are those of the surface, whose places are

@@ -50,8 +50,11 @@ struct PartState {
   std::vector<std::uint16_t> pure_around;  ///< per point, while the shell is made: see LatticeCore; foreign ones: any
   std::vector<std::uint32_t> shell_verts;  ///< own and foreign
   tets::TetMesh shell;
+  std::size_t shell_size = 0;          ///< how many of shell_verts are in it
+  std::uint32_t first_outer = 0;       ///< see DelaunayResult
   std::vector<std::uint32_t> kept;     ///< own tets of the shell, ascending
   std::vector<Doubt> doubts;           ///< such tets whose balls reach beyond what the part knows
+  std::vector<TetKeys> doubted;        ///< all that have ever been, ascending
   std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
   std::uint32_t next_index = 0;        ///< of the next point made here
   std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <compare>
 
 #include "tetloom/tasks.hpp"
@@ -91,19 +90,32 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     if (is_deep[point]) return pairs.push_back({owner, point});
     find_parts(point, [&](PartId part) { pairs.push_back({part, point}); });
   });
+  // A triangle with an edge longer than a margin may run through the box of a part that all its points are far from.
+  const auto is_large = [&](const std::array<std::uint32_t, 3>& verts) {
+    const auto& [a, b, c] = verts;
+    const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
+    const double margin = std::min({margins[a], margins[b], margins[c]});
+    return std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin;
+  };
+  const auto find_met = [&](const std::array<std::uint32_t, 3>& verts, auto&& visit) {
+    Box3 box;
+    for (const std::uint32_t v : verts) box.add(complex.points[v]);
+    decomposition.for_each_in(box, visit);
+  };
   all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
     const auto& verts = complex.tri_to_vert[triangle];
+    if (is_large(verts))
+      find_met(verts, [&](PartId part) {
+        for (const std::uint32_t v : verts) pairs.push_back({part, v});
+      });
     for (const std::uint32_t v : verts)
       for (const std::uint32_t other : verts)
         if (owner_of(other) != owner_of(v)) pairs.push_back({owner_of(v), other});
   });
   part_to_points_ = all.deal();
-  std::atomic<bool> any_large = false;  // set by the blocks, read once all of them are done
   all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
     const auto& [a, b, c] = complex.tri_to_vert[triangle];
-    const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
-    const double margin = std::min({margins[a], margins[b], margins[c]});
-    if (std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin) any_large = true;
+    if (is_large({a, b, c})) find_met({a, b, c}, [&](PartId part) { pairs.push_back({part, triangle}); });
     if (is_deep[a] && owner_of(b) == owner_of(a) && owner_of(c) == owner_of(a))
       return pairs.push_back({owner_of(a), triangle});
     const auto add = [&](PartId part) {
@@ -121,7 +133,6 @@ PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes,
     if (!added_c) add(owner_of(c));
   });
   part_to_triangles_ = all.deal();
-  knows_all_in_boxes_ = !any_large;
 }
 
 }  // namespace tetloom::parts

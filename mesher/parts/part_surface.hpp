@@ -14,7 +14,8 @@ namespace tetloom::parts {
 class PartSurface {
  public:
   /// A part knows the points within `reach` of their size of its box, those of the triangles at points that it owns,
-  /// and the triangles all of whose points it knows.
+  /// those of larger triangles that may meet its box, and the triangles between all these. So it knows all
+  /// triangles that meet its box.
   PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition, double reach,
               const TaskRunner& runner);
 
@@ -26,13 +27,10 @@ class PartSurface {
     return part_to_triangles_[part.value];
   }  ///< ascending
   PartId owner_of(std::uint32_t point) const { return point_to_owner_[point]; }
-  /// Whether every part knows all triangles that meet its box. So it is unless triangles are larger than `reach` sizes.
-  bool knows_all_in_boxes() const { return knows_all_in_boxes_; }
 
  private:
   std::vector<PartId> point_to_owner_;
   std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
-  bool knows_all_in_boxes_ = true;
 };
 
 }  // namespace tetloom::parts

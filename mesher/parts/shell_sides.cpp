@@ -49,7 +49,6 @@ std::optional<bool> ShellSides::told_by(std::uint32_t tet) const {
 // Whether no triangle of the surface runs through the tet: between own vertices the part knows them all, and those that
 // the shell has are faces.
 bool ShellSides::is_sure(std::uint32_t tet) const {
-  if (!input_.surface.knows_all_in_boxes()) return false;
   const std::uint32_t* v = verts(tet);
   for (int i = 0; i < 4; ++i)
     if (v[i] >= shell_.first_outer || !shell_.is_own_vert[v[i]]) return false;

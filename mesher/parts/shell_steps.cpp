@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/base/stopwatch.hpp"
@@ -51,12 +52,14 @@ class Shell {
         surface_count_(state.surface_count()) {}
 
   void make() {
-    if (!mesh_.points.empty()) state_.mesh.points = std::move(mesh_.points);
-    mesh_ = TetMesh();
-    mesh_.points = std::move(state_.mesh.points);
-    const tets::DelaunayResult delaunay =
-        make_delaunay(mesh_, state_.shell_verts, runner_, {input_.box, state_.keys.span()});
-    first_outer_ = delaunay.first_outer;
+    const tets::DelaunayFrame frame{input_.box, state_.keys.span()};
+    const auto verts = std::span(state_.shell_verts).subspan(state_.shell_size);
+    if (mesh_.points.empty()) mesh_.points = std::move(state_.mesh.points);
+    const tets::DelaunayResult delaunay = state_.shell_size == 0
+                                              ? make_delaunay(mesh_, verts, runner_, frame)
+                                              : extend_delaunay(mesh_, state_.first_outer, verts, runner_, frame);
+    state_.shell_size = state_.shell_verts.size();
+    state_.first_outer = first_outer_ = delaunay.first_outer;
     if (delaunay.duplicates.empty()) {
       find_kept();
     } else {
@@ -69,6 +72,7 @@ class Shell {
   void find_kept() {
     fix_surface();
     state_.kept.clear(), state_.doubts.clear();
+    std::vector<TetKeys> doubted;
     find_own_verts();
     sides_.emplace(
         input_,
@@ -76,8 +80,13 @@ class Shell {
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (!has_own_vert(tet) || !is_kept(tet)) continue;
       if (is_own(tet)) state_.kept.push_back(tet);
-      doubt(tet);
+      doubt(tet, doubted);
     }
+    std::sort(doubted.begin(), doubted.end());
+    std::vector<TetKeys> all;
+    std::set_union(state_.doubted.begin(), state_.doubted.end(), doubted.begin(), doubted.end(),
+                   std::back_inserter(all));
+    state_.doubted = std::move(all);
   }
 
   void fix_surface() {
@@ -152,8 +161,8 @@ class Shell {
   }
 
   // Tets of other parts are doubted, too: where the part does not know a point of a tet of its own, another one stands
-  // in its place.
-  void doubt(std::uint32_t tet) {
+  // in its place. One that is still there after others have been asked about it holds no point of theirs.
+  void doubt(std::uint32_t tet, std::vector<TetKeys>& doubted) {
     const Doubt ball = ball_of(mesh_, tet);
     const Vec3 reach{ball.radius, ball.radius, ball.radius};
     const double outside =
@@ -162,7 +171,18 @@ class Shell {
     const double size = input_.size_at(mesh_.points[own_]);
     const double least =
         input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
-    if (!(outside <= kShellReach * least)) state_.doubts.push_back(ball);
+    if (outside <= kShellReach * least) return;
+    const TetKeys keys = keys_of(tet);
+    if (std::binary_search(state_.doubted.begin(), state_.doubted.end(), keys)) return;
+    state_.doubts.push_back(ball);
+    doubted.push_back(keys);
+  }
+
+  TetKeys keys_of(std::uint32_t tet) const {
+    TetKeys keys;
+    for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[mesh_.to_vert[std::size_t{tet} * 4 + i]];
+    std::sort(keys.begin(), keys.end());
+    return keys;
   }
 
   const SharedInput& input_;
@@ -179,40 +199,40 @@ class Shell {
   std::optional<ShellSides> sides_;
 };
 
-// Own points of the shell along x, so that a ball meets a range of them.
-std::vector<ShellPoint> sort_own_points(const SharedInput& input, const PartState& state, PartId part) {
-  std::vector<ShellPoint> own;
-  for_each_own_vert(input, state, part, [&](std::uint32_t v) { own.push_back(shell_point(state, v)); });
-  std::sort(own.begin(), own.end(), [](const ShellPoint& a, const ShellPoint& b) {
-    return a.point.x != b.point.x ? a.point.x < b.point.x : a.key < b.key;
-  });
-  return own;
-}
-
-// Points of the surface stand first, ascending: those behind them get new numbers.
+// Points of the surface stand first, ascending: nearly all vertices get new numbers.
 void add_surface_points(const SharedInput& input, PartState& state, std::span<const std::uint32_t> more) {
   const std::uint32_t before = state.surface_count(), shift = static_cast<std::uint32_t>(more.size());
-  state.surface.insert(state.surface.end(), more.begin(), more.end());
-  std::sort(state.surface.begin(), state.surface.end());
+  std::vector<std::uint32_t> surface(before + shift);
+  std::merge(state.surface.begin(), state.surface.end(), more.begin(), more.end(), surface.begin());
   GrowingArray<Vec3> points;
   GrowingArray<VertKey> keys;
   std::vector<char> knows(input.filling.complex.points.size(), 0);
-  for (const std::uint32_t point : state.surface) {
+  std::vector<std::uint32_t> to_new(before), added;
+  for (std::uint32_t v = 0, old = 0; v < surface.size(); ++v) {
+    const std::uint32_t point = surface[v];
     points.push_back(input.filling.complex.points[point]);
     keys.push_back(point);
     knows[point] = 1;
+    if (old < before && state.surface[old] == point) {
+      to_new[old++] = v;
+    } else {
+      added.push_back(v);
+    }
   }
+  state.surface = std::move(surface);
   points.append(state.shell.points.span().subspan(before));
   keys.append(state.keys.span().subspan(before));
   state.shell.points = std::move(points);
   state.keys = std::move(keys);
   state.pure_around.insert(state.pure_around.begin(), shift, 0);
-  for (std::uint32_t& v : state.mesh.to_vert) v += shift;
-  for (std::uint32_t& v : state.core.shell_verts) v += shift;
-  for (std::uint32_t& v : state.core.level_to_vert) v += shift;
+  const auto renumber = [&](std::uint32_t& v) { v = v < before ? to_new[v] : v + shift; };
+  for (auto* verts : {&state.mesh.to_vert, &state.shell.to_vert})
+    for (std::uint32_t& v : *verts) renumber(v);
+  for (auto* verts : {&state.core.shell_verts, &state.core.level_to_vert, &state.shell_verts})
+    for (std::uint32_t& v : *verts) renumber(v);
   state.core.first_own_end += shift;
-  for (std::uint32_t& v : state.shell_verts) v = v < before ? v : v + shift;
-  for (std::uint32_t v = before; v < before + shift; ++v) state.shell_verts.push_back(v);
+  state.first_outer += shift;
+  state.shell_verts.insert(state.shell_verts.end(), added.begin(), added.end());
   const auto& triangles = input.filling.complex.tri_to_vert;
   state.triangles.clear(), state.tri_verts.clear();
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
@@ -264,27 +284,6 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
     any = true;
   }
   return any;
-}
-
-std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
-                                       std::span<const Doubt> doubts) {
-  const std::vector<ShellPoint> own = sort_own_points(input, state, part);
-  std::vector<char> is_in(own.size(), 0);  // many balls hold the same points
-  for (const Doubt& doubt : doubts) {
-    const auto from = std::lower_bound(own.begin(), own.end(), doubt.center.x - doubt.radius,
-                                       [](const ShellPoint& a, double x) { return a.point.x < x; });
-    const auto& [a, b, c, d] = doubt.corners;
-    for (auto at = from; at != own.end() && at->point.x <= doubt.center.x + doubt.radius; ++at) {
-      char& known = is_in[static_cast<std::size_t>(at - own.begin())];
-      if (known || norm2(at->point - doubt.center) > doubt.radius * doubt.radius) continue;
-      known = insphere(a, b, c, d, at->point) >= 0;
-    }
-  }
-  std::vector<ShellPoint> found;
-  for (std::size_t i = 0; i < own.size(); ++i)
-    if (is_in[i]) found.push_back(own[i]);
-  std::sort(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; });
-  return found;
 }
 
 }  // namespace tetloom::parts

@@ -55,10 +55,6 @@ void make_shell(const SharedInput& input, PartState& state, PartId part, const T
 /// Adds points that the part does not know yet; whether there were any.
 bool add_shell_points(const SharedInput& input, PartState& state, std::span<const ShellPoint> points);
 
-/// Own points of the shell that are not outside of a doubt's ball.
-std::vector<ShellPoint> find_points_in(const SharedInput& input, const PartState& state, PartId part,
-                                       std::span<const Doubt> doubts);
-
 /// Appends the kept tets of the shell to the core and drops the rest, with all that only making them has needed.
 /// `removed`: tets of any part's shell that are no more, ascending.
 void join_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed);

@@ -7,6 +7,7 @@
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/insertion_order.hpp"
 #include "mesher/tets/locate.hpp"
+#include "tetloom/assert.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
@@ -42,6 +43,8 @@ class Insertion {
  public:
   Insertion(TetMesh& mesh, std::span<const std::uint64_t> keys, std::uint32_t vertex_count) : mesh_(mesh), keys_(keys) {
     vert_to_local_.resize(vertex_count, kNone);
+    in_cavity_.resize(mesh.size(), 0);
+    verts_ = mesh_.to_vert.data(), neighbors_ = mesh_.to_neighbor.data();
   }
 
   void start(std::uint32_t first_outer) {
@@ -231,17 +234,13 @@ void add_outer_points(TetMesh& mesh, std::span<const std::uint32_t> verts, Box3 
   mesh.points.push_back(center + r * Vec3{0.9660773, -0.1710016, -0.1935278});
 }
 
-}  // namespace
-
-DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner,
-                             const DelaunayFrame& frame) {
+// What both ways have in common once the outer points stand behind all others.
+DelaunayResult insert_all(TetMesh& mesh, std::uint32_t first_outer, std::span<const std::uint32_t> order,
+                          const TaskRunner& runner, const DelaunayFrame& frame) {
   DelaunayResult result;
-  result.first_outer = static_cast<std::uint32_t>(mesh.points.size());
-  const std::vector<std::uint32_t> order = make_insertion_order(mesh.points.span(), verts);
-  add_outer_points(mesh, verts, frame.box);
-  mesh.to_vert.clear(), mesh.to_neighbor.clear(), mesh.to_region.clear(), mesh.to_fixed.clear();
+  result.first_outer = first_outer;
   Insertion insertion(mesh, frame.keys, static_cast<std::uint32_t>(mesh.points.size()));
-  insertion.start(result.first_outer);
+  if (mesh.size() == 0) insertion.start(first_outer);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % kInsertionsBetweenChecks == 0) runner.check_cancelled();
     if (const std::uint32_t kept = insertion.insert(order[i]); kept != kNone)
@@ -252,6 +251,29 @@ DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts
   std::sort(result.duplicates.begin(), result.duplicates.end(),
             [](const Duplicate& a, const Duplicate& b) { return a.vert < b.vert; });
   return result;
+}
+
+}  // namespace
+
+DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner,
+                             const DelaunayFrame& frame) {
+  const auto first_outer = static_cast<std::uint32_t>(mesh.points.size());
+  const std::vector<std::uint32_t> order = make_insertion_order(mesh.points.span(), verts);
+  add_outer_points(mesh, verts, frame.box);
+  mesh.to_vert.clear(), mesh.to_neighbor.clear(), mesh.to_region.clear(), mesh.to_fixed.clear();
+  return insert_all(mesh, first_outer, order, runner, frame);
+}
+
+DelaunayResult extend_delaunay(TetMesh& mesh, std::uint32_t outer_before, std::span<const std::uint32_t> verts,
+                               const TaskRunner& runner, const DelaunayFrame& frame) {
+  TETLOOM_ASSERT(!frame.box.empty());
+  const auto first_outer = static_cast<std::uint32_t>(mesh.points.size());
+  const std::vector<std::uint32_t> order = make_insertion_order(mesh.points.span(), verts);
+  add_outer_points(mesh, verts, frame.box);
+  for (std::uint32_t& v : mesh.to_vert)
+    if (v >= outer_before) v += first_outer - outer_before;
+  std::fill(mesh.to_fixed.begin(), mesh.to_fixed.end(), std::uint8_t{0});
+  return insert_all(mesh, first_outer, order, runner, frame);
 }
 
 }  // namespace tetloom::tets

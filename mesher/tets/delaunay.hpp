@@ -39,4 +39,10 @@ struct DelaunayFrame {
 DelaunayResult make_delaunay(TetMesh& mesh, std::span<const std::uint32_t> verts, const TaskRunner& runner,
                              const DelaunayFrame& frame = {});
 
+/// Inserts more points into such a mesh, which may have been given fixed faces and whose outer points may have been
+/// dropped from `mesh.points` since; no face is fixed afterwards. `outer_before`: the outer vertices' first number in
+/// `mesh.to_vert`. Pre: the frame is as it was, and has a box. Errors as above.
+DelaunayResult extend_delaunay(TetMesh& mesh, std::uint32_t outer_before, std::span<const std::uint32_t> verts,
+                               const TaskRunner& runner, const DelaunayFrame& frame);
+
 }  // namespace tetloom::tets

@@ -30,7 +30,7 @@ struct ComplexOptions {
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface has to stay
   QualityGoals goals = {};
   LatticeKind lattice = LatticeKind::Bcc;
-  double tets_per_part = kTetsPerPart;
+  double tets_per_part = 0;  ///< as VolumeOptions
   Trace* trace = nullptr;
   Communicator* communicator = nullptr;  ///< see fill_complex_in_parts
   bool keep_parts = false;  ///< what is filled in parts, of which there are then two at least, stays in them

@@ -169,7 +169,7 @@ void make_plan(const VolumeInput& input, const VolumeOptions& options, const Tas
   plan.how.goals = options.goals;
   plan.how.lattice = options.lattice;
   plan.how.trace = options.trace;
-  if (options.tets_per_part > 0) plan.how.tets_per_part = options.tets_per_part;
+  plan.how.tets_per_part = options.tets_per_part;
   if (plan.complexes.empty()) return;
   try {
     plan.how.worker = volume::find_worker(options.worker);

@@ -67,13 +67,10 @@ struct VolumeOptions {
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   QualityGoals goals = {};
   LatticeKind lattice = LatticeKind::Bcc;  ///< of the inside
-  double tets_per_part = 0;  ///< large complexes are filled in parts of so many estimated tets; 0: kTetsPerPart;
-                             ///< infinite: in one
+  double tets_per_part = 0;  ///< complexes are filled in parts of so many estimated tets; infinite: in one; 0: a number
+                             ///< of parts that follows from the tets, see parts::count_parts
   Trace* trace = nullptr;    ///< takes what the parts' tasks did; may be null
 };
-
-/// Enough for the work at a part's boundary to be small, and few enough for many cores to share a mesh.
-inline constexpr double kTetsPerPart = 2.5e5;
 
 /// The tetrahedra that fill_volume will make, within about a tenth for uniform sizes: the size field over the box of
 /// the surface, times the share of the box that the regions take; and the memory for them. Pre: as fill_volume.

@@ -1,10 +1,15 @@
 // Space in boxes, one per part.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <random>
 
+#include "core/predicates/predicates.hpp"
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/parts/key_filter.hpp"
 #include "mesher/parts/near_box.hpp"
+#include "mesher/parts/own_points.hpp"
 #include "mesher/parts/part_surface.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
@@ -172,27 +177,81 @@ TEST_CASE("what is near a neighbour's box is told to that neighbour, and to no o
   }
 }
 
-TEST_CASE("a part knows the triangles that meet its box, and says so unless triangles are large") {
+TEST_CASE("a part knows the triangles that meet its box, however large they are") {
+  const double size = GENERATE(0.1, 0.02, 0.003);
   const Cells cells(ball(4), SizeField::uniform(0.1));
   const Decomposition decomposition = cells.cut(10);
   volume::Complex complex;
   complex.points = cells.surface.points;
   complex.tri_to_vert = cells.surface.tri_to_vert;
-  const PartSurface surface(complex, cells.sizes, decomposition, 2, cells.runner);
-  CHECK(surface.knows_all_in_boxes());
+  const PartSurface surface(complex, SizeField::uniform(size), decomposition, 2, cells.runner);
   std::size_t met = 0;
   for (std::uint32_t p = 0; p < 10; ++p) {
     const auto known = surface.triangles_of(PartId(p));
+    const auto points = surface.points_of(PartId(p));
     for (std::uint32_t t = 0; t < complex.tri_to_vert.size(); ++t) {
       const auto& [a, b, c] = complex.tri_to_vert[t];
       const Vec3 center = (complex.points[a] + complex.points[b] + complex.points[c]) / 3;
       if (!is_in(center, decomposition.box(PartId(p)))) continue;
       CHECK(std::binary_search(known.begin(), known.end(), t));
+      for (const std::uint32_t v : {a, b, c}) CHECK(std::binary_search(points.begin(), points.end(), v));
       ++met;
     }
   }
   CHECK(met == complex.tri_to_vert.size());
-  CHECK_FALSE(PartSurface(complex, SizeField::uniform(0.02), decomposition, 2, cells.runner).knows_all_in_boxes());
+}
+
+TEST_CASE("small meshes are cut into two or four parts, larger ones into an even number, and as asked") {
+  CHECK(count_parts(0, 0) == 1);
+  CHECK(count_parts(1.7e5, 0) == 1);
+  CHECK(count_parts(2e5, 0) == 2);
+  CHECK(count_parts(4e5, 0) == 4);
+  CHECK(count_parts(1.2e6, 0) == 4);
+  CHECK(count_parts(1.3e6, 0) == 6);
+  CHECK(count_parts(2e7, 0) == 80);
+  CHECK(count_parts(1e15, 0) == 100000);
+  CHECK(count_parts(1e6, HUGE_VAL) == 1);
+  CHECK(count_parts(1e6, 3e5) == 3);
+  CHECK(count_parts(1e5, 3e5) == 1);
+}
+
+TEST_CASE("a doubted tet is told the points on its sphere and the nearest ones inside of it") {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> place(-1, 1);
+  for (const std::size_t count : {0u, 1u, 12u, 13u, 700u}) {
+    std::vector<ShellPoint> points;
+    for (std::size_t i = 0; i < count; ++i) {
+      points.push_back({{place(random), place(random), place(random)}, i * 7 % (count + 1), 0});
+      if (i % 4 == 0) points.back().point = points.back().point / norm(points.back().point);
+    }
+    const OwnPoints own(points);
+    // One of its corners is off the middle, so that nearest to the tet is not nearest to the sphere's centre.
+    Doubt doubt{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0.6, 0.8, 0}}, {}, 1 + 1e-9};
+    if (orient3d(doubt.corners[0], doubt.corners[1], doubt.corners[2], doubt.corners[3]) < 0)
+      std::swap(doubt.corners[0], doubt.corners[1]);
+    const auto& [a, b, c, d] = doubt.corners;
+    const Vec3 middle = 0.25 * (a + b + c + d);
+    std::vector<std::pair<double, std::uint64_t>> inside;
+    std::size_t held = 0;
+    for (const ShellPoint& point : points) {
+      const int side = insphere(a, b, c, d, point.point);
+      held += side >= 0;
+      if (side > 0) inside.emplace_back(norm2(point.point - middle), point.key);
+    }
+    std::sort(inside.begin(), inside.end());
+    const std::array doubts{doubt, doubt};
+    const auto all = own.find_in(doubts, points.size() + 1);
+    CHECK(all.size() == held);
+    const auto by_key = [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; };
+    CHECK(std::is_sorted(all.begin(), all.end(), by_key));
+    const auto few = own.find_in(doubts, 3);
+    CHECK(few.size() <= all.size());
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, inside.size()); ++i)
+      CHECK(std::any_of(few.begin(), few.end(), [&](const ShellPoint& s) { return s.key == inside[i].second; }));
+    std::size_t few_inside = 0;
+    for (const ShellPoint& s : few) few_inside += insphere(a, b, c, d, s.point) > 0;
+    CHECK(few_inside == std::min<std::size_t>(3, inside.size()));
+  }
 }
 
 TEST_CASE("a filter of keys holds those that it was given, and few others") {

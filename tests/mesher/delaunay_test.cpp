@@ -175,6 +175,43 @@ TEST_CASE("only the points listed are inserted") {
   for (const std::uint32_t v : mesh.to_vert) CHECK((v >= 100 || v == 3 || v == 14 || v == 15 || v == 92 || v == 65));
 }
 
+TEST_CASE("more points make the tets that all of them together make, wherever the outer points stand") {
+  const auto points = random_points(400, 12);
+  std::vector<Vec3> grid;  // many ties
+  for (int i = 0; i < 512; ++i) grid.push_back(Vec3{i % 8 / 8., i / 8 % 8 / 8., i / 64 / 8.});
+  for (const std::vector<Vec3>& all : {points, grid}) {
+    std::vector<std::uint64_t> keys;
+    for (std::size_t i = 0; i < all.size(); ++i) keys.push_back(i * 7 % all.size());
+    const DelaunayFrame frame{{{-0.1, 0, 0}, {1.2, 1, 1.1}}, keys};
+    const auto tets_of = [&](const TetMesh& mesh) {
+      std::set<Tet> tets;
+      for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+        Tet tet;
+        for (std::size_t i = 0; i < 4; ++i) tet[i] = mesh.to_vert[std::size_t{t} * 4 + i];
+        std::sort(tet.begin(), tet.end());
+        tets.insert(tet);
+      }
+      return tets;
+    };
+    TetMesh whole, grown;
+    whole.points = GrowingArray<Vec3>(std::span(all));
+    make_delaunay(whole, all_ids(all.size()), TaskRunner(1), frame);
+    const std::size_t first = all.size() / 3;
+    grown.points = GrowingArray<Vec3>(std::span(all).first(first));
+    auto made = make_delaunay(grown, all_ids(first), TaskRunner(1), frame);
+    for (const std::size_t end : {first + 1, first + 40, all.size()}) {
+      const auto before = static_cast<std::uint32_t>(made.first_outer);
+      grown.points.resize(before);
+      std::fill(grown.to_fixed.begin(), grown.to_fixed.end(), std::uint8_t{5});
+      grown.points.append(std::span(all).subspan(before, end - before));
+      const std::vector<std::uint32_t> ids = all_ids(end);
+      made = extend_delaunay(grown, before, std::span(ids).subspan(before), TaskRunner(1), frame);
+      REQUIRE(find_fault(grown) == "");
+    }
+    CHECK(tets_of(grown) == tets_of(whole));
+  }
+}
+
 TEST_CASE("tetrahedralising ends when it is cancelled") {
   CancelToken cancel;
   cancel.cancel();
