@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/spatial/distances.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "tetloom/tasks.hpp"
@@ -215,7 +216,7 @@ class OverlapSearch {
       const FaceSides& sides = sides_[meshed_.surface.tri_to_entity[t]];
       if (touches || (sides.front.value != region && sides.back.value != region)) return;
       const auto [a, b, c] = corners_of(meshed_.surface, t);
-      touches = intersection::distance_to_triangle(x, a, b, c) < reach;
+      touches = distance_to_triangle(x, a, b, c) < reach;
     });
     return !touches;
   }

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "adapt/kernel/cavity_mesh.hpp"
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 
 namespace tetloom::adapt {
 

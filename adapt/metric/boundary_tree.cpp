@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "adapt/metric/tet_links.hpp"
+#include "core/spatial/distances.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
@@ -65,7 +66,7 @@ BoundaryTree::Nearest BoundaryTree::find_nearest(const TetView& mesh, const Vec3
   while (size > 0) {
     const std::uint32_t index = stack[--size];
     const BvhNode& node = bvh_.nodes[index];
-    if (squared_distance(node.box, x) > nearest.point.distance2) continue;
+    if (squared_distance_to_box(x, node.box) > nearest.point.distance2) continue;
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         const std::array<Vec3, 3> c = corners_of(mesh, faces_[i]);
@@ -77,7 +78,8 @@ BoundaryTree::Nearest BoundaryTree::find_nearest(const TetView& mesh, const Vec3
       continue;
     }
     const std::uint32_t left = index + 1, right = node.right;
-    const bool left_first = squared_distance(bvh_.nodes[left].box, x) <= squared_distance(bvh_.nodes[right].box, x);
+    const bool left_first =
+        squared_distance_to_box(x, bvh_.nodes[left].box) <= squared_distance_to_box(x, bvh_.nodes[right].box);
     stack[size++] = left_first ? right : left;
     stack[size++] = left_first ? left : right;
   }

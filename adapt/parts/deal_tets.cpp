@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "adapt/parts/rounds.hpp"
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 
 namespace tetloom::adapt {
 

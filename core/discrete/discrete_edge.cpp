@@ -1,4 +1,5 @@
 #include "core/discrete/discrete_edge.hpp"
+#include "core/spatial/distances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +12,6 @@ namespace {
 double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double product = distance(a, b) * distance(b, c) * distance(c, a);
   return product > 0 ? 2 * norm(cross(b - a, c - a)) / product : 0;
-}
-
-double distance2_to_box(const Vec3& x, const Box3& box) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double d = std::max({box.lo[axis] - x[axis], 0.0, x[axis] - box.hi[axis]});
-    sum += d * d;
-  }
-  return sum;
 }
 
 }  // namespace
@@ -88,7 +80,7 @@ CurvePoint DiscreteEdge::closest_point(const Vec3& x) {
   std::size_t best_piece = 0;
   double best_share = 0, best = HUGE_VAL;
   for (std::size_t box = 0; box < boxes_.size(); ++box) {
-    if (!(distance2_to_box(x, boxes_[box]) < best)) continue;
+    if (!(squared_distance_to_box(x, boxes_[box]) < best)) continue;
     const std::size_t begin = box * kPiecesPerBox, end = std::min(begin + kPiecesPerBox, piece_count());
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 a = line_.points[i], d = line_.points[i + 1] - a;

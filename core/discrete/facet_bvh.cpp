@@ -1,4 +1,5 @@
 #include "core/discrete/facet_bvh.hpp"
+#include "core/spatial/distances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +10,6 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 constexpr std::size_t kMaxDepth = 64;  // halving 2^32 triangles takes 32 levels
-
-double distance2_to_box(const Vec3& x, const Box3& box) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double d = std::max({box.lo[axis] - x[axis], 0.0, x[axis] - box.hi[axis]});
-    sum += d * d;
-  }
-  return sum;
-}
 
 bool ray_touches(const Vec3& origin, const Vec3& direction, const Box3& box) {
   double from = 0, to = HUGE_VAL;
@@ -129,7 +121,7 @@ FacetPoint FacetBvh::closest_facing(const Vec3& x, const Vec3& direction, FacetP
   if (nodes_.empty()) return start;
   std::array<Entry, kMaxDepth> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0, distance2_to_box(x, nodes_[0].box)};
+  stack[depth++] = {0, squared_distance_to_box(x, nodes_[0].box)};
   while (depth > 0) {
     const Entry entry = stack[--depth];
     if (!(entry.distance2 < start.distance2)) continue;
@@ -143,8 +135,8 @@ FacetPoint FacetBvh::closest_facing(const Vec3& x, const Vec3& direction, FacetP
       if (!(dot(normal, direction) < 0)) start = candidate;
     }
     if (node.count > 0) continue;
-    Entry near{entry.node + 1, distance2_to_box(x, nodes_[entry.node + 1].box)};
-    Entry far{node.second, distance2_to_box(x, nodes_[node.second].box)};
+    Entry near{entry.node + 1, squared_distance_to_box(x, nodes_[entry.node + 1].box)};
+    Entry far{node.second, squared_distance_to_box(x, nodes_[node.second].box)};
     if (far.distance2 < near.distance2) std::swap(near, far);
     stack[depth++] = far, stack[depth++] = near;
   }

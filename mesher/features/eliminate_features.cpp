@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "core/spatial/distances.hpp"
 #include "mesher/features/displacement.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
@@ -28,21 +29,6 @@ constexpr double kShort = 0.5;
 constexpr double kSmoothing = 0.016;
 // An edge is swapped beside merged vertices where its triangles' normals differ by at most this.
 constexpr double kFlatCosine = 0.94;
-
-double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const double length2 = norm2(b - a);
-  const double s = length2 > 0 ? std::clamp(dot(x - a, b - a) / length2, 0.0, 1.0) : 0;
-  return distance(x, a + s * (b - a));
-}
-
-double distance_to_triangle(const Vec3& x, const std::array<Vec3, 3>& t) {
-  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
-  bool inside = norm2(normal) > 0;
-  for (std::size_t i = 0; i < 3; ++i) inside = inside && dot(cross(t[(i + 1) % 3] - t[i], x - t[i]), normal) >= 0;
-  if (inside) return std::abs(dot(x - t[0], normalized(normal)));
-  return std::min(
-      {distance_to_segment(x, t[0], t[1]), distance_to_segment(x, t[1], t[2]), distance_to_segment(x, t[2], t[0])});
-}
 
 struct Task {
   double urgency;  // a length over the one that is wanted
@@ -198,8 +184,10 @@ class Eliminator {
     const Vec3& x = surface_->point(change.gone);
     const ModelEntity entity = surface_->entity(change.gone);
     double nearest = HUGE_VAL;
-    for (const AddedTriangle& added : change.added)
-      nearest = std::min(nearest, distance_to_triangle(x, corners(*surface_, change, added.verts)));
+    for (const AddedTriangle& added : change.added) {
+      const auto [a, b, c] = corners(*surface_, change, added.verts);
+      nearest = std::min(nearest, distance_to_triangle(x, a, b, c));
+    }
     const auto pieces = surface_->pieces_at(change.gone);
     if (entity.dim == 2 && pieces.empty()) return nearest;
     if (entity.dim != 1 || pieces.size() != 2) return {};

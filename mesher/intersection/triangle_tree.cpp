@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/distances.hpp"
+#include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 
@@ -14,21 +16,11 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 14;
 
-// Spreads the low 21 bits of x to every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 std::uint64_t morton(const Vec3& p, const Vec3& origin, double scale) {
   const auto cell = [&](double x, double lo) {
-    return static_cast<std::uint64_t>(std::clamp((x - lo) * scale, 0.0, 2097151.0));
+    return static_cast<std::uint32_t>(std::clamp((x - lo) * scale, 0.0, 2097151.0));
   };
-  return spread(cell(p.x, origin.x)) | spread(cell(p.y, origin.y)) << 1 | spread(cell(p.z, origin.z)) << 2;
+  return morton_encode({cell(p.x, origin.x), cell(p.y, origin.y), cell(p.z, origin.z)});
 }
 
 // Sign of orient2d in the (x,y) plane, with x moved by (e, e^2) for an infinitesimal e; 0 only where u and v coincide
@@ -49,29 +41,7 @@ int shortest_axis(const Box3& box) {
   return extent[least] < extent.z ? least : 2;
 }
 
-double distance_to_segment2(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length2 = norm2(d);
-  const double t = length2 > 0 ? std::clamp(dot(x - a, d) / length2, 0.0, 1.0) : 0.0;
-  return norm2(x - (a + t * d));
-}
-
-double distance_to_box2(const Vec3& x, const Box3& box) {
-  const auto gap = [](double value, double lo, double hi) { return std::max({lo - value, value - hi, 0.0}); };
-  return norm2(Vec3{gap(x.x, box.lo.x, box.hi.x), gap(x.y, box.lo.y, box.hi.y), gap(x.z, box.lo.z, box.hi.z)});
-}
-
 }  // namespace
-
-double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 normal = cross(b - a, c - a);
-  const double area2 = norm2(normal);
-  const bool above = area2 > 0 && dot(cross(b - a, x - a), normal) >= 0 && dot(cross(c - b, x - b), normal) >= 0 &&
-                     dot(cross(a - c, x - c), normal) >= 0;
-  if (above) return std::abs(dot(x - a, normal)) / std::sqrt(area2);
-  return std::sqrt(
-      std::min({distance_to_segment2(x, a, b), distance_to_segment2(x, b, c), distance_to_segment2(x, c, a)}));
-}
 
 std::size_t TriangleTree::pieces(std::size_t triangles) { return (triangles + kBlock - 1) / kBlock; }
 
@@ -135,7 +105,7 @@ Box3 TriangleTree::box_of(std::uint32_t triangle) const {
 
 bool TriangleTree::any_within(const Vec3& x, double radius) const {
   bool found = false;
-  descend([&](const Box3& node) { return distance_to_box2(x, node) < radius * radius; },
+  descend([&](const Box3& node) { return squared_distance_to_box(x, node) < radius * radius; },
           [&](std::uint32_t triangle) {
             const auto& [a, b, c] = tri_to_vert_[triangle];
             found = distance_to_triangle(x, points_[a], points_[b], points_[c]) < radius;

@@ -164,7 +164,4 @@ class TriangleTree {
   int up_ = 2;  // the axis of rays
 };
 
-/// Distance from `x` to the triangle a, b, c (closed); right up to rounding, for degenerate triangles too.
-double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
-
 }  // namespace tetloom::intersection

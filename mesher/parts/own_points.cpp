@@ -5,21 +5,13 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/distances.hpp"
 
 namespace tetloom::parts {
 
 namespace {
 
 constexpr std::uint32_t kLeafPoints = 12;
-
-double distance2(const Box3& box, const Vec3& x) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max({box.lo[axis] - x[axis], x[axis] - box.hi[axis], 0.0});
-    sum += outside * outside;
-  }
-  return sum;
-}
 
 // What lies nearest comes first; a node before the points in it.
 struct Waiting {
@@ -73,10 +65,10 @@ void OwnPoints::mark_in(const Doubt& doubt, std::size_t most, std::vector<char>&
       continue;
     }
     const Node& node = nodes_[next.index];
-    if (distance2(node.box, doubt.center) > radius2) continue;
+    if (squared_distance_to_box(doubt.center, node.box) > radius2) continue;
     if (node.low != 0) {
       for (const std::uint32_t child : {node.low, node.high})
-        waiting.push({distance2(nodes_[child].box, middle), child, false});
+        waiting.push({squared_distance_to_box(middle, nodes_[child].box), child, false});
       continue;
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i)

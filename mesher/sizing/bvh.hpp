@@ -1,7 +1,6 @@
 #pragma once
 // A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting, and behind the boundary of
 // a background mesh (adapt/metric).
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,15 +26,5 @@ struct Bvh {
 /// Splits at the median of the centres along their longest extent. The result does not depend on the thread count.
 /// Complexity: O(n log n), in parallel.
 Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner);
-
-/// The squared distance from `x` to the nearest point of `box`.
-inline double squared_distance(const Box3& box, const Vec3& x) {
-  const auto outside = [](double value, double lo, double hi) {  // without branches: nobody can foretell them
-    return std::max(std::max(lo - value, value - hi), 0.0);
-  };
-  const double dx = outside(x.x, box.lo.x, box.hi.x), dy = outside(x.y, box.lo.y, box.hi.y),
-               dz = outside(x.z, box.lo.z, box.hi.z);
-  return dx * dx + dy * dy + dz * dz;
-}
 
 }  // namespace tetloom

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <numeric>
 
-#include "core/sizing/morton.hpp"
+#include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/parallel_sort.hpp"
 

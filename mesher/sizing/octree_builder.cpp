@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/sizing/morton.hpp"
+#include "core/spatial/morton.hpp"
 #include "tetloom/assert.hpp"
 #include "threading/parallel_sort.hpp"
 

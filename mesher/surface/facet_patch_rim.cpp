@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/spatial/distances.hpp"
 #include "mesher/surface/facet_patch_detail.hpp"
 
 namespace tetloom::detail {
@@ -173,12 +174,6 @@ class DirectedChain {
  private:
   const BoundaryChain& chain_;
 };
-
-double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const double length2 = norm2(b - a);
-  const double s = length2 > 0 ? std::clamp(dot(x - a, b - a) / length2, 0.0, 1.0) : 0;
-  return distance(x, a + s * (b - a));
-}
 
 class RunMatcher {
  public:

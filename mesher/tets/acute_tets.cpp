@@ -5,6 +5,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/spatial/distances.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/many_values.hpp"
@@ -136,7 +137,7 @@ class CauseFinder {
       for (const std::uint32_t v : points) {
         if (std::ranges::find(t, v) != t.end()) continue;
         const double apart =
-            intersection::distance_to_triangle(mesh_.point(v), mesh_.point(t[0]), mesh_.point(t[1]), mesh_.point(t[2]));
+            distance_to_triangle(mesh_.point(v), mesh_.point(t[0]), mesh_.point(t[1]), mesh_.point(t[2]));
         if (apart >= least) continue;
         least = apart;
         found_.points = {v};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 #include "core/base/mix_bits.hpp"
 
 namespace tetloom::tets {

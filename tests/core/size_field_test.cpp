@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "core/sizing/morton.hpp"
+#include "core/spatial/morton.hpp"
 #include "core/sizing/size_change.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/size_field.hpp"

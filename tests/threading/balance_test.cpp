@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 #include "tests/support/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/balance/partitioners.hpp"

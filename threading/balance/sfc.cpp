@@ -1,6 +1,6 @@
 #include <vector>
 
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/balance/bisection_detail.hpp"
 

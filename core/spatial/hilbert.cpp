@@ -1,4 +1,4 @@
-#include "core/base/hilbert.hpp"
+#include "core/spatial/hilbert.hpp"
 
 #include <algorithm>
 #include <array>
