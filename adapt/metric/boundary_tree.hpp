@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/sizing/bvh.hpp"
+#include "core/spatial/bvh.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mesher/sizing/bvh.hpp"
+#include "core/spatial/bvh.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/shared_work.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/sizing/bvh.hpp"
+#include "core/spatial/bvh.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
 

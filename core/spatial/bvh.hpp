@@ -1,11 +1,10 @@
 #pragma once
-// A bounding-volume hierarchy over boxes: the index behind nearest sources and ray shooting, and behind the boundary of
-// a background mesh (adapt/metric).
+// A bounding-volume hierarchy over boxes: what nearest places and rays are looked for in.
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "tetloom/tasks.hpp"
+#include "tetloom/host.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom {
@@ -25,6 +24,6 @@ struct Bvh {
 
 /// Splits at the median of the centres along their longest extent. The result does not depend on the thread count.
 /// Complexity: O(n log n), in parallel.
-Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner);
+Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop);
 
 }  // namespace tetloom

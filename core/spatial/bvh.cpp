@@ -1,10 +1,8 @@
-#include "mesher/sizing/bvh.hpp"
+#include "core/spatial/bvh.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
-
-#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {
@@ -59,7 +57,7 @@ class BvhBuilder {
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner) {
+Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
   bvh.order.resize(boxes.size());
@@ -70,12 +68,12 @@ Bvh build_bvh(std::span<const Box3> boxes, const TaskRunner& runner) {
   constexpr std::size_t kSubtrees = 64, kSmall = 4096;
   while (!ranges.empty() && ranges.size() < kSubtrees && ranges.front().end - ranges.front().begin > kSmall) {
     std::vector<std::vector<BvhBuilder::Range>> children(ranges.size());
-    runner.for_each(ranges.size(), [&](std::size_t i) { children[i] = builder.split(ranges[i]); });
+    loop.for_blocks(ranges.size(), 1, [&](std::size_t i, std::size_t) { children[i] = builder.split(ranges[i]); });
     std::vector<BvhBuilder::Range> next;
     for (const auto& list : children) next.insert(next.end(), list.begin(), list.end());
     ranges = std::move(next);
   }
-  runner.for_each(ranges.size(), [&](std::size_t i) { builder.build(ranges[i]); });
+  loop.for_blocks(ranges.size(), 1, [&](std::size_t i, std::size_t) { builder.build(ranges[i]); });
   return bvh;
 }
 
