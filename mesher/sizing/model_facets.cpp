@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesher/sizing/follow_face.hpp"
+#include "mesher/sizing/narrow_entities.hpp"
 #include "mesher/sizing/source_tree.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -19,10 +21,22 @@ bool is_sound(const Tessellation& facets) {
   });
 }
 
-Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const FacetTolerance& tolerance) {
+// OpenCASCADE at times leaves facets across a face that is round, such as the half of a coil.
+bool are_astray(const Tessellation& facets, double area) {
+  constexpr double kMostLost = 0.1;
+  return area > 0 && std::abs(area_of(facets) - area) > kMostLost * area;
+}
+
+Tessellation facet_face(const GeometricModel& model, ModelFaceId id, const FacetTolerance& tolerance, double area) {
   Tessellation facets;
-  tolerate_bad_geometry([&] { facets = model.face_geometry(id)->tessellate(tolerance.chord, tolerance.angle); });
-  return is_sound(facets) ? std::move(facets) : Tessellation{};
+  tolerate_bad_geometry([&] {
+    const auto geometry = model.face_geometry(id);
+    facets = geometry->tessellate(tolerance.chord, tolerance.angle);
+    if (!is_sound(facets)) facets = {};
+    if (geometry->parametrization() == Parametrization::Smooth && are_astray(facets, area))
+      follow_face(*geometry, id, tolerance.chord, facets);
+  });
+  return facets;
 }
 
 void put_facets(MessageWriter& writer, const Tessellation& facets) {
@@ -91,7 +105,7 @@ std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::ve
   std::vector<Tessellation> faces(model.topology().face_count());
   std::vector<double> areas(faces.size(), 0.0);
   for (std::size_t f = 0; f < faces.size(); ++f) areas[f] = model.area(ModelFaceId(f));
-  work.for_each(areas, {[&](std::size_t f) { faces[f] = facet_face(model, ModelFaceId(f), tolerances[f]); },
+  work.for_each(areas, {[&](std::size_t f) { faces[f] = facet_face(model, ModelFaceId(f), tolerances[f], areas[f]); },
                         [&](std::size_t f, MessageWriter& writer) { put_facets(writer, faces[f]); },
                         [&](std::size_t f, MessageReader& reader) { faces[f] = get_facets(reader); }});
   return faces;

@@ -111,26 +111,6 @@ void check_model(const FamilyModel& model, bool with_threads) {
   }
 }
 
-/// Of the short runs, the models that fail still; the long ones have them.
-struct Pending {
-  std::string_view family;
-  std::uint64_t seed;
-};
-constexpr Pending kPending[] = {
-    {"fillets", 4},   // sizes follow the curvature of fillets that do not reach the mesh
-    {"fillets", 17},  // the same
-    {"fillets", 23},  // the same
-    {"fillets", 24},  // the same
-    {"noise", 19},    // refused without a place: a size that is no number
-    {"slivers", 5},   // an angle of 3 degrees that nothing is known to force
-    {"threads", 9},   // 2 % of the volume lost to the smallest size
-};
-
-bool is_pending(const Family& family, std::uint64_t seed, FamilyScale scale) {
-  return scale == FamilyScale::Small && std::getenv("TETLOOM_SEEDS") == nullptr &&
-         std::ranges::any_of(kPending, [&](const Pending& p) { return p.family == family.name && p.seed == seed; });
-}
-
 struct Seeds {
   std::uint64_t first = 1, count = 0;
 };
@@ -145,7 +125,6 @@ Seeds seeds_to_try(std::uint64_t count) {
 
 void check_family(const Family& family, const Seeds& seeds, FamilyScale scale) {
   for (std::uint64_t seed = seeds.first; seed < seeds.first + seeds.count; ++seed) {
-    if (is_pending(family, seed, scale)) continue;
     // Told before, so that a run that does not end says where it is.
     std::printf("%s %llu:", family.name, static_cast<unsigned long long>(seed));
     std::fflush(stdout);

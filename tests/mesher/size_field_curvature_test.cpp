@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mesher/sizing/curvature_size.hpp"
+#include "mesher/sizing/follow_face.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
 
 namespace tetloom {
@@ -177,6 +178,53 @@ TEST_CASE("spheres, cylinders and tori get the sizes of the rule within 5 %") {
       REQUIRE(size >= 0.8 * expected);  // pieces with different sizes take their smallest
     }
   }
+}
+
+TEST_CASE("facets that lie across a face are cut until they follow it") {
+  const auto torus = test_models::make_torus(3, 1);
+  const ModelFaceId id(std::size_t{0});
+  const auto face = torus->face_geometry(id);
+  // The square of the parameter plane, with points on its rim alone: facets from one side to the other have no area.
+  Tessellation facets;
+  constexpr std::uint32_t kSide = 32;
+  const double step = 2 * kPi / kSide;
+  for (std::uint32_t i = 0; i < 4 * kSide; ++i) {
+    const double along = step * (i % kSide);
+    const Vec2 sides[] = {{along, 0}, {2 * kPi, along}, {2 * kPi - along, 2 * kPi}, {0, 2 * kPi - along}};
+    facets.uv.push_back(sides[i / kSide]);
+    facets.points.push_back(face->evaluate(facets.uv.back()));
+  }
+  const auto right = [](std::uint32_t j) { return kSide + j; };
+  const auto left = [](std::uint32_t j) { return (4 * kSide - j) % (4 * kSide); };
+  for (std::uint32_t i = 0; i < kSide; ++i) facets.tri_to_vert.push_back({i, i + 1, left(1)});
+  for (std::uint32_t j = 1; j + 1 < kSide; ++j) {
+    facets.tri_to_vert.push_back({left(j), right(j), right(j + 1)});
+    facets.tri_to_vert.push_back({left(j), right(j + 1), left(j + 1)});
+  }
+  facets.tri_to_vert.push_back({right(0), right(1), left(1)});
+  for (std::uint32_t i = 2 * kSide; i < 3 * kSide; ++i) facets.tri_to_vert.push_back({i, i + 1, left(kSide - 1)});
+  facets.tri_to_vert.push_back({left(kSide - 1), right(kSide - 1), right(kSide)});
+  facets.classification.assign(facets.points.size(), ModelVertexId(std::size_t{0}));
+  facets.edge_parameter.assign(facets.points.size(), 0);
+  follow_face(*face, id, 0.02, facets);
+  double area = 0, across = 0;
+  for (const auto& [a, b, c] : facets.tri_to_vert) {
+    const Vec3 normal = 0.5 * cross(facets.points[b] - facets.points[a], facets.points[c] - facets.points[a]);
+    area += norm(normal);
+    const Vec2 middle = (1.0 / 3) * (facets.uv[a] + facets.uv[b] + facets.uv[c]);
+    across = std::max(across,
+                      distance(face->evaluate(middle), (facets.points[a] + facets.points[b] + facets.points[c]) / 3));
+    CHECK(cross(facets.uv[b] - facets.uv[a], facets.uv[c] - facets.uv[a]) > 0);
+  }
+  CHECK(area == Approx(4 * kPi * kPi * 3).epsilon(0.2));  // thin facets along the rim are askew
+  CHECK(across < 0.03);
+  REQUIRE(facets.uv.size() == facets.points.size());
+  REQUIRE(facets.classification.size() == facets.points.size());
+  REQUIRE(facets.edge_parameter.size() == facets.points.size());
+  CHECK(facets.classification.back() == ModelEntity(id));
+  const std::size_t count = facets.tri_to_vert.size();
+  follow_face(*face, id, 0.02, facets);
+  CHECK(facets.tri_to_vert.size() == count);
 }
 
 TEST_CASE("curvature is limited by the floor, which is a tenth of the size unless given") {
