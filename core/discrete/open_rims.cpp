@@ -182,23 +182,25 @@ void fill(FacetSoup& soup, std::vector<std::uint32_t> rim, const FacetEdges& edg
 
 std::size_t close_t_junctions(FacetSoup& soup, const CancelToken* cancel) {
   constexpr double kTolerance = 1e-5;
-  constexpr int kRounds = 4;
-  std::size_t cuts = 0;
+  constexpr int kRounds = 6;  // a facet has three edges, and what is left of it two; one of them is cut in a round
+  std::size_t cuts = 0, best = 0;
   FacetEdges edges = find_edges(soup.tri_to_vert, soup.points.size());
+  const std::size_t crowded = edges.crowded_count();
+  std::size_t open = edges.open_count();
   const double tolerance = kTolerance * box_of(soup.points).diagonal();
-  for (int round = 0; round < kRounds; ++round) {
+  FacetSoup trial{soup.points, soup.tri_to_vert, soup.tri_to_group, {}, {}};
+  for (int round = 0; round < kRounds && open > 0; ++round) {
     check_cancelled(cancel);
-    const std::size_t open = edges.open_count();
-    if (open == 0) break;
-    FacetSoup trial{soup.points, soup.tri_to_vert, soup.tri_to_group, {}, {}};
     const std::size_t count = JunctionCutter(trial, edges, tolerance).run();
     if (count == 0) break;
-    FacetEdges trial_edges = find_edges(trial.tri_to_vert, trial.points.size());
-    if (trial_edges.open_count() >= open || trial_edges.crowded_count() > edges.crowded_count()) break;
-    soup.tri_to_vert = std::move(trial.tri_to_vert), soup.tri_to_group = std::move(trial.tri_to_group);
-    edges = std::move(trial_edges), cuts += count;
+    cuts += count;
+    edges = find_edges(trial.tri_to_vert, trial.points.size());
+    // More edges are open where one side has been cut and the other not yet.
+    if (edges.open_count() >= open || edges.crowded_count() > crowded) continue;
+    soup.tri_to_vert = trial.tri_to_vert, soup.tri_to_group = trial.tri_to_group;
+    open = edges.open_count(), best = cuts;
   }
-  return cuts;
+  return best;
 }
 
 std::vector<OpenRim> find_open_rims(std::span<const Vec3> points, const FacetEdges& edges) {

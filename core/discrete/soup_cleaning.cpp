@@ -312,8 +312,10 @@ std::vector<HealingStep> clean_soup(FacetSoup& soup, double hole_width, const Ca
   const std::size_t duplicates = remove_duplicates(soup);
   drop_unused_points(soup);
   check_not_empty(soup, "all facets of the file are degenerate");
-  const std::size_t merged = close_cracks(soup, cancel);
+  std::size_t merged = close_cracks(soup, cancel);
   const std::size_t junctions = close_t_junctions(soup, cancel);
+  // Cracks at the ends of edges that had others' points on them close no edge before.
+  if (junctions > 0) merged += close_cracks(soup, cancel);
   const std::size_t needles = collapse_needles(soup, cancel);
   const std::size_t slivers = remove_slivers(soup, cancel);
   check_not_empty(soup, "all facets of the file are degenerate");
