@@ -164,6 +164,26 @@ TEST_CASE("a scan of a blob, with noise, is filled with tetrahedra") {
   CHECK(compute_quality(result.mesh).triangles.min_angle_deg > 20);
 }
 
+TEST_CASE("a solid whose own facets pass through each other is refused after four rounds, with the place") {
+  const auto sphere = facetted(*make_sphere({0, 0, 0}, 1), 0.1);
+  const Tessellation facets = sphere->face_geometry(ModelFaceId(0))->tessellate(1, 1);
+  std::vector<Vec3> points = facets.points;
+  // The top is pushed down, out of the bottom.
+  for (Vec3& p : points)
+    if (p.z > 0) p.z -= 5 * std::max(0.0, 0.5 - std::hypot(p.x, p.y));
+  const auto model = make_discrete_model(points, facets.tri_to_vert, 40 * std::numbers::pi / 180);
+  MeshOptions options;
+  options.sizes.size = 0.2;
+  options.volume_worker = TETLOOM_WORKER;
+  const MeshResult result = make_mesh(*model, options);
+  CHECK(result.status == MeshStatus::Failed);
+  REQUIRE_FALSE(result.errors.empty());
+  CHECK(result.errors[0].code == ErrorCode::SelfIntersection);
+  REQUIRE(result.errors[0].point.has_value());
+  CHECK(result.errors[0].point->z < 0);
+  CHECK(result.refinement.rounds == 4);
+}
+
 TEST_CASE("a facet model is filled with tetrahedra") {
   MeshOptions options;
   options.sizes.size = 0.2;
