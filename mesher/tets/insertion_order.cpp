@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/spatial/hilbert.hpp"
 #include "core/base/mix_bits.hpp"
+#include "core/spatial/hilbert.hpp"
 
 namespace tetloom::tets {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "core/spatial/morton.hpp"
 #include "core/sizing/size_change.hpp"
+#include "core/spatial/morton.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/size_field.hpp"
 
