@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/spatial/distances.hpp"
+#include "core/spatial/triangle_shape.hpp"
 #include "mesher/features/displacement.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
@@ -107,7 +108,7 @@ class Eliminator {
     if (height < 1) return tasks_.push({height, t});
     if (!any_touched(verts)) return;
     // Beside merged vertices shapes matter too, after all that is small.
-    tasks_.push({1 + shape_of(a, b, c), t});
+    tasks_.push({1 + triangle_mean_ratio(a, b, c), t});
   }
 
   // Edges of a triangle, as the corner opposite to them, the shortest first.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/spatial/triangle_shape.hpp"
 #include "mesher/features/cone.hpp"
 
 namespace tetloom::features {
@@ -126,11 +127,6 @@ double least_height(const Vec3& a, const Vec3& b, const Vec3& c) {
   return longest2 > 0 ? norm(cross(b - a, c - a)) / std::sqrt(longest2) : 0;
 }
 
-double shape_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double squares = norm2(b - a) + norm2(c - b) + norm2(a - c);
-  return squares > 0 ? 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / squares : 0;
-}
-
 std::array<Vec3, 3> corners(const SurfaceComplex& surface, std::uint32_t triangle) {
   const auto& [a, b, c] = surface.triangle(triangle);
   return {surface.point(a), surface.point(b), surface.point(c)};
@@ -146,7 +142,7 @@ BeforeAfter compare_heights(const SurfaceComplex& surface, const LocalChange& ch
 }
 
 BeforeAfter compare_shapes(const SurfaceComplex& surface, const LocalChange& change) {
-  return compare(surface, change, shape_of);
+  return compare(surface, change, triangle_mean_ratio);
 }
 
 bool keeps_shape(const SurfaceComplex& surface, const LocalChange& change, double tolerance) {

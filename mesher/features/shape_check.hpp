@@ -6,8 +6,6 @@ namespace tetloom::features {
 
 /// The least height of a triangle: twice its area over its longest edge.
 double least_height(const Vec3& a, const Vec3& b, const Vec3& c);
-/// Mean ratio of a triangle: 1 equilateral, 0 flat.
-double shape_of(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// The corners of a triangle of the surface, and those of an added one after the change.
 std::array<Vec3, 3> corners(const SurfaceComplex& surface, std::uint32_t triangle);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/spatial/distances.hpp"
+#include "core/spatial/triangle_shape.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/many_values.hpp"
@@ -32,12 +33,6 @@ constexpr double kShortEdge = 1.0 / 3;
 constexpr std::size_t kMostBeside = 200;  // tets beside one that are looked at
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
-// 1 for an equilateral triangle, 0 for a degenerate one.
-double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double squares = norm2(b - a) + norm2(c - b) + norm2(a - c);
-  return squares > 0 ? 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / squares : 0;
-}
 
 double smallest_angle(const std::array<Vec3, 3>& corners) {
   double largest_cosine = -1;
@@ -98,7 +93,7 @@ class CauseFinder {
       if (!mesh_.mesh().is_fixed(face)) continue;
       const TriangleVerts verts = verts_of(mesh_.mesh(), face);
       const std::array corners{mesh_.point(verts[0]), mesh_.point(verts[1]), mesh_.point(verts[2])};
-      const double quality = triangle_quality(corners[0], corners[1], corners[2]);
+      const double quality = triangle_mean_ratio(corners[0], corners[1], corners[2]);
       if (quality >= least) continue;
       least = quality;
       found_.cause = AngleCause::SurfaceTriangle;

@@ -41,13 +41,6 @@ struct ChangeableSurface {
   std::function<bool(const SurfaceChange&)> is_clear{};
 };
 
-/// Mean ratio of a triangle: 1 for an equilateral one, 0 for a flat one.
-inline double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 p = b - a, q = c - a;
-  const double squares = norm2(p) + norm2(q) + norm2(q - p);
-  return squares > 0 ? 2 * std::sqrt(3.0) * norm(cross(p, q)) / squares : 0;
-}
-
 inline Vec3 triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return normalized(cross(b - a, c - a)); }
 
 }  // namespace tetloom::tets

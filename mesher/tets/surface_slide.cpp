@@ -1,4 +1,5 @@
 #include "mesher/tets/surface_slide.hpp"
+#include "core/spatial/triangle_shape.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -149,7 +150,7 @@ Vec3 SurfaceSlider::newton_step(const Vec3& direction) const {
 
 double SurfaceSlider::poorest_triangle(const Vec3& x) const {
   double least = 1;
-  for (const FanTriangle& t : fan_) least = std::min(least, triangle_quality(x, mesh_.point(t.a), mesh_.point(t.b)));
+  for (const FanTriangle& t : fan_) least = std::min(least, triangle_mean_ratio(x, mesh_.point(t.a), mesh_.point(t.b)));
   return least;
 }
 

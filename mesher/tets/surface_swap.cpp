@@ -1,4 +1,5 @@
 #include "mesher/tets/surface_swap.hpp"
+#include "core/spatial/triangle_shape.hpp"
 
 #include <algorithm>
 
@@ -112,7 +113,7 @@ SwapVerdict SurfaceSwapper::check_shape() const {
   const auto worst = [&](const std::array<TriangleVerts, 2>& triangles) {
     double least = 1;
     for (const auto& [a, b, c] : triangles)
-      least = std::min(least, triangle_quality(mesh_.point(a), mesh_.point(b), mesh_.point(c)));
+      least = std::min(least, triangle_mean_ratio(mesh_.point(a), mesh_.point(b), mesh_.point(c)));
     return least;
   };
   if (worst(now_.diamond.after()) < std::min(kTriangleFloor, worst(now_.diamond.before())))
