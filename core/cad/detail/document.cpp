@@ -82,8 +82,10 @@ Document read_step(const std::filesystem::path& path, const CancelToken* cancel)
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) unreadable(path, "is not a valid STEP file");
   const std::vector<Diagnostic> warnings = check_loaded_model(path, reader.Reader().WS()->Model());
   if (reader.NbRootsForTransfer() == 0) without_shape(path);
+  DeferredFixing deferred;
   transfer(reader, document, path, cancel);
   Document result = flatten_assembly(document.get());
+  result.raw_bodies = deferred.take();
   result.warnings = warnings;
   add_step_names(reader, result);
   result.metres_per_unit = kMetresPerMillimetre;
