@@ -2,8 +2,11 @@
 
 #include <BRep_Builder.hxx>
 #include <BRep_CurveRepresentation.hxx>
+#include <BRep_GCurve.hxx>
 #include <BRep_TEdge.hxx>
 #include <BRep_Tool.hxx>
+#include <cmath>
+#include <Precision.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix.hxx>
 #include <ShapeFix_Face.hxx>
@@ -23,7 +26,15 @@ BRep_ListOfCurveRepresentation& curves_of(const TopoDS_Edge& edge) {
   return Handle(BRep_TEdge)::DownCast(edge.TShape())->ChangeCurves();
 }
 
-/// The parameter curves of `from` on a surface become those of `to`.
+struct Range {
+  double first = 0, last = 0;
+};
+
+bool is_close(const Range& a, const Range& b) {
+  return std::abs(a.first - b.first) <= Precision::PConfusion() && std::abs(a.last - b.last) <= Precision::PConfusion();
+}
+
+/// The parameter curves of `from` on a surface become those of `to`, with its range but for rounding.
 void move_parameter_curves(const TopoDS_Edge& from, const TopoDS_Edge& to, const Handle(Geom_Surface) & surface) {
   BRep_ListOfCurveRepresentation& target = curves_of(to);
   for (BRep_ListOfCurveRepresentation::Iterator old(target); old.More();) {
@@ -33,8 +44,14 @@ void move_parameter_curves(const TopoDS_Edge& from, const TopoDS_Edge& to, const
       old.Next();
     }
   }
-  for (const Handle(BRep_CurveRepresentation) & curve : curves_of(from))
-    if (curve->IsCurveOnSurface(surface, TopLoc_Location())) target.Append(curve);
+  Range range;
+  BRep_Tool::Range(to, range.first, range.last);
+  for (const Handle(BRep_CurveRepresentation) & curve : curves_of(from)) {
+    if (!curve->IsCurveOnSurface(surface, TopLoc_Location())) continue;
+    const Handle(BRep_GCurve) on_face = Handle(BRep_GCurve)::DownCast(curve);
+    if (is_close({on_face->First(), on_face->Last()}, range)) on_face->SetRange(range.first, range.last);
+    target.Append(curve);
+  }
 }
 
 /// Does `after` consist of what `results` gives for the wires and edges of `before`, in the same order?
@@ -50,12 +67,12 @@ bool has_same_parts(const TopoDS_Shape& before, const TopoDS_Shape& after, const
   return !old_part.More() && !new_part.More();
 }
 
+/// Ranges may differ by rounding: ShapeFix computes those of the edges anew that it gives other vertices.
 bool has_same_curve(const TopoDS_Edge& a, const TopoDS_Edge& b) {
-  double first[2], last[2];
-  const Handle(Geom_Curve) curve_a = BRep_Tool::Curve(a, first[0], last[0]);
-  const Handle(Geom_Curve) curve_b = BRep_Tool::Curve(b, first[1], last[1]);
-  return curve_a == curve_b && first[0] == first[1] && last[0] == last[1] &&
-         BRep_Tool::Degenerated(a) == BRep_Tool::Degenerated(b);
+  Range of_a, of_b;
+  const Handle(Geom_Curve) curve_a = BRep_Tool::Curve(a, of_a.first, of_a.last);
+  const Handle(Geom_Curve) curve_b = BRep_Tool::Curve(b, of_b.first, of_b.last);
+  return curve_a == curve_b && is_close(of_a, of_b) && BRep_Tool::Degenerated(a) == BRep_Tool::Degenerated(b);
 }
 
 TopoDS_Face fixed_by_shape_fix(const TopoDS_Face& face, const FixPrecision& precision,
