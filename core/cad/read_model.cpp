@@ -4,6 +4,7 @@
 #include <cctype>
 #include <numbers>
 
+#include "core/cad/detail/body_fixing.hpp"
 #include "core/cad/detail/cad_model.hpp"
 #include "core/cad/detail/document.hpp"
 #include "core/cad/detail/faults.hpp"
@@ -11,6 +12,7 @@
 #include "core/cad/detail/imprint.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/rebuild.hpp"
+#include "core/cad/detail/validity.hpp"
 
 namespace tetloom {
 namespace {
@@ -59,9 +61,10 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
   cad::Document document = cad::read_document(path, format, cancel);
   return cad::translate_failures({}, ErrorCode::InputUnsuitable, "preparing the model", [&] {
     ModelDocument result;
+    cad::fix_raw_bodies(document, cancel, loop);
     cad::complete_geometry(document, result.healing);
     bool valid = options.heal && cad::heal(document, result.healing, cancel, loop);
-    if (options.imprint) valid = cad::imprint(document, result.healing, cancel) ? false : valid;
+    if (options.imprint && cad::imprint(document, result.healing, cancel)) valid = false, document.valid_bodies.Clear();
     if (cancel) cancel->check();
     result.rebuilt = cad::rebuild_solids(document, options.rebuild, cancel);
     cad::add_step(result.healing, "solids that crossed themselves were made anew", result.rebuilt);
@@ -71,7 +74,7 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
     result.warnings = std::move(document.warnings);
     append(result.warnings, parts.warnings);
-    if (!valid) append(result.warnings, cad::describe_faults(document.root, parts.shapes, loop));
+    if (!valid) append(result.warnings, cad::describe_faults(cad::suspect_bodies(document), parts.shapes, loop));
     append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
     if (cancel) cancel->check();
     result.model = std::make_unique<cad::CadModel>(std::move(parts), document, loop);

@@ -186,6 +186,12 @@ TopoDS_Shape inside_out_box() {
   return solid;
 }
 
+TopLoc_Location along_x(double distance) {
+  gp_Trsf move;
+  move.SetTranslation(gp_Vec(distance, 0, 0));
+  return move;
+}
+
 TopoDS_Shape touching_boxes() {
   return compound(
       {BRepPrimAPI_MakeBox(10, 10, 10).Shape(), BRepPrimAPI_MakeBox(gp_Pnt(10, 2, 2), gp_Pnt(20, 12, 12)).Shape()});
@@ -226,6 +232,7 @@ TopoDS_Shape make_shape(Sample sample) {
     case Sample::TouchingBoxes: return touching_boxes();
     case Sample::SharingBoxes: return sharing_boxes();
     case Sample::InsideOutBox: return inside_out_box();
+    case Sample::PlacedInsideOutBox: return compound({inside_out_box().Moved(along_x(100))});
     case Sample::OpenBox: return open_box();
     case Sample::LooseFaces: return loose(box());
     case Sample::LooseHollow: return loose(hollow());
@@ -281,6 +288,15 @@ void write_sample(Sample sample, const std::filesystem::path& path) {
     IGESControl_Writer writer("MM", 0);
     require(writer.AddShape(shape) && writer.Write(path.c_str()), path);
   }
+}
+
+void write_step_without_parameter_curves(Sample sample, const std::filesystem::path& path) {
+  const Silence silence;
+  STEPControl_Controller::Init();
+  const int before = Interface_Static::IVal("write.surfacecurve.mode");
+  Interface_Static::SetIVal("write.surfacecurve.mode", 0);
+  write_step(make_shape(sample), path, "MM");
+  Interface_Static::SetIVal("write.surfacecurve.mode", before);
 }
 
 void write_inch_box(const std::filesystem::path& path) {

@@ -77,6 +77,25 @@ TEST_CASE("loops close and parameter curves lie on their edges, for every kind o
   }
 }
 
+TEST_CASE("a STEP file without parameter curves gives the same faces as one with them") {
+  const test::TemporaryFolder scratch;
+  for (const NamedSample& sample : kSamples) {
+    INFO(sample.name);
+    test::write_step_without_parameter_curves(sample.sample, scratch / "plain.step");
+    const ModelDocument plain = read_model(scratch / "plain.step");
+    const auto with_curves = model_of(sample.sample, "step");
+    const test::LoopReport report = test::check_loops(*plain.model);
+    CHECK(report.uses > 0);
+    CHECK(report.disconnected == 0);
+    CHECK(report.off_curve == 0);
+    for (const Diagnostic& warning : plain.warnings) CHECK(warning.code == ErrorCode::OpenShell);
+    CHECK(plain.model->topology().edge_count() == with_curves->topology().edge_count());
+    REQUIRE(plain.model->topology().face_count() == with_curves->topology().face_count());
+    for (std::size_t i = 0; i < plain.model->topology().face_count(); ++i)
+      CHECK(plain.model->area(ModelFaceId(i)) == Approx(with_curves->area(ModelFaceId(i))).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("derivatives are the limits of differences, and the normal is du x dv") {
   for_each_face([](const GeometricModel& model, ModelFaceId id, std::mt19937& random) {
     const auto face = model.face_geometry(id);

@@ -96,6 +96,11 @@ TEST_CASE("a model does not depend on who carries out the loops of its reading")
     files.push_back(scratch / ("sample" + std::to_string(files.size()) + ".brep"));
     test::write_sample(sample, files.back());
   }
+  for (const Sample sample : {Sample::Cylinder, Sample::Sphere, Sample::Torus, Sample::Cone, Sample::SplineSolid,
+                              Sample::LoftedSolid, Sample::DrilledBox, Sample::OffsetSheet}) {
+    files.push_back(scratch / ("plain" + std::to_string(files.size()) + ".step"));
+    test::write_step_without_parameter_curves(sample, files.back());
+  }
   for (const test::Fault fault : {test::Fault::TangentHoleInPlate, test::Fault::CurveShortOfVertex,
                                   test::Fault::FloorInOuterFace, test::Fault::OverlappingBoxes}) {
     files.push_back(scratch / ("fault" + std::to_string(files.size()) + ".brep"));
@@ -235,6 +240,12 @@ TEST_CASE("a solid that is inside out is turned") {
   ReadOptions options;
   options.heal = false;
   CHECK(total_volume(*read_sample(Sample::InsideOutBox, "box.brep", options).model) == Approx(-6000));
+}
+
+TEST_CASE("a part that is inside out is turned wherever it is placed") {
+  const ModelDocument document = read_sample(Sample::PlacedInsideOutBox, "box.brep");
+  CHECK(total_volume(*document.model) == Approx(6000));
+  CHECK(document.model->bounding_box().lo.x == Approx(100));
 }
 
 TEST_CASE("healing leaves valid shapes as they are") {

@@ -2,7 +2,10 @@
 // What a STEP, IGES or BREP file holds, before anything is repaired or numbered. Private to core/cad.
 #include <filesystem>
 #include <TopoDS_Compound.hxx>
+#include <TopTools_MapOfShape.hxx>
+#include <vector>
 
+#include "core/cad/detail/deferred_fixing.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
 #include "tetloom/host.hpp"
@@ -14,7 +17,9 @@ struct Document {
   AttributeMap attributes;
   double metres_per_unit = 0;
   std::vector<Diagnostic> warnings;
-  KnownIntegrals integrals;  ///< of faces as they are now
+  KnownIntegrals integrals;          ///< of faces as they are now
+  std::vector<RawBody> raw_bodies;   ///< of STEP files: what is still to be completed (see fix_raw_bodies)
+  TopTools_MapOfShape valid_bodies;  ///< without their locations: those known to be valid as they are now
 };
 
 enum class CadFormat { Step, Iges, Brep };

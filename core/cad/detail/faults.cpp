@@ -1,10 +1,10 @@
 #include "core/cad/detail/faults.hpp"
 
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepCheck_ListOfStatus.hxx>
 #include <BRepCheck_Result.hxx>
-#include <Geom_OffsetSurface.hxx>
 #include <map>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -12,7 +12,7 @@
 #include <TopTools_DataMapOfShapeInteger.hxx>
 
 #include "core/cad/detail/conversions.hpp"
-#include "core/cad/detail/surface_evaluator.hpp"
+#include "core/cad/detail/validity.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -175,13 +175,9 @@ void warn_of_open_edges(const TopoDS_Shape& shape, const ShapeTables& shapes, co
   warnings.push_back(std::move(warning));
 }
 
-/// Those keep helpers inside, which two threads must not use at once.
-bool has_offset_surface(const TopoDS_Shape& shape) {
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-    TopLoc_Location place;
-    const Handle(Geom_Surface)& surface = BRep_Tool::Surface(TopoDS::Face(face.Current()), place);
-    if (!surface.IsNull() && untrimmed(surface)->IsKind(STANDARD_TYPE(Geom_OffsetSurface))) return true;
-  }
+bool has_offset_surfaces(const TopoDS_Shape& shape) {
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next())
+    if (has_offset_surface(TopoDS::Face(face.Current()))) return true;
   return false;
 }
 
@@ -189,7 +185,7 @@ bool has_offset_surface(const TopoDS_Shape& shape) {
 
 std::unique_ptr<BRepCheck_Analyzer> analyze(const TopoDS_Shape& shape, const BlockLoop& loop) {
   std::unique_ptr<BRepCheck_Analyzer> result;
-  const bool parallel = &loop != &serial_loop() && !has_offset_surface(shape);
+  const bool parallel = &loop != &serial_loop() && !has_offset_surfaces(shape);
   // As one block of the loop: what OpenCASCADE hands to oneTBB stays on the threads of its owner.
   loop.for_blocks(
       1, 1, [&](std::size_t, std::size_t) { result = std::make_unique<BRepCheck_Analyzer>(shape, true, parallel); });
@@ -222,7 +218,12 @@ std::vector<TopoDS_Edge> find_open_edges(const TopoDS_Shape& shape) {
   return open;
 }
 
-std::vector<Diagnostic> describe_faults(const TopoDS_Shape& root, const ShapeTables& shapes, const BlockLoop& loop) {
+std::vector<Diagnostic> describe_faults(const std::vector<TopoDS_Shape>& bodies, const ShapeTables& shapes,
+                                        const BlockLoop& loop) {
+  TopoDS_Compound root;
+  BRep_Builder builder;
+  builder.MakeCompound(root);
+  for (const TopoDS_Shape& body : bodies) builder.Add(root, body);
   FaultList faults(shapes);
   const auto analyzer = analyze(root, loop);
   if (analyzer->IsValid()) return {};

@@ -17,8 +17,9 @@ std::size_t count_faults(const BRepCheck_Analyzer& analyzer, const TopoDS_Shape&
 /// Edges with only one face beside them, in the shells of a shape. Seams and degenerate edges are not open.
 std::vector<TopoDS_Edge> find_open_edges(const TopoDS_Shape& shape);
 
-/// A warning for every invalid face, edge and vertex, with a point.
-std::vector<Diagnostic> describe_faults(const TopoDS_Shape& root, const ShapeTables& shapes, const BlockLoop& loop);
+/// A warning for every invalid face, edge and vertex of these bodies, with a point.
+std::vector<Diagnostic> describe_faults(const std::vector<TopoDS_Shape>& bodies, const ShapeTables& shapes,
+                                        const BlockLoop& loop);
 
 /// A warning for every region and every shell outside regions that has open edges, with a point.
 std::vector<Diagnostic> describe_open_shells(const TopoDS_Shape& root, const ShapeTables& shapes);

@@ -21,6 +21,7 @@
 #include "core/cad/detail/faults.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/stray_curves.hpp"
+#include "core/cad/detail/validity.hpp"
 
 namespace tetloom::cad {
 
@@ -108,6 +109,12 @@ std::size_t reparametrise(const TopoDS_Shape& root) {
 /// A context that knows the replacement of every shape, in whatever place it stands.
 using Context = Handle(ShapeBuild_ReShape);
 
+Context make_context() {
+  Context context = new ShapeBuild_ReShape;
+  context->ModeConsiderLocation() = true;
+  return context;
+}
+
 std::vector<TopoDS_Shape> successors_in(const Context& context, const TopoDS_Shape& shape) {
   const TopoDS_Shape next = context->Apply(shape);
   if (next.IsNull()) return {};
@@ -138,18 +145,14 @@ bool keeps_volume(const TopoDS_Shape& before, const TopoDS_Shape& after, const B
 }
 
 /// Each body on its own: what holds a valid body together is not touched.
-std::size_t fix_invalid_bodies(Document& document, const CancelToken* cancel, const BlockLoop& loop) {
-  std::vector<TopoDS_Shape> bodies = shapes_of(document.root, TopAbs_SOLID);
-  for (const TopoDS_Shape& shell : shapes_of(document.root, TopAbs_SHELL, TopAbs_SOLID)) bodies.push_back(shell);
-  for (const TopoDS_Shape& face : shapes_of(document.root, TopAbs_FACE, TopAbs_SHELL)) bodies.push_back(face);
+std::size_t fix_bodies(const std::vector<TopoDS_Shape>& bodies, Document& document, const CancelToken* cancel,
+                       const BlockLoop& loop) {
   std::size_t count = 0;
-  for (const TopoDS_Shape& original : bodies) {
+  for (const TopoDS_Shape& body : bodies) {
     if (cancel) cancel->check();
-    const TopoDS_Shape body = original.Located(TopLoc_Location());
     const auto analyzer = analyze(body, loop);
-    if (analyzer->IsValid()) continue;
     const std::size_t faults = badness(*analyzer, body);
-    const Context context = new ShapeBuild_ReShape;
+    const Context context = make_context();
     const Handle(ShapeFix_Shape) fix = new ShapeFix_Shape(body);
     fix->SetContext(context);
     Handle(CancelIndicator) indicator = new CancelIndicator(cancel);
@@ -188,7 +191,7 @@ std::size_t remove_tiny_edges(Document& document, const BlockLoop& loop) {
   const double length = Precision::Confusion();
   const std::size_t before = count_tiny_edges(document.root, length);
   if (before == 0) return 0;
-  const Context context = new ShapeBuild_ReShape;
+  const Context context = make_context();
   const Handle(ShapeFix_Wireframe) fix = new ShapeFix_Wireframe(document.root);
   fix->SetContext(context);
   fix->SetPrecision(length);
@@ -226,7 +229,7 @@ bool is_within_vertex(const TopoDS_Edge& edge) {
 std::size_t remove_swallowed_spurs(Document& document) {
   TopTools_IndexedDataMapOfShapeListOfShape edge_to_faces;
   TopExp::MapShapesAndAncestors(document.root, TopAbs_EDGE, TopAbs_FACE, edge_to_faces);
-  const Context context = new ShapeBuild_ReShape;
+  const Context context = make_context();
   std::size_t count = 0;
   for (int i = 1; i <= edge_to_faces.Extent(); ++i) {
     const TopoDS_Edge edge = TopoDS::Edge(edge_to_faces.FindKey(i));
@@ -259,7 +262,7 @@ bool is_collapsed(const TopoDS_Face& face) {
 
 /// Faces of no solid that are a line or a point: whatever is sewn to them would be a solid without volume.
 std::size_t drop_collapsed_faces(Document& document) {
-  const Context context = new ShapeBuild_ReShape;
+  const Context context = make_context();
   std::size_t count = 0;
   for (const TopoDS_Shape& shape : shapes_of(document.root, TopAbs_FACE, TopAbs_SOLID)) {
     if (!is_collapsed(TopoDS::Face(shape))) continue;
@@ -280,7 +283,7 @@ TopoDS_Solid with_own_orientation(const TopoDS_Solid& solid) {
 }
 
 std::size_t turn_right_side_out(Document& document, const BlockLoop& loop) {
-  const Context context = new ShapeBuild_ReShape;
+  const Context context = make_context();
   std::size_t count = 0;
   for (const TopoDS_Shape& original : shapes_of(document.root, TopAbs_SOLID)) {
     const TopoDS_Shape body = original.Located(TopLoc_Location());
@@ -303,18 +306,23 @@ void complete_geometry(Document& document, std::vector<HealingStep>& steps) {
     if (BRep_Tool::Surface(TopoDS::Face(face)).IsNull())
       throw Error(ErrorCode::InputUnsuitable, "a face has no surface (facets alone cannot be meshed)");
   add_step(steps, "mirrored or scaled placements were worked into the geometry", remove_scaled_locations(document));
-  add_step(steps, "edges got the curve in space that they lacked", add_space_curves(document.root));
-  add_step(steps, "edges got a parameter curve that they lacked", add_parameter_curves(document.root));
+  const std::size_t in_space = add_space_curves(document.root), on_faces = add_parameter_curves(document.root);
+  if (in_space + on_faces > 0) document.valid_bodies.Clear();
+  add_step(steps, "edges got the curve in space that they lacked", in_space);
+  add_step(steps, "edges got a parameter curve that they lacked", on_faces);
 }
 
 bool heal(Document& document, std::vector<HealingStep>& steps, const CancelToken* cancel, const BlockLoop& loop) {
-  add_step(steps, "edges were brought to one parameter with their parameter curves", reparametrise(document.root));
-  add_step(steps, "curves were fitted to the vertices that they missed", repair_stray_curves(document.root));
+  const std::size_t changed = reparametrise(document.root), fitted = repair_stray_curves(document.root);
+  if (changed + fitted > 0) document.valid_bodies.Clear();
+  add_step(steps, "edges were brought to one parameter with their parameter curves", changed);
+  add_step(steps, "curves were fitted to the vertices that they missed", fitted);
   add_step(steps, "faces without area were left out", drop_collapsed_faces(document));
   sew_loose_faces(document, steps, cancel);
   add_step(steps, "edges within the tolerance of one vertex were removed", remove_swallowed_spurs(document));
-  const bool valid = analyze(document.root, loop)->IsValid();
-  if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_invalid_bodies(document, cancel, loop));
+  const std::vector<TopoDS_Shape> invalid = find_invalid_bodies(document, cancel, loop);
+  const bool valid = invalid.empty();
+  if (!valid) add_step(steps, "invalid solids or sheets were repaired", fix_bodies(invalid, document, cancel, loop));
   const std::size_t removed = remove_tiny_edges(document, loop), turned = turn_right_side_out(document, loop);
   add_step(steps, "edges without length were removed", removed);
   add_step(steps, "solids were turned right side out", turned);

@@ -131,6 +131,7 @@ class Rebuilder {
 std::size_t rebuild_solids(Document& document, const std::vector<ModelRegionId>& solids, const CancelToken* cancel) {
   const std::vector<TopoDS_Shape> all = list_shapes(document.root, TopAbs_SOLID);
   const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
+  context->ModeConsiderLocation() = true;  // wherever the body is placed
   Rebuilder rebuilder(cancel);
   std::size_t count = 0;
   for (const ModelRegionId id : solids) {
