@@ -17,7 +17,6 @@
 #include "core/cad/detail/exchange_check.hpp"
 #include "core/cad/detail/file_check.hpp"
 #include "core/cad/detail/occt_guard.hpp"
-#include "core/cad/detail/step_library.hpp"
 #include "core/cad/detail/step_names.hpp"
 
 namespace tetloom::cad {
@@ -80,7 +79,6 @@ Document read_step(const std::filesystem::path& path, const CancelToken* cancel)
   CafDocument document;
   STEPCAFControl_Reader reader;
   reader.SetPropsMode(false);
-  reader.Reader().WS()->SetLibrary(new StepLibrary);
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) unreadable(path, "is not a valid STEP file");
   const std::vector<Diagnostic> warnings = check_loaded_model(path, reader.Reader().WS()->Model());
   if (reader.NbRootsForTransfer() == 0) without_shape(path);
