@@ -28,14 +28,15 @@ class Flipper {
  public:
   Flipper(WorkingMesh& mesh, std::uint32_t first, double floor) : mesh_(mesh), first_(first), floor_(floor) {}
 
-  // Exchanges `tet` and one or two others, at the first face where that is possible.
+  // Exchanges `tet` and one or two others, at the first face where that is possible. Each face is asked about by the
+  // tet of lower id alone.
   bool flip_at(std::uint32_t tet) {
     const TetMesh& m = mesh_.mesh();
     const auto v = mesh_.verts(tet);
     const Circumsphere sphere(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
     for (std::uint32_t face = 0; face < 4; ++face) {
       const FaceCode code = tet * 4 + face, behind = m.to_neighbor[code];
-      if (behind == kNone || behind / 4 < first_) continue;
+      if (behind == kNone || behind < code || behind / 4 < first_) continue;
       if (!sphere.holds(mesh_.point(m.to_vert[behind]), kInside) || m.is_fixed(code)) continue;
       if (flip(pair_at(tet, face))) return true;
     }

@@ -1,8 +1,8 @@
 #pragma once
 // Makes the tetrahedra of a mesh better, above all the worst, the surface given.
 //
-// Where sizes vary, vertices are first spread as the size field asks (`relaxation.hpp`). Then a schedule of passes, each
-// over the tets whose quality q, the mean ratio 12 (3V)^(2/3) / (sum of squared edges), is below a threshold:
+// Where sizes vary, vertices are first spread as the size field asks (`relaxation.hpp`). Then a schedule of passes,
+// each over the tets whose quality q, the mean ratio 12 (3V)^(2/3) / (sum of squared edges), is below a threshold:
 //   edge removal      an edge's tets are replaced by the best triangulation of its ring (Klincsek 1980; Freitag &
 //                     Ollivier-Gooch 1997), where that raises their minimum;
 //   vertex motion     one damped Newton step per vertex on the sum of 1/q^3 over its tets;

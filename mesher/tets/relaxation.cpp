@@ -11,7 +11,7 @@ namespace tetloom::tets {
 namespace {
 
 constexpr int kRounds = 8;
-constexpr double kMomentum = 0.6;
+constexpr double kMomentum = 0.7;
 constexpr std::uint32_t kBlock = 1 << 16;
 
 enum class State : std::uint8_t { Stays, Moves, GoesBack };
