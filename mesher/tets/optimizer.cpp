@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include "mesher/tets/edge_removal.hpp"
+#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/quality_summary.hpp"
+#include "mesher/tets/relaxation.hpp"
+#include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/vertex_removal.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
@@ -23,6 +26,8 @@ void check_options(const TetMesh& mesh, const OptimizeOptions& options) {
   check_goals(options.goals);
 }
 
+constexpr double kSpreadFloor = 0.05 * 0.05 * 0.05;  // flat tets that come of it are removed by what follows
+
 class Optimizer {
  public:
   Optimizer(TetMesh& mesh, const OptimizeOptions& options, const TaskRunner& runner)
@@ -33,8 +38,9 @@ class Optimizer {
   OptimizeReport run() {
     const QualitySummary before = summarize(mesh_, options_.goals.mean_ratio);
     report_.least_before = before.least, report_.mean_before = before.mean;
-    if (options_.strong_gradation) {
-      swap(.60), smooth(.80), swap(.80), smooth(.80), swap(.80), smooth(.92), swap(.80);
+    if (options_.sizes) {
+      spread();
+      swap(.60), smooth(.92), swap(.80);
       repair();
       smooth(.92);
     } else {
@@ -52,6 +58,14 @@ class Optimizer {
  private:
   void swap(double threshold) { report_.edges_removed += remove_edges(mesh_, cube(threshold), runner_); }
   void smooth(double threshold) { report_.vertices_moved += move_vertices(mesh_, cube(threshold), runner_); }
+
+  // Where sizes vary, next to no tet is of an undisturbed lattice: numbers of tets at vertices are what has to be
+  // mended.
+  void spread() {
+    if (mesh_.qualities().empty()) return;
+    const double floor = std::max(kSpreadFloor, double{least_of(mesh_.qualities())});
+    report_.vertices_moved += relax(mesh_, options_.lattice_tets, *options_.sizes, floor, runner_);
+  }
 
   // What is still so poor that an angle may be too small gets another choice of points.
   void repair() {

@@ -196,6 +196,37 @@ void WorkingMesh::replace_ring(const EdgeRing& ring, std::span<const RingTriangl
   }
 }
 
+void WorkingMesh::replace_face(std::uint32_t tet, std::uint32_t face, const std::array<double, 3>& qualities) {
+  struct Side {
+    FaceCode behind;
+    bool is_fixed;
+  };
+  const FaceCode opposite = mesh_.to_neighbor[std::size_t{tet} * 4 + face];
+  const std::uint32_t other = opposite / 4, region = mesh_.to_region[tet];
+  const std::uint32_t apex = verts(tet)[face], beyond = mesh_.to_vert[opposite];
+  std::array<std::uint32_t, 3> edge;
+  std::array<std::array<Side, 3>, 2> sides;  // behind the faces opposite to the common vertices, of either tet
+  for (std::size_t i = 0; i < 3; ++i) {
+    edge[i] = verts(tet)[kFaceVerts[face][i]];
+    const std::array<FaceCode, 2> codes{tet * 4 + kFaceVerts[face][i], other * 4 + corner_of(other, edge[i])};
+    for (std::size_t k = 0; k < 2; ++k) sides[k][i] = {mesh_.to_neighbor[codes[k]], mesh_.is_fixed(codes[k])};
+  }
+  const std::array<std::uint32_t, 3> ids{tet, other, take_tet()};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t next = (i + 1) % 3, last = (i + 2) % 3;
+    write_tet(ids[i], {{edge[next], edge[last], apex, beyond}, qualities[i]}, region);
+    FaceCode* const behind = &mesh_.to_neighbor[std::size_t{ids[i]} * 4];
+    behind[0] = ids[next] * 4 + 1, behind[1] = ids[last] * 4;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      const Side& side = sides[k][i];
+      const FaceCode own = ids[i] * 4 + 3 - k;
+      mesh_.to_neighbor[own] = side.behind;
+      if (side.behind != kNone) mesh_.to_neighbor[side.behind] = own;
+      if (side.is_fixed) fix(mesh_, own);
+    }
+  }
+}
+
 void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
   FaceList list;
   collect_outer_faces(mesh_, old, list);

@@ -87,6 +87,11 @@ class WorkingMesh {
   /// The same for the tets around an edge inside of one region and those over a triangulation of its ring.
   void replace_ring(const EdgeRing& ring, std::span<const RingTriangle> triangles);
 
+  /// The same for two tets with a common face, (t, face) and the one behind it: three take their place, around the line
+  /// between the vertices opposite to the face. `qualities`: of that over the edge opposite to the first of kFaceVerts,
+  /// and so on. Pre: the face is not fixed, the line passes through it.
+  void replace_face(std::uint32_t tet, std::uint32_t face, const std::array<double, 3>& qualities);
+
   /// The same on both sides of a surface at once, where two of its triangles are exchanged: they alone, of the fixed
   /// faces, may lie inside the cavity. Each side is of one region; a side may be filled by nothing, the surface then
   /// passes to the tets behind it.

@@ -12,7 +12,7 @@ namespace {
 
 using tets::TetMesh;
 
-// Growth of the size per unit of distance from which on the optimiser works twice as hard.
+// Growth of the size per unit of distance from which on the optimiser spreads vertices first.
 constexpr double kStrongGradation = 0.1;
 constexpr std::size_t kBlock = 1 << 16;  // tets of one task
 
@@ -37,7 +37,7 @@ tets::OptimizeOptions optimize_options(const FillingInput& input) {
   tets::OptimizeOptions options;
   options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
   options.goals = input.goals;
-  options.strong_gradation = input.sizes.gradation() > kStrongGradation;
+  if (input.sizes.gradation() > kStrongGradation) options.sizes = &input.sizes;
   return options;
 }
 

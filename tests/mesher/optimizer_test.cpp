@@ -453,7 +453,8 @@ TEST_CASE("optimising random meshes keeps what must stay and lowers no minimum")
     TetMesh mesh = grid.mesh;
     tets::OptimizeOptions options;
     options.fixed_points = grid.fixed_points;
-    options.strong_gradation = seed % 3 == 0;
+    const SizeField sizes = SizeField::uniform(1);
+    if (seed % 3 == 0) options.sizes = &sizes;
     const tets::OptimizeReport report = tets::optimize(mesh, options, TaskRunner(1));
     CHECK(tets::find_fault(mesh) == "");
     CHECK(least_quality(mesh) >= least_quality(grid.mesh) * (1 - 1e-6));
@@ -597,6 +598,10 @@ TEST_CASE("dead tets of the input are dropped") {
 TEST_CASE("an empty mesh is optimal") {
   TetMesh mesh;
   CHECK_NOTHROW(tets::optimize(mesh, {}, TaskRunner(1)));
+  const SizeField sizes = SizeField::uniform(1);
+  tets::OptimizeOptions options;
+  options.sizes = &sizes;
+  CHECK_NOTHROW(tets::optimize(mesh, options, TaskRunner(1)));
 }
 
 TEST_CASE("optimising refuses options out of range") {
