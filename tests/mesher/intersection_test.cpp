@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/distances.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
