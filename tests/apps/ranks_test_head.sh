@@ -32,19 +32,20 @@ on_ranks() {
 
 # signal_one_rank SIGNAL RANK STAGE ARGUMENTS...: begins a long run of tetloom on two ranks, waits until it says that it
 # is at a stage, and sends a signal to one of them. Sets status and left, the files named after "signal" that are left
-# behind; what was said is in the file errors.
+# behind; what was said is in the file errors. Ranks speak into files of their own: on a busy machine mpiexec hands on
+# what they say long after.
 signal_one_rank() {
     signal=$1 rank=$2 stage=$3
     shift 3
-    rm -f pid.* errors
-    touch errors
+    rm -f pid.* said.* errors
+    touch said.0
     limit="timeout 100"
     # shellcheck disable=SC2016
-    run_on_ranks 2 sh -c 'echo $$ > "pid.${OMPI_COMM_WORLD_RANK:-$PMI_RANK}"; exec "$@"' sh \
-        "$tetloom" "$@" 2> errors &
+    run_on_ranks 2 sh -c 'rank=${OMPI_COMM_WORLD_RANK:-$PMI_RANK}; echo $$ > "pid.$rank"; exec "$@" 2> "said.$rank"' \
+        sh "$tetloom" "$@" 2> said.mpiexec &
     launcher=$! limit=
     tries=0
-    until grep -q "^$stage" errors; do
+    until grep -q "^$stage" said.0; do
         tries=$((tries + 1))
         [ "$tries" -lt 600 ] || fail "the ranks do not start"
         sleep 0.1
@@ -53,6 +54,7 @@ signal_one_rank() {
     kill "-$signal" "$(cat "pid.$rank")" || fail "the run was over before signal $signal"
     status=0
     wait "$launcher" || status=$?
+    cat said.* > errors
     left=$(find . -name '*signal*')
 }
 
