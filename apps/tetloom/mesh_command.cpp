@@ -53,7 +53,12 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   run_on_all(communicator, [&] { repaired = read_sized_model(command, read, run); });
   if (repaired.document.rebuilt == 0) return result;
   sized = std::move(repaired);
-  return make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
+  const StageSeconds before = result.seconds;
+  result = make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
+  result.seconds.size_field += before.size_field;
+  result.seconds.surface += before.surface;
+  result.seconds.volume += before.volume;
+  return result;
 }
 
 // The first rank has the whole mesh, and the threads of those that wait for it.
