@@ -6,12 +6,11 @@
 
 #include "core/predicates/predicates.hpp"
 #include "core/spatial/distances.hpp"
+#include "tetloom/host.hpp"
 
 namespace tetloom::parts {
 
 namespace {
-
-constexpr std::uint32_t kLeafPoints = 12;
 
 // What lies nearest comes first; a node before the points in it.
 struct Waiting {
@@ -28,25 +27,9 @@ struct Waiting {
 
 OwnPoints::OwnPoints(std::vector<ShellPoint> points) : points_(std::move(points)) {
   std::sort(points_.begin(), points_.end(), [](const ShellPoint& a, const ShellPoint& b) { return a.key < b.key; });
-  if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
-}
-
-std::uint32_t OwnPoints::build(std::uint32_t begin, std::uint32_t end) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  Node node{{}, begin, end};
-  for (std::uint32_t i = begin; i < end; ++i) node.box.add(points_[i].point);
-  nodes_.push_back(node);
-  if (end - begin <= kLeafPoints) return index;
-  const Vec3 extent = node.box.hi - node.box.lo;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(points_.begin() + begin, points_.begin() + middle, points_.begin() + end,
-                   [axis](const ShellPoint& a, const ShellPoint& b) {
-                     return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.key < b.key;
-                   });
-  const std::uint32_t low = build(begin, middle), high = build(middle, end);
-  nodes_[index].low = low, nodes_[index].high = high;
-  return index;
+  std::vector<Box3> boxes(points_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) boxes[i].add(points_[i].point);
+  bvh_ = build_bvh(boxes, serial_loop());
 }
 
 void OwnPoints::mark_in(const Doubt& doubt, std::size_t most, std::vector<char>& is_in) const {
@@ -64,14 +47,14 @@ void OwnPoints::mark_in(const Doubt& doubt, std::size_t most, std::vector<char>&
       inside += side > 0;
       continue;
     }
-    const Node& node = nodes_[next.index];
+    const BvhNode& node = bvh_.nodes[next.index];
     if (squared_distance_to_box(doubt.center, node.box) > radius2) continue;
-    if (node.low != 0) {
-      for (const std::uint32_t child : {node.low, node.high})
-        waiting.push({squared_distance_to_box(middle, nodes_[child].box), child, false});
+    if (node.right != 0) {
+      for (const std::uint32_t child : {next.index + 1, node.right})
+        waiting.push({squared_distance_to_box(middle, bvh_.nodes[child].box), child, false});
       continue;
     }
-    for (std::uint32_t i = node.begin; i < node.end; ++i)
+    for (const std::uint32_t i : std::span(bvh_.order).subspan(node.begin, node.end - node.begin))
       if (norm2(points_[i].point - doubt.center) <= radius2) waiting.push({norm2(points_[i].point - middle), i, true});
   }
 }
@@ -83,7 +66,6 @@ std::vector<ShellPoint> OwnPoints::find_in(std::span<const Doubt> doubts, std::s
   for (const Doubt& doubt : doubts) mark_in(doubt, most_per_doubt, is_in);
   for (std::size_t i = 0; i < points_.size(); ++i)
     if (is_in[i]) found.push_back(points_[i]);
-  std::sort(found.begin(), found.end(), [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; });
   return found;
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 // The points of a part's shell that are its own, to answer other parts from.
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/spatial/bvh.hpp"
 #include "mesher/parts/shell_steps.hpp"
 
 namespace tetloom::parts {
 
-/// A k-d tree; made in n log n. Searches may come from any number of threads.
+/// Made in n log n. Searches may come from any number of threads.
 class OwnPoints {
  public:
   explicit OwnPoints(std::vector<ShellPoint> points);
@@ -19,17 +19,10 @@ class OwnPoints {
   std::vector<ShellPoint> find_in(std::span<const Doubt> doubts, std::size_t most_per_doubt) const;
 
  private:
-  struct Node {
-    Box3 box;
-    std::uint32_t begin = 0, end = 0;  // of points_
-    std::uint32_t low = 0, high = 0;   // children; 0: a leaf
-  };
-
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   void mark_in(const Doubt& doubt, std::size_t most, std::vector<char>& is_in) const;
 
-  std::vector<ShellPoint> points_;
-  std::vector<Node> nodes_;
+  std::vector<ShellPoint> points_;  ///< by key
+  Bvh bvh_;
 };
 
 OwnPoints find_own_points(const SharedInput& input, const PartState& state, PartId part);
