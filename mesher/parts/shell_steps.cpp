@@ -10,6 +10,7 @@
 #include "core/predicates/predicates.hpp"
 #include "mesher/parts/shell_sides.hpp"
 #include "mesher/parts/shell_tets.hpp"
+#include "mesher/tets/circumsphere.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/find_triangles.hpp"
 #include "tetloom/tasks.hpp"
@@ -30,10 +31,8 @@ constexpr double kLevelStep = 1.3;
 Doubt ball_of(const TetMesh& mesh, std::uint32_t tet) {
   Doubt doubt;
   for (int i = 0; i < 4; ++i) doubt.corners[static_cast<std::size_t>(i)] = mesh.point_of(tet, i);
-  const Vec3& a = doubt.corners[0];
-  const Vec3 p = doubt.corners[1] - a, q = doubt.corners[2] - a, r = doubt.corners[3] - a;
-  const Vec3 qr = cross(q, r), rp = cross(r, p), pq = cross(p, q);
-  const Vec3 center = (norm2(p) * qr + norm2(q) * rp + norm2(r) * pq) / (2 * dot(p, qr));
+  const auto& [a, b, c, d] = doubt.corners;
+  const Vec3 center = tets::Circumsphere(a, b, c, d).center_from_corner();
   doubt.center = a + center;
   doubt.radius = norm(center) * (1 + kRoundOff);
   if (!std::isfinite(doubt.radius)) doubt.center = a, doubt.radius = HUGE_VAL;

@@ -16,6 +16,9 @@ struct Circumsphere {
     twice_moment = norm2(p) * qr + norm2(q) * cross(r, p) + norm2(r) * cross(p, q);
   }
 
+  /// The centre, measured from the corner; not finite for some flat tets.
+  Vec3 center_from_corner() const { return twice_moment / (2 * volume); }
+
   /// Whether `x` lies inside, by more than `margin` of its squared distance from the corner.
   bool holds(const Vec3& x, double margin) const {
     const Vec3 from = x - corner;

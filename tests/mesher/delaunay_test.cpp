@@ -10,6 +10,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/locate.hpp"
 #include "tests/mesher/delaunay_oracle.hpp"
+#include "tests/mesher/tet_fixtures.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -183,16 +184,6 @@ TEST_CASE("more points make the tets that all of them together make, wherever th
     std::vector<std::uint64_t> keys;
     for (std::size_t i = 0; i < all.size(); ++i) keys.push_back(i * 7 % all.size());
     const DelaunayFrame frame{{{-0.1, 0, 0}, {1.2, 1, 1.1}}, keys};
-    const auto tets_of = [&](const TetMesh& mesh) {
-      std::set<Tet> tets;
-      for (std::uint32_t t = 0; t < mesh.size(); ++t) {
-        Tet tet;
-        for (std::size_t i = 0; i < 4; ++i) tet[i] = mesh.to_vert[std::size_t{t} * 4 + i];
-        std::sort(tet.begin(), tet.end());
-        tets.insert(tet);
-      }
-      return tets;
-    };
     TetMesh whole, grown;
     whole.points = GrowingArray<Vec3>(std::span(all));
     make_delaunay(whole, all_ids(all.size()), TaskRunner(1), frame);
@@ -208,7 +199,7 @@ TEST_CASE("more points make the tets that all of them together make, wherever th
       made = extend_delaunay(grown, before, std::span(ids).subspan(before), TaskRunner(1), frame);
       REQUIRE(find_fault(grown) == "");
     }
-    CHECK(tets_of(grown) == tets_of(whole));
+    CHECK((tet_tests::tets_of(grown) == tet_tests::tets_of(whole)));
   }
 }
 

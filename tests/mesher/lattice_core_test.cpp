@@ -10,6 +10,7 @@
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/shell.hpp"
+#include "tests/mesher/tet_fixtures.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -54,16 +55,7 @@ Surface ball() {
 }
 
 using Tet = std::array<std::uint32_t, 4>;
-std::set<Tet> tets_of(const TetMesh& mesh) {
-  std::set<Tet> tets;
-  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
-    Tet tet;
-    for (std::size_t i = 0; i < 4; ++i) tet[i] = mesh.to_vert[std::size_t{t} * 4 + i];
-    std::sort(tet.begin(), tet.end());
-    tets.insert(tet);
-  }
-  return tets;
-}
+using tet_tests::tets_of;
 
 double volume_of(const TetMesh& mesh) {
   double volume = 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "core/predicates/predicates.hpp"
@@ -15,6 +16,18 @@ namespace tetloom::tet_tests {
 
 using tets::kNone;
 using tets::TetMesh;
+
+/// The tets by their vertices, whatever the order of corners and tets.
+inline std::set<std::array<std::uint32_t, 4>> tets_of(const TetMesh& mesh) {
+  std::set<std::array<std::uint32_t, 4>> tets;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+    std::array<std::uint32_t, 4> tet;
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = mesh.to_vert[std::size_t{t} * 4 + i];
+    std::sort(tet.begin(), tet.end());
+    tets.insert(tet);
+  }
+  return tets;
+}
 
 /// Orients the tets, links them and fixes every face with nothing or another region behind it.
 inline TetMesh make_tets(const std::vector<Vec3>& points, std::vector<std::array<std::uint32_t, 4>> tet_to_vert,
