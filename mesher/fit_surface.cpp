@@ -60,18 +60,22 @@ bool SurfaceFitter::run() {
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
     std::vector<Misfit> misfits;
-    if (options_.refine_surface && round < kMostFittingRounds) misfits = find_misfits(candidate);
+    bool takes_back = false;
+    if (options_.refine_surface && round < kMostFittingRounds) {
+      misfits = find_misfits(candidate);
+      takes_back = drop_contacts(candidate, misfits);
+    }
     if (round > 0 && !crosses && are_negligible(misfits, candidate.surface.mesh, candidate.sizes)) misfits.clear();
     result_.seconds.surface += watch.lap();
     // Narrow places that were refined until triangles crossed, as those where faces touch.
     if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);
-    const bool done = !crosses && misfits.empty();
+    const bool done = !crosses && misfits.empty() && !takes_back;
     if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
     if (done || !options_.refine_surface || is_last) return judge_crossings(std::move(candidate));
     bool refined = true;
     try {
       work_.together([&] {
-        std::optional<SizedModel> finer = refine(candidate, misfits);
+        std::optional<SizedModel> finer = refine(candidate, misfits, takes_back);
         refined = finer.has_value();
         if (refined) sized = std::move(*finer);
       });
@@ -79,7 +83,6 @@ bool SurfaceFitter::run() {
       if (!crosses) good = std::move(candidate);
       if (error.code() != ErrorCode::OutOfMemory || !good) throw;
       for (const Misfit& misfit : misfits) log_.note(misfit, good->surface.mesh);
-      result_.refinement.narrow_places += misfits.size();
       result_.refinement.rounds = round + 1;
       return accept(std::move(*good), false);
     }
@@ -170,16 +173,49 @@ void SurfaceFitter::find_crossings(Candidate& candidate) {
 }
 
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
-  // By default no smaller than what fits a feature that is just not eliminated, but where angles are very small.
-  const auto floor = [&](const Vec3& x) -> SizeFloor {
-    if (options_.sizes.min_size > 0) return {options_.sizes.min_size, options_.sizes.min_size};
-    constexpr double kLeastShare = 0.1, kSevereShare = 0.02;
-    const double first = first_sizes_.size_at(x), least = kLeastShare * first;
-    const double usual = features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
-    return {usual, kSevereShare * usual};
-  };
-  return tetloom::find_misfits(candidate.surface.mesh, model_.topology(), candidate.sizes, floor, *candidate.tree,
-                               work_, candidate.tri_is_new);
+  return tetloom::find_misfits(
+      candidate.surface.mesh, model_.topology(), candidate.sizes, [&](const Vec3& x) { return floor_at(x); },
+      *candidate.tree, work_, candidate.tri_is_new);
+}
+
+// By default no smaller than what fits a feature that is just not eliminated, but where angles are very small.
+SizeFloor SurfaceFitter::floor_at(const Vec3& x) const {
+  if (options_.sizes.min_size > 0) return {options_.sizes.min_size, options_.sizes.min_size};
+  constexpr double kLeastShare = 0.1, kSevereShare = 0.02;
+  const double first = first_sizes_.size_at(x), least = kLeastShare * first;
+  const double usual = features_ ? std::max(least, features_->tolerance_at(x, first, {}) / kLeastWidth) : least;
+  return {usual, is_in_contact(x) ? usual : kSevereShare * usual};
+}
+
+bool SurfaceFitter::is_in_contact(const Vec3& x) const {
+  return std::ranges::any_of(contacts_, [&](const Contact& c) { return distance(x, c.center) < c.radius; });
+}
+
+// Where walls touch, what is narrow is as narrow again at every size: there would only be more poor tets. Such are places
+// that no size fits, and those that ask for far more once they have less than the usual floor. Takes these misfits out
+// and what was refined for the like before. Returns whether anything was.
+bool SurfaceFitter::drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits) {
+  constexpr double kFarLess = 0.3, kReach = 2, kApart = 0.5;  // the last two: in first sizes, and in radii
+  const Mesh& mesh = candidate.surface.mesh;
+  const auto place_of = [](const std::array<Vec3, 3>& x) { return (1.0 / 3) * (x[0] + x[1] + x[2]); };
+  const std::size_t before = contacts_.size();
+  for (const Misfit& misfit : misfits) {
+    const Vec3 x = place_of(refinement_for(misfit, mesh).corners);
+    const double present = candidate.sizes.size_at(x);
+    if (misfit.size > 0 && !(present < floor_at(x).usual && misfit.size < kFarLess * present)) continue;
+    const bool is_known = std::ranges::any_of(
+        contacts_, [&](const Contact& c) { return distance(x, c.center) < kApart * c.radius; });
+    if (!is_known) contacts_.push_back({x, kReach * first_sizes_.size_at(x)});
+  }
+  if (contacts_.empty()) return false;
+  std::erase_if(misfits, [&](const Misfit& misfit) {
+    const Vec3 x = place_of(refinement_for(misfit, mesh).corners);
+    return misfit.size == 0 || (misfit.size < floor_at(x).usual && is_in_contact(x));
+  });
+  return contacts_.size() > before && log_.take_back([&](const SizeRefinement& refinement) {
+    const Vec3 x = place_of(refinement.corners);
+    return refinement.size < floor_at(x).usual && is_in_contact(x);
+  });
 }
 
 std::vector<TriangleIntersection> SurfaceFitter::those_of_solids(std::vector<TriangleIntersection> hits,
@@ -198,7 +234,8 @@ bool SurfaceFitter::bounds_region(std::uint32_t face) const {
 // Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow places
 // cost is estimated, and known when the sizes are there: they are chosen again where it was too much. None where
 // nothing is refined.
-std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, const std::vector<Misfit>& misfits) {
+std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, const std::vector<Misfit>& misfits,
+                                                bool takes_back) {
   const Mesh& mesh = candidate.surface.mesh;
   for (const TriangleIntersection& hit : candidate.solid_hits) refine_at(hit, mesh);
   result_.refinement.crossings += candidate.solid_hits.size();
@@ -209,8 +246,8 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
   for (int tries = 1;; ++tries) {
     const bool give_up = tries == kMostTries;
     const AffordableMisfits chosen = choose_affordable(misfits, mesh, candidate.sizes, give_up ? 0 : budget);
-    if (chosen.refined.empty() && candidate.solid_hits.empty()) return {};
-    std::vector<SizeRefinement> more = refinements_;
+    if (chosen.refined.empty() && candidate.solid_hits.empty() && !takes_back) return {};
+    std::vector<SizeRefinement> more = log_.refinements();
     for (const Misfit& misfit : chosen.refined) more.push_back(refinement_for(misfit, mesh));
     SizedModel sized = build_sizes(more);
     const double added = count_elements(sized.estimate) - candidate.elements;
@@ -219,9 +256,7 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
       continue;
     }
     for (const Misfit& misfit : chosen.refined) log_.note(misfit, mesh);
-    result_.refinement.narrow_places += chosen.refined.size();
     result_.refinement.left = chosen.left;
-    refinements_ = std::move(more);
     return sized;
   }
 }
@@ -229,8 +264,7 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
 void SurfaceFitter::refine_at(const TriangleIntersection& hit, const Mesh& mesh) {
   const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
   if (!(length > 0)) return;  // a triangle of one point: no size makes it better
-  refinements_.push_back({{hit.point, hit.point, hit.point}, 0.5 * length});
-  log_.note(refinements_.back(), {hit.first, hit.second}, mesh);
+  log_.note({{hit.point, hit.point, hit.point}, 0.5 * length}, {hit.first, hit.second}, mesh);
 }
 
 bool SurfaceFitter::reject(Candidate&& candidate) {
@@ -242,7 +276,8 @@ bool SurfaceFitter::reject(Candidate&& candidate) {
 
 bool SurfaceFitter::accept(Candidate&& candidate, bool is_fine_enough) {
   append({}, candidate.surface.warnings);
-  if (result_.refinement.rounds > 0)
+  result_.refinement.narrow_places = log_.misfit_count();
+  if (log_.smallest_size() > 0)
     result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
   take(std::move(candidate));
   return true;
@@ -274,6 +309,7 @@ void SurfaceFitter::take(Candidate&& candidate) {
   result_.mesh = std::move(candidate.surface.mesh);
   result_.sizes = candidate.sizes;
   result_.absorbed = std::move(candidate.absorbed);
+  result_.refinement.narrow_places = log_.misfit_count();
   result_.refinement.smallest_size = log_.smallest_size();
 }
 

@@ -36,6 +36,12 @@ class SurfaceFitter {
   bool run();
 
  private:
+  /// A ball in which walls of a region touch without a common vertex, as a hole and a side that it is tangent to.
+  struct Contact {
+    Vec3 center;
+    double radius = 0;
+  };
+
   struct Candidate {
     SizeField sizes = SizeField::uniform(1);
     double elements = 0;  ///< estimated: tets, or triangles where nothing is filled
@@ -55,10 +61,13 @@ class SurfaceFitter {
   void settle_features(Candidate& candidate);
   void find_crossings(Candidate& candidate);
   std::vector<Misfit> find_misfits(const Candidate& candidate) const;
+  SizeFloor floor_at(const Vec3& x) const;
+  bool drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits);
+  bool is_in_contact(const Vec3& x) const;
   std::vector<TriangleIntersection> those_of_solids(std::vector<TriangleIntersection> hits, const Mesh& mesh) const;
   bool bounds_region(std::uint32_t face) const;
 
-  std::optional<SizedModel> refine(const Candidate& candidate, const std::vector<Misfit>& misfits);
+  std::optional<SizedModel> refine(const Candidate& candidate, const std::vector<Misfit>& misfits, bool takes_back);
   void refine_at(const TriangleIntersection& hit, const Mesh& mesh);
 
   bool reject(Candidate&& candidate);
@@ -77,8 +86,8 @@ class SurfaceFitter {
   SizeFieldBuilder sizing_;
   SurfaceMesher mesher_;
   std::optional<SmallFeatures> features_;
-  std::vector<SizeRefinement> refinements_;
   RefinementLog log_;
+  std::vector<Contact> contacts_;
   KnownTriangles embedded_;                        // triangles that were there in the last round and did not cross
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   double first_elements_ = 0;                      // the elements estimated for those

@@ -35,18 +35,19 @@ std::vector<double> region_volumes(const Mesh& mesh, std::size_t regions) {
 }  // namespace
 
 void SmallFeatures::spare_points(const Mesh& surface, std::vector<double>& tolerances) const {
+  std::vector<double> limits(tolerances.size(), HUGE_VAL), shares(tolerances.size(), 1);
   for (std::size_t t = 0; t < surface.tri_to_vert.size(); ++t) {
     const std::uint32_t face = surface.tri_to_entity[t];
     double share = 1;
     for (const ModelRegionId region : {surface.face_to_sides[face].front, surface.face_to_sides[face].back})
       if (region.valid() && !region_limits_.empty()) share = std::min(share, region_limits_[region.value].share);
-    const double limit = share * face_limits_[face];
-    for (const std::uint32_t v : surface.tri_to_vert[t]) tolerances[v] = std::min(tolerances[v], limit);
+    for (const std::uint32_t v : surface.tri_to_vert[t]) limits[v] = std::min(limits[v], face_limits_[face]), shares[v] = std::min(shares[v], share);
   }
+  for (std::size_t v = 0; v < tolerances.size(); ++v) tolerances[v] = shares[v] * std::min(tolerances[v], limits[v]);
 }
 
 bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& eliminated) {
-  constexpr double kMostError = 0.005, kMostWorse = 0.001;  // of the model's volume
+  constexpr double kMostError = 0.0075, kMostWorse = 0.001;  // of the model's volume
   // The next tolerance is the one that would do if the volume changed by as much as the tolerance does.
   constexpr double kSafety = 0.7, kLeastCut = 0.05, kMostCut = 0.5;
   constexpr int kMostCuts = 3;

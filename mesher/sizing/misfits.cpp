@@ -49,7 +49,8 @@ class MisfitSearch {
     find_acute_corners();
   }
 
-  /// The size that fits on the triangle, where it is smaller than the present one; else infinity.
+  /// The size that fits on the triangle, where it is smaller than the present one; 0 where no size allowed does; else
+  /// infinity.
   double fitting_size(std::uint32_t triangle, const std::function<SizeFloor(const Vec3&)>& floor) const {
     const auto [a, b, c] = tree_.corners_of(triangle);
     const Vec3 center = (1.0 / 3) * (a + b + c), normal = normalized(cross(b - a, c - a));
@@ -66,6 +67,7 @@ class MisfitSearch {
     width = std::min(width, severe_width);
     if (width == HUGE_VAL) return HUGE_VAL;
     const auto [usual, severe] = floor(center);
+    if (severe_width < kHopeless * severe) return 0;
     double size = std::max(width / kLeastWidth, usual);
     if (severe_width < kSevere * present) size = std::min(size, std::max(severe_width / kEasedWidth, severe));
     return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;

@@ -16,7 +16,7 @@ namespace tetloom {
 /// A triangle on which the size does not fit, and one that does.
 struct Misfit {
   std::uint32_t triangle = 0;
-  double size = 0;  ///< model length, below the present size there
+  double size = 0;  ///< model length, below the present size there; 0: none that is allowed
 };
 
 /// The smallest sizes that misfits may ask for at a place; model length.
@@ -36,8 +36,8 @@ inline constexpr double kLeastWidth = 0.4;
 /// at least the severe floor.
 ///
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
-/// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold. Nor
-/// are widths below a tenth of the severe floor, which no size allowed fits. Widths are sampled once per triangle, at
+/// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold.
+/// Widths below a tenth of the severe floor, which no size allowed fits, have size 0. Widths are sampled once per triangle, at
 /// its centre; those below .1 sizes also at the middles of its sides that are pieces of model edges. `sizes`: those
 /// that the mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
 /// Complexity: O(n log n). Errors: Cancelled.
