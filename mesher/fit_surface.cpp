@@ -191,9 +191,9 @@ bool SurfaceFitter::is_in_contact(const Vec3& x) const {
   return std::ranges::any_of(contacts_, [&](const Contact& c) { return distance(x, c.center) < c.radius; });
 }
 
-// Where walls touch, what is narrow is as narrow again at every size: there would only be more poor tets. Such are places
-// that no size fits, and those that ask for far more once they have less than the usual floor. Takes these misfits out
-// and what was refined for the like before. Returns whether anything was.
+// Where walls touch, what is narrow is as narrow again at every size: there would only be more poor tets. Such are
+// places that no size fits, and those that ask for far more once they have less than the usual floor. Takes these
+// misfits out and what was refined for the like before. Returns whether anything was.
 bool SurfaceFitter::drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits) {
   constexpr double kFarLess = 0.3, kReach = 2, kApart = 0.5;  // the last two: in first sizes, and in radii
   const Mesh& mesh = candidate.surface.mesh;
@@ -203,8 +203,8 @@ bool SurfaceFitter::drop_contacts(const Candidate& candidate, std::vector<Misfit
     const Vec3 x = place_of(refinement_for(misfit, mesh).corners);
     const double present = candidate.sizes.size_at(x);
     if (misfit.size > 0 && !(present < floor_at(x).usual && misfit.size < kFarLess * present)) continue;
-    const bool is_known = std::ranges::any_of(
-        contacts_, [&](const Contact& c) { return distance(x, c.center) < kApart * c.radius; });
+    const bool is_known =
+        std::ranges::any_of(contacts_, [&](const Contact& c) { return distance(x, c.center) < kApart * c.radius; });
     if (!is_known) contacts_.push_back({x, kReach * first_sizes_.size_at(x)});
   }
   if (contacts_.empty()) return false;
@@ -277,8 +277,7 @@ bool SurfaceFitter::reject(Candidate&& candidate) {
 bool SurfaceFitter::accept(Candidate&& candidate, bool is_fine_enough) {
   append({}, candidate.surface.warnings);
   result_.refinement.narrow_places = log_.misfit_count();
-  if (log_.smallest_size() > 0)
-    result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
+  if (log_.smallest_size() > 0) result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
   take(std::move(candidate));
   return true;
 }

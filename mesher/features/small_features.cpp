@@ -35,15 +35,18 @@ std::vector<double> region_volumes(const Mesh& mesh, std::size_t regions) {
 }  // namespace
 
 void SmallFeatures::spare_points(const Mesh& surface, std::vector<double>& tolerances) const {
-  std::vector<double> limits(tolerances.size(), HUGE_VAL), shares(tolerances.size(), 1);
+  std::vector<double> shares(tolerances.size(), 1);
   for (std::size_t t = 0; t < surface.tri_to_vert.size(); ++t) {
     const std::uint32_t face = surface.tri_to_entity[t];
     double share = 1;
     for (const ModelRegionId region : {surface.face_to_sides[face].front, surface.face_to_sides[face].back})
       if (region.valid() && !region_limits_.empty()) share = std::min(share, region_limits_[region.value].share);
-    for (const std::uint32_t v : surface.tri_to_vert[t]) limits[v] = std::min(limits[v], face_limits_[face]), shares[v] = std::min(shares[v], share);
+    for (const std::uint32_t v : surface.tri_to_vert[t]) {
+      tolerances[v] = std::min(tolerances[v], face_limits_[face]);
+      shares[v] = std::min(shares[v], share);
+    }
   }
-  for (std::size_t v = 0; v < tolerances.size(); ++v) tolerances[v] = shares[v] * std::min(tolerances[v], limits[v]);
+  for (std::size_t v = 0; v < tolerances.size(); ++v) tolerances[v] *= shares[v];
 }
 
 bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& eliminated) {

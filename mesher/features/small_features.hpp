@@ -29,8 +29,8 @@ class SmallFeatures {
   /// the thickness of the solids beside a face, so that a small solid keeps its shape.
   EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
 
-  /// Regions that the elimination brought further from the model's volume, and by more than a two hundredth in all,
-  /// have a smaller tolerance from now on, and none after three such cuts. Whether there are such.
+  /// Regions that the elimination brought further from the model's volume, to more than .75 % of it, have a smaller
+  /// tolerance from now on, and none after three such cuts. Whether there are such.
   bool spare_regions(const Mesh& surface, const EliminationResult& eliminated);
 
   /// Where triangles of `mesh` cross at points where something was merged (`changed`, ascending), nothing will be

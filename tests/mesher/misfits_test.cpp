@@ -67,14 +67,16 @@ struct Lens {
   }
 };
 
-/// A block with a void in it, a bar along x of three sides, an edge of which is this far above the bottom.
-std::unique_ptr<GeometricModel> make_block_with_bar(double gap) {
-  const std::vector<Vec3> points{{0, 0, 0},       {3, 0, 0},       {3, 3, 0},       {0, 3, 0},       {0, 0, 2},
-                                 {3, 0, 2},       {3, 3, 2},       {0, 3, 2},       {1.2, 1.5, gap}, {1.2, 1.1, 0.6},
-                                 {1.2, 1.9, 0.6}, {1.8, 1.5, gap}, {1.8, 1.1, 0.6}, {1.8, 1.9, 0.6}};
+/// A block with a void in it, a bar along x of three sides, an edge of which is this far above the bottom; at its other
+/// end by `rise` more.
+std::unique_ptr<GeometricModel> make_block_with_bar(double gap, double rise = 0) {
+  std::vector<Vec3> points{{0, 0, 0},       {3, 0, 0},       {3, 3, 0},       {0, 3, 0},       {0, 0, 2},
+                           {3, 0, 2},       {3, 3, 2},       {0, 3, 2},       {1.2, 1.5, gap}, {1.2, 1.1, 0.6},
+                           {1.2, 1.9, 0.6}, {1.8, 1.5, gap}, {1.8, 1.1, 0.6}, {1.8, 1.9, 0.6}};
   const std::vector<std::vector<std::uint32_t>> faces{{0, 3, 2, 1},   {4, 5, 6, 7},    {0, 1, 5, 4},   {1, 2, 6, 5},
                                                       {2, 3, 7, 6},   {3, 0, 4, 7},    {8, 10, 9},     {11, 12, 13},
                                                       {8, 9, 12, 11}, {9, 10, 13, 12}, {10, 8, 11, 13}};
+  for (std::size_t v = 11; v < points.size(); ++v) points[v].z += rise;
   return make_polyhedron(points, faces);
 }
 
@@ -110,6 +112,26 @@ TEST_CASE("a wall that is narrow below an edge alone is refined there") {
     CHECK(validate_mesh(made.mesh).problems.empty());
     CHECK(compute_quality(made.mesh, &made.sizes).tets.min_dihedral_deg >= 5);
   }
+}
+
+TEST_CASE("walls that touch are not refined where they do: every size finds them as narrow again") {
+  MeshOptions options;
+  options.sizes.size = 0.2;
+  options.threads = 2;
+  options.refine_surface = false;
+  const auto model = make_block_with_bar(1e-6, 0.06);
+  const MeshResult coarse = make_mesh(*model, options);
+  options.refine_surface = true;
+  const MeshResult made = make_mesh(*model, options);
+  for (const MeshResult* result : {&coarse, &made}) {
+    REQUIRE(result->status == MeshStatus::Ok);
+    CHECK(validate_mesh(result->mesh).problems.empty());
+  }
+  CHECK(made.mesh.tet_to_vert.size() <= 1.1 * coarse.mesh.tet_to_vert.size());
+  // A warning of what was made smaller says nothing of what was taken back.
+  const auto is_reduced = [](const Diagnostic& warning) { return warning.code == ErrorCode::SizeReduced; };
+  CHECK((made.refinement.narrow_places > 0) == std::ranges::any_of(made.warnings, is_reduced));
+  CHECK((made.refinement.smallest_size > 0) == (made.refinement.narrow_places + made.refinement.crossings > 0));
 }
 
 TEST_CASE("what forces small angles in a narrow region is named, with its width") {

@@ -12,6 +12,7 @@
 #include "mesher/features/eliminate_features.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
+#include "mesher/features/small_features.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
@@ -357,6 +358,23 @@ TEST_CASE("what is small beside the size but not beside the solid stays") {
   CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.005));
   options.sizes.size = 0.3;
   CHECK(Made(*make_chamfered_cube(0.02), options).absorbed(ModelFaceId(4)));
+}
+
+TEST_CASE("a region that lost too much of its volume has less eliminated from it") {
+  const auto model = make_chamfered_cube(0.015);
+  MeshOptions options = options_of_size(0.2);
+  options.keep_small_features = options.surface_only = true;
+  const Made given(*model, options);
+  options.small_feature = 0.02;
+  SmallFeatures features(*model, options, SizeField::uniform(0.2));
+  const TaskRunner runner(1);
+  const SizeField sizes = SizeField::uniform(0.2);
+  CHECK(features.eliminate(given.result.mesh, sizes, runner).mesh.has_value());
+  EliminationResult lower{.mesh = given.result.mesh, .absorbed = {}, .changed = {}};
+  CHECK_FALSE(features.spare_regions(given.result.mesh, lower));
+  for (Vec3& x : lower.mesh->points) x.z *= 0.98;
+  CHECK(features.spare_regions(given.result.mesh, lower));
+  CHECK_FALSE(features.eliminate(given.result.mesh, sizes, runner).mesh.has_value());
 }
 
 TEST_CASE("a step far below the size goes, one that is not stays") {
