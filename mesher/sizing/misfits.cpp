@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 namespace tetloom {
@@ -36,8 +37,7 @@ class MisfitSearch {
   MisfitSearch(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                const intersection::TriangleTree& tree)
       : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree) {
-    for (auto [a, b] : surface.edge_to_vert) model_pieces_.push_back({std::min(a, b), std::max(a, b)});
-    std::ranges::sort(model_pieces_);
+    sort_pieces();
     sum_normals();
     face_to_edges_.resize(topology.face_count());
     for (std::size_t f = 0; f < face_to_edges_.size(); ++f) {
@@ -79,6 +79,20 @@ class MisfitSearch {
     Vec3 place;
   };
 
+  void sort_pieces() {
+    std::vector<std::uint32_t> order(mesh_.edge_to_vert.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto ends = [&](std::uint32_t i) {
+      const auto& [a, b] = mesh_.edge_to_vert[i];
+      return std::array{std::min(a, b), std::max(a, b)};
+    };
+    std::ranges::stable_sort(order, {}, ends);
+    for (const std::uint32_t i : order) {
+      model_pieces_.push_back(ends(i));
+      piece_edges_.push_back(mesh_.edge_to_entity[i]);
+    }
+  }
+
   /// Of the triangles at each piece of a model edge: inwards and outwards between two faces of a region.
   void sum_normals() {
     piece_normals_.resize(model_pieces_.size());
@@ -109,7 +123,15 @@ class MisfitSearch {
     return width;
   }
 
-  /// Pairs of model edges that meet at less than kAcute, as the mesh has them.
+  /// Whether a point is an end of the model edge, and not one that was merged with it.
+  bool ends_at(std::uint32_t edge, std::uint32_t v) const {
+    const ModelEntity at = mesh_.point_to_entity[v];
+    return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
+                                              [&](ModelVertexId vertex) { return vertex.value == at.index; });
+  }
+
+  /// Pairs of model edges that meet at less than kAcute, as the mesh has them. The ends of a narrow face of which only
+  /// these were eliminated are none: smaller sizes do make them better.
   void find_acute_corners() {
     struct End {
       std::uint32_t corner, edge;
@@ -119,8 +141,8 @@ class MisfitSearch {
     for (std::size_t i = 0; i < mesh_.edge_to_vert.size(); ++i) {
       const auto [a, b] = mesh_.edge_to_vert[i];
       const Vec3 along = normalized(mesh_.points[b] - mesh_.points[a]);
-      if (mesh_.point_to_entity[a].dim == 0) ends.push_back({a, mesh_.edge_to_entity[i], along});
-      if (mesh_.point_to_entity[b].dim == 0) ends.push_back({b, mesh_.edge_to_entity[i], -along});
+      if (ends_at(mesh_.edge_to_entity[i], a)) ends.push_back({a, mesh_.edge_to_entity[i], along});
+      if (ends_at(mesh_.edge_to_entity[i], b)) ends.push_back({b, mesh_.edge_to_entity[i], -along});
     }
     std::ranges::stable_sort(ends, {}, &End::corner);
     for (std::size_t i = 0; i < ends.size(); ++i)
@@ -136,9 +158,7 @@ class MisfitSearch {
     const auto& edges = face_to_edges_[mesh_.tri_to_entity[triangle]];
     const auto lies_on = [&](std::uint32_t v, std::uint32_t edge) {
       const ModelEntity at = mesh_.point_to_entity[v];
-      if (at.dim == 1) return at.index == edge;
-      return at.dim == 0 && std::ranges::any_of(topology_.edges[edge].vertices,
-                                                [&](ModelVertexId vertex) { return vertex.value == at.index; });
+      return at.dim == 1 ? at.index == edge : ends_at(edge, v);
     };
     const auto holds = [&](const AcuteCorner& corner) {
       return std::ranges::binary_search(edges, corner.edges[1]) &&
@@ -178,12 +198,18 @@ class MisfitSearch {
     const double twice_area = norm(cross(u, v));
     if (std::atan2(twice_area, dot(u, v)) >= kFlatAngle) return HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
-    if (is_model_piece(verts[i], verts[(i + 1) % 3]) && is_model_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
+    if (lies_on_piece(verts[i], verts[(i + 1) % 3]) && lies_on_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
     if (lies_in_acute_corner(triangle)) return HUGE_VAL;
     return twice_area / std::sqrt(std::ranges::max(length2));
   }
 
-  bool is_model_piece(std::uint32_t a, std::uint32_t b) const { return find_piece(a, b) < model_pieces_.size(); }
+  /// Whether there is a piece of a model edge from a to b, and a lies on that edge: not where it was merged with it.
+  bool lies_on_piece(std::uint32_t a, std::uint32_t b) const {
+    const std::size_t piece = find_piece(a, b);
+    if (piece == model_pieces_.size()) return false;
+    const ModelEntity at = mesh_.point_to_entity[a];
+    return at.dim == 1 ? at.index == piece_edges_[piece] : ends_at(piece_edges_[piece], a);
+  }
 
   /// The number of a piece of a model edge; that of all pieces where the edge is none.
   std::size_t find_piece(std::uint32_t a, std::uint32_t b) const {
@@ -283,6 +309,7 @@ class MisfitSearch {
   const SizeField& sizes_;
   const intersection::TriangleTree& tree_;
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;   // of model edges, ascending, the lower end first
+  std::vector<std::uint32_t> piece_edges_;                   // the edge of each
   std::vector<Vec3> piece_normals_;                          // of their triangles, summed
   std::vector<std::vector<std::uint32_t>> face_to_edges_;    // ascending
   std::vector<std::vector<std::uint32_t>> face_to_corners_;  // model vertices, ascending

@@ -87,6 +87,20 @@ TEST_CASE("a face that narrows between two edges up to where they meet is no mis
   CHECK(Lens({0.05, 0.02, 0.02, 0.02, 0.05}).misfits().empty());
 }
 
+TEST_CASE("the ends of a narrow face of which only they were eliminated are refined") {
+  Lens lens({0.05, 0.05, 0.05, 0.05});
+  lens.topology.vertex_count = 4;
+  lens.topology.edges[1].vertices = {ModelVertexId(2), ModelVertexId(3)};
+  const std::vector<Misfit> found = lens.misfits();
+  const auto is_told = [&](std::uint32_t triangle) {
+    return std::ranges::any_of(found, [&](const Misfit& misfit) {
+      return misfit.triangle == triangle && misfit.size == Approx(0.05 / 0.2).epsilon(0.01);
+    });
+  };
+  CHECK(is_told(0));
+  CHECK(is_told(static_cast<std::uint32_t>(lens.mesh.tri_to_vert.size() - 1)));
+}
+
 TEST_CASE("what is a tenth of its size gets a smaller one than what is a little narrower than it should be") {
   Lens lens({0.7, 0.02, 0.02, 0.02, 0.02, 0.7});
   const std::vector<Misfit> found = lens.misfits();
