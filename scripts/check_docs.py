@@ -6,7 +6,8 @@ usage: scripts/check_docs.py [--command TETLOOM]
 
 Checked: links lead to files; a folder's README names only what there is, and each of the folder's files; lines have at most
 120 characters; README.md and decisions stay short; types of public headers explain themselves or are in the glossary; the
-drawings are those of draw_architecture.py. What is wrong is named as "file:line: ...". Exit status 1 if there is any.
+drawings are those of draw_architecture.py; the reference has every member of a report. What is wrong is named as
+"file:line: ...". Exit status 1 if there is any.
 """
 import argparse
 import re
@@ -23,7 +24,7 @@ MOST_LINES_OF_DECISION = 45
 MOST_CHARACTERS = 120
 SOURCES = (".cpp", ".hpp", ".py", ".sh", ".edp", ".cmake")
 # Names of files that others write, and of what others have.
-FOREIGN = re.compile(r"^(X|OUT|F|R|FILE|part\w*|flow|next|cube|fine|metric|assembly|scan|surface|sizes|report)\b")
+FOREIGN = re.compile(r"^(X|OUT|F|R|FILE|part\d*|flow|next|cube|fine|metric|assembly|scan|surface|sizes|report)\b")
 
 
 def tracked_files():
@@ -148,6 +149,19 @@ def check_drawings():
             yield f"docs/images/{name}:1: is not what scripts/draw_architecture.py draws"
 
 
+def check_report_fields(files):
+    """Every member of a report that apps/tetloom writes is in docs/reference.md."""
+    known = {word for _, line in prose_lines("docs/reference.md") for text in re.findall(r"`([^`]+)`", line)
+             for word in re.findall(r"\w+", text)}
+    for name in files:
+        if not re.fullmatch(r"apps/tetloom/\w+\.cpp", name):
+            continue
+        for number, line in enumerate(lines_of(name), 1):
+            for member in re.findall(r'\{"(\w+)",(?!\s*")', line) + re.findall(r'(?:json|extra)\["(\w+)"\]', line):
+                if member not in known:
+                    yield f"{name}:{number}: docs/reference.md says nothing of the member {member}"
+
+
 def check_reference(command):
     reference = (ROOT / "docs/reference.md").read_text(encoding="utf-8")
     known = set()
@@ -170,7 +184,7 @@ def main():
     files = tracked_files()
     names = Names(files)
     documents = [name for name in files if name.endswith(".md")]
-    problems = [*check_types(files), *check_drawings()]
+    problems = [*check_types(files), *check_drawings(), *check_report_fields(files)]
     for name in documents:
         problems += check_shape(name)
         problems += check_links(name)
