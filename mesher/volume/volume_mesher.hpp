@@ -35,13 +35,11 @@ struct MeshEstimate {
   double triangles = 0, tets = 0, bytes = 0;
 };
 
-/// A point of the surface at its new place.
 struct MovedPoint {
   std::uint32_t point = 0;  ///< of the input
   Vec3 to;
 };
 
-/// A triangle of the surface with other vertices.
 struct ChangedTriangle {
   std::uint32_t triangle = 0;  ///< of the input; its face and its sides are as before
   std::array<std::uint32_t, 3> verts{};
@@ -60,7 +58,6 @@ struct VolumeMesh {
   FillingFigures figures;
 };
 
-/// How volumes are filled.
 struct VolumeOptions {
   std::string worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH, or none
   bool worker_only = false;  ///< fill by TetGen alone, to compare
