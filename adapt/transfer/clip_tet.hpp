@@ -7,6 +7,7 @@
 
 namespace tetloom::adapt {
 
+/// The four corners of a tet, in its order.
 using Corners = std::array<Vec3, 4>;
 
 inline Corners corners_of(const TetView& mesh, std::uint32_t tet) {

@@ -10,6 +10,7 @@
 
 namespace tetloom::adapt {
 
+/// What an old tet has in common with a new one.
 struct Overlap {
   std::uint32_t tet = kNone;
   double share = 0;                ///< of the volume of the new tet

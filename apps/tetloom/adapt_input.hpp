@@ -9,6 +9,7 @@
 
 namespace tetloom::app {
 
+/// Everything that an adaptation is made from, as it was read.
 struct AdaptInput {
   Mesh mesh;               ///< with the fields that the command names
   ModelDocument document;  ///< without a model where none is asked for

@@ -23,6 +23,7 @@ struct EntitySizeWish {
   double size = 0;
 };
 
+/// The wishes of one file, as they are written there.
 struct SizesFile {
   std::vector<EntitySizeWish> entities;
   std::vector<PointSize> points;

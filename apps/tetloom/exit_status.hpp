@@ -6,6 +6,7 @@
 
 namespace tetloom::app {
 
+/// How the command ends.
 enum class ExitStatus {
   Done = 0,
   WrongUsage = 2,     ///< the command line, or a file with options, is wrong

@@ -14,6 +14,7 @@
 
 namespace tetloom::app {
 
+/// The command line of `mesh`.
 struct MeshCommand {
   std::filesystem::path input;
   std::filesystem::path output;
@@ -25,6 +26,7 @@ struct MeshCommand {
   bool quiet = false;
 };
 
+/// The command line of `info`.
 struct InfoCommand {
   std::filesystem::path input;
   std::filesystem::path report;
@@ -33,6 +35,7 @@ struct InfoCommand {
   bool quiet = false;
 };
 
+/// The command line of `check`.
 struct CheckCommand {
   std::filesystem::path input;
   std::filesystem::path report;
@@ -40,6 +43,7 @@ struct CheckCommand {
   bool quiet = false;
 };
 
+/// The command line of `partition`.
 struct PartitionCommand {
   std::filesystem::path input;
   std::filesystem::path output;
@@ -49,6 +53,7 @@ struct PartitionCommand {
   bool quiet = false;
 };
 
+/// The command line of `adapt`.
 struct AdaptCommand {
   std::filesystem::path input;
   std::filesystem::path output;
@@ -71,6 +76,7 @@ struct Printout {
   std::string text;
 };
 
+/// Any command line that can be carried out.
 using Command = std::variant<MeshCommand, InfoCommand, CheckCommand, PartitionCommand, AdaptCommand, Printout>;
 
 /// A command line that cannot be carried out; what() is for a person.

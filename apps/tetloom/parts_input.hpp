@@ -10,6 +10,7 @@
 
 namespace tetloom::app {
 
+/// A mesh in parts, brought together.
 struct WholeOfParts {
   Mesh mesh;  ///< on the first rank; empty where there is a misfit
   PartsFigures figures;

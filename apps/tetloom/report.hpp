@@ -17,10 +17,12 @@
 
 namespace tetloom::app {
 
+/// Numbers of what the mesh has.
 struct RunCounts {
   std::uint64_t points = 0, triangles = 0, tets = 0, regions = 0;
 };
 
+/// Wall time of the stages.
 struct RunSeconds {
   double read = 0, size_field = 0, surface = 0, volume = 0, check = 0, write = 0;
 };

@@ -14,6 +14,7 @@
 
 namespace tetloom::app {
 
+/// What a run is told of its command.
 struct RunSetup {
   std::filesystem::path input;
   std::filesystem::path output;  ///< empty: none
@@ -24,6 +25,7 @@ struct RunSetup {
   Communicator* ranks = nullptr;  ///< those that run together; null: this process alone. The first speaks and writes.
 };
 
+/// One run of a command.
 class Run {
  public:
   explicit Run(RunSetup setup);

@@ -21,6 +21,7 @@ struct Polyline {
   bool closed = false;
 };
 
+/// The facet surface and its segmentation, with what edges and faces need of both.
 class DiscreteParts {
  public:
   DiscreteParts(FacetSurface&& surface, double feature_angle);

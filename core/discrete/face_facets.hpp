@@ -13,6 +13,7 @@
 
 namespace tetloom::detail {
 
+/// The facets of one face, with a tree over them.
 struct FaceFacets {
   FaceFacets() = default;
   FaceFacets(const FaceFacets&) = delete;  // the tree refers to the arrays

@@ -18,6 +18,7 @@ constexpr std::uint32_t next_half(std::uint32_t half) { return half % 3 == 2 ? h
 constexpr std::uint32_t previous_half(std::uint32_t half) { return half % 3 == 0 ? half + 2 : half - 1; }
 constexpr std::uint32_t half_to_tri(std::uint32_t half) { return half / 3; }
 
+/// Edges with their vertices and the half-edges on them.
 struct FacetEdges {
   std::vector<std::array<std::uint32_t, 2>> edge_to_vert;  ///< lower vertex first; edges sorted by their vertices
   std::vector<std::uint32_t> half_to_edge;

@@ -21,6 +21,7 @@
 
 namespace tetloom::detail {
 
+/// The regions of a facet surface.
 struct FacetRegions {
   std::vector<FaceSides> leaf_to_sides;  ///< after turning the leaves in `turn` over
   std::vector<bool> turn;                ///< leaves whose single region would otherwise lie in front of them

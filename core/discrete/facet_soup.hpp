@@ -13,6 +13,7 @@
 
 namespace tetloom::detail {
 
+/// A facet by its three points.
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// Triangles over points, in any state: repeated points, holes, any orientation. `tri_to_group` is as long as

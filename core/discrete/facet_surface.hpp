@@ -12,6 +12,7 @@
 
 namespace tetloom::detail {
 
+/// Clean, oriented facets with their edges and leaves.
 struct FacetSurface {
   std::vector<Vec3> points;
   std::vector<Triangle> tri_to_vert;

@@ -14,6 +14,7 @@
 
 namespace tetloom::detail {
 
+/// The model faces, edges and vertices of a facet surface.
 struct Segmentation {
   std::vector<std::uint32_t> tri_to_face;  ///< faces are numbered by their first facet
   std::uint32_t face_count = 0;

@@ -29,6 +29,7 @@ inline bool parse_number(std::string_view word, double& value) {
   return error == std::errc() && end == word.data() + word.size() && !word.empty();
 }
 
+/// A place in a text, which it refers to.
 class TextCursor {
  public:
   explicit TextCursor(std::string_view text) : text_(text) {}

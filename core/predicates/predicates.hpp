@@ -28,6 +28,7 @@ int insphere_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, c
 inline constexpr double kRounding = 0x1p-53;  // largest relative error of one operation
 
 // A 2x2 minor together with the sum of its terms' magnitudes.
+/// A 2x2 determinant, and the sum of the magnitudes of its two products.
 struct Minor {
   double value, magnitude;
 };

@@ -9,6 +9,7 @@
 
 namespace tetloom {
 
+/// A box around some items, or around two nodes.
 struct BvhNode {
   Box3 box;
   std::uint32_t begin = 0, end = 0;  ///< the items below, as positions in Bvh::order

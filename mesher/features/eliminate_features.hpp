@@ -19,12 +19,14 @@ struct KeptPlace {
   double radius = 0;
 };
 
+/// What is small at each point of a surface mesh.
 struct FeatureElimination {
   std::span<const double> tolerances;  ///< one per point of the mesh: what is smaller goes; model length
   std::span<const double> sizes;       ///< one per point: the edge length wanted there
   std::span<const KeptPlace> kept;
 };
 
+/// The surface mesh without small features, and what was done.
 struct EliminationResult {
   std::optional<Mesh> mesh;              ///< none where nothing was to be done
   std::vector<AbsorbedEntity> absorbed;  ///< ascending by entity

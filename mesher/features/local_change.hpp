@@ -10,6 +10,7 @@
 
 namespace tetloom::features {
 
+/// A triangle that takes the place of a removed one.
 struct AddedTriangle {
   Triangle verts;
   std::uint32_t source = 0;  ///< the removed triangle whose place it takes

@@ -10,7 +10,9 @@
 
 namespace tetloom::features {
 
+/// A triangle of the surface by its points.
 using Triangle = std::array<std::uint32_t, 3>;
+/// A mesh edge on a model edge, by its points.
 using Piece = std::array<std::uint32_t, 2>;
 
 /// Which items (triangles, pieces) are at each vertex. Built at once; afterwards lists change one by one.

@@ -14,6 +14,7 @@
 
 namespace tetloom {
 
+/// How two triangles meet that should not.
 enum class IntersectionKind : std::uint8_t {
   Crossing,   ///< the triangles meet in points that are not on a vertex or edge that both have
   Overlap,    ///< the same, within one plane; also two triangles with the same three vertices
@@ -27,6 +28,7 @@ struct TriangleIntersection {
   Vec3 point;  ///< at or near a place where they meet, within rounding
 };
 
+/// The triangles that are compared, and how many of the results are wanted.
 struct IntersectionSearch {
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert;

@@ -10,11 +10,13 @@
 
 namespace tetloom::intersection {
 
+/// A triangle by its three points.
 using TriangleVertices = std::array<std::uint32_t, 3>;
 
 /// True when the three points lie on a line, exactly.
 bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// How two triangles meet, and a point where they do.
 struct PairVerdict {
   IntersectionKind kind;
   Vec3 point;

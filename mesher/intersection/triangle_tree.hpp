@@ -46,6 +46,7 @@ class SegmentBoxTest {
   double rounding_;
 };
 
+/// Triangles in a tree of boxes. Immutable; refers to the points that it was made over.
 class TriangleTree {
  public:
   /// Pre: the indices are valid and the coordinates finite. Errors: Cancelled.

@@ -11,6 +11,7 @@
 
 namespace tetloom::lattice {
 
+/// A site inside of the surface.
 struct KeptSite {
   Site site;
   bool near_surface;

@@ -18,6 +18,7 @@
 
 namespace tetloom::lattice {
 
+/// What a core leaves to the shell, and where it is open.
 struct LatticeCore {
   std::vector<std::uint32_t> shell_verts;    ///< vertices of sites that are not pure, ascending
   std::vector<std::uint16_t> pure_around;    ///< per shell vertex: which sites of LatticeShape::around() are pure

@@ -14,6 +14,7 @@
 
 namespace tetloom::lattice {
 
+/// The surface, the sizes and the lattice that points are asked for.
 struct LatticeRequest {
   const intersection::TriangleTree* tree = nullptr;  ///< over the triangles below
   std::span<const FaceSides> tri_to_sides;

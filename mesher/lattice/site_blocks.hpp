@@ -18,6 +18,7 @@ template <int Kinds>
 using SiteBits = std::array<std::uint64_t, Kinds>;
 
 template <int Kinds>
+/// The sites of 4 x 4 x 4 cubes, with the blocks around.
 struct SiteBlock {
   std::array<std::int32_t, 3> place;                       ///< in blocks
   std::array<std::uint32_t, Kinds * kBlockCubes> to_vert;  ///< kNone: no point

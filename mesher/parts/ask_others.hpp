@@ -4,6 +4,7 @@
 
 namespace tetloom::parts {
 
+/// How much there was to ask.
 struct Asked {
   std::size_t rounds = 0;
   std::size_t tets = 0;  ///< of all parts, in the first round

@@ -19,6 +19,7 @@
 
 namespace tetloom::parts {
 
+/// How a complex is to be filled in parts.
 struct PartsRequest {
   double tets_per_part = 0;              ///< as VolumeOptions
   Trace* trace = nullptr;                ///< may be null
@@ -26,6 +27,7 @@ struct PartsRequest {
   Communicator* communicator = nullptr;  ///< of the ranks that share the parts, which are kept then; null: this process
 };
 
+/// A complex that was filled in parts, as a whole or as these parts.
 struct FilledParts {
   std::optional<volume::Filling> filling;  ///< nothing after a fault, or when parts are kept
   std::vector<VolumePart> parts;           ///< kept ones of this rank; points and triangles numbered as in the complex

@@ -7,6 +7,7 @@
 
 namespace tetloom::parts {
 
+/// What recovering missing triangles has changed.
 struct Mending {
   std::vector<PatchTets> patches;  ///< of this rank's parts; PartState::patches names those of a part
   std::vector<TetKeys> removed;    ///< tets of the shell, of any part, that are no more, ascending

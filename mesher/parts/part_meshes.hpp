@@ -5,6 +5,7 @@
 
 namespace tetloom::parts {
 
+/// The parts of a complex, as they are handed on.
 struct HandedOn {
   std::vector<VolumePart> parts;  ///< those of this rank; points and triangles numbered as in the complex
   std::uint64_t new_points = 0;   ///< of all parts

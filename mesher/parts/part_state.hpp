@@ -35,6 +35,7 @@ using TetKeys = std::array<VertKey, 4>;
 
 inline constexpr std::size_t kStripRounds = std::tuple_size_v<decltype(FillingPartsFigures::strips)>;
 
+/// Everything that one part has.
 struct PartState {
   // Before there are tets.
   std::vector<lattice::LevelPoints> levels;    ///< own sites, then those of other parts

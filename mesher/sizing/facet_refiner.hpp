@@ -16,6 +16,7 @@ struct FacetCorner {
   Vec3 point;
 };
 
+/// A piece of a facet, by its corners.
 using FacetPiece = std::array<FacetCorner, 3>;
 
 /// When a piece needs no further cut.

@@ -33,6 +33,7 @@ void tolerate_bad_geometry(const Body& body) {
 std::vector<Tessellation> facet_faces(const GeometricModel& model, const std::vector<FacetTolerance>& tolerances,
                                       const SharedWork& work);
 
+/// Where a ray meets the model.
 struct FacetHit {
   std::uint32_t face = 0;  ///< model face
   double distance = 0;

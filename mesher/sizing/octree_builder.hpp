@@ -33,6 +33,7 @@ struct OctreeCell {
   std::uint64_t code;  ///< Morton code at the level of the cell
   JudgedCell judged;
 };
+/// Cells by their levels.
 using OctreeLevels = std::vector<std::vector<OctreeCell>>;
 
 /// Cells are kept as Morton codes in sorted arrays, one per level: no hash, no pointers. Cells of a level are judged in

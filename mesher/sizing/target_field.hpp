@@ -27,6 +27,7 @@ struct CellState {
   bool on_source = false;                        ///< the source that gives it holds in the cell
 };
 
+/// What a cell has been found to need.
 struct JudgedCell {
   CellState state;
   CellVerdict verdict = CellVerdict::Global;

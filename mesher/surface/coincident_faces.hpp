@@ -7,6 +7,7 @@
 
 namespace tetloom {
 
+/// Two faces that lie on each other.
 struct CoincidentFaces {
   ModelFaceId first, second;  ///< ascending
 };

@@ -13,6 +13,7 @@
 
 namespace tetloom {
 
+/// Why a polygon cannot be triangulated.
 enum class PolygonVerdict {
   Ok,
   DuplicatePoint,  ///< two points coincide: `first`, `second` are the points
@@ -21,6 +22,7 @@ enum class PolygonVerdict {
   NotClosed        ///< the segments do not separate inside from outside, or leave nothing inside
 };
 
+/// The triangulated polygon, or what is in the way.
 struct PolygonTriangulation {
   PolygonVerdict verdict = PolygonVerdict::Ok;
   std::uint32_t first = 0, second = 0;

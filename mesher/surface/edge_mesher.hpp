@@ -16,6 +16,7 @@ struct EdgeMesh {
   bool reversed = false;     ///< against that edge
 };
 
+/// How fine edges are cut.
 struct EdgeMeshOptions {
   /// Per edge, how many times finer than the size field asks; empty: 1 everywhere.
   std::vector<double> finer;

@@ -21,6 +21,7 @@ struct CutVertex {
   std::uint32_t zone = kNone, junction = kNone;
 };
 
+/// One piece of a face that was cut.
 struct FacePiece {
   std::vector<std::uint32_t> vertices;                 ///< of FaceCut::vertices
   std::vector<std::array<std::uint32_t, 2>> segments;  ///< of `vertices` here; one inside of the piece is there twice

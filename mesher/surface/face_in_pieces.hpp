@@ -18,6 +18,7 @@
 
 namespace tetloom {
 
+/// One large face while its pieces are meshed.
 class FaceInPieces {
  public:
   /// Refers to its arguments, which must outlive it.

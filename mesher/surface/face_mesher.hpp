@@ -35,6 +35,7 @@ class RimNodes {
   std::vector<ModelEntity> classification_;
 };
 
+/// Why a face could not be meshed.
 enum class FaceVerdict {
   Ok,
   RimCrosses,      ///< pieces of edges cross in the face's parameter plane: the edges are too coarse
@@ -42,6 +43,7 @@ enum class FaceVerdict {
   NotTriangulated  ///< neither the parameter plane nor the facets gave a valid triangulation
 };
 
+/// The triangles of one face over the nodes of its rim.
 struct FaceMesh {
   /// Marks vertices of `tri_to_vert` that are nodes inside the face: the other bits index `points`.
   static constexpr std::uint32_t kInner = 0x80000000u;

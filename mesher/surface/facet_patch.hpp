@@ -11,6 +11,7 @@
 
 namespace tetloom {
 
+/// A node of a meshed edge, at its place on the edge.
 struct BoundaryNode {
   std::uint32_t node = 0;  ///< the mesh node's number; copies of a node in the result have it too
   double t = 0;
@@ -26,6 +27,7 @@ struct BoundaryChain {
   std::vector<BoundaryNode> nodes;        ///< t ascending
 };
 
+/// Why the rim of a tessellation cannot be replaced.
 enum class FacetPatchVerdict {
   Ok,
   NotManifold,     ///< facets meet three to an edge, disagree in orientation, or have a rim that is on no model edge
@@ -34,6 +36,7 @@ enum class FacetPatchVerdict {
   Cancelled
 };
 
+/// The tessellation of a face with the nodes of its edges as its rim.
 struct FacetPatch {
   static constexpr std::uint32_t kNoNode = 0xffffffffu;
 

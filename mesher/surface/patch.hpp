@@ -28,12 +28,14 @@ struct PatchPlace {
 /// A place of facets, with tangents made of its normal.
 PatchPlace place_in_space(const Vec2& uv, const Vec3& point, const Vec3& normal);
 
+/// A vertex of a patch: its place, the size wanted there, its node.
 struct PatchVertex {
   PatchPlace place;
   double size = 0;                            ///< target edge length here
   std::uint32_t node = Triangulation::kNone;  ///< the mesh node of a rim vertex; none inside
 };
 
+/// Triangles of one face, with the places of their vertices.
 struct Patch {
   Triangulation topology;
   std::vector<PatchVertex> vertices;  ///< indexed as in `topology`

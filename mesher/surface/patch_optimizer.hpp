@@ -11,6 +11,7 @@
 
 namespace tetloom {
 
+/// How much a patch is changed.
 struct PatchOptimizerOptions {
   int rounds = 3;
   /// Split and collapse until the sizes fit, from whatever density: for patches that start from a tessellation.

@@ -7,6 +7,7 @@
 
 namespace tetloom {
 
+/// The rim of a face and what it bounds in the plane.
 struct RimPatch {
   FaceRim rim;
   Vec2 scale{1, 1};                   ///< from (u,v) to the plane, axis by axis

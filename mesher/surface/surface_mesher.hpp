@@ -10,6 +10,7 @@
 
 namespace tetloom {
 
+/// The surface mesh, with what went wrong.
 struct SurfaceMeshResult {
   Mesh mesh;                       ///< points, edges and triangles with their classification; no tets
   std::vector<Diagnostic> errors;  ///< faces that could not be meshed; their triangles are missing

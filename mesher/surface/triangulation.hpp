@@ -17,6 +17,7 @@
 
 namespace tetloom {
 
+/// Triangles by their half-edges.
 class Triangulation {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;

@@ -13,6 +13,7 @@
 
 namespace tetloom::volume {
 
+/// What became of one complex.
 struct FilledComplex {
   std::optional<Filling> filling;  ///< nothing when no attempt succeeded, or when there are parts
   std::vector<VolumePart> parts;   ///< where they are kept; points and triangles numbered as in the complex
@@ -24,6 +25,7 @@ struct FilledComplex {
   FillingFigures figures;
 };
 
+/// How a complex is filled; the same for all complexes of a run.
 struct ComplexOptions {
   std::string worker;                       ///< path; empty: there is none
   bool worker_only = false;                 ///< no attempt by our own means

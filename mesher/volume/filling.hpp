@@ -14,8 +14,10 @@
 
 namespace tetloom::volume {
 
+/// A tet by its four points.
 using TetVertices = std::array<std::uint32_t, 4>;
 
+/// The complex that is filled, with the sizes and the goals.
 struct FillingInput {
   const Complex& complex;
   const intersection::TriangleTree& tree;  ///< of the complex
@@ -27,6 +29,7 @@ struct FillingInput {
   int attempt = 0;  ///< another one has another place of the lattice
 };
 
+/// The tets of a complex, or why there are none.
 struct FilledMesh {
   tets::TetMesh mesh;  ///< points: the complex's, then new ones; some may be used by no tet
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles; empty: as they were

@@ -31,6 +31,7 @@ class SurfaceFreedom {
   std::vector<std::uint8_t> may_slide_;                   // per point
 };
 
+/// The complex whose surface is improved, and what of it may change.
 struct ImprovementInput {
   const Complex& complex;
   const intersection::TriangleTree& tree;  ///< of the complex

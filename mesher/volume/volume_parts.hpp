@@ -22,6 +22,7 @@ struct VolumePart {
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< vertices here of each, as they have become
 };
 
+/// All parts of a volume that this rank has.
 struct VolumeParts {
   std::vector<VolumePart> parts;  ///< those of each complex together, in the order of the complexes; of this rank
   std::size_t part_count = 0;     ///< on all ranks

@@ -17,8 +17,10 @@
 
 namespace tetloom::volume {
 
+/// Which way a frame goes.
 enum class FrameKind : std::uint32_t { Request = 1, Response = 2 };
 
+/// What stands in front of every frame.
 struct FrameHeader {
   std::uint64_t magic = kMagic;
   std::uint32_t version = kVersion;
@@ -38,6 +40,7 @@ struct WorkerRequest {
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
 };
 
+/// What the worker says of its work.
 enum class WorkerStatus : std::uint32_t {
   Filled = 0,
   OutOfMemory = 1,

@@ -11,6 +11,7 @@
 
 namespace tetloom {
 
+/// Numbers of what OpenMesh finds.
 struct HalfEdgeCounts {
   std::size_t vertices = 0, edges = 0, facets = 0, open_edges = 0;
   friend bool operator==(const HalfEdgeCounts&, const HalfEdgeCounts&) = default;
