@@ -6,7 +6,7 @@
 #include "adapt/metric/tet_edges.hpp"
 #include "adapt/parts/model_fit.hpp"
 #include "core/base/stopwatch.hpp"
-#include "mesher/volume/model_projector.hpp"
+#include "core/geometry/model_projector.hpp"
 
 namespace tetloom::adapt {
 
@@ -257,8 +257,7 @@ void Adapter::round(double ratio, const Work& work) {
   pass_options.most_tets =
       std::max(kLeastFull, kOverfull * (all - kWorkOfTet * count_tets()) / static_cast<double>(parts));
   const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
-    const tets::SurfaceProjector project =
-        options_.model ? volume::make_projector(*options_.model) : tets::SurfaceProjector();
+    const SurfaceProjector project = options_.model ? make_projector(*options_.model) : SurfaceProjector();
     Passes passes(part, stage, project, pass_options, runner_);
     work.passes(passes);
     counts[number] = passes.counts();

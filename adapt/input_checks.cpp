@@ -10,8 +10,7 @@
 #include "adapt/kernel/surface_map.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "mesher/sizing/mesh_estimate.hpp"
-#include "mesher/volume/volume_mesher.hpp"
+#include "core/sizing/memory_check.hpp"
 #include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {

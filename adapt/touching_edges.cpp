@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "core/geometry/model_projector.hpp"
 #include "core/predicates/predicates.hpp"
-#include "mesher/volume/model_projector.hpp"
 
 namespace tetloom::adapt {
 
@@ -121,7 +121,7 @@ class Splitter {
         function_(function),
         tets_(mesh_.tet_to_vert, mesh_.tet_to_entity),
         triangles_(mesh_.tri_to_vert, mesh_.tri_to_entity) {
-    if (model) project_ = volume::make_projector(*model);
+    if (model) project_ = make_projector(*model);
   }
 
   std::optional<RefinedInput> run(const std::vector<EdgeVerts>& edges, std::size_t most_tets) {
@@ -243,7 +243,7 @@ class Splitter {
   RefinedInput result_;
   Mesh& mesh_ = result_.mesh;
   const MetricFunction& function_;
-  tets::SurfaceProjector project_;
+  SurfaceProjector project_;
   Simplices<4> tets_;
   Simplices<3> triangles_;
   std::map<EdgeVerts, std::uint32_t> pieces_;                // pieces of model edges, by their ends

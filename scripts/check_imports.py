@@ -21,7 +21,7 @@ MAY_INCLUDE = {
     "core": set(),
     "threading": {"core"},
     "mesher": {"core", "threading"},
-    "adapt": {"core", "threading", "mesher"},
+    "adapt": {"core", "threading"},
     "apps": {"core", "threading", "mesher", "adapt"},
     "python": {"core", "threading", "mesher", "adapt"},
     "bench": {"core", "threading", "mesher", "adapt"},

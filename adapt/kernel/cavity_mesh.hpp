@@ -22,9 +22,9 @@
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
 #include "adapt/metric/tet_edges.hpp"
-#include "mesher/tets/edge_ring.hpp"
-#include "mesher/tets/tet_mesh.hpp"
-#include "mesher/tets/tet_quality.hpp"
+#include "core/tets/edge_ring.hpp"
+#include "core/tets/tet_mesh.hpp"
+#include "core/tets/tet_quality.hpp"
 #include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "adapt/kernel/passes.hpp"
-#include "mesher/tets/newton_smoothing.hpp"
-#include "mesher/tets/tet_pairs.hpp"
+#include "core/tets/newton_step.hpp"
+#include "core/tets/tet_pairs.hpp"
 
 namespace tetloom::adapt {
 

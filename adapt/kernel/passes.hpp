@@ -10,8 +10,9 @@
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/kernel/star_cavity.hpp"
-#include "mesher/tets/surface_geometry.hpp"
-#include "mesher/tets/vertex_star.hpp"
+#include "core/geometry/model_projector.hpp"
+#include "core/tets/edge_ring.hpp"
+#include "core/tets/star_tet.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -26,7 +27,7 @@ struct PassOptions {
 
 class Passes {
  public:
-  Passes(CavityMesh& mesh, const MetricStage& source, const tets::SurfaceProjector& project, const PassOptions& options,
+  Passes(CavityMesh& mesh, const MetricStage& source, const SurfaceProjector& project, const PassOptions& options,
          const TaskRunner& runner)
       : mesh_(mesh), source_(source), project_(project), options_(options), runner_(runner) {}
 
@@ -103,7 +104,7 @@ class Passes {
 
   CavityMesh& mesh_;
   const MetricStage& source_;
-  const tets::SurfaceProjector& project_;
+  const SurfaceProjector& project_;
   PassOptions options_;
   const TaskRunner& runner_;
   PassCounts counts_;

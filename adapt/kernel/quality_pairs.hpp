@@ -1,7 +1,7 @@
 #pragma once
 // Qualities of two tets at a time.
 #include "adapt/metric/vertex_metric.hpp"
-#include "mesher/tets/tet_pairs.hpp"
+#include "core/tets/tet_pairs.hpp"
 
 namespace tetloom::adapt {
 

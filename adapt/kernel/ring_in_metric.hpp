@@ -3,7 +3,7 @@
 #include <array>
 
 #include "adapt/kernel/cavity_mesh.hpp"
-#include "mesher/tets/edge_ring.hpp"
+#include "core/tets/edge_ring.hpp"
 
 namespace tetloom::adapt {
 

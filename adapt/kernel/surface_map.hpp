@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "core/base/mix_bits.hpp"
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "tetloom/ids.hpp"
 
 namespace tetloom::adapt {

@@ -2,7 +2,7 @@
 
 #include "adapt/kernel/passes.hpp"
 #include "adapt/kernel/ring_in_metric.hpp"
-#include "mesher/tets/ring_triangulation.hpp"
+#include "core/tets/ring_triangulation.hpp"
 
 namespace tetloom::adapt {
 

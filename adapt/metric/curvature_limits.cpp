@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "mesher/sizing/curvature_size.hpp"
-#include "mesher/sizing/model_facets.hpp"
+#include "core/geometry/bad_geometry.hpp"
+#include "core/sizing/curvature_size.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::adapt {

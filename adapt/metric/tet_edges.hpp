@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "adapt/metric/vertex_metric.hpp"
-#include "mesher/tets/tet_pairs.hpp"
+#include "core/tets/tet_pairs.hpp"
 
 namespace tetloom::adapt {
 

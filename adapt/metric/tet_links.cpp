@@ -1,6 +1,6 @@
 #include "adapt/metric/tet_links.hpp"
 
-#include "mesher/tets/face_groups.hpp"
+#include "core/tets/face_groups.hpp"
 #include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/tets/tet_mesh.hpp"
+#include "core/tets/tet_mesh.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/ids.hpp"
 #include "tetloom/metric.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "mesher/volume/model_projector.hpp"
+#include "core/geometry/model_projector.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -131,7 +131,7 @@ class FitCheck {
 
   // Where the model cannot tell the nearest place there is nothing to compare with.
   std::optional<Diagnostic> first_off(ModelEntity entity, const std::vector<std::uint32_t>& verts) const {
-    const tets::SurfaceProjector project = volume::make_projector(model_);
+    const SurfaceProjector project = make_projector(model_);
     for (std::size_t i = 0; i < verts.size(); ++i) {
       if (i % 256 == 0) runner_.check_cancelled();
       const auto spot = project(entity, whole_.points[verts[i]]);

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "mesher/tets/find_triangles.hpp"
-#include "mesher/tets/link_tets.hpp"
+#include "core/tets/find_triangles.hpp"
+#include "core/tets/link_tets.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -320,7 +320,7 @@ struct CurvatureLimits {
 };
 
 /// Intersects the metrics of the vertices on curved faces and edges of the model with what their curvature asks for:
-/// sizes along the principal directions of a face as the mesher has them (mesher/sizing/curvature_size.hpp), inversely
+/// sizes along the principal directions of a face as the mesher has them (core/sizing/curvature_size.hpp), inversely
 /// proportional to the curvature in that direction, so none along a cylinder's axis; along model edges as the mesher
 /// has them too. Sizes along the normal stay. Where a face does not tell its principal directions (facet models), the
 /// smaller size holds in the tangent plane.

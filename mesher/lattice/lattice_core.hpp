@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "core/tets/tet_mesh.hpp"
 #include "mesher/lattice/lattice_points.hpp"
-#include "mesher/tets/tet_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {

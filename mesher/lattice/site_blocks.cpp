@@ -3,7 +3,7 @@
 #include <bit>
 #include <unordered_map>
 
-#include "mesher/tets/tet_mesh.hpp"
+#include "core/tets/tet_mesh.hpp"
 
 namespace tetloom::lattice {
 

@@ -6,11 +6,11 @@
 #include <numeric>
 
 #include "core/base/mix_bits.hpp"
+#include "core/tets/many_values.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/parts/improve_part.hpp"
 #include "mesher/parts/near_box.hpp"
 #include "mesher/tets/acute_tets.hpp"
-#include "mesher/tets/many_values.hpp"
-#include "mesher/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {

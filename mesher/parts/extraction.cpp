@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
 

@@ -2,9 +2,9 @@
 #include <bit>
 
 #include "core/base/stopwatch.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "mesher/parts/shell_tets.hpp"
-#include "mesher/tets/find_triangles.hpp"
 
 namespace tetloom::parts {
 

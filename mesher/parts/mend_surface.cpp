@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "mesher/parts/shell_tets.hpp"
 #include "mesher/tets/delaunay.hpp"
-#include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/recovery.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "core/base/stopwatch.hpp"
+#include "core/tets/many_values.hpp"
+#include "core/tets/tet_quality.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/parts/improve_part.hpp"
-#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/quality_summary.hpp"
-#include "mesher/tets/tet_quality.hpp"
-#include "mesher/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {

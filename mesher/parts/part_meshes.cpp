@@ -4,7 +4,7 @@
 #include <new>
 
 #include "core/base/page_size.hpp"
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/agreement.hpp"
 

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/tets/find_triangles.hpp"
 #include "mesher/lattice/lattice_cells.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/parts/part_surface.hpp"
-#include "mesher/tets/find_triangles.hpp"
 #include "mesher/tets/optimizer.hpp"
 #include "mesher/volume/filling.hpp"
 #include "tetloom/tasks.hpp"

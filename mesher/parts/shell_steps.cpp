@@ -8,11 +8,11 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
+#include "core/tets/circumsphere.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "mesher/parts/shell_sides.hpp"
 #include "mesher/parts/shell_tets.hpp"
-#include "mesher/tets/circumsphere.hpp"
 #include "mesher/tets/delaunay.hpp"
-#include "mesher/tets/find_triangles.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {

@@ -1,7 +1,7 @@
 #include "mesher/parts/shell_tets.hpp"
 
 #include "core/predicates/predicates.hpp"
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
 

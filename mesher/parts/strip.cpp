@@ -5,9 +5,9 @@
 #include <bit>
 #include <utility>
 
+#include "core/tets/triangle_verts.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "mesher/parts/key_filter.hpp"
-#include "mesher/tets/triangle_verts.hpp"
-#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom::parts {
 

@@ -13,10 +13,10 @@
 #include "mesher/parts/optimize_part.hpp"
 #include "tetloom/tasks.hpp"
 
+#include "core/tets/many_values.hpp"
+#include "core/tets/tet_quality.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/parts/strip.hpp"
-#include "mesher/tets/many_values.hpp"
-#include "mesher/tets/tet_quality.hpp"
-#include "mesher/tets/triangle_verts.hpp"
 
 namespace tetloom::parts {
 

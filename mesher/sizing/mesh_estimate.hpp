@@ -1,9 +1,8 @@
 #pragma once
-// How large a mesh will be, known before it is made, and the refusal of what cannot fit.
-#include <cstdint>
+// How large a mesh will be, known before it is made.
 #include <vector>
 
-#include "mesher/volume/volume_mesher.hpp"
+#include "core/sizing/memory_check.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
@@ -29,12 +28,5 @@ MeshEstimate estimate_least_mesh(const GeometricModel& model, const SizeOptions&
 
 /// Leaves the tetrahedra out, for a run that makes the surface only.
 MeshEstimate surface_part(const MeshEstimate& estimate);
-
-/// Bytes of memory that the machine can give now (Linux: MemAvailable); 0 where that is not known.
-std::uint64_t available_memory();
-
-/// Throws Error(OutOfMemory) with the numbers when the mesh needs more than `max_memory` bytes; 0: more than
-/// available_memory(), and no check where that is not known.
-void check_memory(const MeshEstimate& estimate, std::uint64_t max_memory);
 
 }  // namespace tetloom

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/bad_geometry.hpp"
 #include "core/spatial/bvh.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
@@ -16,17 +17,6 @@ struct FacetTolerance {
   double chord = 0;  ///< model length
   double angle = 0;  ///< radians
 };
-
-/// Runs `body`, which asks one entity for its geometry. What that refuses is left to the entity's own mesher to report:
-/// a size field can do without it.
-template <class Body>
-void tolerate_bad_geometry(const Body& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::Cancelled || error.code() == ErrorCode::OutOfMemory) throw;
-  }
-}
 
 /// Facets of every face within its tolerance, in parallel. A face that cannot be facetted stays empty: whoever meshes
 /// it reports it.

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "mesher/sizing/curvature_size.hpp"
+#include "core/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
 #include "mesher/sizing/narrow_entities.hpp"
 #include "mesher/sizing/volume_floors.hpp"

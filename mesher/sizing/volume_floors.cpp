@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "mesher/sizing/curvature_size.hpp"
+#include "core/sizing/curvature_size.hpp"
 #include "mesher/sizing/narrow_entities.hpp"
 
 namespace tetloom {

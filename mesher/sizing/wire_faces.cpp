@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "mesher/sizing/curvature_size.hpp"
+#include "core/sizing/curvature_size.hpp"
 
 namespace tetloom {
 namespace {

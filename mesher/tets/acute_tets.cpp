@@ -7,11 +7,11 @@
 
 #include "core/spatial/distances.hpp"
 #include "core/spatial/triangle_shape.hpp"
+#include "core/tets/dihedral.hpp"
+#include "core/tets/many_values.hpp"
+#include "core/tets/triangle_verts.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/tets/dihedral.hpp"
-#include "mesher/tets/many_values.hpp"
-#include "mesher/tets/triangle_verts.hpp"
-#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom {
 

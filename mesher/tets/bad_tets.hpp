@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "mesher/tets/many_values.hpp"
-#include "mesher/tets/working_mesh.hpp"
+#include "core/tets/many_values.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <unordered_set>
 
-#include "mesher/tets/local_mesh.hpp"
+#include "core/tets/local_mesh.hpp"
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/small_polyhedron.hpp"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/tets/tet_mesh.hpp"
+#include "core/tets/tet_mesh.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "mesher/tets/circumsphere.hpp"
+#include "core/tets/circumsphere.hpp"
+#include "core/tets/ring_in_space.hpp"
+#include "core/tets/ring_triangulation.hpp"
+#include "core/tets/tet_quality.hpp"
 #include "mesher/tets/edge_removal.hpp"
-#include "mesher/tets/ring_triangulation.hpp"
-#include "mesher/tets/tet_quality.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/tets/working_mesh.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include "core/tets/ring_in_space.hpp"
+#include "core/tets/ring_triangulation.hpp"
 #include "mesher/tets/bad_tets.hpp"
-#include "mesher/tets/ring_triangulation.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

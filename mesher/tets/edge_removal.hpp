@@ -5,8 +5,8 @@
 // by what has to be beaten.
 #include <cstdint>
 
-#include "mesher/tets/edge_ring.hpp"
-#include "mesher/tets/working_mesh.hpp"
+#include "core/tets/edge_ring.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

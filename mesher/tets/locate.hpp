@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/predicates/predicates.hpp"
-#include "mesher/tets/tet_mesh.hpp"
+#include "core/tets/tet_mesh.hpp"
 
 namespace tetloom::tets {
 

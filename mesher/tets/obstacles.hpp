@@ -1,6 +1,6 @@
 #pragma once
 // What lies in the way of an edge or a triangle of the surface.
-#include "mesher/tets/local_mesh.hpp"
+#include "core/tets/local_mesh.hpp"
 #include "mesher/tets/recovery.hpp"
 
 namespace tetloom::tets {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "core/tets/many_values.hpp"
+#include "core/tets/tet_quality.hpp"
 #include "mesher/tets/edge_removal.hpp"
-#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/tets/quality_summary.hpp"
 #include "mesher/tets/relaxation.hpp"
-#include "mesher/tets/tet_quality.hpp"
 #include "mesher/tets/vertex_removal.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"

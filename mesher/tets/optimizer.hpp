@@ -16,9 +16,9 @@
 #include <cstdint>
 #include <span>
 
+#include "core/tets/tet_mesh.hpp"
 #include "mesher/tets/acute_tets.hpp"
 #include "mesher/tets/quality_goals.hpp"
-#include "mesher/tets/tet_mesh.hpp"
 #include "tetloom/filling.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/tasks.hpp"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/tets/deep_point.hpp"
+#include "core/tets/newton_step.hpp"
 #include "mesher/tets/bad_tets.hpp"
-#include "mesher/tets/deep_point.hpp"
 #include "mesher/tets/edge_removal.hpp"
-#include "mesher/tets/newton_smoothing.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

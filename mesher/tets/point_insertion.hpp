@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <span>
 
-#include "mesher/tets/vertex_star.hpp"
+#include "core/tets/star_tet.hpp"
+#include "core/tets/vertex_star.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/tets/dihedral.hpp"
 #include "mesher/tets/acute_tets.hpp"
-#include "mesher/tets/dihedral.hpp"
 
 namespace tetloom::tets {
 

@@ -1,7 +1,7 @@
 #pragma once
 // How good a mesh is, in figures.
+#include "core/tets/working_mesh.hpp"
 #include "mesher/tets/optimizer.hpp"
-#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom::tets {
 

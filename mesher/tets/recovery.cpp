@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/disjoint_sets.hpp"
-#include "mesher/tets/find_triangles.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "mesher/tets/recoverer.hpp"
 #include "mesher/tets/steiner.hpp"
 #include "tetloom/tasks.hpp"

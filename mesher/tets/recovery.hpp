@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {
@@ -73,10 +73,5 @@ struct RecoveryReport {
 /// crosses, which grows where the search fails, then with new points (see SteinerRecovery).
 RecoveryReport recover_boundary(TetMesh& mesh, std::span<const TriangleVerts> triangles, const RecoverOptions& options,
                                 const TaskRunner& runner);
-
-/// For every triangle the face of the tet on its front side (the side from which it is counter-clockwise), kNone where
-/// it is no face of the mesh. Linear.
-std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const TriangleVerts> triangles,
-                                     const TaskRunner& runner);
 
 }  // namespace tetloom::tets

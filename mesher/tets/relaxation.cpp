@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "mesher/tets/circumsphere.hpp"
+#include "core/tets/circumsphere.hpp"
+#include "core/tets/tet_quality.hpp"
 #include "mesher/tets/delaunay_flips.hpp"
-#include "mesher/tets/tet_quality.hpp"
 
 namespace tetloom::tets {
 

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/tets/working_mesh.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
-#include "mesher/tets/find_triangles.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

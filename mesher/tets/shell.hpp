@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "mesher/tets/tet_mesh.hpp"
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/fault.hpp"
+#include "core/tets/tet_mesh.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
@@ -19,15 +20,6 @@ namespace tetloom::tets {
 struct Surface {
   std::span<const TriangleVerts> tri_to_vert;
   std::span<const FaceSides> tri_to_sides;
-};
-
-/// What is wrong; empty message: nothing.
-struct Fault {
-  std::string message;
-  std::vector<std::uint32_t> triangles;  ///< of the surface, where they are the trouble
-  Vec3 point;
-  ErrorCode code = ErrorCode::VolumeFailed;
-  bool any() const { return !message.empty(); }
 };
 
 /// Fixes the faces of `shell` that are open faces of `core`, on both sides. Both meshes have the same vertex ids.

@@ -1,24 +1,14 @@
 #pragma once
 // What a surface has to stay true to while it is changed.
-#include <cmath>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 
+#include "core/geometry/model_projector.hpp"
 #include "mesher/tets/surface_triangles.hpp"
 #include "tetloom/ids.hpp"
 
 namespace tetloom::tets {
-
-/// A place on a model face or edge. The direction has length 1: a face's normal, which points to the side from which
-/// the face's triangles turn counter-clockwise, or an edge's tangent.
-struct SurfaceSpot {
-  Vec3 point, direction;
-};
-
-/// The place on a model face or edge nearest to a point; nothing where that cannot be said.
-using SurfaceProjector = std::function<std::optional<SurfaceSpot>(ModelEntity, const Vec3& x)>;
 
 /// Triangles as they would become.
 struct SurfaceChange {
@@ -40,7 +30,5 @@ struct ChangeableSurface {
   /// they never do.
   std::function<bool(const SurfaceChange&)> is_clear{};
 };
-
-inline Vec3 triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return normalized(cross(b - a, c - a)); }
 
 }  // namespace tetloom::tets

@@ -1,9 +1,10 @@
 #include "mesher/tets/surface_slide.hpp"
-#include "core/spatial/triangle_shape.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "core/spatial/triangle_shape.hpp"
 
 namespace tetloom::tets {
 

@@ -4,8 +4,9 @@
 // does inside, led back to the model.
 #include <vector>
 
+#include "core/tets/star_tet.hpp"
+#include "core/tets/vertex_star.hpp"
 #include "mesher/tets/surface_geometry.hpp"
-#include "mesher/tets/vertex_star.hpp"
 
 namespace tetloom::tets {
 

@@ -1,7 +1,9 @@
 #include "mesher/tets/surface_swap.hpp"
-#include "core/spatial/triangle_shape.hpp"
 
 #include <algorithm>
+
+#include "core/spatial/triangle_shape.hpp"
+#include "core/tets/ring_in_space.hpp"
 
 namespace tetloom::tets {
 

@@ -9,9 +9,9 @@
 //
 // Klincsek 1980 and Freitag & Ollivier-Gooch 1997 as in edge_removal.hpp; Li, Shephard & Beall 2005 swap on the surface
 // in the same way, one side at a time.
-#include "mesher/tets/ring_triangulation.hpp"
+#include "core/tets/ring_triangulation.hpp"
+#include "core/tets/working_mesh.hpp"
 #include "mesher/tets/surface_geometry.hpp"
-#include "mesher/tets/working_mesh.hpp"
 
 namespace tetloom::tets {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
 

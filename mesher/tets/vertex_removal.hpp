@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/tets/vertex_star.hpp"
+#include "core/tets/vertex_star.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "mesher/tets/triangle_verts.hpp"
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom::volume {

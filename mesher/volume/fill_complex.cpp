@@ -4,11 +4,11 @@
 #include <array>
 #include <string_view>
 
+#include "core/tets/link_tets.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/lattice/lattice_points.hpp"
 #include "mesher/parts/fill_in_parts.hpp"
-#include "mesher/tets/link_tets.hpp"
 #include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/lattice_filling.hpp"
 #include "mesher/volume/volume_mesher.hpp"

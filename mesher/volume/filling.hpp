@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/tets/tet_mesh.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/tets/shell.hpp"
-#include "mesher/tets/tet_mesh.hpp"
 #include "mesher/volume/filling_progress.hpp"
 #include "mesher/volume/surface_freedom.hpp"
 #include "tetloom/tasks.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/volume/model_projector.hpp"
+#include "core/geometry/model_projector.hpp"
 #include "mesher/volume/surface_clearance.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"

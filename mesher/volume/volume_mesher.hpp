@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sizing/memory_check.hpp"
 #include "mesher/tets/optimizer.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/filling.hpp"
@@ -28,11 +29,6 @@ struct VolumeInput {
   const SizeField* sizes = nullptr;                   ///< never null
   std::span<const ModelEntity> point_to_entity = {};  ///< one per point, or empty: then no point may slide
   std::span<const std::array<std::uint32_t, 2>> edge_to_vert = {};  ///< pieces of model edges: they stay edges
-};
-
-/// How much a mesh will hold and need, from the size field alone.
-struct MeshEstimate {
-  double triangles = 0, tets = 0, bytes = 0;
 };
 
 struct MovedPoint {

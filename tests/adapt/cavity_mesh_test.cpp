@@ -13,7 +13,7 @@
 #include "adapt/kernel/ring_in_metric.hpp"
 #include "adapt/kernel/star_cavity.hpp"
 #include "adapt/parts/rounds.hpp"
-#include "mesher/tets/ring_triangulation.hpp"
+#include "core/tets/ring_triangulation.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tetloom/check.hpp"
 

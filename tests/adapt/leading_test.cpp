@@ -25,8 +25,8 @@ Led lead(const Vec3& special, const Vec3& place, double h = 0.5) {
   const Mesh box = test::make_tet_box(spec);
   const MetricField metric = metric_from_sizes(std::vector<double>(box.points.size(), h), box.points);
   const auto is_special = [&](const Vec3& x) { return distance(x, special) < 1e-9; };
-  const tets::SurfaceProjector project = [&](ModelEntity, const Vec3& x) {
-    return std::optional(tets::SurfaceSpot{is_special(x) ? place : x, {}});
+  const SurfaceProjector project = [&](ModelEntity, const Vec3& x) {
+    return std::optional(SurfaceSpot{is_special(x) ? place : x, {}});
   };
   Led led;
   const auto pass = [&](CavityMesh& part, Passes& passes) {

@@ -42,7 +42,7 @@ struct BeforeRound {
 
 /// Deals `mesh` to parts and calls visit(CavityMesh&, Passes&) for each of them, on one thread.
 template <class Visit>
-void in_one_round(const Mesh& mesh, const adapt::MetricField& metric, const tets::SurfaceProjector& project,
+void in_one_round(const Mesh& mesh, const adapt::MetricField& metric, const SurfaceProjector& project,
                   std::size_t part_count, const Visit& visit) {
   using namespace adapt;
   BeforeRound before(mesh, metric);

@@ -83,7 +83,7 @@ Refused check_refusals(double aspect, std::size_t part_count) {
   for (std::size_t v = 0; v < box.points.size(); ++v)
     metric.logs.push_back(log(compose(random.metric(random.uniform(0.3, 1.5) / std::sqrt(aspect), aspect))));
   scale_to_complexity(metric, {box.points, box.tet_to_vert}, 50);
-  const tets::SurfaceProjector no_model;
+  const SurfaceProjector no_model;
   Refused refused{};
   const auto check = [&](CavityMesh& part, Passes& passes) {
     refused[2] += check_idle_pass(part, passes, &PassCounts::swaps, [&] { return passes.swap(0.9); });

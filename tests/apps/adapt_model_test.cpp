@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "mesher/volume/model_projector.hpp"
+#include "core/geometry/model_projector.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/model.hpp"
@@ -32,7 +32,7 @@ std::string sizes_for(const TestFolder& folder, const std::string& file, double 
 std::size_t count_off(const std::string& file, const std::string& model_file) {
   const tetloom::Mesh mesh = tetloom::read_mesh(file);
   const tetloom::ModelDocument document = tetloom::read_model(model_file);
-  const auto project = tetloom::volume::make_projector(*document.model);
+  const auto project = tetloom::make_projector(*document.model);
   const double tolerance = 1e-6 * document.model->bounding_box().diagonal();
   std::size_t off = 0;
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {

@@ -10,7 +10,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/locate.hpp"
 #include "tests/mesher/delaunay_oracle.hpp"
-#include "tests/mesher/tet_fixtures.hpp"
+#include "tests/support/tet_fixtures.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 

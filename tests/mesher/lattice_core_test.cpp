@@ -10,8 +10,8 @@
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/shell.hpp"
-#include "tests/mesher/tet_fixtures.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tests/support/tet_fixtures.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::lattice {

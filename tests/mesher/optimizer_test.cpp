@@ -3,13 +3,13 @@
 
 #include <catch2/catch.hpp>
 
-#include "mesher/tets/deep_point.hpp"
-#include "mesher/tets/dihedral.hpp"
+#include "core/tets/deep_point.hpp"
+#include "core/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/vertex_removal.hpp"
-#include "tests/mesher/tet_fixtures.hpp"
+#include "tests/support/tet_fixtures.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom {

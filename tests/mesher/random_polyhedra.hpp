@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/tets/delaunay.hpp"
-#include "mesher/tets/triangle_verts.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <numeric>
 
+#include "core/tets/find_triangles.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/recovery.hpp"
 #include "mesher/tets/small_polyhedron.hpp"

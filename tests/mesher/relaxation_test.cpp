@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "mesher/tets/circumsphere.hpp"
+#include "core/tets/circumsphere.hpp"
 #include "mesher/tets/delaunay_flips.hpp"
 #include "mesher/tets/optimizer.hpp"
-#include "tests/mesher/tet_fixtures.hpp"
+#include "tests/support/tet_fixtures.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "mesher/sizing/curvature_size.hpp"
+#include "core/sizing/curvature_size.hpp"
 #include "mesher/sizing/follow_face.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/tets/surface_geometry.hpp"
-#include "tests/mesher/tet_fixtures.hpp"
+#include "tests/support/tet_fixtures.hpp"
 
 namespace tetloom::tet_tests {
 
@@ -21,7 +21,7 @@ struct TestSurface {
   std::vector<std::uint32_t> tri_to_face;
   std::vector<ModelEntity> point_to_entity;
   std::function<bool(std::uint32_t, std::uint32_t)> is_kept;
-  tets::SurfaceProjector project;
+  SurfaceProjector project;
   std::function<bool(const tets::SurfaceChange&)> is_clear;
 
   tets::ChangeableSurface view() { return {tri_to_vert, tri_to_face, point_to_entity, is_kept, project, is_clear}; }
@@ -91,9 +91,9 @@ inline TetMesh make_half_ring(std::uint32_t count) {
 
 /// The model of a cube [0, n]^3: face 2 * axis (+ 1) is where the coordinate is 0 (n), face 6 the plane x = n / 2; edge
 /// 9 * axis + 3 * i + j runs along an axis where the next two coordinates are i * n / 2 and j * n / 2.
-inline tets::SurfaceProjector project_on_cube(int n) {
-  return [n](ModelEntity entity, const Vec3& x) -> std::optional<tets::SurfaceSpot> {
-    tets::SurfaceSpot spot{x, {}};
+inline SurfaceProjector project_on_cube(int n) {
+  return [n](ModelEntity entity, const Vec3& x) -> std::optional<SurfaceSpot> {
+    SurfaceSpot spot{x, {}};
     if (entity.dim == 1) {
       const int axis = static_cast<int>(entity.index / 9);
       spot.point[(axis + 1) % 3] = 0.5 * n * (entity.index / 3 % 3);

@@ -111,7 +111,7 @@ TEST_CASE("an edge stays where its surface is bent or in its own way") {
   // The model is the roof over the diamond, which the new edge would cut off.
   surface.project = [](ModelEntity, const Vec3& x) {
     const Vec3 normal = normalized(Vec3{0, x.y > 0 ? 0.2 : -0.2, -1});
-    return tets::SurfaceSpot{{x.x, x.y, 0.2 * std::abs(x.y)}, normal};
+    return SurfaceSpot{{x.x, x.y, 0.2 * std::abs(x.y)}, normal};
   };
   check_refused(mesh, surface, SwapVerdict::OffModel);
   surface.project = [](ModelEntity, const Vec3&) { return std::nullopt; };

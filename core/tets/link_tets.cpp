@@ -1,0 +1,102 @@
+#include "core/tets/link_tets.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "core/predicates/predicates.hpp"
+#include "core/tets/face_groups.hpp"
+
+namespace tetloom::tets {
+
+namespace {
+
+constexpr std::size_t kGrain = 1 << 11;
+
+// Of the first tet without volume.
+Fault turn_tets(TetMesh& mesh, const BlockLoop& loop) {
+  const auto flat = map_blocks(loop, mesh.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
+    for (auto tet = static_cast<std::uint32_t>(begin); tet < end; ++tet) {
+      const int sign =
+          orient3d(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
+      if (sign == 0) first = std::min(first, tet);
+      if (sign < 0) std::swap(mesh.to_vert[std::size_t{tet} * 4 + 2], mesh.to_vert[std::size_t{tet} * 4 + 3]);
+    }
+  });
+  for (const std::uint32_t tet : flat)
+    if (tet != kNone) return {"a tetrahedron has no volume", {}, mesh.point_of(tet, 0)};
+  return {};
+}
+
+// The fault at the lowest face, of those that several tasks tell.
+class LowestFault {
+ public:
+  void tell(FaceCode face, const char* message) {
+    const std::lock_guard lock(mutex_);
+    if (face < face_) face_ = face, message_ = message;
+  }
+  Fault fault(const TetMesh& mesh) const {
+    if (face_ == kNone) return {};
+    return {message_, {}, mesh.points[sorted(verts_of(mesh, face_)).verts[0]]};
+  }
+
+ private:
+  std::mutex mutex_;
+  FaceCode face_ = kNone;
+  const char* message_ = nullptr;
+};
+
+Fault link_faces(TetMesh& mesh, const FaceGroups& groups, const BlockLoop& loop) {
+  LowestFault lowest;
+  groups.for_each(loop, [&](std::span<const FaceCode> faces) {
+    if (faces.size() == 1) return;
+    if (sorted(verts_of(mesh, faces[0])).turned == sorted(verts_of(mesh, faces[1])).turned)
+      return lowest.tell(faces[1], "two tetrahedra lie on one side of a face");
+    if (faces.size() > 2) return lowest.tell(faces[2], "more than two tetrahedra share a face");
+    mesh.to_neighbor[faces[0]] = faces[1], mesh.to_neighbor[faces[1]] = faces[0];
+  });
+  return lowest.fault(mesh);
+}
+
+void fix(TetMesh& mesh, FaceCode face) {
+  mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
+}
+
+Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const FaceGroups& groups,
+                  const BlockLoop& loop) {
+  std::vector<FaceCode> faces(triangles.size());
+  loop.for_blocks(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) faces[t] = groups.find(sorted(triangles[t]).verts);
+  });
+  Fault fault;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (faces[t] == kNone) {
+      fault.triangles.push_back(t);
+      continue;
+    }
+    fix(mesh, faces[t]);
+    if (const FaceCode behind = mesh.to_neighbor[faces[t]]; behind != kNone) fix(mesh, behind);
+  }
+  if (fault.triangles.empty()) return fault;
+  const auto& [a, b, c] = triangles[fault.triangles[0]];
+  fault.point = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;
+  fault.message = std::to_string(fault.triangles.size()) + " surface triangles are not faces of the mesh";
+  return fault;
+}
+
+}  // namespace
+
+Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert,
+                std::span<const TriangleVerts> triangles, const BlockLoop& loop) {
+  mesh.to_vert.reserve(tet_to_vert.size() * 4);
+  for (const auto& tet : tet_to_vert) mesh.to_vert.append(std::span<const std::uint32_t>(tet));
+  mesh.to_neighbor.resize(tet_to_vert.size() * 4, kNone);
+  mesh.to_region.resize(tet_to_vert.size(), kNone);
+  mesh.to_fixed.resize(tet_to_vert.size(), 0);
+  if (Fault fault = turn_tets(mesh, loop); fault.any()) return fault;
+  const FaceGroups groups(mesh.to_vert.span(), mesh.points.size(), loop);
+  if (Fault fault = link_faces(mesh, groups, loop); fault.any()) return fault;
+  return fix_surface(mesh, triangles, groups, loop);
+}
+
+}  // namespace tetloom::tets

@@ -1,0 +1,199 @@
+#include "core/tets/local_mesh.hpp"
+
+#include <algorithm>
+
+#include "tetloom/assert.hpp"
+
+namespace tetloom::tets {
+
+namespace {
+
+// One side of a face in the course of a replacement.
+struct Side {
+  enum Kind : std::uint8_t { Outer, Inner, Mark };  // Mark: an old face between two old tets, fixed
+  TriangleVerts key;
+  FaceCode code;
+  Kind kind;
+  bool fixed;
+};
+
+}  // namespace
+
+LocalMesh::LocalMesh(TetMesh& mesh) : mesh_(mesh), vert_to_tet_(mesh.points.size(), kNone) {
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+    if (mesh.is_dead(t)) {
+      free_.push_back(t);
+      continue;
+    }
+    for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = t;
+  }
+  std::reverse(free_.begin(), free_.end());
+  stamps_.assign(mesh.size(), 0);
+}
+
+Tet LocalMesh::tet(std::uint32_t t) const {
+  const std::uint32_t* v = mesh_.to_vert.data() + std::size_t{t} * 4;
+  return {v[0], v[1], v[2], v[3]};
+}
+
+std::uint32_t LocalMesh::corner_of(std::uint32_t t, std::uint32_t v) const {
+  const Tet verts = tet(t);
+  return static_cast<std::uint32_t>(std::find(verts.begin(), verts.end(), v) - verts.begin());
+}
+
+TriangleVerts LocalMesh::face(FaceCode code) const {
+  const TriangleVerts v = verts_of(mesh_, code);
+  return {v[0], v[2], v[1]};
+}
+
+template <class Keep>
+void LocalMesh::flood(std::uint32_t seed, const Keep& keep, TetList& tets) const {
+  if (++stamp_ == 0) {
+    std::fill(stamps_.begin(), stamps_.end(), 0u);
+    stamp_ = 1;
+  }
+  tets.assign(1, seed);
+  stamps_[seed] = stamp_;
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const FaceCode back = mesh_.to_neighbor[std::size_t{tets[i]} * 4 + k];
+      if (back == kNone || stamps_[back / 4] == stamp_ || !keep(back / 4)) continue;
+      stamps_[back / 4] = stamp_;
+      tets.push_back(back / 4);
+    }
+  }
+}
+
+TetList LocalMesh::find_ball(std::uint32_t v) const {
+  TetList tets;
+  if (v < vert_to_tet_.size() && vert_to_tet_[v] != kNone)
+    flood(
+        vert_to_tet_[v], [&](std::uint32_t t) { return has(t, v); }, tets);
+  return tets;
+}
+
+TetList LocalMesh::find_shell(std::uint32_t a, std::uint32_t b) const {
+  TetList shell;
+  for (const std::uint32_t t : find_ball(a)) {
+    if (has(t, b)) shell.push_back(t);
+  }
+  return shell;
+}
+
+FaceCode LocalMesh::find_face(const TriangleVerts& triangle) const {
+  const auto& [a, b, c] = triangle;
+  for (const std::uint32_t t : find_ball(a)) {
+    if (!has(t, b) || !has(t, c)) continue;
+    const Tet v = tet(t);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      if (v[i] == a || v[i] == b || v[i] == c) continue;
+      const TriangleVerts f = face(t * 4 + i);
+      const auto at = static_cast<std::size_t>(std::find(f.begin(), f.end(), a) - f.begin());
+      if (f[(at + 1) % 3] == b) return t * 4 + i;
+      if (mesh_.to_neighbor[std::size_t{t} * 4 + i] != kNone) return mesh_.to_neighbor[std::size_t{t} * 4 + i];
+    }
+  }
+  return kNone;
+}
+
+void LocalMesh::fix(FaceCode code) {
+  for (const FaceCode side : {code, mesh_.to_neighbor[code]}) {
+    if (side != kNone) mesh_.to_fixed[side / 4] = static_cast<std::uint8_t>(mesh_.to_fixed[side / 4] | 1u << side % 4);
+  }
+}
+
+void LocalMesh::release(FaceCode code) {
+  for (const FaceCode side : {code, mesh_.to_neighbor[code]}) {
+    if (side != kNone)
+      mesh_.to_fixed[side / 4] = static_cast<std::uint8_t>(mesh_.to_fixed[side / 4] & ~(1u << side % 4));
+  }
+}
+
+std::uint32_t LocalMesh::take_slot() {
+  if (!free_.empty()) {
+    const std::uint32_t slot = free_.back();
+    free_.pop_back();
+    return slot;
+  }
+  const auto slot = static_cast<std::uint32_t>(mesh_.size());
+  mesh_.to_vert.resize((std::size_t{slot} + 1) * 4, kNone);
+  mesh_.to_neighbor.resize((std::size_t{slot} + 1) * 4, kNone);
+  mesh_.to_region.resize(std::size_t{slot} + 1, kNone);
+  mesh_.to_fixed.resize(std::size_t{slot} + 1, 0);
+  stamps_.push_back(0);
+  return slot;
+}
+
+void LocalMesh::replace(std::span<const std::uint32_t> old, std::span<const Tet> fresh) {
+  std::vector<Side> sides;
+  const std::uint32_t region = mesh_.to_region[old[0]];
+  TetList inside(old.begin(), old.end());
+  std::sort(inside.begin(), inside.end());
+  for (const std::uint32_t t : inside) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const FaceCode code = t * 4 + i, back = mesh_.to_neighbor[code];
+      const bool inner = back != kNone && std::binary_search(inside.begin(), inside.end(), back / 4);
+      if (inner && (back < code || !mesh_.is_fixed(code))) continue;
+      sides.push_back({sorted(face(code)).verts, back, inner ? Side::Mark : Side::Outer, mesh_.is_fixed(code)});
+    }
+  }
+  for (const std::uint32_t t : inside) {
+    for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = kNone;
+  }
+  for (const std::uint32_t t : inside) mesh_.to_vert[std::size_t{t} * 4] = kNone;
+  free_.insert(free_.end(), inside.rbegin(), inside.rend());
+  for (const Tet& verts : fresh) {
+    const std::uint32_t t = take_slot();
+    std::copy(verts.begin(), verts.end(), mesh_.to_vert.begin() + std::size_t{t} * 4);
+    mesh_.to_region[t] = region;
+    mesh_.to_fixed[t] = 0;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      vert_to_tet_[verts[i]] = t;
+      sides.push_back({sorted(face(t * 4 + i)).verts, t * 4 + i, Side::Inner, false});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return a.key != b.key ? a.key < b.key : a.kind != b.kind ? a.kind < b.kind : a.code < b.code;
+  });
+  for (std::size_t i = 0; i < sides.size();) {
+    if (sides[i].kind == Side::Mark) {  // a fixed face that is gone: the caller's wish
+      ++i;
+      continue;
+    }
+    TETLOOM_ASSERT(i + 1 < sides.size() && sides[i].key == sides[i + 1].key && sides[i + 1].kind == Side::Inner);
+    const FaceCode a = sides[i].code, b = sides[i + 1].code;
+    bool fixed = sides[i].fixed;
+    mesh_.to_neighbor[b] = a;
+    if (a != kNone) mesh_.to_neighbor[a] = b;
+    for (i += 2; i < sides.size() && sides[i].kind == Side::Mark && sides[i].key == sides[i - 1].key; ++i) fixed = true;
+    if (fixed) fix(b);
+  }
+}
+
+std::uint32_t LocalMesh::add_point(const Vec3& p) {
+  mesh_.points.push_back(p);
+  vert_to_tet_.push_back(kNone);
+  return static_cast<std::uint32_t>(mesh_.points.size() - 1);
+}
+
+void LocalMesh::tidy(std::uint32_t first) {
+  if (!free_.empty()) compact(mesh_);
+  free_.clear();
+  if (mesh_.points.size() == first) return;
+  std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
+  for (const std::uint32_t v : mesh_.to_vert) {
+    if (v >= first) to_new[v - first] = 0;
+  }
+  std::uint32_t count = first;
+  for (std::uint32_t v = first; v < mesh_.points.size(); ++v) {
+    if (to_new[v - first] == kNone) continue;
+    mesh_.points[count] = mesh_.points[v];
+    to_new[v - first] = count++;
+  }
+  mesh_.points.resize(count);
+  for (std::uint32_t& v : mesh_.to_vert) {
+    if (v >= first) v = to_new[v - first];
+  }
+}
+
+}  // namespace tetloom::tets

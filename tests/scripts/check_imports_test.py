@@ -1,0 +1,49 @@
+"""Which edges scripts/check_imports.py lets pass, and which it names."""
+import importlib.util
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SPEC = importlib.util.spec_from_file_location("check_imports", ROOT / "scripts" / "check_imports.py")
+check_imports = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(check_imports)
+
+
+class Rooms(unittest.TestCase):
+    def assert_refused(self, name, header):
+        self.assertIn("may not include", check_imports.edge_violation(name, header) or "", f"{name} -> {header}")
+
+    def assert_allowed(self, name, header):
+        self.assertIsNone(check_imports.edge_violation(name, header), f"{name} -> {header}")
+
+    def test_adaptation_and_mesher_stand_side_by_side(self):
+        self.assert_refused("adapt/kernel/swap.cpp", "mesher/tets/edge_removal.hpp")
+        self.assert_refused("mesher/tets/optimizer.cpp", "adapt/kernel/cavity_mesh.hpp")
+        self.assert_refused("adapt/adapter.cpp", "tetloom/mesh.hpp")
+        self.assert_refused("mesher/make_mesh.cpp", "tetloom/adapt.hpp")
+        self.assert_refused("include/tetloom/adapt.hpp", "tetloom/mesh.hpp")
+
+    def test_both_stand_on_core_and_threading(self):
+        for room in ("adapt", "mesher"):
+            self.assert_allowed(f"{room}/any.cpp", "core/tets/tet_mesh.hpp")
+            self.assert_allowed(f"{room}/any.cpp", "tetloom/tasks.hpp")
+
+    def test_core_knows_nothing_of_what_stands_on_it(self):
+        for header in ("threading/shared_work.hpp", "tetloom/tasks.hpp", "mesher/tets/recovery.hpp",
+                       "adapt/metric/tet_edges.hpp"):
+            self.assert_refused("core/tets/link_tets.cpp", header)
+
+    def test_an_edge_is_named_with_its_file_and_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for name, text in (("adapt/a.cpp", '#pragma once\n#include "mesher/b.hpp"\n'), ("mesher/b.hpp", "")):
+                (root / name).parent.mkdir()
+                (root / name).write_text(text)
+            problems = check_imports.check_edges(root, ["adapt/a.cpp", "mesher/b.hpp"])
+        self.assertEqual(len(problems), 1)
+        self.assertTrue(problems[0].startswith("adapt/a.cpp:2: adapt may not include mesher"), problems[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
