@@ -5,7 +5,7 @@
 
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom {
 namespace {

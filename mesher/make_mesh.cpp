@@ -7,7 +7,7 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom {
 namespace {

@@ -8,7 +8,7 @@
 #include "mesher/classify_parts.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "tetloom/partition.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom {
 namespace {

@@ -7,7 +7,7 @@
 #include "tetloom/check.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::app {
 namespace {

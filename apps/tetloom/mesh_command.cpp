@@ -13,7 +13,7 @@
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::app {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "apps/tetloom/console.hpp"
 #include "core/io/atomic_file.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::app {
 

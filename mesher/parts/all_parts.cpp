@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "threading/exchange.hpp"
+#include "threading/comm/exchange.hpp"
 
 namespace tetloom::parts {
 

@@ -5,7 +5,7 @@
 
 #include "mesher/parts/own_points.hpp"
 #include "mesher/parts/shell_steps.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::parts {
 

@@ -13,7 +13,7 @@
 #include "mesher/parts/strips.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::parts {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::parts {
 

@@ -6,7 +6,7 @@
 #include "core/base/page_size.hpp"
 #include "mesher/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom::parts {
 

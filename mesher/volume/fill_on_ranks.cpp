@@ -8,8 +8,8 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
+#include "threading/comm/agreement.hpp"
+#include "threading/comm/exchange.hpp"
 
 namespace tetloom::volume {
 

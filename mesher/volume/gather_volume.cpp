@@ -9,8 +9,8 @@
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
+#include "threading/comm/agreement.hpp"
+#include "threading/comm/exchange.hpp"
 
 namespace tetloom {
 

@@ -1,5 +1,5 @@
 // Ranks that share the items of loops, and what becomes of one that fails.
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "threading/exchange.hpp"
+#include "threading/comm/exchange.hpp"
 
 #include <algorithm>
 #include <mutex>

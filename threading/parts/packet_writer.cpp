@@ -2,7 +2,7 @@
 #include <numeric>
 
 #include "core/part/adjacency.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
 namespace {

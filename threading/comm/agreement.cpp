@@ -1,4 +1,4 @@
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 #include <array>
 #include <new>

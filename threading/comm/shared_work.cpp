@@ -1,4 +1,4 @@
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
+#include "threading/comm/agreement.hpp"
+#include "threading/comm/exchange.hpp"
 
 namespace tetloom {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/schedule_state_detail.hpp"
+#include "threading/comm/agreement.hpp"
+#include "threading/comm/schedule_state_detail.hpp"
 
 namespace tetloom {
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <optional>
 
-#include "threading/exchange.hpp"
-#include "threading/idle_ranks.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/exchange.hpp"
+#include "threading/parts/idle_ranks.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "threading/agreement.hpp"
+#include "threading/comm/agreement.hpp"
 
 namespace tetloom {
 namespace {

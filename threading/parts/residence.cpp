@@ -3,8 +3,8 @@
 
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/exchange.hpp"
-#include "threading/residence_detail.hpp"
+#include "threading/comm/exchange.hpp"
+#include "threading/parts/residence_detail.hpp"
 
 namespace tetloom::detail {
 namespace {

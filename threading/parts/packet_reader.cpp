@@ -3,7 +3,7 @@
 #include <unordered_set>
 
 #include "core/part/adjacency.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
 namespace {

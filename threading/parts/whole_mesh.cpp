@@ -4,9 +4,9 @@
 #include <numeric>
 
 #include "core/part/convert.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/agreement.hpp"
+#include "threading/comm/exchange.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom {
 namespace {
