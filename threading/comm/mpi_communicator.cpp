@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "tetloom/assert.hpp"
-#include "threading/comm/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 #include "threading/comm/frame_detail.hpp"
 
 namespace tetloom {

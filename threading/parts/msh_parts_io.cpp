@@ -3,7 +3,7 @@
 #include "core/io/mesh_parts.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 #include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom::detail {

@@ -5,7 +5,7 @@
 
 #include "core/io/mesh_parts.hpp"
 #include "tetloom/io.hpp"
-#include "threading/comm/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 #include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom {

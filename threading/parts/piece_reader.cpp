@@ -5,7 +5,7 @@
 #include "core/part/convert.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 #include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom::detail {
