@@ -8,8 +8,10 @@
 #include "adapt/input_checks.hpp"
 #include "adapt/result_check.hpp"
 #include "adapt/touching_edges.hpp"
+#include "core/base/failure.hpp"
 #include "core/base/stopwatch.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/codec.hpp"
 
 namespace tetloom {
 
@@ -30,15 +32,12 @@ template <class Run>
 AdaptResult guarded(const Run& run) {
   AdaptResult result;
   Stopwatch watch;
-  try {
-    run(result);
+  const std::optional<Diagnostic> failure = failure_of([&] { run(result); });
+  if (!failure) {
     result.status = AdaptStatus::Ok;
-  } catch (const Error& error) {
-    result.errors.push_back(error.diagnostic());
-    result.status = error.code() == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
-    result.mesh = Mesh();
-  } catch (const std::bad_alloc&) {
-    result.errors.push_back(Diagnostic{ErrorCode::OutOfMemory, "not enough memory to adapt the mesh", {}, {}, {}});
+  } else {
+    result.errors.push_back(*failure);
+    result.status = failure->code == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
     result.mesh = Mesh();
   }
   result.report.seconds = watch.lap();
@@ -60,7 +59,7 @@ void put_findings(const AdaptReport& report, MessageWriter& writer) {
   writer.put(report.after);
   writer.put(static_cast<std::uint64_t>(report.transfers.size()));
   for (const FieldTransfer& field : report.transfers) {
-    writer.put_array(std::span<const char>(field.name));
+    put_text(writer, field.name);
     writer.put(field.on_cells);
     writer.put_array(std::span<const FieldTransfer::Component>(field.components));
   }
@@ -74,8 +73,7 @@ void share_findings(AdaptReport& report, const SharedWork& work) {
   report.after = reader.get<MetricConformity>();
   report.transfers.resize(reader.get<std::uint64_t>());
   for (FieldTransfer& field : report.transfers) {
-    const auto name = reader.get_view<char>();
-    field.name.assign(name.begin(), name.end());
+    field.name = get_text(reader);
     field.on_cells = reader.get<bool>();
     field.components = reader.get_array<FieldTransfer::Component>();
   }

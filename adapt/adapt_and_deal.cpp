@@ -1,11 +1,10 @@
-#include <new>
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 
@@ -30,16 +29,16 @@ AdaptInPartsResult adapt_and_deal(const Mesh& mesh, const Metric& metric, const 
   if (result.run.status != AdaptStatus::Ok) return result;
   Stopwatch watch;
   const std::size_t parts = options.parts > 0 ? static_cast<std::size_t>(options.parts) : result.run.report.last_parts;
-  try {
-    result.mesh = deal(std::move(result.run.mesh), parts, ranks, TaskRunner(options.threads, host));
-  } catch (const Error& error) {
-    result.run.status = error.code() == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
-    result.run.errors.push_back(error.diagnostic());
+  const auto failure = failure_of([&] {
+    const SharedWork work(options.threads, host, &ranks);
+    work.together([&] { result.mesh = deal(std::move(result.run.mesh), parts, work.ranks(), work.runner()); });
+    result.mesh->communicator = &ranks;
+  });
+  if (failure) {
+    result.run.status = failure->code == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
+    result.run.errors.push_back(*failure);
     result.run.mesh = Mesh();
-  } catch (const std::bad_alloc&) {
-    result.run.status = AdaptStatus::Failed;
-    result.run.errors.push_back(Diagnostic{ErrorCode::OutOfMemory, "not enough memory to deal the mesh", {}, {}, {}});
-    result.run.mesh = Mesh();
+    result.mesh.reset();
   }
   result.partition_seconds = watch.lap();
   return result;

@@ -12,7 +12,7 @@
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 

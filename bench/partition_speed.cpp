@@ -26,7 +26,7 @@
 #include "tetloom/io.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 #ifdef TETLOOM_HAS_MPI
 #include "tetloom/communicator.hpp"
 #endif

@@ -5,7 +5,7 @@
 
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 namespace {

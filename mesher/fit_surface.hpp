@@ -15,7 +15,7 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -7,7 +7,7 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 namespace {
@@ -56,11 +56,11 @@ std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const Mo
 
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host) {
   return run_mesh(model, options, host,
-                  [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
-                    VolumeMesh volume = fill_over_given(input, how, runner);
+                  [&](const VolumeInput& input, const VolumeOptions& how, const SharedWork& work, Mesh& mesh) {
+                    VolumeMesh volume = fill_over_given(input, how, work.runner());
                     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
                     const TraceSpan span(how.trace, "mesh");
-                    if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);
+                    if (report.errors.empty()) add_volume(model, std::move(volume), work.runner(), mesh);
                     return report;
                   });
 }
@@ -68,12 +68,12 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
 MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                               const Host& host) {
   if (communicator.rank_count() == 1) return make_mesh(model, options, host);
-  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& mesh) {
-    VolumeParts parts = fill_volume_in_parts(input, how, communicator, runner);
-    VolumeMesh volume = gather_volume(input, std::move(parts), communicator, runner);
+  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const SharedWork& work, Mesh& mesh) {
+    VolumeParts parts = fill_volume_in_parts(input, how, work.ranks(), work.runner());
+    VolumeMesh volume = gather_volume(input, std::move(parts), work.ranks(), work.runner());
     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
-    run_on_first(communicator, [&] {
-      if (report.errors.empty()) add_volume(model, std::move(volume), runner, mesh);
+    run_on_first(work.ranks(), [&] {
+      if (report.errors.empty()) add_volume(model, std::move(volume), work.runner(), mesh);
     });
     return report;
   };

@@ -8,7 +8,7 @@
 #include "mesher/classify_parts.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "tetloom/partition.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 namespace {
@@ -57,19 +57,22 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
     throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
-  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const TaskRunner& runner, Mesh& surface) {
-    VolumeParts volume = fill_volume_in_parts(input, how, communicator, runner);
+  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const SharedWork& work, Mesh& surface) {
+    Communicator& ranks = work.ranks();
+    const TaskRunner& runner = work.runner();
+    VolumeParts volume = fill_volume_in_parts(input, how, ranks, runner);
     FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
     if (!report.errors.empty()) return report;
     Stopwatch watch;
-    run_on_all(communicator, [&] {
+    run_on_all(ranks, [&] {
       runner.begin_stage(Stage::Partition, 0);
       runner.check_cancelled();
     });
-    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, communicator, runner);
+    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, ranks, runner);
     if (options.parts > 0)
       deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
     result.partition_seconds = watch.lap();
+    mesh.communicator = &communicator;
     result.mesh = std::move(mesh);
     return report;
   };

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numeric>
+#include <optional>
 
+#include "core/base/failure.hpp"
 #include "core/base/stage_clock.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/check_solids.hpp"
@@ -15,7 +16,7 @@
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 namespace {
@@ -32,14 +33,9 @@ class MeshRun {
         on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
-    try {
-      run_stages();
-    } catch (const Error& error) {
-      if (error.code() == ErrorCode::InvalidArgument) throw;
-      fail(error.diagnostic());
-    } catch (const std::bad_alloc&) {
-      fail({ErrorCode::OutOfMemory, "the memory is exhausted", {}, {}, {}});
-    }
+    const std::optional<Diagnostic> failure = failure_of([&] { work_.together([&] { run_stages(); }); });
+    if (failure && failure->code == ErrorCode::InvalidArgument) throw Error(*failure);
+    if (failure) fail(*failure);
     return std::move(result_);
   }
 
@@ -50,14 +46,11 @@ class MeshRun {
   }
 
   void run_stages() {
-    bool fits = false;
     const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
-    work_.together([&] {
-      measure_model();
-      fits = SurfaceFitter(model_, options_, work_, failed_, result_).run();
-      if (fits && fills) check_solids();
-    });
-    if (!fits || (fills && !mesh_volume())) return;
+    measure_model();
+    if (!SurfaceFitter(model_, options_, work_, failed_, result_).run()) return;
+    if (fills) check_solids();
+    if (fills && !mesh_volume()) return;
     result_.status = MeshStatus::Ok;
     if (!failed_.empty()) finish_partial();
   }
@@ -130,7 +123,7 @@ class MeshRun {
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
                                 options_.max_memory,    options_.goals,       options_.lattice,
                                 options_.tets_per_part, options_.trace};
-    FillingReport filling = fill_(input, options, runner_, result_.mesh);
+    FillingReport filling = fill_(input, options, work_, result_.mesh);
     result_.seconds.volume += watch.lap();
     result_.filling = std::move(filling.figures);
     append({}, filling.warnings);

@@ -7,6 +7,7 @@
 #include "tetloom/communicator.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 
@@ -15,8 +16,9 @@ struct FillingReport {
   FillingFigures figures;
 };
 
-/// Called once at most, when there is a surface that may be filled: the mesh, from which the input is made.
-using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const TaskRunner&, Mesh&)>;
+/// Called once at most, when there is a surface that may be filled: the mesh, from which the input is made. In
+/// SharedWork::together, for its ranks.
+using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const SharedWork&, Mesh&)>;
 
 /// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result. `ranks`, where there
 /// are some, share the work on sizes and surface; they have the same surface then, and come to `fill` together or not

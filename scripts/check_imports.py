@@ -29,6 +29,14 @@ MAY_INCLUDE = {
     "tests": {"core", "threading", "mesher", "adapt", "apps", "bench", "examples"},
 }
 
+# The same inside a room whose folders stand in an order.
+FOLDER_MAY_INCLUDE = {
+    "threading/runtime": set(),
+    "threading/comm": {"threading/runtime"},
+    "threading/parts": {"threading/runtime", "threading/comm"},
+    "threading/balance": {"threading/runtime", "threading/comm", "threading/parts"},
+}
+
 # Public headers (include/tetloom) and the rooms whose declarations they hold.
 PUBLIC = {
     "core": {"assert", "check", "error", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
@@ -44,7 +52,7 @@ ADAPTERS = [
     ("Scotch", re.compile(r"^scotch\.h$"), re.compile(r"^threading/balance/scotch_partitioner\.cpp$")),
     ("Zoltan", re.compile(r"^zoltan\.h$"), re.compile(r"^threading/balance/zoltan_partitioner\.cpp$")),
     ("MPI", re.compile(r"^mpi\.h$"),
-     re.compile(r"^threading/(mpi_.*|balance/zoltan_partitioner)\.cpp$|^tests/threading/.*\.cpp$")),
+     re.compile(r"^threading/(comm/mpi_.*|balance/zoltan_partitioner)\.cpp$|^tests/threading/.*\.cpp$")),
     ("OpenCASCADE", re.compile(r"\.hxx$"),
      re.compile(r"^core/cad/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^examples/make_demo_model/|^tests/(cad|support)/")),
     ("OpenMesh", re.compile(r"^OpenMesh/"),
@@ -94,6 +102,10 @@ def edge_violation(name, header):
     if name.startswith("include/") and "/" in header and not header.startswith("tetloom/"):
         return f"a public header may include public ones only, not {header}"
     room, target = room_of(name), room_of(header)
+    folder, target_folder = os.path.dirname(name), os.path.dirname(header)
+    allowed_folders = FOLDER_MAY_INCLUDE.get(folder)
+    if allowed_folders is not None and target_folder in FOLDER_MAY_INCLUDE.keys() - allowed_folders - {folder}:
+        return f"{folder} may not include {target_folder} ({header}): imports point downwards"
     if target in MAY_INCLUDE and "/" in header:
         if room in MAY_INCLUDE and target != room and target not in MAY_INCLUDE[room]:
             return f"{room} may not include {target} ({header}): imports point downwards"

@@ -2,7 +2,7 @@
 #include "tetloom/tasks.hpp"
 
 #include "core/base/disjoint_sets.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "tetloom/tasks.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 

@@ -5,7 +5,7 @@
 #include "adapt/parts/share.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 

@@ -9,7 +9,7 @@
 #include "adapt/kernel/side_splits.hpp"
 #include "adapt/parts/share.hpp"
 #include "adapt/parts/whole_mesh.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 

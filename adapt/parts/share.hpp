@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "adapt/parts/whole_mesh.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 

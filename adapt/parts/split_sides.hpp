@@ -4,7 +4,7 @@
 
 #include "adapt/kernel/side_splits.hpp"
 #include "adapt/parts/cut_parts.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 

@@ -12,7 +12,7 @@
 #include "tetloom/io.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -135,7 +135,7 @@ ExitStatus run_adapt(const AdaptCommand& command, Communicator& communicator) {
            .threads = TaskRunner(command.options.threads).threads(),
            .parts = std::max(1, command.options.parts),
            .ranks = &communicator});
-  return run.execute([&](Run& r) { adapt_input(command, communicator, r); });
+  return run.execute([&](Run& r) { adapt_input(command, r.ranks(), r); });
 }
 
 }  // namespace tetloom::app

@@ -10,7 +10,7 @@
 #include "tetloom/check.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -92,14 +92,13 @@ ExitStatus run_check(const CheckCommand& command, Communicator& communicator) {
            .ranks = &communicator});
   return run.execute([&](Run& r) {
     const TaskRunner runner(command.threads, r.host());
-    const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, runner, r);
+    const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, r.ranks(), runner, r);
     if (whole && whole->misfit) return tell_misfit(*whole, r);
-    run_on_first(communicator, [&] {
+    run_on_first(r.ranks(), [&] {
       whole ? check_whole(whole->mesh, render_parts(whole->figures), runner, r) : check_mesh(command, runner, r);
     });
     // A mesh that is not valid is noticed by the first rank alone, and all end alike.
-    r.report().status =
-        static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(r.report().status)));
+    r.report().status = static_cast<ExitStatus>(share_number(r.ranks(), static_cast<std::uint64_t>(r.report().status)));
   });
 }
 

@@ -7,7 +7,7 @@
 #include "tetloom/check.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -64,11 +64,11 @@ ExitStatus run_info(const InfoCommand& command, Communicator& communicator) {
            .ranks = &communicator});
   return run.execute([&](Run& r) {
     const TaskRunner runner(command.threads, r.host());
-    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, communicator, runner, r)) {
+    if (const std::optional<WholeOfParts> whole = read_whole_of_parts(command.input, r.ranks(), runner, r)) {
       if (whole->misfit) throw Error(*whole->misfit);
-      return run_on_first(communicator, [&] { describe_whole(whole->mesh, render_parts(whole->figures), runner, r); });
+      return run_on_first(r.ranks(), [&] { describe_whole(whole->mesh, render_parts(whole->figures), runner, r); });
     }
-    run_on_first(communicator, [&] {
+    run_on_first(r.ranks(), [&] {
       r.begin(Stage::Read);
       is_mesh_file(command.input) ? describe_mesh(command, runner, r) : describe_model(command, runner, r);
     });

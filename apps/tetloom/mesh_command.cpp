@@ -13,7 +13,7 @@
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -125,7 +125,7 @@ ExitStatus run_mesh(const MeshCommand& command, ModelReading& reading, Communica
            .threads = TaskRunner(command.options.threads).threads(),
            .parts = std::max(1, command.options.parts),
            .ranks = &communicator});
-  return run.execute([&](Run& r) { mesh_input(command, reading, communicator, r); });
+  return run.execute([&](Run& r) { mesh_input(command, reading, r.ranks(), r); });
 }
 
 }  // namespace tetloom::app

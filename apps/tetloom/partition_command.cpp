@@ -5,7 +5,7 @@
 #include "apps/tetloom/run.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -65,7 +65,7 @@ ExitStatus run_partition(const PartitionCommand& command, Communicator& communic
            .threads = TaskRunner(command.threads).threads(),
            .parts = static_cast<int>(command.balance.part_count),
            .ranks = &communicator});
-  return run.execute([&](Run& r) { partition(command, communicator, r); });
+  return run.execute([&](Run& r) { partition(command, r.ranks(), r); });
 }
 
 }  // namespace tetloom::app

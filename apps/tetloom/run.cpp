@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <new>
+#include <optional>
 #include <utility>
 
 #include "apps/tetloom/console.hpp"
 #include "core/io/atomic_file.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::app {
 
@@ -41,8 +41,7 @@ void Run::begin(Stage stage) {
 }
 
 void Run::begin_together(Stage stage) {
-  if (setup_.ranks == nullptr) return begin(stage);
-  run_on_all(*setup_.ranks, [&] { begin(stage); });
+  run_on_all(ranks(), [&] { begin(stage); });
 }
 
 ExitStatus Run::execute(const std::function<void(Run&)>& body) {
@@ -63,20 +62,15 @@ void Run::probe_outputs() const {
 }
 
 void Run::carry_out(const std::function<void(Run&)>& body) {
-  try {
-    if (setup_.ranks != nullptr) {
-      run_on_first(*setup_.ranks, [&] { probe_outputs(); });
-    } else {
-      probe_outputs();
-    }
-    body(*this);
-  } catch (const Error& error) {
-    add_failure(report_, error.diagnostic());
-  } catch (const std::bad_alloc&) {
-    add_failure(report_, {ErrorCode::OutOfMemory, "the memory is exhausted", {}, {}, {}});
-  } catch (const std::exception& error) {
-    add_failure(report_, {ErrorCode::Internal, std::string("unexpected error: ") + error.what(), {}, {}, {}});
-  }
+  const std::optional<Diagnostic> failure = failure_of([&] {
+    const SharedWork work(1, {.cancel = &cancel()}, setup_.ranks);
+    ranks_ = &work.ranks();
+    work.together([&] {
+      run_on_first(ranks(), [&] { probe_outputs(); });
+      body(*this);
+    });
+  });
+  if (failure) add_failure(report_, *failure);
 }
 
 // Of the stages so far, with the one that did not end, which has not been counted.

@@ -38,6 +38,8 @@ class Run {
   void begin(Stage stage);
   /// The same on all ranks, or cancelled on all of them. A collective call.
   void begin_together(Stage stage);
+  /// The ranks that carry out the body, for as long: what fails on one of them, anywhere, ends the body on all.
+  Communicator& ranks() const { return *ranks_; }
   /// What standard output gets when the run is over, unless it is quiet.
   void set_text(std::string text) { text_ = std::move(text); }
 
@@ -56,6 +58,7 @@ class Run {
 
   const RunSetup setup_;
   RunReport report_;
+  Communicator* ranks_ = nullptr;  // while the body is carried out
   std::string text_;
   StageClock clock_;
   ProgressDisplay display_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/support/svg_plot.hpp"
-#include "threading/replay.hpp"
+#include "threading/runtime/replay.hpp"
 
 namespace tetloom::bench {
 

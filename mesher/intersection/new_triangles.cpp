@@ -4,7 +4,7 @@
 #include <array>
 
 #include "tetloom/tasks.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {

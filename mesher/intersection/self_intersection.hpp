@@ -10,7 +10,7 @@
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -8,7 +8,7 @@
 #include "core/spatial/distances.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::intersection {
 

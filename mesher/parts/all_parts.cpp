@@ -1,8 +1,6 @@
 #include "mesher/parts/all_parts.hpp"
 
-#include <array>
-
-#include "threading/exchange.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -15,17 +13,11 @@ void AllParts::for_each_local(const char* name, const std::function<void(std::si
 bool AllParts::any_fault() const {
   std::uint64_t count = 0;
   for (const PartId part : states.local()) count += states.at(part).fault.any();
-  return sum(count) > 0;
+  return sum_over_ranks(communicator, count) > 0;
 }
 
-std::uint64_t AllParts::sum(std::uint64_t of_this_rank) const {
-  std::array<std::int64_t, 1> total{static_cast<std::int64_t>(of_this_rank)};
-  communicator.sum(total);
-  return static_cast<std::uint64_t>(total[0]);
-}
-
-std::vector<Message> AllParts::exchange(std::vector<Message> messages) const {
-  return tetloom::exchange(communicator, std::move(messages),
+std::vector<Message> AllParts::exchange(const std::function<std::vector<Message>()>& make) const {
+  return tetloom::exchange(communicator, make,
                            [&](PartId part) { return communicator.rank_of(part, states.part_count()); });
 }
 

@@ -23,21 +23,8 @@ struct AllParts {
   /// Calls body(i) for each part of this rank, side by side; recorded as one loop of this name. Not a collective call.
   void for_each_local(const char* name, const std::function<void(std::size_t)>& body) const;
   bool any_fault() const;
-  std::uint64_t sum(std::uint64_t of_this_rank) const;
-  /// As tetloom::exchange.
-  std::vector<Message> exchange(std::vector<Message> messages) const;
-  /// The lists of all ranks, one after the other.
-  template <class T>
-  std::vector<T> gather(std::span<const T> own) const {
-    MessageWriter writer;
-    writer.put_array<T>(own);
-    std::vector<T> all;
-    for (const Bytes& bytes : communicator.all_gather(writer.take())) {
-      const auto list = MessageReader(bytes).get_view<T>();
-      all.insert(all.end(), list.begin(), list.end());
-    }
-    return all;
-  }
+  /// What `make` makes for other parts, to the ranks that have them; as tetloom::exchange.
+  std::vector<Message> exchange(const std::function<std::vector<Message>()>& make) const;
   /// Not a collective call: all ranks have found the same.
   void set_fault(const std::string& message) const;
 };

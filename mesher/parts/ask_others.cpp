@@ -5,7 +5,7 @@
 
 #include "mesher/parts/own_points.hpp"
 #include "mesher/parts/shell_steps.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -76,7 +76,7 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
       learnt[i] = 1;
     });
   });
-  return parts.sum(static_cast<std::uint64_t>(std::count(learnt.begin(), learnt.end(), 1))) > 0;
+  return sum_over_ranks(parts.communicator, static_cast<std::uint64_t>(std::ranges::count(learnt, 1))) > 0;
 }
 
 }  // namespace
@@ -85,19 +85,17 @@ Asked ask_others(const AllParts& parts) {
   Asked asked;
   std::uint64_t tets = 0;
   for (const PartId part : parts.states.local()) tets += parts.states.at(part).doubts.size();
-  asked.tets = parts.sum(tets);
+  asked.tets = sum_over_ranks(parts.communicator, tets);
   while (asked.rounds < kMostRounds && !parts.any_fault()) {
     std::vector<Message> questions;
     run_on_all(parts.communicator, [&] {
       for (const PartId part : parts.states.local()) ask(parts, part, questions);
     });
-    if (parts.sum(questions.size()) == 0) return asked;
+    if (sum_over_ranks(parts.communicator, questions.size()) == 0) return asked;
     ++asked.rounds;
-    questions = parts.exchange(std::move(questions));
-    std::vector<Message> answers;
+    questions = parts.exchange([&] { return std::move(questions); });
     const std::size_t most = asked.rounds <= kRoundsOfNearest ? kNearest : std::numeric_limits<std::size_t>::max();
-    run_on_all(parts.communicator, [&] { answers = answer(parts, questions, most); });
-    if (!take_answers(parts, parts.exchange(std::move(answers)))) return asked;
+    if (!take_answers(parts, parts.exchange([&] { return answer(parts, questions, most); }))) return asked;
   }
   return asked;
 }

@@ -12,6 +12,7 @@
 #include "mesher/parts/near_box.hpp"
 #include "mesher/tets/acute_tets.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -134,7 +135,7 @@ bool all_faces_met(const AllParts& parts) {
     const auto& unmet = parts.states.at(part).unmet_names;
     names.insert(names.end(), unmet.begin(), unmet.end());
   }
-  names = parts.gather<std::uint64_t>(names);
+  names = gather_lists<std::uint64_t>(parts.communicator, names);
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());
   std::vector<std::int64_t> counts(names.size(), 0);

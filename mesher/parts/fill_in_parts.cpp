@@ -13,7 +13,8 @@
 #include "mesher/parts/strips.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -130,29 +131,31 @@ class Filler {
 
   // What all ranks know in the end: the figures of all parts, in their order, and what became of the surface.
   void take_figures(FilledParts& result) {
-    MessageWriter writer;
-    for (const PartId part : states_.local()) {
-      const PartState& state = states_.at(part);
-      volume::put_figures(writer, state.figures);
-      volume::put_text(writer, state.fault.message);
-      writer.put(static_cast<std::uint64_t>(state.seen_sides));
-      writer.put_array<ChangedTriangle>(state.changed_triangles);
-    }
+    const auto put = [&](MessageWriter& writer) {
+      for (const PartId part : states_.local()) {
+        const PartState& state = states_.at(part);
+        volume::put_figures(writer, state.figures);
+        put_text(writer, state.fault.message);
+        writer.put(static_cast<std::uint64_t>(state.seen_sides));
+        writer.put_array<ChangedTriangle>(state.changed_triangles);
+      }
+    };
     result.figures.parts.parts = states_.part_count();
     result.figures.parts.asking_rounds = asked_.rounds;
     result.figures.parts.asked = asked_.tets;
     result.tri_to_vert = input_.filling.complex.tri_to_vert;
     std::size_t seen = 0, wanted = 0;
-    for (const Bytes& bytes : communicator_.all_gather(writer.take())) {
-      for (MessageReader reader(bytes); !reader.at_end();) {
+    const auto take = [&](MessageReader& reader) {
+      while (!reader.at_end()) {
         result.figures.add(volume::get_figures(reader));
-        const std::string fault = volume::get_text(reader);
+        const std::string fault = get_text(reader);
         if (!result.fault.any()) result.fault.message = fault;
         seen += reader.get<std::uint64_t>();
         for (const ChangedTriangle& changed : reader.get_view<ChangedTriangle>())
           result.tri_to_vert[changed.triangle] = changed.verts;
       }
-    }
+    };
+    gather(communicator_, put, take);
     for (const FaceSides& sides : input_.filling.complex.tri_to_sides)
       wanted += std::size_t{sides.front.valid()} + std::size_t{sides.back.valid()};
     if (!result.fault.any() && seen != wanted) result.fault.message = "sides of the surface were left empty";

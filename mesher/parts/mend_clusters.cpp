@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -24,7 +24,7 @@ std::vector<std::uint32_t> gather_missing(const AllParts& parts) {
     state.figures.missing_triangles = state.missing.size();
     own.insert(own.end(), state.missing.begin(), state.missing.end());
   }
-  std::vector<std::uint32_t> all = parts.gather<std::uint32_t>(own);
+  std::vector<std::uint32_t> all = gather_lists<std::uint32_t>(parts.communicator, own);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -43,10 +43,13 @@ void send_neighborhood(const AllParts& parts, const Cluster& cluster, std::uint3
 }
 
 std::vector<Neighborhood> gather_neighborhoods(const AllParts& parts, const std::vector<Cluster>& clusters) {
-  std::vector<Message> messages;
-  for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(parts, clusters[c], c, messages);
+  const auto pack = [&] {
+    std::vector<Message> messages;
+    for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(parts, clusters[c], c, messages);
+    return messages;
+  };
   std::vector<Neighborhood> around(clusters.size());
-  for (const Message& message : parts.exchange(std::move(messages))) {
+  for (const Message& message : parts.exchange(pack)) {
     MessageReader reader(message.bytes);
     Neighborhood& one = around[reader.get<std::uint64_t>()];
     const auto points = reader.get_view<ShellPoint>();
@@ -68,7 +71,7 @@ std::vector<TetKeys> gather_removed(const AllParts& parts, const std::vector<Clu
     state.figures.recovery_points += patches[c].tets.new_points.size();
     if (!patches[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
   }
-  std::vector<TetKeys> removed = parts.gather<TetKeys>(own);
+  std::vector<TetKeys> removed = gather_lists<TetKeys>(parts.communicator, own);
   std::sort(removed.begin(), removed.end());
   return removed;
 }
@@ -76,17 +79,20 @@ std::vector<TetKeys> gather_removed(const AllParts& parts, const std::vector<Clu
 // The patches' tets to the parts that are to have them; those of this rank.
 std::vector<PatchTets> deal_patches(const AllParts& parts, const std::vector<Cluster>& clusters,
                                     std::span<const Patch> patches) {
-  std::vector<Message> messages;
-  for (std::uint32_t c = 0; c < clusters.size(); ++c) {
-    if (!parts.states.is_local(clusters[c].part)) continue;
-    for (const auto& [part, tets] : deal_patch(parts.input, patches[c].tets)) {
-      MessageWriter writer;
-      put(writer, tets);
-      messages.push_back({clusters[c].part, part, c, writer.take()});
+  const auto pack = [&] {
+    std::vector<Message> messages;
+    for (std::uint32_t c = 0; c < clusters.size(); ++c) {
+      if (!parts.states.is_local(clusters[c].part)) continue;
+      for (const auto& [part, tets] : deal_patch(parts.input, patches[c].tets)) {
+        MessageWriter writer;
+        put(writer, tets);
+        messages.push_back({clusters[c].part, part, c, writer.take()});
+      }
     }
-  }
+    return messages;
+  };
   std::vector<PatchTets> dealt;
-  for (const Message& message : parts.exchange(std::move(messages))) {
+  for (const Message& message : parts.exchange(pack)) {
     MessageReader reader(message.bytes);
     parts.states.at(message.to).patches.push_back(static_cast<std::uint32_t>(dealt.size()));
     dealt.push_back(get_patch(reader));

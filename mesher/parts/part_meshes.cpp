@@ -6,7 +6,7 @@
 #include "core/base/page_size.hpp"
 #include "core/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {
 
@@ -43,15 +43,15 @@ class Numberer {
 
   // A part says which vertices it uses; whoever made them hears it, and answers with their numbers.
   void run() {
-    std::vector<Message> used;
-    run_on_all(all_.communicator, [&] { used = find_used(); });
-    std::vector<Message> arrived = all_.exchange(std::move(used));
+    std::vector<Message> arrived = all_.exchange([&] { return find_used(); });
     for (const Message& message : arrived)
       for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>())
         numberings_.at(message.to).made[static_cast<std::uint32_t>(key)] = 0;
     number_made();
-    for (Message& message : arrived) answer(message);
-    std::vector<Message> answers = all_.exchange(std::move(arrived));
+    const std::vector<Message> answers = all_.exchange([&] {
+      for (Message& message : arrived) answer(message);
+      return std::move(arrived);
+    });
     std::vector<std::span<const Message>> part_to_answers;
     auto begin = answers.begin();
     for (const PartId part : parts_.local()) {
@@ -117,7 +117,8 @@ class Numberer {
       });
     });
     first_.assign(1, given_);
-    for (const std::uint64_t count : all_.gather<std::uint64_t>(counts)) first_.push_back(first_.back() + count);
+    for (const std::uint64_t count : gather_lists<std::uint64_t>(all_.communicator, counts))
+      first_.push_back(first_.back() + count);
     run_on_all(all_.communicator, [&] {
       all_.for_each_local("number points", [&](std::size_t i) {
         std::uint64_t next = first_[local[i].value];

@@ -12,7 +12,7 @@
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -9,7 +9,7 @@
 
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {

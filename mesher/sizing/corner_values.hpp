@@ -6,7 +6,7 @@
 #include "mesher/sizing/octree_builder.hpp"
 #include "mesher/sizing/target_field.hpp"
 #include "tetloom/size_field.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

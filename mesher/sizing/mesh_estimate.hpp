@@ -6,7 +6,7 @@
 #include "tetloom/mesh.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -8,7 +8,7 @@
 #include "core/spatial/bvh.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -8,7 +8,7 @@
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
 #include "tetloom/model.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

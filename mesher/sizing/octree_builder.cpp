@@ -8,7 +8,7 @@
 
 #include "core/spatial/morton.hpp"
 #include "tetloom/assert.hpp"
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {

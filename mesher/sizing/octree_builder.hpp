@@ -8,7 +8,7 @@
 #include "mesher/sizing/target_field.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

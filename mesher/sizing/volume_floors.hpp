@@ -5,7 +5,7 @@
 
 #include "mesher/sizing/size_targets.hpp"
 #include "tetloom/model.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

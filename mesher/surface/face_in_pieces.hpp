@@ -14,7 +14,7 @@
 
 #include "mesher/surface/face_cut.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -1,5 +1,7 @@
 #include "mesher/surface/face_messages.hpp"
 
+#include "threading/comm/codec.hpp"
+
 namespace tetloom {
 namespace {
 
@@ -17,7 +19,7 @@ void get_list(MessageReader& reader, std::vector<T>& values) {
 
 void put_face_mesh(MessageWriter& writer, const FaceMesh& face) {
   writer.put(face.verdict);
-  writer.put_array(std::span<const char>(face.message.data(), face.message.size()));
+  put_text(writer, face.message);
   put_list(writer, face.points);
   put_list(writer, face.tri_to_vert);
   put_list(writer, face.crossing_edges);
@@ -28,8 +30,7 @@ void put_face_mesh(MessageWriter& writer, const FaceMesh& face) {
 FaceMesh get_face_mesh(MessageReader& reader) {
   FaceMesh face;
   face.verdict = reader.get<FaceVerdict>();
-  const auto message = reader.get_view<char>();
-  face.message.assign(message.begin(), message.end());
+  face.message = get_text(reader);
   get_list(reader, face.points);
   get_list(reader, face.tri_to_vert);
   get_list(reader, face.crossing_edges);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/surface/face_mesher.hpp"
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 

@@ -15,7 +15,7 @@
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::volume {
 

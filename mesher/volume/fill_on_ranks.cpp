@@ -8,8 +8,8 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom::volume {
 
@@ -32,17 +32,18 @@ std::vector<int> deal_to_ranks(std::span<const std::size_t> complexes, std::span
 }
 
 void share_results(Communicator& communicator, std::span<const std::size_t> own, std::vector<FilledComplex>& filled) {
-  MessageWriter writer;
-  for (const std::size_t i : own) {
-    writer.put(static_cast<std::uint64_t>(i));
-    writer.put(filled[i].new_points);
-    writer.put(static_cast<std::uint64_t>(filled[i].part_count));
-    put_diagnostics(writer, filled[i].errors);
-    put_diagnostics(writer, filled[i].warnings);
-    put_figures(writer, filled[i].figures);
-  }
-  for (const Bytes& bytes : communicator.all_gather(writer.take())) {
-    for (MessageReader reader(bytes); !reader.at_end();) {
+  const auto put = [&](MessageWriter& writer) {
+    for (const std::size_t i : own) {
+      writer.put(static_cast<std::uint64_t>(i));
+      writer.put(filled[i].new_points);
+      writer.put(static_cast<std::uint64_t>(filled[i].part_count));
+      put_diagnostics(writer, filled[i].errors);
+      put_diagnostics(writer, filled[i].warnings);
+      put_figures(writer, filled[i].figures);
+    }
+  };
+  const auto take = [&](MessageReader& reader) {
+    while (!reader.at_end()) {
       FilledComplex& complex = filled[reader.get<std::uint64_t>()];
       complex.new_points = reader.get<std::uint64_t>();
       complex.part_count = reader.get<std::uint64_t>();
@@ -50,7 +51,8 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
       complex.warnings = get_diagnostics(reader);
       complex.figures = get_figures(reader);
     }
-  }
+  };
+  gather(communicator, put, take);
 }
 
 }  // namespace
@@ -92,15 +94,18 @@ std::vector<FilledComplex> fill_on_ranks(const VolumeInput& input, std::span<con
 std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
                                   Communicator& communicator) {
   const auto rank_of = [&](PartId part) { return communicator.rank_of(part, part_count); };
-  std::vector<Message> messages;
-  for (const NumberedPart& part : parts) {
-    if (rank_of(part.number) == communicator.rank()) continue;
-    MessageWriter writer;
-    put_part(writer, part.part);
-    messages.push_back({part.number, part.number, 0, writer.take()});
-  }
-  std::erase_if(parts, [&](const NumberedPart& part) { return rank_of(part.number) != communicator.rank(); });
-  for (Message& message : exchange(communicator, std::move(messages), rank_of)) {
+  const auto pack = [&] {
+    std::vector<Message> messages;
+    for (const NumberedPart& part : parts) {
+      if (rank_of(part.number) == communicator.rank()) continue;
+      MessageWriter writer;
+      put_part(writer, part.part);
+      messages.push_back({part.number, part.number, 0, writer.take()});
+    }
+    std::erase_if(parts, [&](const NumberedPart& part) { return rank_of(part.number) != communicator.rank(); });
+    return messages;
+  };
+  for (Message& message : exchange(communicator, pack, rank_of)) {
     MessageReader reader(message.bytes);
     parts.push_back({message.to, get_part(reader)});
   }

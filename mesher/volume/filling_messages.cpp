@@ -1,5 +1,7 @@
 #include "mesher/volume/filling_messages.hpp"
 
+#include "threading/comm/codec.hpp"
+
 namespace tetloom::volume {
 
 namespace {
@@ -41,23 +43,6 @@ void put_list(MessageWriter& writer, const std::vector<T>& values) {
   writer.put_array(std::span<const T>(values));
 }
 
-void put_entities(MessageWriter& writer, const std::vector<NamedEntity>& entities) {
-  writer.put(static_cast<std::uint64_t>(entities.size()));
-  for (const NamedEntity& named : entities) {
-    writer.put(named.entity);
-    put_text(writer, named.name);
-  }
-}
-
-std::vector<NamedEntity> get_entities(MessageReader& reader) {
-  std::vector<NamedEntity> entities(reader.get<std::uint64_t>());
-  for (NamedEntity& named : entities) {
-    named.entity = reader.get<ModelEntity>();
-    named.name = get_text(reader);
-  }
-  return entities;
-}
-
 void put_acute_tet(MessageWriter& writer, const AcuteTet& tet) {
   writer.put(tet.angle);
   writer.put(tet.point);
@@ -86,41 +71,6 @@ GrowingArray<T> get_growing(MessageReader& reader) {
 }
 
 }  // namespace
-
-void put_text(MessageWriter& writer, const std::string& text) {
-  writer.put_array(std::span<const char>(text.data(), text.size()));
-}
-
-std::string get_text(MessageReader& reader) {
-  const auto text = reader.get_view<char>();
-  return {text.begin(), text.end()};
-}
-
-void put_diagnostics(MessageWriter& writer, std::span<const Diagnostic> diagnostics) {
-  writer.put(static_cast<std::uint64_t>(diagnostics.size()));
-  for (const Diagnostic& diagnostic : diagnostics) {
-    writer.put(diagnostic.code);
-    put_text(writer, diagnostic.message);
-    put_entities(writer, diagnostic.entities);
-    writer.put(diagnostic.point.has_value());
-    writer.put(diagnostic.point.value_or(Vec3{}));
-    put_list(writer, diagnostic.elements);
-  }
-}
-
-std::vector<Diagnostic> get_diagnostics(MessageReader& reader) {
-  std::vector<Diagnostic> diagnostics(reader.get<std::uint64_t>());
-  for (Diagnostic& diagnostic : diagnostics) {
-    diagnostic.code = reader.get<ErrorCode>();
-    diagnostic.message = get_text(reader);
-    diagnostic.entities = get_entities(reader);
-    const bool has_point = reader.get<bool>();
-    const Vec3 point = reader.get<Vec3>();
-    if (has_point) diagnostic.point = point;
-    diagnostic.elements = reader.get_array<std::uint64_t>();
-  }
-  return diagnostics;
-}
 
 void put_figures(MessageWriter& writer, const FillingFigures& figures) {
   put_members(writer, figures, kFillingCounts);

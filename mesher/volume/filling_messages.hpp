@@ -5,12 +5,6 @@
 
 namespace tetloom::volume {
 
-void put_text(MessageWriter& writer, const std::string& text);
-std::string get_text(MessageReader& reader);
-
-void put_diagnostics(MessageWriter& writer, std::span<const Diagnostic> diagnostics);
-std::vector<Diagnostic> get_diagnostics(MessageReader& reader);
-
 void put_figures(MessageWriter& writer, const FillingFigures& figures);
 FillingFigures get_figures(MessageReader& reader);
 

@@ -9,8 +9,7 @@
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 
@@ -120,9 +119,8 @@ VolumeMesh gather_volume(const VolumeInput& input, VolumeParts&& parts, Communic
   mesh.errors = std::move(parts.errors);
   mesh.warnings = std::move(parts.warnings);
   mesh.figures = std::move(parts.figures);
-  std::vector<Message> messages;
-  run_on_all(communicator, [&] { messages = pack(parts, communicator, runner); });
-  messages = exchange(communicator, std::move(messages), [](PartId) { return 0; });
+  std::vector<Message> messages = exchange(
+      communicator, [&] { return pack(parts, communicator, runner); }, [](PartId) { return 0; });
   run_on_first(communicator, [&] {
     const TaskRunner wide = runner.with_idle_threads(communicator.ranks_on_machine());
     // Parts of the first rank come first; the others have arrived by their numbers.

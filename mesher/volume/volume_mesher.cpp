@@ -17,7 +17,7 @@
 #include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 

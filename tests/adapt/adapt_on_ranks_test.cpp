@@ -309,6 +309,31 @@ TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]"
   }
 }
 
+TEST_CASE("whatever a rank's metric throws is an error of the run, the same on all ranks", "[adapt][ranks]") {
+  const Mesh mesh = unit_cube(4);
+  for (const int ranks : {1, 2, 3})
+    for (int failing = 0; failing < ranks; ++failing) {
+      CAPTURE(ranks, failing);
+      std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+        const int rank = communicator.rank();
+        std::atomic<int> asked{0};
+        const auto metric = [&](const Vec3& x) {
+          if (rank == failing && ++asked > 500) throw 7;
+          return layered(x);
+        };
+        results[static_cast<std::size_t>(rank)] = adapt_mesh_on_ranks(mesh, metric, in_parts(500), communicator);
+      });
+      for (const AdaptResult& result : results) {
+        CHECK(result.status == AdaptStatus::Failed);
+        REQUIRE(result.errors.size() == 1);
+        CHECK(result.errors[0].code == ErrorCode::Internal);
+        CHECK(result.errors[0].message == "unexpected error of an unknown type");
+        CHECK(result.mesh.points.empty());
+      }
+    }
+}
+
 TEST_CASE("bad input is told alike by all ranks", "[adapt][ranks]") {
   const auto metric = [](const Vec3&) { return adapt::isotropic(0.3); };
   Mesh cube = unit_cube(3);

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/temporary_folder.hpp"
-#include "threading/replay.hpp"
+#include "threading/runtime/replay.hpp"
 
 using namespace tetloom;
 using bench::read_trace;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <new>
 #include <random>
+#include <stdexcept>
 
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/surface/surface_mesher.hpp"
@@ -58,7 +59,7 @@ std::unique_ptr<GeometricModel> three_bodies() {
 /// A surface alone, by all ranks; nothing is filled.
 MeshResult mesh_together(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                          const Host& host = {}) {
-  const auto no_filling = [](const VolumeInput&, const VolumeOptions&, const TaskRunner&, Mesh&) {
+  const auto no_filling = [](const VolumeInput&, const VolumeOptions&, const SharedWork&, Mesh&) {
     return FillingReport{};
   };
   return run_mesh(model, options, host, no_filling, &communicator);
@@ -168,6 +169,56 @@ TEST_CASE("where one rank runs out of memory, all of them say so") {
       REQUIRE(result.errors.size() == 1);
       CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
     }
+  }
+}
+
+TEST_CASE("whatever a rank throws at a face is an error of the run, the same on all ranks") {
+  const auto communicator = make_communicator();
+  const auto bodies = three_bodies();
+  const std::vector<std::pair<std::function<void()>, std::string>> throws{
+      {[] { throw std::length_error("too long"); }, "unexpected error: too long"},
+      {[] { throw std::runtime_error("odd"); }, "unexpected error: odd"},
+      {[] { throw 7; }, "unexpected error of an unknown type"}};
+  for (int failing = 0; failing < communicator->rank_count(); ++failing) {
+    for (const auto& [fail, message] : throws) {
+      CAPTURE(failing, message);
+      const ToldModel model(*bodies, [&, fail = fail](ModelFaceId) {
+        if (communicator->rank() == failing) fail();
+      });
+      MeshOptions options = of_surface(sizes_of(0.3));
+      options.surface_only = false;
+      for (const MeshResult& result :
+           {make_mesh_on_ranks(model, options, *communicator), make_mesh_in_parts(model, options, *communicator).run}) {
+        CHECK(result.status == MeshStatus::Failed);
+        REQUIRE(result.errors.size() == 1);
+        CHECK(result.errors[0].code == ErrorCode::Internal);
+        CHECK(result.errors[0].message == message);
+      }
+    }
+  }
+}
+
+TEST_CASE("what one rank throws late, in the volume stage as well, ends all of them") {
+  const auto communicator = make_communicator();
+  const auto bodies = three_bodies();
+  MeshOptions options = of_surface(sizes_of(0.15));
+  options.surface_only = false, options.tets_per_part = 2000;
+  for (int failing = 0; failing < communicator->rank_count(); ++failing) {
+    CAPTURE(failing);
+    std::atomic<int> asked{0}, last{std::numeric_limits<int>::max()};
+    const ToldModel model(*bodies, [&](ModelFaceId) {
+      if (communicator->rank() == failing && ++asked >= last) throw std::length_error("too long");
+    });
+    REQUIRE(make_mesh_in_parts(model, options, *communicator).run.status == MeshStatus::Ok);
+    last = std::max(1, asked.exchange(0) * 9 / 10);
+    const MeshResult result = make_mesh_in_parts(model, options, *communicator).run;
+    std::int64_t reached[] = {asked >= last ? 1 : 0};
+    communicator->sum(reached);
+    REQUIRE(reached[0] == 1);
+    CHECK(result.status == MeshStatus::Failed);
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].code == ErrorCode::Internal);
+    CHECK(result.errors[0].message == "unexpected error: too long");
   }
 }
 

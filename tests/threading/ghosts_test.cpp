@@ -1,5 +1,5 @@
 // Ghost layers against a search through the whole mesh.
-#include "threading/ghosts.hpp"
+#include "threading/parts/ghosts.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 

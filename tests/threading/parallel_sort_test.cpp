@@ -1,4 +1,4 @@
-#include "threading/parallel_sort.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>

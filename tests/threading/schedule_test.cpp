@@ -91,6 +91,31 @@ TEST_CASE("an exception at any step and part reaches the caller on all ranks, an
     }
 }
 
+TEST_CASE("whatever a step throws is an Error on all ranks, and the next run works") {
+  const auto communicator = make_communicator();
+  const std::size_t count = 5;
+  const std::vector<Graph> graphs{ring(count)};
+  const TaskRunner runner(2);
+  const std::vector<std::pair<std::function<void()>, ErrorCode>> throws{
+      {[] { throw std::length_error("too long"); }, ErrorCode::Internal},
+      {[] { throw std::bad_alloc(); }, ErrorCode::OutOfMemory},
+      {[] { throw 7; }, ErrorCode::Internal}};
+  for (const auto& [fail, code] : throws)
+    for (std::size_t part = 0; part < count; ++part) {
+      CAPTURE(part, code);
+      PartProgram program(*communicator, count, graphs, [&, fail = fail](std::uint32_t, PartTask& task) {
+        if (task.part() == PartId(part)) fail();
+      });
+      Schedule schedule(*communicator, runner, count);
+      const Diagnostic failure = error_of([&] { schedule.run(program.steps()); });
+      CHECK(failure.code == code);
+      CHECK_FALSE(failure.message.empty());
+      PartProgram next(*communicator, count, graphs);
+      schedule.run(next.steps());
+      CHECK(next.gathered() == serial_result(count, graphs));
+    }
+}
+
 TEST_CASE("of several exceptions the one of the earliest step and lowest part is reported") {
   const auto communicator = make_communicator();
   const TaskRunner runner(1);

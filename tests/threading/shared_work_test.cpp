@@ -1,11 +1,12 @@
 // Ranks that share the items of loops, and what becomes of one that fails.
-#include "threading/shared_work.hpp"
+#include "threading/comm/shared_work.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <new>
 #include <numeric>
+#include <stdexcept>
 
 #include "tests/support/simulated_ranks.hpp"
 #include "tests/threading/communicators.hpp"
@@ -182,13 +183,80 @@ TEST_CASE("what fails on one rank fails on all, with entities and place, whereve
     }
     const auto exhausted = outcome(work, [&] {
       run_loop(work);
-      if (here && communicator->rank_count() > 1) throw std::bad_alloc();
-      if (here) throw Error(ErrorCode::OutOfMemory, "");
+      if (here) throw std::bad_alloc();
       run_loop(work);
     });
     REQUIRE(exhausted);
     CHECK(exhausted->code == ErrorCode::OutOfMemory);
     CHECK_FALSE(outcome(work, [&] { run_loop(work); }));
+  }
+}
+
+TEST_CASE("whatever a rank throws, wherever, is the same Error on all of them") {
+  const std::vector<std::pair<std::function<void()>, std::string>> throws{
+      {[] { throw Error(ErrorCode::Internal, "as it is"); }, "as it is"},
+      {[] { throw std::length_error("too long"); }, "unexpected error: too long"},
+      {[] { throw std::runtime_error("odd"); }, "unexpected error: odd"},
+      {[] { throw 7; }, "unexpected error of an unknown type"},
+      {[] { throw std::string("text"); }, "unexpected error of an unknown type"}};
+  const auto check = [&](Communicator& communicator) {
+    const SharedWork work(2, {}, &communicator);
+    for (int failing = 0; failing < communicator.rank_count(); ++failing)
+      for (const auto& thrown : throws) {
+        const auto fail = [&] {
+          if (communicator.rank() == failing) thrown.first();
+        };
+        const auto require = [&](const std::function<void()>& body) {
+          const auto told = outcome(work, body);
+          if (!told || told->code != ErrorCode::Internal || told->message != thrown.second)
+            throw Error(ErrorCode::InvalidArgument, "another outcome than " + thrown.second);
+        };
+        std::int64_t sum[] = {1};
+        require(fail);
+        require([&] { run_loop(work, [&](std::size_t) { fail(); }), run_loop(work); });
+        require([&] { run_loop(work), fail(), run_loop(work); });
+        require([&] { fail(), work.ranks().sum(sum); });
+        require([&] { work.ranks().sum(sum), fail(), work.ranks().all_gather({}); });
+        require([&] { fail(), run_on_all(work.ranks(), [] {}); });
+        require([&] { run_on_all(work.ranks(), fail), run_loop(work); });
+        require([&] { run_on_first(work.ranks(), [] {}), fail(), share_number(work.ranks(), 3); });
+        require([&] { fail(), exchange(work.ranks(), [](std::span<MessageWriter> to) { to[0].put(1); }); });
+        require([&] { exchange(work.ranks(), [&](std::span<MessageWriter>) { fail(); }), run_loop(work); });
+        require([&] {
+          gather(
+              work.ranks(), [](MessageWriter&) {}, [&](MessageReader&) { fail(); }),
+              run_loop(work);
+        });
+        require([&] { fail(), work.together([&] { run_loop(work); }); });
+        require([&] { SharedWork(1, {}, &work.ranks()).together([&] { run_loop(work), fail(), run_loop(work); }); });
+      }
+  };
+  check(*make_communicator());
+  for (const int ranks : {1, 2, 5}) test::on_simulated_ranks(ranks, check);
+}
+
+TEST_CASE("a rank that throws between schedules, or in one, ends the others' schedules") {
+  const auto communicator = make_communicator();
+  const std::size_t count = 7;
+  const SharedWork work(2, {}, communicator.get());
+  for (int failing = 0; failing < communicator->rank_count(); ++failing) {
+    const auto fail = [&] {
+      if (communicator->rank() == failing) throw std::length_error("too long");
+    };
+    const auto run = [&](const std::function<void()>& body) {
+      PerPart<std::vector<PartId>> receivers(count, work.ranks().parts_of_rank(count));
+      for (const PartId part : receivers.local()) receivers.at(part) = {PartId((part.value + 1) % count)};
+      const Links links = directed_links(work.ranks(), receivers);
+      const std::vector<Step> steps{{"send", [&](PartTask&) { body(); }, links, {}},
+                                    {"take", [](PartTask&) {}, {}, {}}};
+      Schedule(work.ranks(), work.runner(), count).run(steps);
+    };
+    const auto told = outcome(work, [&] { run([] {}), fail(), run([] {}); });
+    REQUIRE(told);
+    CHECK(told->message == "unexpected error: too long");
+    if (!communicator->parts_of_rank(count).empty())
+      CHECK(outcome(work, [&] { run(fail); })->code == ErrorCode::Internal);
+    CHECK_FALSE(outcome(work, [&] { run([] {}); }));
   }
 }
 

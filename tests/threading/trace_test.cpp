@@ -8,7 +8,7 @@
 #include <set>
 
 #include "tests/support/temporary_folder.hpp"
-#include "threading/replay.hpp"
+#include "threading/runtime/replay.hpp"
 
 using namespace tetloom;
 

@@ -11,7 +11,7 @@
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
-#include "threading/idle_ranks.hpp"
+#include "threading/parts/idle_ranks.hpp"
 
 namespace tetloom {
 namespace {

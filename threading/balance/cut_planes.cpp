@@ -167,7 +167,7 @@ std::vector<std::array<std::uint64_t, 2>> PlaneChooser::find_ranges(std::span<co
       all[2 * i] = std::max(all[2 * i], -static_cast<double>(of_lane[i][0]));
       all[2 * i + 1] = std::max(all[2 * i + 1], static_cast<double>(of_lane[i][1]));
     }
-  items_.collectives().max(all);
+  items_.communicator().max(all);
   std::vector<Interval> ranges(size);
   for (std::size_t i = 0; i < size; ++i)
     ranges[i] = {static_cast<std::uint64_t>(-all[2 * i]), static_cast<std::uint64_t>(all[2 * i + 1])};
@@ -195,7 +195,7 @@ std::vector<std::int64_t> PlaneChooser::count_bins(std::span<const ItemSet> sets
   });
   for (std::size_t lane = 1; lane < sums.size(); ++lane)
     for (std::size_t i = 0; i < sums[0].size(); ++i) sums[0][i] += sums[lane][i];
-  items_.collectives().sum(sums[0]);
+  items_.communicator().sum(sums[0]);
   return std::move(sums[0]);
 }
 

@@ -62,8 +62,8 @@ bool has_fitting_arrays(const ItemBlock& block) {
 
 }  // namespace
 
-Items::Items(std::span<const ItemBlock> blocks, Collectives collectives, const TaskRunner& runner)
-    : blocks_(blocks), collectives_(collectives), runner_(&runner) {
+Items::Items(std::span<const ItemBlock> blocks, Communicator& communicator, const TaskRunner& runner)
+    : blocks_(blocks), communicator_(&communicator), runner_(&runner) {
   for (std::uint32_t b = 0; b < blocks.size(); ++b)
     for (std::size_t begin = 0; begin < blocks[b].points.size(); begin += kChunk)
       chunks_.push_back({b, begin, std::min(begin + kChunk, blocks[b].points.size())});
@@ -89,7 +89,7 @@ void Items::find_extent() {
   Extent all;
   for (const Extent& extent : extents) all.merge(extent);
   if (!fitting) all.bad() = 1;
-  collectives_.max(all.values);
+  communicator_->max(all.values);
   if (all.bad() > 0)
     throw Error(ErrorCode::InvalidArgument,
                 "items to be dealt to parts need finite places, positive finite weights and arrays of one length");
@@ -142,7 +142,7 @@ std::vector<std::int64_t> Items::sum_over_items(
   sums[0].resize(size);
   for (std::size_t lane = 1; lane < count; ++lane)
     for (std::size_t i = 0; i < sums[lane].size(); ++i) sums[0][i] += sums[lane][i];
-  collectives_.sum(sums[0]);
+  communicator_->sum(sums[0]);
   return std::move(sums[0]);
 }
 

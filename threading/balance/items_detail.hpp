@@ -1,5 +1,5 @@
 #pragma once
-// What the geometric partitioners share: loops over all items, exact weights, quantised places, collectives.
+// What the geometric partitioners share: loops over all items, exact weights, quantised places.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,21 +11,6 @@
 #include "threading/balance/partitioners.hpp"
 
 namespace tetloom::balance_detail {
-
-/// Sums and maxima over the ranks, or over this one alone.
-class Collectives {
- public:
-  explicit Collectives(Communicator* communicator) : communicator_(communicator) {}
-  void sum(std::span<std::int64_t> values) const {
-    if (communicator_) communicator_->sum(values);
-  }
-  void max(std::span<double> values) const {
-    if (communicator_) communicator_->max(values);
-  }
-
- private:
-  Communicator* communicator_;
-};
 
 /// A stretch of one block.
 struct Chunk {
@@ -63,12 +48,12 @@ struct Frame {
 class Items {
  public:
   /// Checks the input. Errors: InvalidArgument, on all ranks alike.
-  Items(std::span<const ItemBlock> blocks, Collectives collectives, const TaskRunner& runner);
+  Items(std::span<const ItemBlock> blocks, Communicator& communicator, const TaskRunner& runner);
 
   std::span<const ItemBlock> blocks() const { return blocks_; }
   const Frame& frame() const { return frame_; }
   const TaskRunner& runner() const { return *runner_; }
-  const Collectives& collectives() const { return collectives_; }
+  Communicator& communicator() const { return *communicator_; }
   std::int64_t count() const { return count_; }    ///< on all ranks
   std::int64_t weight() const { return weight_; }  ///< of all items, in multiples
 
@@ -85,7 +70,7 @@ class Items {
   void add_up();
 
   std::span<const ItemBlock> blocks_;
-  Collectives collectives_;
+  Communicator* communicator_;
   const TaskRunner* runner_;
   std::vector<Chunk> chunks_;
   Frame frame_;

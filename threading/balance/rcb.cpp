@@ -57,7 +57,7 @@ void split_rcb(const Items& items, TargetRange range, CutPlanes planes) {
 void partition_rcb(std::span<const ItemBlock> blocks, std::uint32_t part_count, Communicator& communicator,
                    const TaskRunner& runner, CutPlanes planes) {
   balance_detail::check_part_count(part_count);
-  const balance_detail::Items items(blocks, balance_detail::Collectives(&communicator), runner);
+  const balance_detail::Items items(blocks, communicator, runner);
   balance_detail::split_rcb(items, {0, part_count}, planes);
 }
 
@@ -65,7 +65,8 @@ void split_blocks_rcb(std::span<const ItemBlock> blocks, std::span<const TargetR
                       CutPlanes planes) {
   balance_detail::check_ranges(blocks, ranges);
   runner.for_each(blocks.size(), [&](std::size_t b) {
-    const balance_detail::Items items(blocks.subspan(b, 1), balance_detail::Collectives(nullptr), runner);
+    const auto alone = make_thread_communicator();
+    const balance_detail::Items items(blocks.subspan(b, 1), *alone, runner);
     balance_detail::split_rcb(items, ranges[b], planes);
   });
 }

@@ -50,15 +50,15 @@ void split_sfc(const Items& items, TargetRange range) {
 void partition_sfc(std::span<const ItemBlock> blocks, std::uint32_t part_count, Communicator& communicator,
                    const TaskRunner& runner) {
   balance_detail::check_part_count(part_count);
-  balance_detail::split_sfc(balance_detail::Items(blocks, balance_detail::Collectives(&communicator), runner),
-                            {0, part_count});
+  balance_detail::split_sfc(balance_detail::Items(blocks, communicator, runner), {0, part_count});
 }
 
 void split_blocks_sfc(std::span<const ItemBlock> blocks, std::span<const TargetRange> ranges,
                       const TaskRunner& runner) {
   balance_detail::check_ranges(blocks, ranges);
   runner.for_each(blocks.size(), [&](std::size_t b) {
-    const balance_detail::Items items(blocks.subspan(b, 1), balance_detail::Collectives(nullptr), runner);
+    const auto alone = make_thread_communicator();
+    const balance_detail::Items items(blocks.subspan(b, 1), *alone, runner);
     balance_detail::split_sfc(items, ranges[b]);
   });
 }

@@ -4,7 +4,7 @@
 #include "tetloom/tasks.hpp"
 #include "threading/balance/graph_partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
-#include "threading/neighbor_writers_detail.hpp"
+#include "threading/comm/neighbor_writers.hpp"
 #ifdef TETLOOM_MPI
 #include "threading/balance/zoltan_partitioner.hpp"
 #endif

@@ -5,7 +5,7 @@
 #include "core/part/adjacency.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/residence_detail.hpp"
+#include "threading/parts/residence_detail.hpp"
 
 namespace tetloom {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "tetloom/assert.hpp"
-#include "threading/agreement.hpp"
-#include "threading/frame_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/comm/frame_detail.hpp"
 
 namespace tetloom {
 

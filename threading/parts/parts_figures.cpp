@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "threading/agreement.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 namespace {

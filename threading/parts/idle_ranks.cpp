@@ -1,4 +1,4 @@
-#include "threading/idle_ranks.hpp"
+#include "threading/parts/idle_ranks.hpp"
 
 #include <algorithm>
 

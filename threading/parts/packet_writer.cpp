@@ -2,14 +2,11 @@
 #include <numeric>
 
 #include "core/part/adjacency.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
-
-void put_text(MessageWriter& writer, const std::string& text) {
-  writer.put_array(std::span<const char>(text.data(), text.size()));
-}
 
 void put_entity(MessageWriter& writer, const PartEntity& entity) {
   writer.put(PackedEntity(entity.entity));

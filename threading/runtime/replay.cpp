@@ -1,4 +1,4 @@
-#include "threading/replay.hpp"
+#include "threading/runtime/replay.hpp"
 
 #include <algorithm>
 #include <cmath>

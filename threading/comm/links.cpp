@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tetloom/tasks.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 
@@ -10,18 +11,15 @@ namespace {
 
 using Pair = std::pair<PartId, PartId>;  // receiver, sender
 
-Bytes pack_pairs(const PerPart<std::vector<PartId>>& receivers) {
-  MessageWriter writer;
+void put_pairs(const PerPart<std::vector<PartId>>& receivers, MessageWriter& writer) {
   for (const PartId from : receivers.local())
     for (const PartId to : receivers.at(from)) {
       writer.put(to);
       writer.put(from);
     }
-  return writer.take();
 }
 
-void unpack_pairs(const Bytes& bytes, const PerPart<std::vector<PartId>>& local, std::vector<Pair>& pairs) {
-  MessageReader reader(bytes);
+void take_pairs(MessageReader& reader, const PerPart<std::vector<PartId>>& local, std::vector<Pair>& pairs) {
   while (!reader.at_end()) {
     const auto to = reader.get<PartId>(), from = reader.get<PartId>();
     TETLOOM_ASSERT(to.value < local.part_count());
@@ -59,9 +57,14 @@ Links neighbour_links(std::function<std::span<const PartId>(PartId)> neighbours)
 
 Links directed_links(Communicator& communicator, const PerPart<std::vector<PartId>>& receivers) {
   std::vector<Pair> pairs;
-  for (const Bytes& bytes : communicator.all_gather(pack_pairs(receivers))) unpack_pairs(bytes, receivers, pairs);
-  std::sort(pairs.begin(), pairs.end());
-  const auto lists = std::make_shared<const SenderLists>(make_sender_lists(receivers.local(), pairs));
+  gather(
+      communicator, [&](MessageWriter& writer) { put_pairs(receivers, writer); },
+      [&](MessageReader& reader) { take_pairs(reader, receivers, pairs); });
+  std::shared_ptr<const SenderLists> lists;
+  run_on_all(communicator, [&] {
+    std::sort(pairs.begin(), pairs.end());
+    lists = std::make_shared<const SenderLists>(make_sender_lists(receivers.local(), pairs));
+  });
   return {[&receivers](PartId part) { return std::span<const PartId>(receivers.at(part)); },
           [lists](PartId part) { return lists->of(part); }};
 }

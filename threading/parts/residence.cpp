@@ -3,8 +3,8 @@
 
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/exchange.hpp"
-#include "threading/residence_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/residence_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -58,10 +58,9 @@ class Homes {
     std::uint64_t highest = 0;
     for (const PartId part : mesh.local())
       if (!candidates.at(part).empty()) highest = std::max(highest, candidates.at(part).back().global);
-    MessageWriter writer;
-    writer.put(highest);
-    for (const Bytes& bytes : communicator.all_gather(writer.take()))
-      highest = std::max(highest, MessageReader(bytes).get<std::uint64_t>());
+    gather(
+        communicator, [&](MessageWriter& writer) { writer.put(highest); },
+        [&](MessageReader& reader) { highest = std::max(highest, reader.get<std::uint64_t>()); });
     width_ = highest / count_ + 1;
   }
   std::size_t count() const { return count_; }
@@ -94,16 +93,19 @@ Claims collect_claims(const PartitionedMesh& mesh, const PerPart<std::vector<Can
 void send_claims_home(Communicator& communicator, const Homes& homes, Claims& claims) {
   const auto self = PartId(static_cast<std::size_t>(communicator.rank()));
   const auto rank_of = [](PartId rank) { return static_cast<int>(rank.value); };
-  std::vector<Message> outgoing;
-  for (std::size_t bucket = 0; bucket < claims.size(); ++bucket) {
-    const auto home = PartId(static_cast<std::size_t>(homes.rank_of_bucket(bucket)));
-    if (home == self || claims[bucket].empty()) continue;
-    MessageWriter writer;
-    writer.put_array(std::span<const Claim>(claims[bucket]));
-    outgoing.push_back({self, home, static_cast<std::uint32_t>(bucket), writer.take()});
-    claims[bucket] = std::vector<Claim>();
-  }
-  for (const Message& message : exchange(communicator, std::move(outgoing), rank_of)) {
+  const auto pack = [&] {
+    std::vector<Message> outgoing;
+    for (std::size_t bucket = 0; bucket < claims.size(); ++bucket) {
+      const auto home = PartId(static_cast<std::size_t>(homes.rank_of_bucket(bucket)));
+      if (home == self || claims[bucket].empty()) continue;
+      MessageWriter writer;
+      writer.put_array(std::span<const Claim>(claims[bucket]));
+      outgoing.push_back({self, home, static_cast<std::uint32_t>(bucket), writer.take()});
+      claims[bucket] = std::vector<Claim>();
+    }
+    return outgoing;
+  };
+  for (const Message& message : exchange(communicator, pack, rank_of)) {
     const auto view = MessageReader(message.bytes).get_view<Claim>();
     claims[message.step].insert(claims[message.step].end(), view.begin(), view.end());
   }
@@ -131,20 +133,23 @@ void send_answers_back(const PartitionedMesh& mesh, Answers& answers) {
   Communicator& communicator = *mesh.communicator;
   const auto self = PartId(static_cast<std::size_t>(communicator.rank()));
   const auto rank_of = [](PartId rank) { return static_cast<int>(rank.value); };
-  std::vector<Message> outgoing;
-  for (std::size_t bucket = 0; bucket < answers.size(); ++bucket) {
-    std::vector<std::vector<Answer>> by_rank(static_cast<std::size_t>(communicator.rank_count()));
-    for (const Answer& answer : answers[bucket])
-      by_rank[static_cast<std::size_t>(communicator.rank_of(answer.to, mesh.part_count()))].push_back(answer);
-    for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
-      if (rank == self.value || by_rank[rank].empty()) continue;
-      MessageWriter writer;
-      writer.put_array(std::span<const Answer>(by_rank[rank]));
-      outgoing.push_back({self, PartId(rank), static_cast<std::uint32_t>(bucket), writer.take()});
+  const auto pack = [&] {
+    std::vector<Message> outgoing;
+    for (std::size_t bucket = 0; bucket < answers.size(); ++bucket) {
+      std::vector<std::vector<Answer>> by_rank(static_cast<std::size_t>(communicator.rank_count()));
+      for (const Answer& answer : answers[bucket])
+        by_rank[static_cast<std::size_t>(communicator.rank_of(answer.to, mesh.part_count()))].push_back(answer);
+      for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
+        if (rank == self.value || by_rank[rank].empty()) continue;
+        MessageWriter writer;
+        writer.put_array(std::span<const Answer>(by_rank[rank]));
+        outgoing.push_back({self, PartId(rank), static_cast<std::uint32_t>(bucket), writer.take()});
+      }
+      answers[bucket] = std::move(by_rank[self.value]);
     }
-    answers[bucket] = std::move(by_rank[self.value]);
-  }
-  for (const Message& message : exchange(communicator, std::move(outgoing), rank_of)) {
+    return outgoing;
+  };
+  for (const Message& message : exchange(communicator, pack, rank_of)) {
     const auto view = MessageReader(message.bytes).get_view<Answer>();
     answers[message.step].insert(answers[message.step].end(), view.begin(), view.end());
   }

@@ -1,12 +1,12 @@
-#include "threading/ghosts.hpp"
+#include "threading/parts/ghosts.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/neighbor_writers_detail.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/neighbor_writers.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom {
 namespace {

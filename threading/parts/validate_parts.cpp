@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <unordered_set>
 
-#include "threading/residence_detail.hpp"
+#include "threading/parts/residence_detail.hpp"
 
 namespace tetloom {
 namespace {

@@ -3,7 +3,8 @@
 #include <unordered_set>
 
 #include "core/part/adjacency.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -20,11 +21,6 @@ struct PacketView {
   std::array<std::span<const std::uint32_t>, 3> boundary_verts, boundary_entities;
   std::vector<PartEntity> entities;
 };
-
-std::string get_text(MessageReader& reader) {
-  const auto view = reader.get_view<char>();
-  return {view.begin(), view.end()};
-}
 
 PartEntity get_entity(MessageReader& reader) {
   PartEntity entity;

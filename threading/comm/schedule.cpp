@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "threading/schedule_state_detail.hpp"
+#include "threading/comm/schedule_state_detail.hpp"
 
 namespace tetloom {
 

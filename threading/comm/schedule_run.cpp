@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/schedule_state_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/comm/schedule_state_detail.hpp"
 
 namespace tetloom {
 
@@ -62,7 +62,6 @@ void Schedule::State::Run::prepare() {
 
 // Throws what the lowest rank gives that gives an error; all ranks call it, and one of them gives one.
 void Schedule::State::Run::fail_together(const std::exception_ptr& error) const {
-  if (state_.communicator.rank_count() == 1) std::rethrow_exception(error);
   agree(state_.communicator, error ? failure_of([&] { std::rethrow_exception(error); }) : std::nullopt);
 }
 
@@ -262,7 +261,7 @@ void Schedule::State::Run::report() const {
   std::int64_t sums[2] = {error && !only_cancelled, only_cancelled};
   state_.communicator.sum(sums);
   if (sums[0] != 0) fail_together(only_cancelled ? nullptr : error);
-  if (error) std::rethrow_exception(error);
+  if (error) throw Error(*failure_of([&] { std::rethrow_exception(error); }));
   if (sums[1] != 0) throw Error(ErrorCode::Cancelled, "cancelled by the host");
 }
 

@@ -10,6 +10,7 @@
 
 #include "tetloom/communicator.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 
@@ -22,22 +23,22 @@ struct SharedItems {
 
 /// The threads of this rank, and the ranks that share its work: none but this one where there is no communicator.
 ///
-/// All ranks call `together` with the same work, and in there the same loops in the same order; between these each does
-/// for itself what is not worth a message. Whatever a rank throws in there, inside or outside of loops, ends the call
-/// on all ranks with the same Error: that of the lowest rank with one. Ranks inside a loop stop early then. A wish of
-/// one rank's host to stop is such an error, of code Cancelled.
+/// All ranks call `together` with the same work, and in there the same loops and collective calls in the same order;
+/// between these each does for itself what is not worth a message. Whatever a rank throws in there, of any type, inside
+/// or outside of loops, ends the call on all ranks with the same Error: that of the lowest rank with one. Ranks inside
+/// a loop stop early then. A wish of one rank's host to stop is such an error, of code Cancelled.
 ///
 /// A small value; copies are the same. Thread safety: one call at a time.
 class SharedWork {
  public:
   /// Not shared. Refers to `runner`.
-  SharedWork(const TaskRunner& runner) : runner_(&runner) {}
+  SharedWork(const TaskRunner& runner);
   /// Shared with the ranks of `ranks`, where that is not null and has more than one. Refers to it, and to `trace`.
   SharedWork(int threads, const Host& host, Communicator* ranks, Trace* trace = nullptr);
 
   const TaskRunner& runner() const { return *runner_; }
 
-  /// Errors: what `work` throws; where it is shared, an Error with the diagnostic of what one rank's work threw.
+  /// Errors: what failure_of says of `work`, of the lowest rank where it says something.
   void together(const std::function<void()>& work) const;
 
   /// Carries out all items, each on one rank, largest first. Pre: the same `work` on all ranks.
@@ -54,30 +55,33 @@ class SharedWork {
 
   // What follows is for ranks that have something of their own; in `together` only.
 
-  int rank() const;
-  int rank_count() const;  ///< 1 where nothing is shared
+  /// For collective calls, schedules and meshes in parts. Each call of it that is collective first finds out whether a
+  /// rank has failed since the last one, and throws the same Error on all ranks then. Valid as long as this is.
+  Communicator& ranks() const { return *communicator_; }
+  int rank() const { return ranks().rank(); }
+  int rank_count() const { return ranks().rank_count(); }  ///< 1 where nothing is shared
   /// With the threads of all ranks on this machine: for what one of them does while the others wait.
-  TaskRunner runner_for_one() const;
-  /// Each rank does `work` of its own, with nothing of this class in it. Afterwards all have done theirs.
+  TaskRunner runner_for_one() const { return runner_->with_idle_threads(ranks().ranks_on_machine()); }
+  /// Each rank does `work` of its own, with nothing of this class in it. Afterwards all have done theirs. As
+  /// run_on_all, with loops of `runner()` that stop early where another rank fails.
   void each(const std::function<void()>& work) const;
-  /// Of what the ranks give, value by value.
-  void sum(std::span<std::int64_t> values) const;
-  void max(std::span<double> values) const;
-  /// What each rank has put, by rank.
-  std::vector<Bytes> all_gather(const std::function<void(MessageWriter&)>& put) const;
-  /// Each rank puts something for every rank, this one among them; returns what was put for this one, by rank.
-  std::vector<Bytes> exchange(const std::function<void(std::span<MessageWriter>)>& put) const;
+  /// As in collectives.hpp, where `put` stops early, too.
+  void sum(std::span<std::int64_t> values) const { ranks().sum(values); }
+  void max(std::span<double> values) const { ranks().max(values); }
+  std::vector<Bytes> all_gather(const Put& put) const;
+  std::vector<Bytes> exchange(const PutForRanks& put) const;
 
  private:
-  struct Ranks;
+  class Ranks;
 
-  bool is_shared() const { return ranks_ != nullptr; }
+  bool is_shared() const { return shared_ != nullptr; }
   void meet(const std::function<void()>& work) const;
-  void agreed(const std::function<void(Communicator&)>& call) const;
+  Communicator& after_meeting() const;
   std::vector<std::size_t> own_items(std::span<const double> work, std::vector<int>& owners) const;
   void carry_out(std::span<const double> work, std::span<const std::size_t> own, const SharedItems& items) const;
 
-  std::shared_ptr<Ranks> ranks_;
+  std::shared_ptr<Communicator> communicator_;
+  Ranks* shared_ = nullptr;  // the same, where there are several
   std::shared_ptr<const TaskRunner> own_runner_;
   const TaskRunner* runner_;
 };

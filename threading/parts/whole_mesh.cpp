@@ -4,36 +4,37 @@
 #include <numeric>
 
 #include "core/part/convert.hpp"
-#include "threading/agreement.hpp"
-#include "threading/exchange.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom {
 namespace {
 
 // Fields are the same on all ranks; rank 0 knows them.
 void share_fields(PartitionedMesh& mesh) {
-  MessageWriter writer;
-  if (mesh.communicator->rank() == 0) {
-    const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
-    const auto put = [&](const std::string& name, int components) {
-      writer.put_array(std::span<const char>(name.data(), name.size()));
-      writer.put(components);
+  const auto put = [&](MessageWriter& writer) {
+    const auto put_fields = [&](const auto& fields) {
+      writer.put(static_cast<std::uint64_t>(fields.size()));
+      for (const auto& field : fields) {
+        put_text(writer, field.name);
+        writer.put(field.components);
+      }
     };
-    writer.put(static_cast<std::uint64_t>(part.vertex_fields.size()));
-    for (const VertexField& field : part.vertex_fields) put(field.name, field.components);
-    writer.put(static_cast<std::uint64_t>(part.cell_fields.size()));
-    for (const CellField& field : part.cell_fields) put(field.name, field.components);
-  }
-  const std::vector<Bytes> all = mesh.communicator->all_gather(writer.take());
-  MessageReader reader(all[0]);
-  for (std::vector<FieldInfo>* fields : {&mesh.vertex_fields, &mesh.cell_fields}) {
-    const auto count = reader.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const auto name = reader.get_view<char>();
-      fields->push_back({{name.begin(), name.end()}, reader.get<int>()});
+    const PartMesh& part = mesh.parts.at(PartId(0)).mesh;
+    put_fields(part.vertex_fields);
+    put_fields(part.cell_fields);
+  };
+  const auto take = [&](MessageReader& reader) {
+    for (std::vector<FieldInfo>* fields : {&mesh.vertex_fields, &mesh.cell_fields}) {
+      const auto count = reader.get<std::uint64_t>();
+      for (std::uint64_t i = 0; i < count; ++i) {
+        std::string name = get_text(reader);
+        fields->push_back({std::move(name), reader.get<int>()});
+      }
     }
-  }
+  };
+  share_from_first(*mesh.communicator, put, take);
 }
 
 // All of a part, for the only one.
@@ -64,11 +65,12 @@ void gather_in_one_part(PartitionedMesh& mesh, const TaskRunner& runner) {
 Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner) {
   Communicator& communicator = *mesh.communicator;
   const auto local = mesh.local();
-  std::vector<Message> packets(local.size());
-  run_on_all(communicator, [&] {
+  const auto pack = [&] {
+    std::vector<Message> packets(local.size());
     runner.for_each(local.size(), [&](std::size_t i) { packets[i] = pack_whole(mesh.parts.at(local[i]), local[i]); });
-  });
-  packets = exchange(communicator, std::move(packets), [](PartId) { return 0; });
+    return packets;
+  };
+  std::vector<Message> packets = exchange(communicator, pack, [](PartId) { return 0; });
   Mesh whole;
   run_on_first(communicator, [&] { whole = make_mesh(detail::merge_packets(packets, mesh)); });
   return whole;

@@ -5,8 +5,8 @@
 #include "core/part/convert.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/parts_io_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom::detail {
 namespace {

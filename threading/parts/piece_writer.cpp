@@ -7,8 +7,9 @@
 #include "core/part/convert.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/agreement.hpp"
-#include "threading/parts_io_detail.hpp"
+#include "threading/comm/codec.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -30,13 +31,11 @@ std::vector<std::uint64_t> sorted_globals(const PartMesh& part) {
 
 /// The folder's name as rank 0 made it.
 std::filesystem::path share_path(Communicator& communicator, const std::filesystem::path& own) {
-  const std::string text = own.string();
-  MessageWriter writer;
-  writer.put_array(std::span<const char>(text.data(), text.size()));
-  const std::vector<Bytes> all = communicator.all_gather(writer.take());
-  MessageReader reader(all[0]);
-  const auto view = reader.get_view<char>();
-  return std::string(view.begin(), view.end());
+  std::string text;
+  share_from_first(
+      communicator, [&](MessageWriter& writer) { put_text(writer, own.string()); },
+      [&](MessageReader& reader) { text = get_text(reader); });
+  return text;
 }
 
 std::vector<PieceList::Field> list_fields(const std::vector<FieldInfo>& fields) {

@@ -5,8 +5,8 @@
 
 #include "core/io/mesh_parts.hpp"
 #include "tetloom/io.hpp"
-#include "threading/agreement.hpp"
-#include "threading/parts_io_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/parts_io_detail.hpp"
 
 namespace tetloom {
 namespace {

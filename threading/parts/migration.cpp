@@ -6,9 +6,9 @@
 #include <numeric>
 #include <optional>
 
-#include "threading/exchange.hpp"
-#include "threading/idle_ranks.hpp"
-#include "threading/packet_detail.hpp"
+#include "threading/comm/collectives.hpp"
+#include "threading/parts/idle_ranks.hpp"
+#include "threading/parts/packet_detail.hpp"
 
 namespace tetloom {
 namespace {
@@ -109,15 +109,15 @@ MigrationFigures migrate(PartitionedMesh& mesh, PerPart<Destinations> destinatio
 
   // From here on the packets are the mesh.
   const MigrationFigures figures = sum_figures(mesh, packings);
-  std::vector<Message> outgoing;
-  for (const PartId part : mesh.local())
-    std::move(packings.at(part).packets.begin(), packings.at(part).packets.end(), std::back_inserter(outgoing));
   Communicator& communicator = *mesh.communicator;
-  mesh.parts = PerPart<Part>(part_count, communicator.parts_of_rank(part_count));
-  unpack_all(
-      mesh,
-      exchange(communicator, std::move(outgoing), [&](PartId part) { return communicator.rank_of(part, part_count); }),
-      runner, trace);
+  const auto take_packets = [&] {
+    std::vector<Message> outgoing;
+    for (const PartId part : mesh.local()) std::ranges::move(packings.at(part).packets, std::back_inserter(outgoing));
+    mesh.parts = PerPart<Part>(part_count, communicator.parts_of_rank(part_count));
+    return outgoing;
+  };
+  const auto rank_of = [&](PartId part) { return communicator.rank_of(part, part_count); };
+  unpack_all(mesh, exchange(communicator, take_packets, rank_of), runner, trace);
   link_parts(mesh, runner, trace);
   return figures;
 }

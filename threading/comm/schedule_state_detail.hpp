@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "tetloom/tasks.hpp"
-#include "threading/link_table_detail.hpp"
+#include "threading/comm/link_table_detail.hpp"
 
 namespace tetloom {
 

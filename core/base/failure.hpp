@@ -1,0 +1,14 @@
+#pragma once
+// What a call threw, as a value.
+#include <functional>
+#include <optional>
+
+#include "tetloom/error.hpp"
+
+namespace tetloom {
+
+/// What `work` throws: an Error as it is, lack of memory as OutOfMemory, whatever else as Internal, with a message.
+/// None where it throws nothing.
+std::optional<Diagnostic> failure_of(const std::function<void()>& work);
+
+}  // namespace tetloom
