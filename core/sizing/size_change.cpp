@@ -1,5 +1,7 @@
 #include "core/sizing/size_change.hpp"
 
+#include <span>
+
 namespace tetloom {
 namespace {
 
@@ -11,28 +13,53 @@ std::vector<SizeLeaf> list_leaves(const SizeField& field) {
   return leaves;
 }
 
-bool contains(const Box3& outer, const Box3& inner) { return outer.contains(inner.lo) && outer.contains(inner.hi); }
+// Cells of one octree lie in each other or apart, but for rounding: corners of the same grid are computed in other ways
+// at other depths.
+bool contains(const Box3& outer, const Box3& inner) {
+  constexpr double kSlack = 1e-3;  // of the inner one's extent
+  const Vec3 slack = kSlack * (inner.hi - inner.lo);
+  const Box3 wide{outer.lo - slack, outer.hi + slack};
+  return wide.contains(inner.lo) && wide.contains(inner.hi);
+}
+
+// The leaves of one field in Morton order, the next one first.
+struct LeafRow {
+  std::vector<SizeLeaf> leaves;
+  std::size_t next = 0;
+
+  bool at_end() const { return next == leaves.size(); }
+  const SizeLeaf& front() const { return leaves[next]; }
+  std::span<const SizeLeaf> take_within(const Box3& box) {
+    const std::size_t first = next;
+    while (!at_end() && contains(box, front().box)) ++next;
+    return std::span(leaves).subspan(first, next - first);
+  }
+};
 
 }  // namespace
 
-// Both lists are in Morton order, so that the pieces of a leaf follow each other. Corners only become smaller, so a
-// leaf with the same size in its middle has the same corners.
+// Both rows are in Morton order, so that the pieces of a leaf follow each other. Corners only become smaller, so a
+// leaf with the same size in its middle has the same corners. Where refined sizes vary less, a leaf of the new field is
+// made of several of the old one.
 std::optional<std::vector<Box3>> find_changes(const SizeField& before, const SizeField& after) {
   if (before.is_uniform() || after.is_uniform()) return std::nullopt;
-  const std::vector<SizeLeaf> old_leaves = list_leaves(before), new_leaves = list_leaves(after);
+  LeafRow olds{list_leaves(before)}, news{list_leaves(after)};
   std::vector<Box3> changes;
-  std::size_t next = 0;
-  for (const SizeLeaf& leaf : old_leaves) {
-    const std::size_t first = next;
-    while (next < new_leaves.size() && contains(leaf.box, new_leaves[next].box)) ++next;
-    if (next == first) return std::nullopt;
-    const bool is_cut = next > first + 1;
-    for (std::size_t i = first; i < next; ++i) {
-      const double size = is_cut ? before.size_at(new_leaves[i].box.center()) : leaf.size;
-      if (new_leaves[i].size != size) changes.push_back(new_leaves[i].box);
+  while (!olds.at_end() && !news.at_end()) {
+    const SizeLeaf old = olds.front(), fresh = news.front();
+    const std::span<const SizeLeaf> pieces = news.take_within(old.box);
+    if (pieces.empty()) {
+      if (olds.take_within(fresh.box).empty()) return std::nullopt;
+      changes.push_back(fresh.box);
+      ++news.next;
+      continue;
     }
+    ++olds.next;
+    for (const SizeLeaf& piece : pieces)
+      if (piece.size != (pieces.size() > 1 ? before.size_at(piece.box.center()) : old.size))
+        changes.push_back(piece.box);
   }
-  if (next != new_leaves.size()) return std::nullopt;
+  if (!olds.at_end() || !news.at_end()) return std::nullopt;
   return changes;
 }
 

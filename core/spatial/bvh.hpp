@@ -1,5 +1,6 @@
 #pragma once
 // A bounding-volume hierarchy over boxes: what nearest places and rays are looked for in.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,5 +27,23 @@ struct Bvh {
 /// Splits at the median of the centres along their longest extent. The result does not depend on the thread count.
 /// Complexity: O(n log n), in parallel.
 Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop);
+
+/// Visits every item whose leaf overlaps `box`, in the order of the tree. O(log n + leaves met).
+template <class Visit>
+void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
+  if (bvh.nodes.empty()) return;
+  std::array<std::uint32_t, 64> stack{0};
+  for (std::size_t count = 1; count > 0;) {
+    const std::uint32_t index = stack[--count];
+    const BvhNode& node = bvh.nodes[index];
+    if (!node.box.overlaps(box)) continue;
+    if (node.right != 0) {
+      stack[count++] = node.right;
+      stack[count++] = index + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) visit(bvh.order[i]);
+  }
+}
 
 }  // namespace tetloom

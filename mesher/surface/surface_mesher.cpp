@@ -1,7 +1,6 @@
 #include "mesher/surface/surface_mesher.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "core/sizing/size_change.hpp"
@@ -9,6 +8,7 @@
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/edge_mesher.hpp"
 #include "mesher/surface/face_mesher.hpp"
+#include "mesher/surface/faces_touched.hpp"
 #include "mesher/surface/mesh_faces.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -48,40 +48,15 @@ class SurfaceMesher::State {
   // Meshes the edges with the present sizes. Faces have to follow that have another rim now, or other sizes near them.
   // `changes`: of the sizes, where they are known.
   std::vector<std::size_t> faces_to_mesh(const std::optional<std::vector<Box3>>& changes) {
-    const std::vector<Box3> boxes = changes ? boxes_around_faces() : std::vector<Box3>{};
+    const std::vector<bool> is_touched = changes
+                                             ? find_faces_touched(*changes, faces_, RimNodes(model_, edges_), runner_)
+                                             : std::vector<bool>(faces_.size(), true);
     const std::vector<EdgeMesh> old_edges = edges_;
     remesh_edges();
     std::vector<std::size_t> pending;
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-      const bool is_kept = changes && faces_[f].verdict == FaceVerdict::Ok && has_same_rim(f, old_edges) &&
-                           std::ranges::none_of(*changes, [&](const Box3& box) { return box.overlaps(boxes[f]); });
-      if (!is_kept) pending.push_back(f);
-    }
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      if (is_touched[f] || faces_[f].verdict != FaceVerdict::Ok || !has_same_rim(f, old_edges)) pending.push_back(f);
     return pending;
-  }
-
-  std::vector<Box3> boxes_around_faces() const {
-    const RimNodes rim(model_, edges_);
-    std::vector<Box3> boxes(faces_.size());
-    runner_.for_each(faces_.size(), [&](std::size_t f) { boxes[f] = box_around(faces_[f], rim); });
-    return boxes;
-  }
-
-  // The face's mesh, and as far beside it as its longest edge.
-  static Box3 box_around(const FaceMesh& face, const RimNodes& rim) {
-    const auto place = [&](std::uint32_t v) {
-      return v & FaceMesh::kInner ? face.points[v & ~FaceMesh::kInner] : rim.point(v);
-    };
-    Box3 box;
-    double longest2 = 0;
-    for (const auto& [a, b, c] : face.tri_to_vert) {
-      const Vec3 x = place(a), y = place(b), z = place(c);
-      for (const Vec3& corner : {x, y, z}) box.add(corner);
-      longest2 = std::max({longest2, norm2(y - x), norm2(z - y), norm2(x - z)});
-    }
-    if (box.empty()) return box;
-    const double reach = std::sqrt(longest2);
-    return {box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}};
   }
 
   bool has_same_rim(std::size_t f, const std::vector<EdgeMesh>& old_edges) const {

@@ -65,11 +65,35 @@ TEST_CASE("changes of a refined field are the leaves with other corners, and pie
   REQUIRE(corner->size() == 1);
   CHECK(norm(corner->front().lo - Vec3{4, 4, 4}) == 0);
   CHECK(norm(corner->front().hi - Vec3{6, 6, 6}) == 0);
+  const auto back = find_changes(SizeField::from_octree(cut), before);  // sizes that vary less need fewer leaves
+  REQUIRE(back->size() == 1);
+  CHECK(norm(back->front().lo - Vec3{4, 4, 4}) == 0);
+  CHECK(norm(back->front().hi - Vec3{8, 8, 8}) == 0);
   SizeOctree moved = small_tree();
   moved.origin = {-1, -1, -1};
   moved.width = 10;
   CHECK_FALSE(find_changes(before, SizeField::from_octree(moved)).has_value());
   CHECK_FALSE(find_changes(SizeField::uniform(2), before).has_value());
+}
+
+TEST_CASE("changes are found wherever the octree lies, though corners of its cells are rounded") {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 50; ++i) {
+    SizeOctree tree = small_tree();
+    tree.origin = random_point(random, 100);
+    tree.width = std::abs(random_point(random, 10).x) + 0.1;
+    tree.domain = {tree.origin, tree.origin + Vec3{tree.width, tree.width, tree.width}};
+    SizeOctree cut = tree;
+    cut.cells.insert(cut.cells.end(), 8, kGlobal);
+    cut.cells[7] = 2;
+    cut.cells[16] = kLeaf + 2;
+    cut.corner_ratios.push_back({1, 1, 1, 1, 1, 1, 1, 0.5f});
+    const SizeField before = SizeField::from_octree(tree), after = SizeField::from_octree(cut);
+    REQUIRE(find_changes(before, after).has_value());
+    CHECK(find_changes(before, after)->size() == 1);
+    REQUIRE(find_changes(after, before).has_value());
+    CHECK(find_changes(after, before)->size() == 1);
+  }
 }
 
 TEST_CASE("a uniform field answers its size bit for bit in the whole space") {

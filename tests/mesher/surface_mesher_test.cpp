@@ -140,24 +140,27 @@ TEST_CASE("a surface mesh can be cancelled from its progress callback") {
 }
 
 TEST_CASE("a surface with smaller sizes somewhere is the one made from nothing, and only faces there are meshed") {
-  const auto model = make_box({0, 0, 0}, {8, 8, 8});
+  // Also where the corners of the octree are not exact numbers.
+  const Vec3 lo = GENERATE(Vec3{0, 0, 0}, Vec3{1. / 3, 100.1, -0.7});
+  const auto model = make_box(lo, lo + Vec3{8, 8, 8});
   SizeOptions options;
   options.size = 0.5;
-  options.point_sizes = {{{0, 0, 0}, 0.2}};
+  options.point_sizes = {{lo, 0.2}};
   const TaskRunner runner(2);
+  const auto at = [&](const Vec3& x) { return std::array<Vec3, 3>{lo + x, lo + x, lo + x}; };
   SizeFieldBuilder sizing(*model, options, runner);
   std::vector<SizeRefinement> refinements;
   SurfaceMesher mesher(*model, runner);
   mesher.mesh(sizing.build(refinements).sizes);
   CHECK(mesher.remeshed() == 6);
-  refinements.push_back({{Vec3{4, 4, 8}, Vec3{4, 4, 8}, Vec3{4, 4, 8}}, 0.2});
+  refinements.push_back({at({4, 4, 8}), 0.2});
   const SizeField finer = sizing.build(refinements).sizes;
   const Mesh again = mesher.mesh(finer).mesh;
   CHECK(mesher.remeshed() == 1);
   CHECK(mesh_digest(again) == mesh_digest(mesh_surface(*model, finer, runner).mesh));
   mesher.mesh(finer);
   CHECK(mesher.remeshed() == 0);
-  refinements.push_back({{Vec3{8, 8, 4}, Vec3{8, 8, 4}, Vec3{8, 8, 4}}, 0.1});
+  refinements.push_back({at({8, 8, 4}), 0.1});
   const SizeField finest = sizing.build(refinements).sizes;
   CHECK(mesh_digest(mesher.mesh(finest).mesh) == mesh_digest(mesh_surface(*model, finest, runner).mesh));
   CHECK(mesher.remeshed() >= 2);
