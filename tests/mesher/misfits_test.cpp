@@ -112,6 +112,16 @@ TEST_CASE("a wall that is narrow below an edge alone is refined there") {
   }
 }
 
+TEST_CASE("a wall that is somewhat narrow below an edge alone is refined there too") {
+  MeshOptions options;
+  options.sizes.size = 0.2;
+  options.threads = 2;
+  const MeshResult made = make_mesh(*make_block_with_bar(0.03), options);
+  REQUIRE(made.status == MeshStatus::Ok);
+  CHECK(made.refinement.narrow_places > 0);
+  CHECK(compute_quality(made.mesh, &made.sizes).tets.min_dihedral_deg >= 12);
+}
+
 TEST_CASE("what forces small angles in a narrow region is named, with its width") {
   MeshOptions options;
   options.sizes.size = 0.2;
