@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr std::array kSteps{0.4, 0.2, 0.1, 0.05};  // of moves, in lengths of the edges beside the vertex
-constexpr double kInsertionGain = 1.3;             // of the smallest angle
+constexpr std::array kSteps{0.4, 0.2, 0.1, 0.05};              // of moves, in lengths of the edges beside the vertex
+constexpr double kLeastInserted = 3 * std::numbers::pi / 180;  // below that an insertion is not worth a point
+constexpr double kInsertionGain = 1.3;                         // of the smallest angle
 // Where the search for an inserted point starts: shares of the edge, heights above the cavity's faces; and its steps.
 constexpr std::array kOnEdge{0.25, 0.5, 0.75};
 constexpr std::array kAboveFaces{0.05, 0.1, 0.2, 0.4};
@@ -172,7 +174,7 @@ bool insert_for_angle(WorkingMesh& mesh, std::uint32_t tet, double least) {
   const Place place = find_place(mesh, ring, hollow, least);
   double before = dihedral.angle;
   for (const std::uint32_t t : ring.old()) before = std::min(before, smallest_dihedral(mesh.mesh(), t).angle);
-  if (!(place.cosine < std::cos(kInsertionGain * before))) return false;
+  if (!(place.cosine < std::cos(std::max(kInsertionGain * before, kLeastInserted)))) return false;
   const std::uint32_t vertex = mesh.add_point(place.x);
   std::array<NewTet, 2 * kMostRingVerts> made;
   for (std::size_t i = 0; i < hollow.count; ++i) {

@@ -34,8 +34,8 @@ Vec3 find_widest_step(WorkingMesh& mesh, const VertexStar& star, std::span<const
 bool move_for_angle(WorkingMesh& mesh, std::uint32_t tet, std::uint32_t corner, double least);
 
 /// Puts a point into the tets around the edge at which `tet` has its smallest angle, where that makes the smallest
-/// angle of these tets larger by a third; false where it does not, or the edge is of the surface. The new tets are
-/// positive in exact arithmetic, and of a cubed quality above `least`.
+/// angle of these tets larger by a third, and at least 3 degrees; false where it does not, or the edge is of the
+/// surface. The new tets are positive in exact arithmetic, and of a cubed quality above `least`.
 bool insert_for_angle(WorkingMesh& mesh, std::uint32_t tet, double least);
 
 }  // namespace tetloom::tets

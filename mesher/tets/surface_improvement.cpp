@@ -27,7 +27,8 @@ constexpr std::size_t kLeastShare = 10;             // rounds end when one chang
 constexpr std::size_t kVisitsBetweenChecks = 1024;  // for cancellation
 constexpr std::size_t kSearchesBetweenChecks = 64;
 // Angles below this, half a degree more than what users are told of, are widened by what the mean ratio does not see.
-constexpr double kSharpAngle = 5.5 * std::numbers::pi / 180;
+// Those below the second one are out of reach: walls so thin take thousands of poor tets whatever is done to them.
+constexpr double kSharpAngle = 5.5 * std::numbers::pi / 180, kHopelessAngle = 0.4 * std::numbers::pi / 180;
 constexpr double kLeastForAngle = 0.04 * 0.04 * 0.04;  // cubed quality that may come of that, where nothing is worse
 constexpr double kGrowthPerRound = 0.01;               // of squared edges; what moves little goes first
 
@@ -110,7 +111,7 @@ class SurfaceImprover {
     for (std::uint32_t tet = 0; tet < qualities.size(); ++tet) {
       if (qualities[tet] >= bound || mesh_.mesh().is_dead(tet) || !may_be_below(mesh_.mesh(), tet, cosine)) continue;
       const double angle = smallest_dihedral(mesh_.mesh(), tet).angle;
-      if (angle < kSharpAngle) sharp.emplace_back(angle, tet);
+      if (angle < kSharpAngle && angle > kHopelessAngle) sharp.emplace_back(angle, tet);
     }
     std::ranges::sort(sharp);
     return sharp;

@@ -17,7 +17,7 @@ namespace tetloom::tets {
 /// share a vertex with them. Pre: the invariants of TetMesh; the fixed faces are the triangles of `surface`, and
 /// options.fixed_points is the count of its points. Post: the invariants hold in exact arithmetic; fixed faces are the
 /// triangles of `surface`; the smallest quality is not smaller than before, or than
-/// a mean ratio of .04 where that makes angles below 5.5 degrees larger; points with a face in `point_to_face` lie
+/// a mean ratio of .04 where that makes angles of .4 to 5.5 degrees larger; points with a face in `point_to_face` lie
 /// on it or have not moved, the other points of the surface have not moved; triangles are turned as before and keep
 /// their model face. Regions change by what lies between the old surface and the new one. The result depends on the
 /// arguments alone, as far as the projector's answers do. Errors: Cancelled, which leaves a valid mesh with dead tets.
