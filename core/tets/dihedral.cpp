@@ -43,6 +43,16 @@ Dihedral smallest_dihedral(const TetMesh& mesh, std::uint32_t tet) {
   return result;
 }
 
+double cosine_of_smallest_dihedral(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 p = b - a, q = c - a, r = d - a;
+  const std::array normals{normalized(cross(q - p, r - p)), normalized(cross(r, q)), normalized(cross(p, r)),
+                           normalized(cross(q, p))};
+  double largest = -1;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j) largest = std::max(largest, -dot(normals[i], normals[j]));
+  return largest;
+}
+
 bool may_be_below(const TetMesh& mesh, std::uint32_t tet, double cosine) {
   std::array<Vec3, 4> areas;
   std::array<double, 4> lengths;

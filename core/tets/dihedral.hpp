@@ -17,6 +17,9 @@ double dihedral_between(const TetMesh& mesh, std::uint32_t tet, std::uint32_t fa
 
 Dihedral smallest_dihedral(const TetMesh& mesh, std::uint32_t tet);
 
+/// The cosine of the smallest dihedral angle of the tet (a, b, c, d).
+double cosine_of_smallest_dihedral(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
 /// False only where smallest_dihedral is at least the angle of this cosine: a quick look at tets most of which have
 /// larger angles.
 bool may_be_below(const TetMesh& mesh, std::uint32_t tet, double cosine);

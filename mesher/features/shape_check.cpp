@@ -14,6 +14,8 @@ constexpr double kRegionFold = 15 * std::numbers::pi / 180, kVoidFold = 0.3 * st
 // A region may be left with a smaller wedge, down to this, where the wedge is so many times the angle that the feature
 // has as it is.
 constexpr double kLeastRegionFold = 1 * std::numbers::pi / 180, kFoldGain = 2;
+// Nothing is meshed in a slit: its floor may go where it is so narrow that its sides are nearly parallel by then.
+constexpr double kVoidShare = 0.2, kLeastVoidFold = 1e-6;
 constexpr double kLeastCosine = 0.17;  // of the angle that a triangle may turn by
 constexpr double kKeptShare = 0.67;    // of an angle that was below the limits already
 
@@ -32,7 +34,8 @@ class FoldCheck {
   FoldCheck(const SurfaceComplex& surface, const LocalChange& change)
       : surface_(surface),
         change_(change),
-        region_fold_(std::clamp(kFoldGain * angle_of_feature(), kLeastRegionFold, kRegionFold)) {}
+        region_fold_(std::clamp(kFoldGain * angle_of_feature(), kLeastRegionFold, kRegionFold)),
+        void_fold_(std::clamp(kVoidShare * angle_of_feature(), kLeastVoidFold, kVoidFold)) {}
 
   bool run() const {
     for (std::size_t i = 0; i < change_.added.size(); ++i)
@@ -82,7 +85,7 @@ class FoldCheck {
     const Cone near = cone_at(v, other.verts, [&](std::uint32_t w) { return after(w); });
     const FaceSides sides = surface_.sides(added.source);
     const bool in_region = (dot(cone.normal, near.middle) > 0 ? sides.front : sides.back).valid();
-    const double limit = in_region ? region_fold_ : kVoidFold;
+    const double limit = in_region ? region_fold_ : void_fold_;
     const double now = separation(cone, near, limit);
     return now < 1 && now < kKeptShare * separation_before(v, added.source, other.source, limit);
   }
@@ -104,6 +107,7 @@ class FoldCheck {
   const SurfaceComplex& surface_;
   const LocalChange& change_;
   double region_fold_;  // radians: the smallest wedge that a region may be left with
+  double void_fold_;    // outside of regions
 };
 
 template <class Measure>

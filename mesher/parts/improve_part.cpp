@@ -19,7 +19,9 @@ using tets::TetMesh;
 using tets::TriangleVerts;
 using volume::Complex;
 
-constexpr double kFromOtherBoxes = 2;  // in sizes: triangles at two points that change must not meet
+// In sizes. Tets between two boxes are mostly of the part with the lower number, which so may change points beside its
+// box. Others stay away from there: triangles at two points that change must not meet.
+constexpr double kBesideBox = 1, kFromOtherBoxes = 3;
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -122,11 +124,11 @@ class Improvement {
     }
   }
 
-  // Whether the part may change what lies there. Where two parts do, each in its own box, triangles at the two places
-  // are apart, since the place in the box of the higher number is farther than that from the other box.
+  // Whether the part may change what lies there. Where two parts do, each in or beside its own box, triangles at the
+  // two places are apart, since the place of the part with the higher number is farther from the other box.
   bool is_own(const Vec3& x) const {
-    const double margin = kFromOtherBoxes * input_.size_at(x);
-    if (distance_outside(x, box_) > 0) return false;
+    const double size = input_.size_at(x), margin = kFromOtherBoxes * size;
+    if (distance_outside(x, box_) > kBesideBox * size) return false;
     return std::ranges::none_of(input_.decomposition.neighbors(part_), [&](PartId other) {
       return other < part_ && is_within(x, input_.decomposition.box(other), margin);
     });

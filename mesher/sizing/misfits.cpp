@@ -63,8 +63,9 @@ class MisfitSearch {
       width = std::min(width, wall.distance);
       if (!meet_near(triangle, wall.triangle, center, present)) severe_width = std::min(severe_width, wall.distance);
     }
-    severe_width = std::min(severe_width, width_at_edges(triangle, normal, kSevere * present));
-    width = std::min(width, severe_width);
+    const double edge_width = width_at_edges(triangle, normal, reach, present);
+    if (edge_width < kSevere * present) severe_width = std::min(severe_width, edge_width);
+    width = std::min({width, severe_width, edge_width});
     if (width == HUGE_VAL) return HUGE_VAL;
     const auto [usual, severe] = floor(center);
     if (severe_width < kHopeless * severe) return 0;
@@ -107,7 +108,7 @@ class MisfitSearch {
 
   /// How wide a wall is at the sides of the triangle that are pieces of model edges, along its normal and between it
   /// and its neighbours': it may be very narrow at an edge alone, which points at another side.
-  double width_at_edges(std::uint32_t triangle, const Vec3& normal, double reach) const {
+  double width_at_edges(std::uint32_t triangle, const Vec3& normal, double reach, double present) const {
     double width = HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -117,7 +118,7 @@ class MisfitSearch {
       const Vec3 middle = 0.5 * (mesh_.points[v] + mesh_.points[w]);
       for (const Vec3& along : {normal, normalized(piece_normals_[piece])})
         for (const Wall& wall : find_walls(triangle, middle, reach * along))
-          if (wall.cosine > kBesideEdge && !meet_near(triangle, wall.triangle, middle, reach / kSevere))
+          if (wall.cosine > kBesideEdge && !meet_near(triangle, wall.triangle, middle, present))
             width = std::min(width, wall.cosine * wall.distance);
     }
     return width;

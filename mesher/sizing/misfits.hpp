@@ -38,9 +38,9 @@ inline constexpr double kLeastWidth = 0.4;
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
 /// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold.
 /// Widths below a tenth of the severe floor, which no size allowed fits, have size 0. Widths are sampled once per
-/// triangle, at its centre; those below .1 sizes also at the middles of its sides that are pieces of model edges.
-/// `sizes`: those that the mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at;
-/// empty: all. Complexity: O(n log n). Errors: Cancelled.
+/// triangle, at its centre, and at the middles of its sides that are pieces of model edges. `sizes`: those that the
+/// mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
+/// Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work,

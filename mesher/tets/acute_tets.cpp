@@ -30,6 +30,7 @@ namespace {
 constexpr double kRegularAngle = 1.2309594173407747;  // arccos(1/3)
 constexpr double kPoorTriangle = 0.5;
 constexpr double kShortEdge = 1.0 / 3;
+constexpr double kSlant = 0.7;            // height over distance below which points count as askew
 constexpr std::size_t kMostBeside = 200;  // tets beside one that are looked at
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -114,8 +115,26 @@ class CauseFinder {
         found_.points = {verts[i], verts[j]};
       }
     }
-    if (!found_.points.empty()) set_length(AngleCause::SurfacePoints, shortest);
-    return !found_.points.empty();
+    if (found_.points.empty()) return false;
+    set_length(AngleCause::SurfacePoints, shortest);
+    find_height(shortest);
+    return true;
+  }
+
+  // In a wall of one layer, points that are close lie askew on its two sides: it is narrower than they are apart.
+  void find_height(double least) {
+    const auto verts = mesh_.verts(tet_);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      if (!mesh_.mesh().is_fixed(tet_ * 4 + i) || !mesh_.is_fixed_point(verts[i])) continue;
+      const TriangleVerts t = verts_of(mesh_.mesh(), tet_ * 4 + i);
+      const Vec3 &x = mesh_.point(t[0]), normal = cross(mesh_.point(t[1]) - x, mesh_.point(t[2]) - x);
+      const double height = std::abs(dot(normalized(normal), mesh_.point(verts[i]) - x));
+      if (height >= kSlant * least) continue;
+      least = height;
+      found_.points = {verts[i]};
+      found_.triangles = {t};
+      set_length(AngleCause::NarrowRegion, height);
+    }
   }
 
   void find_narrow_region() {

@@ -2,7 +2,8 @@
 // Makes the tets better that the optimiser had to leave as they are because of the surface: the surface changes.
 //
 // In rounds, the worst tets first: edges of the surface are swapped, vertices of it slide within their model face, and
-// the tets around what has changed are optimised again as those inside are.
+// the tets around what has changed are optimised again as those inside are. Last, tets whose angles are still very
+// small are widened by what the mean ratio does not see (angle_search.hpp).
 #include "mesher/tets/optimizer.hpp"
 #include "mesher/tets/surface_geometry.hpp"
 #include "tetloom/tasks.hpp"
@@ -15,7 +16,8 @@ namespace tetloom::tets {
 /// Only tets of so small a quality that a dihedral angle may be below the one asked for are touched, and tets that
 /// share a vertex with them. Pre: the invariants of TetMesh; the fixed faces are the triangles of `surface`, and
 /// options.fixed_points is the count of its points. Post: the invariants hold in exact arithmetic; fixed faces are the
-/// triangles of `surface`; the smallest quality is not smaller than before; points with a face in `point_to_face` lie
+/// triangles of `surface`; the smallest quality is not smaller than before, or than
+/// a mean ratio of .04 where that makes angles of .4 to 5.5 degrees larger; points with a face in `point_to_face` lie
 /// on it or have not moved, the other points of the surface have not moved; triangles are turned as before and keep
 /// their model face. Regions change by what lies between the old surface and the new one. The result depends on the
 /// arguments alone, as far as the projector's answers do. Errors: Cancelled, which leaves a valid mesh with dead tets.

@@ -178,8 +178,8 @@ double SurfaceSlider::sag(const Vec3& x) const {
 }
 
 // What is as true to the model as any is true enough; what is not may not get worse.
-bool SurfaceSlider::keeps_shape(const Vec3& from, const Vec3& to) const {
-  if (poorest_triangle(to) < std::min(kTriangleFloor, poorest_triangle(from))) return false;
+bool SurfaceSlider::keeps_shape(const Vec3& from, const Vec3& to, double triangle_floor) const {
+  if (poorest_triangle(to) < std::min(triangle_floor, poorest_triangle(from))) return false;
   const double cosine = least_cosine(to);
   if (!(cosine > 0) || (cosine < kLeastCosine && cosine < least_cosine(from))) return false;
   if (kept_.empty()) return true;
@@ -209,7 +209,7 @@ SlideVerdict SurfaceSlider::search() {
     const std::optional<SurfaceSpot> spot = surface_.project(entity_, x + step);
     const bool found = spot && distance(spot->point, x + step) <= kFarthest * norm(step);
     if (found && !worth_at(spot->point - x).beats(before)) continue;
-    if (found && keeps_shape(x, spot->point) && is_clear_at(spot->point)) {
+    if (found && keeps_shape(x, spot->point, kTriangleFloor) && is_clear_at(spot->point)) {
       apply(spot->point);
       return SlideVerdict::Moved;
     }
@@ -226,7 +226,7 @@ void SurfaceSlider::apply(const Vec3& to) {
     mesh_.set_quality(star_.codes[i] / 4, cubed_quality(tets_[i].volume_at(step), tets_[i].squares_at(step)));
 }
 
-SlideVerdict SurfaceSlider::slide(std::uint32_t tet, std::uint32_t corner) {
+SlideVerdict SurfaceSlider::collect(std::uint32_t tet, std::uint32_t corner) {
   const std::uint32_t vertex = mesh_.verts(tet)[corner];
   if (vertex >= surface_.point_to_entity.size() || !surface_.project) return SlideVerdict::Stays;
   entity_ = surface_.point_to_entity[vertex];
@@ -234,7 +234,12 @@ SlideVerdict SurfaceSlider::slide(std::uint32_t tet, std::uint32_t corner) {
   if (!collect_fan(vertex) || !collect_kept(vertex)) return SlideVerdict::Stays;
   if (find_surface_star(mesh_, tet, corner, star_) != StarVerdict::Found) return SlideVerdict::TooLarge;
   measure();
-  return search();
+  return SlideVerdict::Moved;
+}
+
+SlideVerdict SurfaceSlider::slide(std::uint32_t tet, std::uint32_t corner) {
+  const SlideVerdict verdict = collect(tet, corner);
+  return verdict == SlideVerdict::Moved ? search() : verdict;
 }
 
 }  // namespace tetloom::tets

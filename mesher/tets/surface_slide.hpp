@@ -34,7 +34,14 @@ class SurfaceSlider {
   /// the verdict is Moved.
   SlideVerdict slide(std::uint32_t tet, std::uint32_t corner);
 
+  /// Moves it to where the smallest dihedral angle of the tets at it is larger; see angle_search.hpp. No tet of a cubed
+  /// quality below `least` comes of it, and the sum of the squares of the surface's edges at the vertex, as which its
+  /// sag grows, becomes `growth` times what it was at most.
+  SlideVerdict slide_for_angle(std::uint32_t tet, std::uint32_t corner, double least, double growth);
+
  private:
+  /// Finds what is at the vertex; Moved: all is there.
+  SlideVerdict collect(std::uint32_t tet, std::uint32_t corner);
   struct Worth {
     double sum = 0, least = 0;  // of 1/q^3 and of q^3; 0 when a tet is not surely positive
     int poor = 0;
@@ -55,9 +62,11 @@ class SurfaceSlider {
   double poorest_triangle(const Vec3& x) const;
   double least_cosine(const Vec3& x) const;
   double sag(const Vec3& x) const;
-  bool keeps_shape(const Vec3& from, const Vec3& to) const;
+  bool keeps_shape(const Vec3& from, const Vec3& to, double triangle_floor) const;
   bool is_clear_at(const Vec3& to);
   SlideVerdict search();
+  double squared_edges(const Vec3& x) const;
+  Vec3 widest_step(const Vec3& direction, double goal, double growth);
   void apply(const Vec3& to);
 
   WorkingMesh& mesh_;

@@ -148,6 +148,16 @@ TEST_CASE("walls that touch are not refined where they do: every size finds them
   CHECK((made.refinement.smallest_size > 0) == (made.refinement.narrow_places + made.refinement.crossings > 0));
 }
 
+TEST_CASE("a wall that is somewhat narrow below an edge alone is refined there too") {
+  MeshOptions options;
+  options.sizes.size = 0.2;
+  options.threads = 2;
+  const MeshResult made = make_mesh(*make_block_with_bar(0.03), options);
+  REQUIRE(made.status == MeshStatus::Ok);
+  CHECK(made.refinement.narrow_places > 0);
+  CHECK(compute_quality(made.mesh, &made.sizes).tets.min_dihedral_deg >= 12);
+}
+
 TEST_CASE("what forces small angles in a narrow region is named, with its width") {
   MeshOptions options;
   options.sizes.size = 0.2;
@@ -168,4 +178,26 @@ TEST_CASE("what forces small angles in a narrow region is named, with its width"
     }
     CHECK(std::ranges::count(report.acute_tets, AngleCause::NarrowRegion, &AcuteTet::cause) > 0);
   }
+}
+
+TEST_CASE("a wall of one layer is named with its width, not with the distance of points askew on its two sides") {
+  constexpr double kThick = 0.01;
+  const std::vector<Vec3> points{{0, 0, 0},      {1.3, 0, 0},      {1.3, 1, 0},      {0, 1, 0},
+                                 {0, 0, kThick}, {1.3, 0, kThick}, {1.3, 1, kThick}, {0, 1, kThick}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                                      {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  MeshOptions options;
+  options.sizes.size = 0.1;
+  options.threads = 2;
+  options.refine_surface = false;
+  const MeshResult made = make_mesh(*make_polyhedron(points, faces), options);
+  REQUIRE(made.status == MeshStatus::Ok);
+  int narrow = 0;
+  for (const AcuteTet& tet : made.filling.optimizer.acute_tets) {
+    if (tet.cause != AngleCause::NarrowRegion) continue;
+    ++narrow;
+    CHECK(tet.cause_length <= 1.01 * kThick);
+    CHECK(std::ranges::any_of(tet.entities, [](const NamedEntity& one) { return one.entity.dim == 2; }));
+  }
+  CHECK(narrow > 20);
 }

@@ -348,6 +348,16 @@ TEST_CASE("the floor of a slot goes where the walls hardly diverge: nothing is m
   }
 }
 
+TEST_CASE("the floor of a slit with parallel walls goes, however narrow it is") {
+  for (const double width : {1e-6, 1e-4, 0.004}) {
+    INFO("width " << width);
+    const Made made(*make_slotted_block(width, 0), options_of_size(0.1));
+    CHECK(made.absorbed(ModelFaceId(10)));
+    CHECK(made.quality.tets.min_dihedral_deg >= 12);
+    CHECK(made.quality.tets.volume == Approx(made.result.model_volume).epsilon(0.005));
+  }
+}
+
 TEST_CASE("what is small beside the size but not beside the solid stays") {
   // The chamfer is a hundredth of the volume, and below a tenth of the size.
   MeshOptions options = options_of_size(2.2);
