@@ -62,7 +62,7 @@ std::vector<EdgeVerts> find_touching_edges(const Mesh& mesh) {
   for (const auto& [a, b] : edges) is_end[a] = is_end[b] = 1;
   std::vector<std::vector<EdgeVerts>> rings(edges.size());
   for (const TetVerts& v : mesh.tet_to_vert) {
-    for (const auto& [i, j] : kEdgeCorners) {
+    for (const auto& [i, j] : tets::kEdgeVerts) {
       if (is_end[v[i]] == 0 || is_end[v[j]] == 0) continue;
       const auto at = std::lower_bound(edges.begin(), edges.end(), ascending(v[i], v[j]));
       if (at == edges.end() || *at != ascending(v[i], v[j])) continue;

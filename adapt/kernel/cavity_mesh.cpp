@@ -4,6 +4,7 @@
 
 #include "adapt/kernel/quality_pairs.hpp"
 #include "core/predicates/predicates.hpp"
+#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 
@@ -203,13 +204,11 @@ void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQual
     ids_[i][0] = cavity.tets[i];
     for (std::uint32_t k = 1; k < size; ++k) ids_[i][k] = next_free < free.size() ? free[next_free++] : take_tet();
   }
-  const auto set_fixed = [&](FaceCode face) { mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4); };
   const auto link = [&](FaceCode face, FaceCode behind, bool fixed) {
-    mesh.to_neighbor[face] = behind;
-    if (behind != kNone) mesh.to_neighbor[behind] = face;
+    tets::link_sides(mesh, face, behind);
     if (fixed) {
-      set_fixed(face);
-      if (behind != kNone) set_fixed(behind);
+      tets::fix_side(mesh, face);
+      if (behind != kNone) tets::fix_side(mesh, behind);
     }
   };
   for (std::size_t i = 0; i < count; ++i) {
@@ -259,7 +258,7 @@ void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQual
         const std::uint32_t slot = slot_[behind / 4];
         if (ids_[slot][0] != kNone) {
           mesh.to_neighbor[base + j] = ids_[slot][k] * 4 + behind % 4;
-          if (fixed) set_fixed(base + j);
+          if (fixed) tets::fix_side(mesh, base + j);
           continue;
         }
         const std::uint32_t outer = cavity.corners[slot][k];
@@ -283,40 +282,37 @@ void CavityMesh::start() {
 }
 
 void CavityMesh::replace_ring(const tets::EdgeRing& ring, std::span<const tets::RingTriangle> triangles) {
-  const tets::RingFilling filling(mesh, ring);
   const std::size_t count = 2 * triangles.size(), old = ring.old().size();
-  std::array<std::uint32_t, std::size_t{2} * tets::kMostRingVerts> ids;
-  for (std::size_t i = 0; i < count; ++i) ids[i] = i < old ? ring.tets[i] : take_tet();
+  const std::uint32_t region = mesh.to_region[ring.tets[0]];
+  filling_.open(mesh, ring.old(), count);
+  std::array<std::uint32_t, std::size_t{2} * tets::kMostRingVerts> places;
+  for (std::size_t i = 0; i < count; ++i) places[i] = i < old ? ring.tets[i] : take_tet();
   for (std::size_t i = count; i < old; ++i) drop_tet(ring.tets[i]);
-  filling.fill(mesh, triangles, std::span(ids).first(count));
-  refresh_qualities(std::span(ids).first(count));
-  for (const std::uint32_t tet : std::span(ids).first(count)) {
+  const std::span<const std::uint32_t> ids = std::span(places).first(count);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto [at_b, at_a] = tets::tets_over(ring, triangles[t]);
+    std::copy(at_b.begin(), at_b.end(), &mesh.to_vert[std::size_t{ids[2 * t]} * 4]);
+    std::copy(at_a.begin(), at_a.end(), &mesh.to_vert[std::size_t{ids[2 * t + 1]} * 4]);
+  }
+  for (const std::uint32_t tet : ids) mesh.to_region[tet] = region, mesh.to_fixed[tet] = 0;
+  [[maybe_unused]] const bool fits = filling_.close(mesh, ids);
+  TETLOOM_DEBUG_ASSERT(fits);
+  refresh_qualities(ids);
+  for (const std::uint32_t tet : ids) {
     for (int j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
     mark_changed(tet);
   }
 }
 
 std::uint32_t CavityMesh::take_tet() {
-  if (first_dead_ != kNone) {
-    const std::uint32_t tet = first_dead_;
-    first_dead_ = mesh.to_neighbor[std::size_t{tet} * 4];
-    return tet;
-  }
-  const std::size_t tet = mesh.size();
-  mesh.to_vert.resize_for_overwrite((tet + 1) * 4);
-  mesh.to_neighbor.resize_for_overwrite((tet + 1) * 4);
-  mesh.to_region.push_back(kNone);
-  mesh.to_fixed.push_back(0);
-  to_quality.push_back(kDeadQuality);
-  return static_cast<std::uint32_t>(tet);
+  const std::uint32_t tet = places_.take(mesh);
+  if (tet == to_quality.size()) to_quality.push_back(kDeadQuality);
+  return tet;
 }
 
 void CavityMesh::drop_tet(std::uint32_t tet) {
-  mesh.to_vert[std::size_t{tet} * 4] = kNone;
-  mesh.to_neighbor[std::size_t{tet} * 4] = first_dead_;
-  mesh.to_fixed[tet] = 0;
+  places_.drop(mesh, tet);
   to_quality[tet] = kDeadQuality;
-  first_dead_ = tet;
 }
 
 std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint) {

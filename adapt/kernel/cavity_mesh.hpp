@@ -22,8 +22,10 @@
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
 #include "adapt/metric/tet_edges.hpp"
+#include "core/tets/cavity_filling.hpp"
 #include "core/tets/edge_ring.hpp"
 #include "core/tets/tet_mesh.hpp"
+#include "core/tets/tet_places.hpp"
 #include "core/tets/tet_quality.hpp"
 #include "tetloom/part_mesh.hpp"
 
@@ -39,9 +41,6 @@ inline constexpr std::uint8_t kChanged = 1;
 inline constexpr std::uint8_t kHasChanged = 2;
 /// The vertex may move: a tet at it was replaced, or another vertex of one moved far.
 inline constexpr std::uint8_t kUnsettled = 4;
-
-/// The corners of a tet's edges.
-inline constexpr std::uint8_t kEdgeCorners[6][2]{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /// Something for each tet of a cavity: a vector whose room is there from the start, so that adding asks for nothing.
 template <class T>
@@ -201,12 +200,13 @@ class CavityMesh {
   void change_surface(const Cavity& cavity, std::uint32_t p);
 
   double surely_positive_ = 0;  // the largest for all metrics that there were
-  std::uint32_t first_dead_ = kNone;
+  tets::TetPlaces places_;
   mutable GrowingArray<std::uint32_t> slot_;  // of a tet in the last cavity
   // Scratch of reconnect.
   std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
   std::vector<std::uint8_t> old_fixed_;
   std::vector<std::uint32_t> free_;
+  tets::CavityFilling filling_;  // of rings
 };
 
 }  // namespace tetloom::adapt

@@ -12,18 +12,12 @@ std::uint32_t corner_with(const std::uint32_t* verts, std::uint32_t vert) {
   return (verts[1] == vert) + 2u * (verts[2] == vert) + 3u * (verts[3] == vert);
 }
 
-// The lower of the two corners beside two others.
-constexpr std::uint32_t kFirstBeside[4][4]{{4, 2, 1, 1}, {2, 4, 0, 0}, {1, 0, 4, 0}, {1, 0, 0, 4}};
-// Whether two corners, the lower and the higher of those beside them are an even permutation.
-constexpr bool kIsEven[4][4]{
-    {false, true, false, true}, {false, false, true, false}, {true, false, false, true}, {false, true, false, false}};
-
 }  // namespace
 
 std::array<std::uint32_t, 2> CavityMesh::beside_edge(const Cavity& shell, std::size_t i) const {
-  const std::uint32_t a = shell.corners[i][0], b = shell.corners[i][1], first = kFirstBeside[a][b];
+  const auto& [first, second] = tets::kOtherCorners[shell.corners[i][0]][shell.corners[i][1]];
   const std::uint32_t* v = verts(shell.tets[i]);
-  return {v[first], v[6 - a - b - first]};
+  return {v[first], v[second]};
 }
 
 void CavityMesh::add_to(Cavity& cavity, std::uint32_t tet, const std::array<std::uint8_t, 4>& corners) const {
@@ -109,9 +103,8 @@ bool CavityMesh::collect_shell(std::uint32_t tet, std::size_t most, double least
     add_to(cavity, next, {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j)});
     return i + j;
   };
-  const std::uint32_t sum = add(tet);
-  // The corners beside those of the edge.
-  const std::uint32_t first = kFirstBeside[cavity.corners[0][0]][cavity.corners[0][1]], second = 6 - sum - first;
+  add(tet);
+  const auto& [first, second] = tets::kOtherCorners[cavity.corners[0][0]][cavity.corners[0][1]];
   for (const auto& [from, beside] : {std::pair(first, second), std::pair(second, first)}) {
     std::uint32_t here = tet, leaving = from, staying = beside;
     for (;;) {
@@ -153,11 +146,12 @@ bool CavityMesh::find_ring(const Cavity& shell, tets::EdgeRing& ring) const {
   const std::size_t count = shell.tets.size();
   if (count > tets::kMostRingVerts) return false;
   // The lower of the first tet's other two corners was left behind the tet: the ring goes from there to the higher one.
-  const std::uint32_t a = shell.corners[0][0], b = shell.corners[0][1], first = kFirstBeside[a][b];
-  const bool even = kIsEven[a][b];
+  const std::uint32_t a = shell.corners[0][0], b = shell.corners[0][1];
+  const auto& [first, second] = tets::kOtherCorners[a][b];
+  const bool even = tets::kIsEven[a][b];
   ring.a = shell.core[even ? 0 : 1], ring.b = shell.core[even ? 1 : 0];
   const std::uint32_t* v = verts(shell.tets[0]);
-  ring.verts[0] = v[first], ring.verts[1] = v[6 - a - b - first];
+  ring.verts[0] = v[first], ring.verts[1] = v[second];
   ring.count = static_cast<int>(count);
   std::copy(shell.tets.begin(), shell.tets.end(), ring.tets.begin());
   for (std::size_t i = 1; i + 1 < count; ++i) {

@@ -60,7 +60,7 @@ std::vector<SideEdge> SideSplits::find() {
 // Pre: cavity_ is that of the edge.
 bool SideSplits::is_longest(const SideEdge& edge, std::span<const SideEdge> edges) const {
   for (const std::uint32_t tet : cavity_.tets) {
-    for (const auto& [i, j] : kEdgeCorners) {
+    for (const auto& [i, j] : tets::kEdgeVerts) {
       const std::uint32_t a = mesh_.verts(tet)[i], b = mesh_.verts(tet)[j];
       if (!mesh_.to_frozen[a] || !mesh_.to_frozen[b]) continue;
       const std::array<std::uint32_t, 2> names{std::min(names_[a], names_[b]), std::max(names_[a], names_[b])};

@@ -1,7 +1,6 @@
 #include "adapt/kernel/star_cavity.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace tetloom::adapt {
@@ -39,11 +38,10 @@ bool StarCavity::collect(double goal) {
         std::size_t count = 0;
         for (std::uint32_t k = 0; k < 4; ++k)
           if (k != own && k != j) edge[count++] = v[k];
-        sides_.push_back(
-            {key_of(static_cast<std::uint32_t>(edge[0]), static_cast<std::uint32_t>(edge[1])), behind, kNone, fixed});
+        sides_.push_back({key_of(static_cast<std::uint32_t>(edge[0]), static_cast<std::uint32_t>(edge[1])), kNone});
         continue;
       }
-      Made one{{v[0], v[1], v[2], v[3]}, j, mesh_.mesh.to_region[tet], behind, 0, fixed};
+      Made one{{v[0], v[1], v[2], v[3]}, j, mesh_.mesh.to_region[tet], 0};
       one.verts[j] = p_;
       const double quality = mesh_.quality_of(one.verts[0], one.verts[1], one.verts[2], one.verts[3]);
       if (!(quality > goal)) {
@@ -69,15 +67,14 @@ bool StarCavity::is_closed() {
       const std::uint32_t v = one.verts[j];
       if (vert_marks_[v] != mark_) link_.push_back(v), vert_marks_[v] = mark_;
       const std::uint32_t a = one.verts[(j + 1) % 4], b = one.verts[(j + 2) % 4], c = one.verts[(j + 3) % 4];
-      sides_.push_back({a == p_ ? key_of(b, c) : b == p_ ? key_of(a, c) : key_of(a, b), j, n, false});
+      sides_.push_back({a == p_ ? key_of(b, c) : b == p_ ? key_of(a, c) : key_of(a, b), n});
     }
   }
   for (const std::uint32_t tet : tets_)
     for (std::uint32_t j = 0; j < 4; ++j)
       if (mesh_.verts(tet)[j] != core_ && vert_marks_[mesh_.verts(tet)[j]] != mark_) return false;
-  std::ranges::sort(sides_, [](const Side& a, const Side& b) {
-    return std::tuple(a.edge, a.made, a.face) < std::tuple(b.edge, b.made, b.face);
-  });
+  std::ranges::sort(sides_,
+                    [](const Side& a, const Side& b) { return std::pair(a.edge, a.made) < std::pair(b.edge, b.made); });
   if (sides_.size() % 2 != 0) return false;
   for (std::size_t i = 0; i < sides_.size(); i += 2) {
     if (sides_[i].edge != sides_[i + 1].edge || sides_[i].made == kNone) return false;
@@ -102,15 +99,9 @@ bool StarCavity::find(const Cavity& ball, std::uint32_t p, double goal) {
 }
 
 void StarCavity::fill() {
+  filling_.open(mesh_.mesh, tets_, made_.size());
   std::vector<std::uint32_t> ids(made_.size());
   for (std::size_t n = 0; n < made_.size(); ++n) ids[n] = n < tets_.size() ? tets_[n] : mesh_.take_tet();
-  const auto link = [&](FaceCode face, FaceCode behind, bool fixed) {
-    for (const auto& [one, other] : {std::pair(face, behind), std::pair(behind, face)}) {
-      if (one == kNone) continue;
-      mesh_.mesh.to_neighbor[one] = other;
-      if (fixed) mesh_.mesh.to_fixed[one / 4] |= static_cast<std::uint8_t>(1u << one % 4);
-    }
-  };
   for (std::size_t n = 0; n < made_.size(); ++n) {
     const std::uint32_t tet = ids[n];
     std::copy_n(made_[n].verts.begin(), 4, &mesh_.mesh.to_vert[std::size_t{tet} * 4]);
@@ -122,12 +113,8 @@ void StarCavity::fill() {
       mesh_.to_state[v] |= kChanged | kUnsettled;
     }
   }
-  for (std::size_t n = 0; n < made_.size(); ++n) link(ids[n] * 4 + made_[n].corner, made_[n].behind, made_[n].fixed);
-  for (std::size_t i = 0; i < sides_.size(); i += 2) {
-    const Side &one = sides_[i], &other = sides_[i + 1];
-    link(ids[one.made] * 4 + one.face, other.made == kNone ? other.face : ids[other.made] * 4 + other.face,
-         other.fixed);
-  }
+  [[maybe_unused]] const bool fits = filling_.close(mesh_.mesh, ids);
+  TETLOOM_DEBUG_ASSERT(fits);
   for (std::size_t n = made_.size(); n < tets_.size(); ++n) mesh_.drop_tet(tets_[n]);
   mesh_.vert_to_tet[core_] = kNone;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "core/tets/cavity_filling.hpp"
 
 namespace tetloom::adapt {
 
@@ -29,16 +30,12 @@ class StarCavity {
   struct Made {
     std::array<std::uint32_t, 4> verts;
     std::uint32_t corner, region;
-    FaceCode behind;  // the face opposite to p
     float quality;
-    bool fixed;
   };
-  // A side of what is made: two have the same edge opposite to p.
+  // A side of what is made, or with kNone of what stays around it: two have the same edge opposite to p.
   struct Side {
     std::uint64_t edge;
-    FaceCode face;  // where `made` is not kNone, a corner of that
     std::uint32_t made;
-    bool fixed;
   };
 
   bool has(std::uint32_t tet) const { return marks_[tet] == mark_; }
@@ -51,6 +48,7 @@ class StarCavity {
   std::vector<std::uint32_t> tets_, bad_, link_;
   std::vector<Made> made_;
   std::vector<Side> sides_;
+  tets::CavityFilling filling_;
   std::vector<std::uint32_t> marks_, vert_marks_;
   std::uint32_t mark_ = 0;
 };

@@ -26,14 +26,14 @@ Longest find_longest(const CavityMesh& mesh, const std::array<std::uint32_t, 4>&
   std::array<std::pair<double, std::size_t>, 6> edges;
   std::array<double, 4> at_corner{};
   for (std::size_t k = 0; k < 6; ++k) {
-    const auto& [i, j] = kEdgeCorners[k];
+    const auto& [i, j] = tets::kEdgeVerts[k];
     const double squared = dot(metric, mesh.point(v[j]) - mesh.point(v[i]));
     edges[k] = {-squared, k};
     at_corner[i] += squared, at_corner[j] += squared;
   }
   std::partial_sort(edges.begin(), edges.begin() + kEdges, edges.end());
   Longest longest{};
-  for (std::size_t k = 0; k < kEdges; ++k) std::copy_n(kEdgeCorners[edges[k].second], 2, longest.edges[k].begin());
+  for (std::size_t k = 0; k < kEdges; ++k) longest.edges[k] = tets::kEdgeVerts[edges[k].second];
   longest.face = static_cast<std::uint32_t>(std::min_element(at_corner.begin(), at_corner.end()) - at_corner.begin());
   return longest;
 }

@@ -7,11 +7,14 @@
 
 #include "adapt/metric/vertex_metric.hpp"
 #include "core/tets/tet_pairs.hpp"
+#include "core/tets/tet_topology.hpp"
 
 namespace tetloom::adapt {
 
 /// Corners of the six edges of a tet; two that follow each other are opposite edges.
-constexpr std::array<std::array<std::uint8_t, 2>, 6> kOppositeEdges{{{0, 1}, {2, 3}, {0, 2}, {1, 3}, {0, 3}, {1, 2}}};
+constexpr std::array<std::array<std::uint8_t, 2>, 6> kOppositeEdges{tets::kEdgeVerts[0], tets::kEdgeVerts[5],
+                                                                    tets::kEdgeVerts[1], tets::kEdgeVerts[4],
+                                                                    tets::kEdgeVerts[2], tets::kEdgeVerts[3]};
 
 /// The squared lengths of a tet's edges, in the order of kOppositeEdges, in the metrics of both of their ends: the
 /// smaller and the larger of them. The length of an edge lies between.

@@ -15,9 +15,6 @@
 
 namespace tetloom::detail {
 
-/// Local vertices of the edges of a tet; pairs k and 5 - k lie opposite to each other.
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdge{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
 /// Scatters uses into one bucket per key of [first, last), in the order in which they are added: all of them are to be
 /// counted first, then added.
 template <class Use>

@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/statistics_detail.hpp"
 #include "core/predicates/predicates.hpp"
+#include "core/tets/tet_topology.hpp"
 
 namespace tetloom {
 namespace {
@@ -63,7 +64,7 @@ TetShape measure_tet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   std::array<double, 4> inverse_norm;
   for (int i = 0; i < 4; ++i) inverse_norm[i] = 1 / std::max(norm(outward[i]), std::numeric_limits<double>::min());
   for (int k = 0; k < 6; ++k) {
-    const auto [i, j] = detail::kTetEdge[k];
+    const auto [i, j] = tets::kEdgeVerts[k];
     shape.dihedral_cosines[k] = -dot(outward[i], outward[j]) * inverse_norm[i] * inverse_norm[j];
   }
   return shape;

@@ -46,24 +46,4 @@ inline std::array<std::array<std::uint32_t, 4>, 2> tets_over(const EdgeRing& rin
   return {{{p, q, r, ring.b}, {p, r, q, ring.a}}};
 }
 
-/// Puts the tets over the triangles in the place of those around an inner edge. Reads what lies around these before
-/// they are overwritten.
-class RingFilling {
- public:
-  /// Pre: the ring is closed, and no face at its edge is fixed.
-  RingFilling(const TetMesh& mesh, const EdgeRing& ring);
-  /// Writes vertices, region, neighbours and fixed faces of the tets `ids`: two for each triangle, first the one at b.
-  /// A ring of two tets has no triangles: what lies behind the one is linked to what lies behind the other.
-  void fill(TetMesh& mesh, std::span<const RingTriangle> triangles, std::span<const std::uint32_t> ids) const;
-
- private:
-  struct Side {
-    FaceCode behind = kNone;
-    bool is_fixed = false;
-  };
-  const EdgeRing& ring_;
-  std::uint32_t region_;
-  std::array<std::array<Side, 2>, kMostRingVerts> sides_;  // of ring edge i, at b and at a
-};
-
 }  // namespace tetloom::tets

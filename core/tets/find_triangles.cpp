@@ -87,8 +87,7 @@ std::vector<std::uint32_t> fix_triangles(TetMesh& mesh, std::span<const Triangle
       missing.push_back(i);
       continue;
     }
-    for (const FaceCode face : {tri_to_face[i], mesh.to_neighbor[tri_to_face[i]]})
-      mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
+    for (const FaceCode face : {tri_to_face[i], mesh.to_neighbor[tri_to_face[i]]}) fix_side(mesh, face);
   }
   return missing;
 }

@@ -53,13 +53,9 @@ Fault link_faces(TetMesh& mesh, const FaceGroups& groups, const BlockLoop& loop)
     if (sorted(verts_of(mesh, faces[0])).turned == sorted(verts_of(mesh, faces[1])).turned)
       return lowest.tell(faces[1], "two tetrahedra lie on one side of a face");
     if (faces.size() > 2) return lowest.tell(faces[2], "more than two tetrahedra share a face");
-    mesh.to_neighbor[faces[0]] = faces[1], mesh.to_neighbor[faces[1]] = faces[0];
+    link_sides(mesh, faces[0], faces[1]);
   });
   return lowest.fault(mesh);
-}
-
-void fix(TetMesh& mesh, FaceCode face) {
-  mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
 }
 
 Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const FaceGroups& groups,
@@ -74,8 +70,8 @@ Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const
       fault.triangles.push_back(t);
       continue;
     }
-    fix(mesh, faces[t]);
-    if (const FaceCode behind = mesh.to_neighbor[faces[t]]; behind != kNone) fix(mesh, behind);
+    fix_side(mesh, faces[t]);
+    if (const FaceCode behind = mesh.to_neighbor[faces[t]]; behind != kNone) fix_side(mesh, behind);
   }
   if (fault.triangles.empty()) return fault;
   const auto& [a, b, c] = triangles[fault.triangles[0]];

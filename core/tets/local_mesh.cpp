@@ -6,28 +6,13 @@
 
 namespace tetloom::tets {
 
-namespace {
-
-// One side of a face in the course of a replacement.
-struct Side {
-  enum Kind : std::uint8_t { Outer, Inner, Mark };  // Mark: an old face between two old tets, fixed
-  TriangleVerts key;
-  FaceCode code;
-  Kind kind;
-  bool fixed;
-};
-
-}  // namespace
-
 LocalMesh::LocalMesh(TetMesh& mesh) : mesh_(mesh), vert_to_tet_(mesh.points.size(), kNone) {
+  for (auto t = static_cast<std::uint32_t>(mesh.size()); t-- > 0;)
+    if (mesh.is_dead(t)) places_.drop(mesh, t);
   for (std::uint32_t t = 0; t < mesh.size(); ++t) {
-    if (mesh.is_dead(t)) {
-      free_.push_back(t);
-      continue;
-    }
+    if (mesh.is_dead(t)) continue;
     for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = t;
   }
-  std::reverse(free_.begin(), free_.end());
   stamps_.assign(mesh.size(), 0);
 }
 
@@ -98,7 +83,7 @@ FaceCode LocalMesh::find_face(const TriangleVerts& triangle) const {
 
 void LocalMesh::fix(FaceCode code) {
   for (const FaceCode side : {code, mesh_.to_neighbor[code]}) {
-    if (side != kNone) mesh_.to_fixed[side / 4] = static_cast<std::uint8_t>(mesh_.to_fixed[side / 4] | 1u << side % 4);
+    if (side != kNone) fix_side(mesh_, side);
   }
 }
 
@@ -109,65 +94,27 @@ void LocalMesh::release(FaceCode code) {
   }
 }
 
-std::uint32_t LocalMesh::take_slot() {
-  if (!free_.empty()) {
-    const std::uint32_t slot = free_.back();
-    free_.pop_back();
-    return slot;
-  }
-  const auto slot = static_cast<std::uint32_t>(mesh_.size());
-  mesh_.to_vert.resize((std::size_t{slot} + 1) * 4, kNone);
-  mesh_.to_neighbor.resize((std::size_t{slot} + 1) * 4, kNone);
-  mesh_.to_region.resize(std::size_t{slot} + 1, kNone);
-  mesh_.to_fixed.resize(std::size_t{slot} + 1, 0);
-  stamps_.push_back(0);
-  return slot;
-}
-
 void LocalMesh::replace(std::span<const std::uint32_t> old, std::span<const Tet> fresh) {
-  std::vector<Side> sides;
   const std::uint32_t region = mesh_.to_region[old[0]];
   TetList inside(old.begin(), old.end());
   std::sort(inside.begin(), inside.end());
-  for (const std::uint32_t t : inside) {
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode code = t * 4 + i, back = mesh_.to_neighbor[code];
-      const bool inner = back != kNone && std::binary_search(inside.begin(), inside.end(), back / 4);
-      if (inner && (back < code || !mesh_.is_fixed(code))) continue;
-      sides.push_back({sorted(face(code)).verts, back, inner ? Side::Mark : Side::Outer, mesh_.is_fixed(code)});
-    }
-  }
+  filling_.open(mesh_, inside, fresh.size());
   for (const std::uint32_t t : inside) {
     for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = kNone;
   }
-  for (const std::uint32_t t : inside) mesh_.to_vert[std::size_t{t} * 4] = kNone;
-  free_.insert(free_.end(), inside.rbegin(), inside.rend());
+  for (auto t = inside.rbegin(); t != inside.rend(); ++t) places_.drop(mesh_, *t);
+  TetList made;
   for (const Tet& verts : fresh) {
-    const std::uint32_t t = take_slot();
+    const std::uint32_t t = places_.take(mesh_);
     std::copy(verts.begin(), verts.end(), mesh_.to_vert.begin() + std::size_t{t} * 4);
     mesh_.to_region[t] = region;
     mesh_.to_fixed[t] = 0;
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      vert_to_tet_[verts[i]] = t;
-      sides.push_back({sorted(face(t * 4 + i)).verts, t * 4 + i, Side::Inner, false});
-    }
+    for (const std::uint32_t v : verts) vert_to_tet_[v] = t;
+    made.push_back(t);
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.key != b.key ? a.key < b.key : a.kind != b.kind ? a.kind < b.kind : a.code < b.code;
-  });
-  for (std::size_t i = 0; i < sides.size();) {
-    if (sides[i].kind == Side::Mark) {  // a fixed face that is gone: the caller's wish
-      ++i;
-      continue;
-    }
-    TETLOOM_ASSERT(i + 1 < sides.size() && sides[i].key == sides[i + 1].key && sides[i + 1].kind == Side::Inner);
-    const FaceCode a = sides[i].code, b = sides[i + 1].code;
-    bool fixed = sides[i].fixed;
-    mesh_.to_neighbor[b] = a;
-    if (a != kNone) mesh_.to_neighbor[a] = b;
-    for (i += 2; i < sides.size() && sides[i].kind == Side::Mark && sides[i].key == sides[i - 1].key; ++i) fixed = true;
-    if (fixed) fix(b);
-  }
+  stamps_.resize(mesh_.size(), 0);
+  const bool fits = filling_.close(mesh_, made);
+  TETLOOM_ASSERT(fits);
 }
 
 std::uint32_t LocalMesh::add_point(const Vec3& p) {
@@ -177,8 +124,8 @@ std::uint32_t LocalMesh::add_point(const Vec3& p) {
 }
 
 void LocalMesh::tidy(std::uint32_t first) {
-  if (!free_.empty()) compact(mesh_);
-  free_.clear();
+  if (places_.has_dead()) compact(mesh_);
+  places_.forget();
   if (mesh_.points.size() == first) return;
   std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
   for (const std::uint32_t v : mesh_.to_vert) {

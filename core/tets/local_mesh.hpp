@@ -7,7 +7,9 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/tets/cavity_filling.hpp"
 #include "core/tets/tet_mesh.hpp"
+#include "core/tets/tet_places.hpp"
 #include "core/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
@@ -52,11 +54,11 @@ class LocalMesh {
   // All tets that `keep` accepts and that are connected to `seed` through faces of such tets.
   template <class Keep>
   void flood(std::uint32_t seed, const Keep& keep, TetList& tets) const;
-  std::uint32_t take_slot();
 
   TetMesh& mesh_;
   std::vector<std::uint32_t> vert_to_tet_;
-  std::vector<std::uint32_t> free_;
+  TetPlaces places_;
+  CavityFilling filling_;
   mutable std::vector<std::uint32_t> stamps_;
   mutable std::uint32_t stamp_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "core/tets/tet_mesh.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "core/predicates/predicates.hpp"
 #include "core/tets/many_values.hpp"

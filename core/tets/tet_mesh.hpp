@@ -1,13 +1,13 @@
 #pragma once
 // The tetrahedra of one part while they are made: arrays like those of a PartMesh's tet block, and what making
 // them needs beside.
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/tets/tet_topology.hpp"
 #include "tetloom/growing_array.hpp"
 #include "tetloom/ids.hpp"
 #include "tetloom/vec.hpp"
@@ -15,9 +15,6 @@
 namespace tetloom::tets {
 
 using tetloom::kNone;  // no tet, vertex, region or face
-
-/// Face `i` of a tet is opposite to its vertex `i`; kFaceVerts[i] are its vertices, counter-clockwise from outside.
-inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// One face of one tet as tet · 4 + face, the code of CellPlace for tets; kNone: nothing.
 using FaceCode = std::uint32_t;
@@ -40,6 +37,17 @@ struct TetMesh {
   bool is_fixed(FaceCode face) const { return (to_fixed[face / 4] >> face % 4 & 1) != 0; }
   const Vec3& point_of(std::uint32_t tet, int corner) const { return points[to_vert[std::size_t{tet} * 4 + corner]]; }
 };
+
+/// Says of this side of a face that it must stay.
+inline void fix_side(TetMesh& mesh, FaceCode face) {
+  mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
+}
+
+/// Makes two faces the two sides of one; kNone: nothing lies there.
+inline void link_sides(TetMesh& mesh, FaceCode one, FaceCode other) {
+  if (one != kNone) mesh.to_neighbor[one] = other;
+  if (other != kNone) mesh.to_neighbor[other] = one;
+}
 
 /// Moves the last tets into the places of dead ones, in ascending order, so that none is dead. Linear.
 void compact(TetMesh& mesh);

@@ -4,12 +4,6 @@ namespace tetloom::tets {
 
 namespace {
 
-// The two faces of a tet beside those opposite to two given corners.
-constexpr std::uint8_t kOtherFaces[4][4][2]{{{0, 0}, {2, 3}, {1, 3}, {1, 2}},
-                                            {{2, 3}, {0, 0}, {0, 3}, {0, 2}},
-                                            {{1, 3}, {0, 3}, {0, 0}, {0, 1}},
-                                            {{1, 2}, {0, 2}, {0, 1}, {0, 0}}};
-
 // The tets of a star: open addressing, at most half full. Marks in the mesh would cost a cache line per tet.
 class TetSet {
  public:
@@ -47,7 +41,7 @@ StarVerdict find_star(const WorkingMesh& mesh, std::uint32_t tet, std::uint32_t 
     const std::uint32_t here = star.codes[i] / 4, entry = star.codes[i] % 4;
     const std::uint32_t own = mesh.corner_of(here, star.vertex);
     star.codes[i] = here * 4 + own;
-    for (const std::uint8_t face : kOtherFaces[own][entry]) {
+    for (const std::uint8_t face : kOtherCorners[own][entry]) {
       const FaceCode behind = m.to_neighbor[std::size_t{here} * 4 + face];
       star.codes[count] = behind;
       count += seen.add(behind / 4);

@@ -6,94 +6,6 @@
 
 namespace tetloom::tets {
 
-namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
-
-Triangle sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  if (a > b) std::swap(a, b);
-  if (b > c) std::swap(b, c);
-  if (a > b) std::swap(a, b);
-  return {a, b, c};
-}
-
-Triangle face_key(const std::uint32_t* verts, std::uint32_t face) {
-  const auto& corners = kFaceVerts[face];
-  return sorted(verts[corners[0]], verts[corners[1]], verts[corners[2]]);
-}
-
-Triangle sorted(const Triangle& t) { return sorted(t[0], t[1], t[2]); }
-
-// A face on the boundary of a cavity, or of a new tet: `code` is the face behind it, or the new face.
-struct CavityFace {
-  Triangle key;
-  FaceCode code;
-  bool is_outer, is_fixed;
-
-  friend bool operator<(const CavityFace& a, const CavityFace& b) {
-    if (a.key != b.key) return a.key < b.key;
-    return a.code < b.code;
-  }
-};
-
-// The faces of one replacement, without allocation.
-class FaceList {
- public:
-  void add(const CavityFace& face) { faces_[count_++] = face; }
-  // Forgets `key` where nothing lies behind it.
-  void drop_open(const Triangle& key) {
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (faces_[i].key == key && faces_[i].code == kNone) faces_[i--] = faces_[--count_];
-    }
-  }
-  std::span<CavityFace> faces() { return {faces_.data(), count_}; }
-
- private:
-  std::array<CavityFace, WorkingMesh::kMostTets * 8> faces_;
-  std::size_t count_ = 0;
-};
-
-void collect_outer_faces(const TetMesh& mesh, std::span<const std::uint32_t> old, FaceList& list) {
-  for (const std::uint32_t tet : old) {
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + i];
-      const bool inner = behind != kNone && std::find(old.begin(), old.end(), behind / 4) != old.end();
-      if (inner) continue;
-      list.add({face_key(&mesh.to_vert[std::size_t{tet} * 4], i), behind, true, mesh.is_fixed(tet * 4 + i)});
-    }
-  }
-}
-
-void fix(TetMesh& mesh, FaceCode face) { mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4); }
-
-void link(TetMesh& mesh, const CavityFace& a, const CavityFace& b) {
-  const CavityFace& inner = a.is_outer ? b : a;
-  const CavityFace& other = a.is_outer ? a : b;
-  TETLOOM_DEBUG_ASSERT(a.key == b.key && !inner.is_outer);
-  mesh.to_neighbor[inner.code] = other.code;
-  if (other.code != kNone) mesh.to_neighbor[other.code] = inner.code;
-  if (other.is_fixed) fix(mesh, inner.code);
-}
-
-// Links faces in pairs, but for those of `fixed` with a tet on one side only.
-void link_all(TetMesh& mesh, std::span<CavityFace> faces, const std::array<Triangle, 2>& fixed) {
-  std::sort(faces.begin(), faces.end());
-  for (std::size_t i = 0; i < faces.size();) {
-    const bool is_fixed = faces[i].key == fixed[0] || faces[i].key == fixed[1];
-    const std::size_t count = i + 1 < faces.size() && faces[i + 1].key == faces[i].key ? 2 : 1;
-    TETLOOM_DEBUG_ASSERT(count == 2 || is_fixed);
-    if (count == 2) {
-      link(mesh, faces[i], faces[i + 1]);
-    } else {
-      mesh.to_neighbor[faces[i].code] = kNone;
-    }
-    for (std::size_t k = i; is_fixed && k < i + count; ++k) fix(mesh, faces[k].code);
-    i += count;
-  }
-}
-
-}  // namespace
-
 WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_t alike,
                          std::span<const FaceCode> open_faces)
     : mesh_(mesh) {
@@ -144,26 +56,14 @@ void WorkingMesh::fix_points_of(std::uint32_t tet) {
 }
 
 std::uint32_t WorkingMesh::take_tet() {
-  if (first_dead_ != kNone) {
-    const std::uint32_t tet = first_dead_;
-    first_dead_ = mesh_.to_neighbor[std::size_t{tet} * 4];
-    return tet;
-  }
-  const std::size_t tet = mesh_.size();
-  mesh_.to_vert.resize_for_overwrite((tet + 1) * 4);
-  mesh_.to_neighbor.resize_for_overwrite((tet + 1) * 4);
-  mesh_.to_region.push_back(kNone);
-  mesh_.to_fixed.push_back(0);
-  to_quality_.push_back(kDeadQuality);
-  return static_cast<std::uint32_t>(tet);
+  const std::uint32_t tet = places_.take(mesh_);
+  if (tet == to_quality_.size()) to_quality_.push_back(kDeadQuality);
+  return tet;
 }
 
 void WorkingMesh::drop_tet(std::uint32_t tet) {
-  mesh_.to_vert[std::size_t{tet} * 4] = kNone;
-  mesh_.to_neighbor[std::size_t{tet} * 4] = first_dead_;
-  mesh_.to_fixed[tet] = 0;
+  places_.drop(mesh_, tet);
   to_quality_[tet] = kDeadQuality;
-  first_dead_ = tet;
 }
 
 void WorkingMesh::write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region) {
@@ -185,86 +85,55 @@ std::array<std::uint32_t, WorkingMesh::kMostTets> WorkingMesh::take_ids(std::spa
 }
 
 void WorkingMesh::replace_ring(const EdgeRing& ring, std::span<const RingTriangle> triangles) {
-  const RingFilling filling(mesh_, ring);
-  const auto ids = take_ids(ring.old(), 2 * triangles.size());
-  filling.fill(mesh_, triangles, std::span(ids).first(2 * triangles.size()));
+  std::array<NewTet, kMostTets> made;
+  std::size_t count = 0;
   const Vec3 origin = point(ring.a);
-  for (const std::uint32_t tet : std::span(ids).first(2 * triangles.size())) {
-    const auto v = verts(tet);
-    set_quality(tet,
-                cubed_quality(point(v[0]) - origin, point(v[1]) - origin, point(v[2]) - origin, point(v[3]) - origin));
-  }
+  for (const RingTriangle& triangle : triangles)
+    for (const auto& v : tets_over(ring, triangle))
+      made[count++] = {
+          v, cubed_quality(point(v[0]) - origin, point(v[1]) - origin, point(v[2]) - origin, point(v[3]) - origin)};
+  replace(ring.old(), std::span(made).first(count));
 }
 
 void WorkingMesh::replace_face(std::uint32_t tet, std::uint32_t face, const std::array<double, 3>& qualities) {
-  struct Side {
-    FaceCode behind;
-    bool is_fixed;
-  };
   const FaceCode opposite = mesh_.to_neighbor[std::size_t{tet} * 4 + face];
   const std::uint32_t other = opposite / 4, region = mesh_.to_region[tet];
   const std::uint32_t apex = verts(tet)[face], beyond = mesh_.to_vert[opposite];
-  std::array<std::uint32_t, 3> edge;
-  std::array<std::array<Side, 3>, 2> sides;  // behind the faces opposite to the common vertices, of either tet
-  for (std::size_t i = 0; i < 3; ++i) {
-    edge[i] = verts(tet)[kFaceVerts[face][i]];
-    const std::array<FaceCode, 2> codes{tet * 4 + kFaceVerts[face][i], other * 4 + corner_of(other, edge[i])};
-    for (std::size_t k = 0; k < 2; ++k) sides[k][i] = {mesh_.to_neighbor[codes[k]], mesh_.is_fixed(codes[k])};
-  }
+  const TriangleVerts edge = verts_of(mesh_, tet * 4 + face);
+  filling_.open(mesh_, std::array{tet, other}, 3);
   const std::array<std::uint32_t, 3> ids{tet, other, take_tet()};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t next = (i + 1) % 3, last = (i + 2) % 3;
-    write_tet(ids[i], {{edge[next], edge[last], apex, beyond}, qualities[i]}, region);
-    FaceCode* const behind = &mesh_.to_neighbor[std::size_t{ids[i]} * 4];
-    behind[0] = ids[next] * 4 + 1, behind[1] = ids[last] * 4;
-    for (std::uint32_t k = 0; k < 2; ++k) {
-      const Side& side = sides[k][i];
-      const FaceCode own = ids[i] * 4 + 3 - k;
-      mesh_.to_neighbor[own] = side.behind;
-      if (side.behind != kNone) mesh_.to_neighbor[side.behind] = own;
-      if (side.is_fixed) fix(mesh_, own);
-    }
-  }
+  for (std::size_t i = 0; i < 3; ++i)
+    write_tet(ids[i], {{edge[(i + 1) % 3], edge[(i + 2) % 3], apex, beyond}, qualities[i]}, region);
+  close(ids);
 }
 
 void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {
-  FaceList list;
-  collect_outer_faces(mesh_, old, list);
   const std::uint32_t region = mesh_.to_region[old[0]];
+  filling_.open(mesh_, old, made.size());
   const auto ids = take_ids(old, made.size());
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    const std::uint32_t tet = ids[i];
-    write_tet(tet, made[i], region);
-    for (std::uint32_t f = 0; f < 4; ++f) list.add({face_key(made[i].verts.data(), f), tet * 4 + f, false, false});
-  }
-  const std::span<CavityFace> faces = list.faces();
-  std::sort(faces.begin(), faces.end());
-  TETLOOM_DEBUG_ASSERT(faces.size() % 2 == 0);
-  for (std::size_t i = 0; i < faces.size(); i += 2) link(mesh_, faces[i], faces[i + 1]);
+  for (std::size_t i = 0; i < made.size(); ++i) write_tet(ids[i], made[i], region);
+  close(std::span(ids).first(made.size()));
 }
 
 void WorkingMesh::replace_at_surface(const SurfaceSwap& swap, const std::array<CavitySide, 2>& sides) {
-  std::array<std::uint32_t, kMostTets> ids;
-  std::size_t old_count = 0, made_count = sides[0].made.size() + sides[1].made.size();
+  std::array<std::uint32_t, kMostTets> old;
+  std::size_t old_count = 0;
+  const std::size_t made_count = sides[0].made.size() + sides[1].made.size();
   std::array<std::uint32_t, 2> regions{kNone, kNone};
-  for (std::size_t side = 0; side < 2; ++side) {
-    for (const std::uint32_t tet : sides[side].old) ids[old_count++] = tet, regions[side] = mesh_.to_region[tet];
-  }
-  std::sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(old_count));
-  FaceList list;
-  collect_outer_faces(mesh_, std::span(ids).first(old_count), list);
-  list.drop_open(sorted(swap.before[0])), list.drop_open(sorted(swap.before[1]));
-  for (std::size_t i = made_count; i < old_count; ++i) drop_tet(ids[i]);
-  for (std::size_t i = old_count; i < made_count; ++i) ids[i] = take_tet();
+  for (std::size_t side = 0; side < 2; ++side)
+    for (const std::uint32_t tet : sides[side].old) old[old_count++] = tet, regions[side] = mesh_.to_region[tet];
+  filling_.open(mesh_, std::span(old).first(old_count), made_count);
+  filling_.swap_surface(swap.before, swap.after);
+  const auto ids = take_ids(std::span(old).first(old_count), made_count);
   const std::uint32_t* id = ids.data();
-  for (std::size_t side = 0; side < 2; ++side) {
-    for (const NewTet& made : sides[side].made) {
-      write_tet(*id, made, regions[side]);
-      for (std::uint32_t f = 0; f < 4; ++f) list.add({face_key(made.verts.data(), f), *id * 4 + f, false, false});
-      ++id;
-    }
-  }
-  link_all(mesh_, list.faces(), {sorted(swap.after[0]), sorted(swap.after[1])});
+  for (std::size_t side = 0; side < 2; ++side)
+    for (const NewTet& made : sides[side].made) write_tet(*id++, made, regions[side]);
+  close(std::span(ids).first(made_count));
+}
+
+void WorkingMesh::close(std::span<const std::uint32_t> made) {
+  [[maybe_unused]] const bool fits = filling_.close(mesh_, made);
+  TETLOOM_DEBUG_ASSERT(fits);
 }
 
 std::uint32_t WorkingMesh::add_point(const Vec3& point) {

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/tets/cavity_filling.hpp"
 #include "core/tets/edge_ring.hpp"
 #include "core/tets/tet_mesh.hpp"
+#include "core/tets/tet_places.hpp"
 #include "core/tets/tet_quality.hpp"
 
 namespace tetloom::tets {
@@ -114,15 +116,17 @@ class WorkingMesh {
   void compact_qualities(std::span<const std::uint32_t> dead);
   std::array<std::uint32_t, kMostTets> take_ids(std::span<const std::uint32_t> old, std::size_t count);
   void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
+  void close(std::span<const std::uint32_t> made);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
   std::uint32_t take_tet();
   void drop_tet(std::uint32_t tet);
 
   TetMesh& mesh_;
-  std::uint32_t first_dead_ = kNone;
+  TetPlaces places_;
   GrowingArray<float> to_quality_;
   GrowingArray<std::uint64_t> fixed_;  // a bit per point
   GrowingArray<std::uint32_t> unused_points_;
+  CavityFilling filling_;
 };
 
 }  // namespace tetloom::tets

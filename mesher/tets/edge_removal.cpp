@@ -16,10 +16,6 @@ namespace {
 constexpr int kUsualRing = 5;
 constexpr float kVeryPoor = 0.13f;  // cubed quality
 
-// The six edges of a tet with the other two corners, in even permutations.
-constexpr std::array<std::array<std::uint8_t, 4>, 6> kEdgeCorners{
-    {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}}};
-
 }  // namespace
 
 namespace {

@@ -92,8 +92,7 @@ Obstacles find_obstacles(const LocalMesh& mesh, const TriangleVerts& triangle) {
       const Tet v = mesh.tet(t);
       bool pierced = false;
       for (std::size_t k = 0; k < 6 && !pierced; ++k) {
-        constexpr std::array<std::array<std::uint8_t, 2>, 6> kEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-        pierced = pierces(v[kEdges[k][0]], v[kEdges[k][1]]);
+        pierced = pierces(v[kEdgeVerts[k][0]], v[kEdgeVerts[k][1]]);
       }
       if (pierced && std::find(found.tets.begin(), found.tets.end(), t) == found.tets.end()) found.tets.push_back(t);
     }

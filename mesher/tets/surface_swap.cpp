@@ -14,9 +14,6 @@ constexpr double kLargestSag = 0.04;    // of an edge's middle from the model, i
 constexpr double kLeastCosine = 0.87;   // between triangles and the model: 30 degrees
 constexpr double kFlat = 1e-6;          // distance of the two diagonals, in their lengths
 
-constexpr std::array<std::array<std::uint8_t, 4>, 6> kEdgeCorners{
-    {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}}};
-
 struct RingPlace {
   std::uint32_t tet, first, second;  // the tet is (a, b, first, second)
 };

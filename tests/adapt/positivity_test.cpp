@@ -119,7 +119,7 @@ TEST_CASE("a triangulation of a ring that is not refused makes positive tets", "
     PlanePoints plane;
     int found = 0;
     for (std::uint32_t tet = 0; tet < part.mesh.size(); ++tet) {
-      for (const auto& [i, j] : kEdgeCorners) {
+      for (const auto& [i, j] : tets::kEdgeVerts) {
         const std::array<std::uint32_t, 2> edge{part.verts(tet)[i], part.verts(tet)[j]};
         Cavity shell;
         tets::EdgeRing ring;
