@@ -51,7 +51,6 @@ class BackgroundMesh {
     for (std::size_t i = 1; i < 4; ++i) sum += place.weights[i] * metric_.logs[tet[i]];
     return sum;
   }
-  Tensor metric_at(const Vec3& x, std::uint32_t hint = kNone) const { return exp(log_metric_at(locate(x, hint))); }
 
   /// The value of component `c` of a point field there. Linear fields are exact inside the mesh.
   double value_at(const MeshField& field, int c, const BackgroundPlace& place) const {

@@ -98,13 +98,13 @@ class PartCutter {
   void find_owners() {
     to_owner_.resize(mesh_.points.size(), kNone), to_local_vert_.resize(mesh_.points.size(), 0);
     runner_.for_blocks(mesh_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin * 4; i < end * 4; ++i) claim(mesh_.to_vert[i], share_.to_part[i / 4] - first_);
+      for (std::size_t i = begin * 4; i < end * 4; ++i) add_owner(mesh_.to_vert[i], share_.to_part[i / 4] - first_);
     });
     for (const std::uint32_t v : share_.outside_verts) to_owner_[v] = kShared;
   }
 
   // From tets of all parts at once.
-  void claim(std::uint32_t vert, std::uint32_t part) {
+  void add_owner(std::uint32_t vert, std::uint32_t part) {
     // Partner: the same call for other tets of the vertex. Whatever their order, two parts leave kShared.
     const std::atomic_ref<std::uint32_t> owner(to_owner_[vert]);
     std::uint32_t known = owner.load(std::memory_order_relaxed);

@@ -25,9 +25,9 @@ struct Renumbered {
   std::uint32_t old_number, number;
 };
 
-class Joiner {
+class PartsJoiner {
  public:
-  Joiner(const RoundShare& old, std::vector<PartOfWhole>& parts, ShareLinks& links, const SharedWork& work)
+  PartsJoiner(const RoundShare& old, std::vector<PartOfWhole>& parts, ShareLinks& links, const SharedWork& work)
       : old_(old), parts_(parts), links_(links), work_(work), runner_(work.runner()) {}
 
   WholeMesh run() {
@@ -333,7 +333,7 @@ class Joiner {
 
 WholeMesh join_parts(const RoundShare& old, std::vector<PartOfWhole>& parts, ShareLinks& links,
                      const SharedWork& work) {
-  return Joiner(old, parts, links, work).run();
+  return PartsJoiner(old, parts, links, work).run();
 }
 
 }  // namespace tetloom::adapt

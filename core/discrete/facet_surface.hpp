@@ -25,7 +25,6 @@ struct FacetSurface {
   std::uint32_t origin(std::uint32_t half) const { return half_origin(tri_to_vert, half); }
   std::uint32_t head(std::uint32_t half) const { return half_head(tri_to_vert, half); }
   std::uint32_t group(std::size_t tri) const { return tri_to_group.empty() ? 0 : tri_to_group[tri]; }
-  bool same_side_across(std::uint32_t half) const { return edge_is_joint[edges.half_to_edge[half]]; }
 };
 
 /// Takes the facets of a clean soup and turns facets over until each leaf is oriented as most of its facets were.

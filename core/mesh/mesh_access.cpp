@@ -133,15 +133,6 @@ std::size_t cell_count(const Mesh& mesh) {
   return mesh.tet_to_vert.size() + mesh.pyramid_to_vert.size() + mesh.prism_to_vert.size() + mesh.hex_to_vert.size();
 }
 
-CellRef cell_ref(const Mesh& mesh, std::size_t cell) {
-  for (const CellKind kind : kAllCellKinds) {
-    const std::size_t count = cell_count(mesh, kind);
-    if (cell < count || kind == CellKind::Hex) return {kind, cell};
-    cell -= count;
-  }
-  return {};
-}
-
 std::span<const std::uint32_t> vertices_of(const Mesh& mesh, CellRef cell) {
   switch (cell.kind) {
     case CellKind::Tet: return mesh.tet_to_vert[cell.index];

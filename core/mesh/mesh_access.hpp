@@ -52,9 +52,6 @@ struct CellRef {
   std::size_t index = 0;
 };
 
-/// The cell with the number `cell` of all kinds, as cell fields count them. Pre: cell < cell_count(mesh).
-CellRef cell_ref(const Mesh& mesh, std::size_t cell);
-
 /// The vertices and the region of a cell. Pre: it is there.
 std::span<const std::uint32_t> vertices_of(const Mesh& mesh, CellRef cell);
 std::uint32_t region_of(const Mesh& mesh, CellRef cell);

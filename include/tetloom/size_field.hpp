@@ -90,11 +90,6 @@ class SizeField {
   /// The integral of tets_per_cube / size³ over `box`: how many tetrahedra it would take to fill it.
   double estimate_tets(const Box3& box) const;
 
-  /// A flat copy for another process on the same machine.
-  std::vector<std::byte> serialize() const;
-  /// The inverse. Throws Error(InputUnreadable) for bytes that are not a complete, valid field.
-  static SizeField deserialize(std::span<const std::byte> bytes);
-
  private:
   class Tree;
   double smallest_ = 0, largest_ = 0, gradation_ = 0;

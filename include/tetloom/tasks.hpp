@@ -255,11 +255,12 @@ struct Step {
 /// sender of step k's links has been heard (an empty message counts): there is no barrier between steps, and no step
 /// of a part runs beside another of the same part.
 ///
-/// A oneTBB flow graph with one node per part and step. Errors, the same on all ranks: what a body throws (of several,
-/// the one of the earliest step and lowest part of the lowest rank where one threw; between ranks it travels as an
-/// Error), Error(Cancelled) after a host's cancel. After an error no body is running any more, undelivered messages are
-/// dropped, and the schedule can be run again. Bodies that must not be torn apart are written to leave their part
-/// consistent when they throw. Cancellation is seen between steps, and inside bodies where they ask.
+/// A oneTBB flow graph with one node per part and step. Errors, the same on all ranks: what a body throws, as an Error:
+/// OutOfMemory for lack of memory, Internal for what is none (of several, the one of the earliest step and lowest part
+/// of the lowest rank where one threw); Error(Cancelled) after a host's cancel. After an error no body is running any
+/// more, undelivered messages are dropped, and the schedule can be run again. Bodies that must not be torn apart are
+/// written to leave their part consistent when they throw. Cancellation is seen between steps, and inside bodies where
+/// they ask.
 class Schedule {
  public:
   /// All must outlive the schedule. `trace` may be null.

@@ -18,22 +18,22 @@ constexpr std::size_t kNearest = 8;
 
 void ask(const AllParts& parts, PartId part, std::vector<Message>& questions) {
   const Decomposition& decomposition = parts.input.decomposition;
-  std::vector<std::vector<Doubt>> part_to_doubts(decomposition.part_count());
-  for (const Doubt& doubt : parts.states.at(part).doubts) {
-    const Vec3 reach{doubt.radius, doubt.radius, doubt.radius};
-    decomposition.for_each_in({doubt.center - reach, doubt.center + reach}, [&](PartId other) {
-      if (other != part) part_to_doubts[other.value].push_back(doubt);
+  std::vector<std::vector<OpenBall>> part_to_balls(decomposition.part_count());
+  for (const OpenBall& ball : parts.states.at(part).open_balls) {
+    const Vec3 reach{ball.radius, ball.radius, ball.radius};
+    decomposition.for_each_in({ball.center - reach, ball.center + reach}, [&](PartId other) {
+      if (other != part) part_to_balls[other.value].push_back(ball);
     });
   }
-  for (std::size_t other = 0; other < part_to_doubts.size(); ++other) {
-    if (part_to_doubts[other].empty()) continue;
+  for (std::size_t other = 0; other < part_to_balls.size(); ++other) {
+    if (part_to_balls[other].empty()) continue;
     MessageWriter writer;
-    writer.put_array<Doubt>(part_to_doubts[other]);
+    writer.put_array<OpenBall>(part_to_balls[other]);
     questions.push_back({part, PartId(other), 0, writer.take()});
   }
 }
 
-std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& questions, std::size_t most_per_doubt) {
+std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& questions, std::size_t most_per_ball) {
   std::vector<Message> answers(questions.size());
   std::vector<std::vector<std::size_t>> part_to_questions(parts.states.part_count());
   for (std::size_t i = 0; i < questions.size(); ++i) part_to_questions[questions[i].to.value].push_back(i);
@@ -44,9 +44,9 @@ std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& q
     if (asked.empty()) return;
     const OwnPoints points = find_own_points(parts.input, parts.states.at(local[p]), local[p]);
     for (const std::size_t i : asked) {
-      const auto doubts = MessageReader(questions[i].bytes).get_view<Doubt>();
+      const auto open_balls = MessageReader(questions[i].bytes).get_view<OpenBall>();
       MessageWriter writer;
-      writer.put_array<ShellPoint>(points.find_in(doubts, most_per_doubt));
+      writer.put_array<ShellPoint>(points.find_in(open_balls, most_per_ball));
       answers[i] = {questions[i].to, questions[i].from, 0, writer.take()};
     }
   });
@@ -63,7 +63,7 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
   }
   std::vector<PartId> told;  // few: most have asked nobody
   for (const PartId part : parts.states.local()) {
-    parts.states.at(part).doubts.clear();
+    parts.states.at(part).open_balls.clear();
     if (!part_to_points[part.value].empty()) told.push_back(part);
   }
   std::vector<char> learnt(told.size(), 0);
@@ -84,7 +84,7 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
 Asked ask_others(const AllParts& parts) {
   Asked asked;
   std::uint64_t tets = 0;
-  for (const PartId part : parts.states.local()) tets += parts.states.at(part).doubts.size();
+  for (const PartId part : parts.states.local()) tets += parts.states.at(part).open_balls.size();
   asked.tets = sum_over_ranks(parts.communicator, tets);
   while (asked.rounds < kMostRounds && !parts.any_fault()) {
     std::vector<Message> questions;

@@ -1,5 +1,5 @@
 #pragma once
-// Doubted tets are asked about where their balls reach to, in rounds, until no part learns anything new.
+// Parts ask where open balls of their tets reach to, in rounds, until no part learns anything new.
 #include "mesher/parts/all_parts.hpp"
 
 namespace tetloom::parts {

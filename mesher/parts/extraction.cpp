@@ -19,32 +19,32 @@ class Extraction {
     for (const auto& [vert, face] : state.border) vert_flags_[vert] = kShared;
   }
 
-  std::vector<ClaimedTets> run(std::span<const FaceCode> open_faces,
-                               std::span<const std::pair<PartId, std::uint32_t>> claims) {
-    for (const auto& [part, code] : find_seeds(open_faces, claims)) claim_star(code, part);
-    const std::size_t first_layer = claimed_.size();
+  std::vector<TetsToMigrate> run(std::span<const FaceCode> open_faces,
+                                 std::span<const std::pair<PartId, std::uint32_t>> verts) {
+    for (const auto& [part, code] : find_seeds(open_faces, verts)) take_star(code, part);
+    const std::size_t first_layer = taken_.size();
     for (std::size_t i = 0; i < first_layer; ++i) {
-      const auto [part, tet] = claimed_[i];
-      for (std::uint32_t corner = 0; corner < 4; ++corner) claim_star(tet * 4 + corner, part);
+      const auto [part, tet] = taken_[i];
+      for (std::uint32_t corner = 0; corner < 4; ++corner) take_star(tet * 4 + corner, part);
     }
-    std::sort(claimed_.begin(), claimed_.end());
-    std::vector<ClaimedTets> result;
-    for (const auto& [part, tet] : claimed_) {
-      if (result.empty() || result.back().by != part) result.push_back({part, {}});
+    std::sort(taken_.begin(), taken_.end());
+    std::vector<TetsToMigrate> result;
+    for (const auto& [part, tet] : taken_) {
+      if (result.empty() || result.back().to != part) result.push_back({part, {}});
       result.back().tets.push_back(tet);
     }
     return result;
   }
 
  private:
-  static constexpr std::uint8_t kClaimed = 16;                        // of a tet, beside a bit per corner
+  static constexpr std::uint8_t kTaken = 16;                          // of a tet, beside a bit per corner
   static constexpr std::uint8_t kShared = 1, kDone = 2, kWanted = 4;  // of a vertex
 
   // Where a star is in several pieces, each has an open face at its vertex.
   std::vector<std::pair<PartId, FaceCode>> find_seeds(std::span<const FaceCode> open_faces,
-                                                      std::span<const std::pair<PartId, std::uint32_t>> claims) {
+                                                      std::span<const std::pair<PartId, std::uint32_t>> verts) {
     std::vector<std::pair<std::uint32_t, PartId>> vert_to_part;
-    for (const auto& [part, vert] : claims) {
+    for (const auto& [part, vert] : verts) {
       vert_to_part.emplace_back(vert, part);
       vert_flags_[vert] |= kWanted;
     }
@@ -53,17 +53,17 @@ class Extraction {
     for (const FaceCode face : open_faces) {
       for (const std::uint32_t v : verts_of(mesh_, face)) {
         if (!(vert_flags_[v] & kWanted)) continue;
-        const auto claim = std::lower_bound(vert_to_part.begin(), vert_to_part.end(), std::pair{v, PartId(0)});
-        seeds.emplace_back(claim->second, face / 4 * 4 + corner_of(mesh_, face / 4, v));
+        const auto owned = std::lower_bound(vert_to_part.begin(), vert_to_part.end(), std::pair{v, PartId(0)});
+        seeds.emplace_back(owned->second, face / 4 * 4 + corner_of(mesh_, face / 4, v));
       }
     }
     std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     return seeds;
   }
 
-  // Tets around the vertex at a corner, as far as they hang together, that nobody claims yet. Stars are not cut where
-  // others have claimed a part of them.
-  void claim_star(FaceCode code, PartId part) {
+  // Tets around the vertex at a corner, as far as they hang together, that nobody has yet. Stars are not cut where
+  // others have taken a part of them.
+  void take_star(FaceCode code, PartId part) {
     std::uint8_t& flags = vert_flags_[mesh_.to_vert[code]];
     // Stars that are no part's border hang together: one walk is enough.
     if (flags & kShared ? is_walked(code) : (flags & kDone) != 0) return;
@@ -78,9 +78,9 @@ class Extraction {
     while (!stack_.empty()) {
       const std::uint32_t tet = stack_.back() / 4, corner = stack_.back() % 4;
       stack_.pop_back();
-      if (!(tet_flags_[tet] & kClaimed)) {
-        tet_flags_[tet] |= kClaimed;
-        claimed_.emplace_back(part, tet);
+      if (!(tet_flags_[tet] & kTaken)) {
+        tet_flags_[tet] |= kTaken;
+        taken_.emplace_back(part, tet);
       }
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
@@ -99,15 +99,15 @@ class Extraction {
 
   const TetMesh& mesh_;
   std::vector<std::uint8_t> tet_flags_, vert_flags_;
-  std::vector<std::pair<PartId, std::uint32_t>> claimed_;
+  std::vector<std::pair<PartId, std::uint32_t>> taken_;
   std::vector<FaceCode> stack_;
 };
 
 }  // namespace
 
-std::vector<ClaimedTets> find_claimed_tets(const PartState& state,
-                                           std::span<const std::pair<PartId, std::uint32_t>> claims) {
-  return Extraction(state).run(state.open_faces, claims);
+std::vector<TetsToMigrate> find_tets_to_migrate(const PartState& state,
+                                                std::span<const std::pair<PartId, std::uint32_t>> verts) {
+  return Extraction(state).run(state.open_faces, verts);
 }
 
 }  // namespace tetloom::parts

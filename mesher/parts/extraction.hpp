@@ -9,15 +9,15 @@
 
 namespace tetloom::parts {
 
-/// The tets of a part that another one, or itself, takes into a strip; ascending.
-struct ClaimedTets {
-  PartId by;
+/// The tets of a part that migrate to another one, or stay, in a strip; ascending.
+struct TetsToMigrate {
+  PartId to;
   std::vector<std::uint32_t> tets;
 };
 
-/// The tets within two layers around the claimed vertices, each for the first part that claims it; ascending by
-/// claimant. `claims`: vertices of open faces with who claims them, ascending; each vertex once.
-std::vector<ClaimedTets> find_claimed_tets(const PartState& state,
-                                           std::span<const std::pair<PartId, std::uint32_t>> claims);
+/// The tets within two layers around the vertices, each for the first of their owners; ascending by destination.
+/// `verts`: vertices of open faces with their owners, ascending; each vertex once.
+std::vector<TetsToMigrate> find_tets_to_migrate(const PartState& state,
+                                                std::span<const std::pair<PartId, std::uint32_t>> verts);
 
 }  // namespace tetloom::parts

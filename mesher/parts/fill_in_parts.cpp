@@ -102,8 +102,8 @@ class Filler {
   void optimize() {
     std::vector<Step> steps;
     const auto inside = [&](PartState& s, PartTask& t) {
-      join_shell(input_, s, mending_.removed);
-      for (const std::uint32_t c : s.patches) put_in_patch(s, t.part(), mending_.patches[c], input_.only_region);
+      append_shell(input_, s, mending_.removed);
+      for (const std::uint32_t c : s.recovered) add_recovered(s, t.part(), mending_.recovered[c], input_.only_region);
       name_regions(input_, s);
       if (s.fault.any()) return;
       optimize_inside(input_, s, t.part(), t.runner());
@@ -113,7 +113,7 @@ class Filler {
     for (std::size_t round = 0; round < kStripRounds; ++round) {
       steps.push_back(step("share", 1, Sends::Messages, [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }));
       steps.push_back(
-          step("claim", 1, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
+          step("send strips", 1, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
       const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
         take_strips(input_, s, t);
         is_last ? send_borders(input_, s, t) : send_poor(input_, s, t);

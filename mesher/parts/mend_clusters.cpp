@@ -29,11 +29,11 @@ std::vector<std::uint32_t> gather_missing(const AllParts& parts) {
   return all;
 }
 
-void send_neighborhood(const AllParts& parts, const Cluster& cluster, std::uint32_t index,
-                       std::vector<Message>& messages) {
+void send_near_points(const AllParts& parts, const Cluster& cluster, std::uint32_t index,
+                      std::vector<Message>& messages) {
   parts.input.decomposition.for_each_in(cluster.box, [&](PartId part) {
     if (!parts.states.is_local(part)) return;
-    const Neighborhood found = find_neighborhood(parts.input, parts.states.at(part), part, cluster);
+    const NearPoints found = find_near_points(parts.input, parts.states.at(part), part, cluster);
     MessageWriter writer;
     writer.put(std::uint64_t{index});
     writer.put_array<ShellPoint>(found.points);
@@ -42,16 +42,16 @@ void send_neighborhood(const AllParts& parts, const Cluster& cluster, std::uint3
   });
 }
 
-std::vector<Neighborhood> gather_neighborhoods(const AllParts& parts, const std::vector<Cluster>& clusters) {
+std::vector<NearPoints> gather_near_points(const AllParts& parts, const std::vector<Cluster>& clusters) {
   const auto pack = [&] {
     std::vector<Message> messages;
-    for (std::uint32_t c = 0; c < clusters.size(); ++c) send_neighborhood(parts, clusters[c], c, messages);
+    for (std::uint32_t c = 0; c < clusters.size(); ++c) send_near_points(parts, clusters[c], c, messages);
     return messages;
   };
-  std::vector<Neighborhood> around(clusters.size());
+  std::vector<NearPoints> around(clusters.size());
   for (const Message& message : parts.exchange(pack)) {
     MessageReader reader(message.bytes);
-    Neighborhood& one = around[reader.get<std::uint64_t>()];
+    NearPoints& one = around[reader.get<std::uint64_t>()];
     const auto points = reader.get_view<ShellPoint>();
     const auto pure = reader.get_view<PureSite>();
     one.points.insert(one.points.end(), points.begin(), points.end());
@@ -60,30 +60,30 @@ std::vector<Neighborhood> gather_neighborhoods(const AllParts& parts, const std:
   return around;
 }
 
-// What all patches have removed.
+// What recovering all clusters has removed.
 std::vector<TetKeys> gather_removed(const AllParts& parts, const std::vector<Cluster>& clusters,
-                                    std::span<const Patch> patches) {
+                                    std::span<const RecoveredCluster> recovered) {
   std::vector<TetKeys> own;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     if (!parts.states.is_local(clusters[c].part)) continue;
     PartState& state = parts.states.at(clusters[c].part);
-    own.insert(own.end(), patches[c].removed.begin(), patches[c].removed.end());
-    state.figures.recovery_points += patches[c].tets.new_points.size();
-    if (!patches[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
+    own.insert(own.end(), recovered[c].removed.begin(), recovered[c].removed.end());
+    state.figures.recovery_points += recovered[c].tets.new_points.size();
+    if (!recovered[c].recovered) state.fault.message = "triangles of the surface could not be recovered";
   }
   std::vector<TetKeys> removed = gather_lists<TetKeys>(parts.communicator, own);
   std::sort(removed.begin(), removed.end());
   return removed;
 }
 
-// The patches' tets to the parts that are to have them; those of this rank.
-std::vector<PatchTets> deal_patches(const AllParts& parts, const std::vector<Cluster>& clusters,
-                                    std::span<const Patch> patches) {
+// The tets to the parts that are to have them; those of this rank.
+std::vector<RecoveredTets> deal_all_recovered(const AllParts& parts, const std::vector<Cluster>& clusters,
+                                              std::span<const RecoveredCluster> recovered) {
   const auto pack = [&] {
     std::vector<Message> messages;
     for (std::uint32_t c = 0; c < clusters.size(); ++c) {
       if (!parts.states.is_local(clusters[c].part)) continue;
-      for (const auto& [part, tets] : deal_patch(parts.input, patches[c].tets)) {
+      for (const auto& [part, tets] : deal_recovered(parts.input, recovered[c].tets)) {
         MessageWriter writer;
         put(writer, tets);
         messages.push_back({clusters[c].part, part, c, writer.take()});
@@ -91,11 +91,11 @@ std::vector<PatchTets> deal_patches(const AllParts& parts, const std::vector<Clu
     }
     return messages;
   };
-  std::vector<PatchTets> dealt;
+  std::vector<RecoveredTets> dealt;
   for (const Message& message : parts.exchange(pack)) {
     MessageReader reader(message.bytes);
-    parts.states.at(message.to).patches.push_back(static_cast<std::uint32_t>(dealt.size()));
-    dealt.push_back(get_patch(reader));
+    parts.states.at(message.to).recovered.push_back(static_cast<std::uint32_t>(dealt.size()));
+    dealt.push_back(get_recovered(reader));
   }
   return dealt;
 }
@@ -111,16 +111,16 @@ Mending mend_surface(const AllParts& parts) {
     return mending;
   }
   const std::vector<Cluster> clusters = make_clusters(parts.input, missing);
-  std::vector<Neighborhood> around = gather_neighborhoods(parts, clusters);
-  std::vector<Patch> patches(clusters.size());
+  std::vector<NearPoints> around = gather_near_points(parts, clusters);
+  std::vector<RecoveredCluster> recovered(clusters.size());
   run_on_all(parts.communicator, [&] {
     parts.runner.for_each(clusters.size(), [&](std::size_t c) {
       if (!parts.states.is_local(clusters[c].part)) return;
-      patches[c] = recover_cluster(parts.input, clusters[c], std::move(around[c]), parts.runner);
+      recovered[c] = recover_cluster(parts.input, clusters[c], std::move(around[c]), parts.runner);
     });
   });
-  mending.removed = gather_removed(parts, clusters, patches);
-  mending.patches = deal_patches(parts, clusters, patches);
+  mending.removed = gather_removed(parts, clusters, recovered);
+  mending.recovered = deal_all_recovered(parts, clusters, recovered);
   return mending;
 }
 

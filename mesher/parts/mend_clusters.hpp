@@ -9,8 +9,8 @@ namespace tetloom::parts {
 
 /// What recovering missing triangles has changed.
 struct Mending {
-  std::vector<PatchTets> patches;  ///< of this rank's parts; PartState::patches names those of a part
-  std::vector<TetKeys> removed;    ///< tets of the shell, of any part, that are no more, ascending
+  std::vector<RecoveredTets> recovered;  ///< of this rank's parts; PartState::recovered names those of a part
+  std::vector<TetKeys> removed;          ///< tets of the shell, of any part, that are no more, ascending
 };
 
 /// Sets the fault of parts where triangles could not be recovered, or are too many. A collective call. Errors:

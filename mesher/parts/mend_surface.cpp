@@ -35,7 +35,7 @@ Box3 box_around(const SharedInput& input, std::uint32_t triangle, double sizes) 
 
 class ClusterRecovery {
  public:
-  ClusterRecovery(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner)
+  ClusterRecovery(const SharedInput& input, const Cluster& cluster, NearPoints around, const TaskRunner& runner)
       : input_(input),
         cluster_(cluster),
         points_(std::move(around.points)),
@@ -51,7 +51,7 @@ class ClusterRecovery {
     }
   }
 
-  Patch run() {
+  RecoveredCluster run() {
     std::vector<std::uint32_t> verts(keys_.size());
     std::iota(verts.begin(), verts.end(), 0u);
     first_outer_ = make_delaunay(mesh_, verts, runner_, {input_.box, keys_}).first_outer;
@@ -60,22 +60,22 @@ class ClusterRecovery {
     const std::vector<TetKeys> before = name_tets();
     const tets::RecoveryReport report =
         recover_boundary(mesh_, verts_, tets::recover_options(mesh_.size(), 0), runner_);
-    patch_.recovered = report.unrecovered.empty();
-    if (!patch_.recovered) return std::move(patch_);
+    result_.recovered = report.unrecovered.empty();
+    if (!result_.recovered) return std::move(result_);
     const std::vector<TetKeys> after = name_tets();
-    std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(patch_.removed));
+    std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(result_.removed));
     for (std::size_t v = first_outer_ + 4; v < mesh_.points.size(); ++v)
-      patch_.tets.new_points.push_back(mesh_.points[v]);
+      result_.tets.new_points.push_back(mesh_.points[v]);
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (mesh_.is_dead(tet) || has_outer(tet) || std::binary_search(before.begin(), before.end(), name_of(tet)))
         continue;
       if (is_inside(tet)) make(tet);
     }
     for (const std::uint32_t v : used_) {
-      patch_.tets.keys.push_back(keys_[v]);
-      patch_.tets.points.push_back(mesh_.points[v]);
+      result_.tets.keys.push_back(keys_[v]);
+      result_.tets.points.push_back(mesh_.points[v]);
     }
-    return std::move(patch_);
+    return std::move(result_);
   }
 
  private:
@@ -168,8 +168,8 @@ class ClusterRecovery {
   }
 
   void make(std::uint32_t tet) {
-    patch_.tets.made.push_back(keys_of(tet));
-    std::uint8_t& fixed = patch_.tets.fixed.emplace_back(mesh_.to_fixed[tet]);
+    result_.tets.made.push_back(keys_of(tet));
+    std::uint8_t& fixed = result_.tets.fixed.emplace_back(mesh_.to_fixed[tet]);
     for (std::uint32_t i = 0; i < 4; ++i)
       if (verts_of(mesh_, tet * 4 + i)[0] >= surface_count_) fixed &= static_cast<std::uint8_t>(~(1u << i));
     for (std::size_t i = 0; i < 4; ++i) {
@@ -192,7 +192,7 @@ class ClusterRecovery {
   std::vector<std::uint32_t> triangles_;  // the same, of the complex
   std::optional<tets::TriangleIndex> index_;
   std::vector<std::uint32_t> used_;
-  Patch patch_;
+  RecoveredCluster result_;
 };
 
 // A sweep along x: a box is compared to those before it that reach it there.
@@ -232,8 +232,8 @@ std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std
   return clusters;
 }
 
-Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
-  Neighborhood found;
+NearPoints find_near_points(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
+  NearPoints found;
   for_each_own_vert(input, state, part, [&](std::uint32_t v) {
     if (!cluster.box.contains(state.shell.points[v])) return;
     found.points.push_back(shell_point(state, v));
@@ -246,7 +246,8 @@ Neighborhood find_neighborhood(const SharedInput& input, const PartState& state,
   return found;
 }
 
-Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner) {
+RecoveredCluster recover_cluster(const SharedInput& input, const Cluster& cluster, NearPoints around,
+                                 const TaskRunner& runner) {
   return ClusterRecovery(input, cluster, std::move(around), runner).run();
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mesher/parts/part_state.hpp"
-#include "mesher/parts/patch.hpp"
+#include "mesher/parts/recovered_tets.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -33,22 +33,23 @@ struct PureSite {
 };
 
 /// What there is around a cluster.
-struct Neighborhood {
+struct NearPoints {
   std::vector<ShellPoint> points;
   std::vector<PureSite> pure;  ///< next to these, and so inside of the core
 };
 
 /// Own points of the shell in the cluster's box.
-Neighborhood find_neighborhood(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster);
+NearPoints find_near_points(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster);
 
 /// What recovering a cluster has changed.
-struct Patch {
+struct RecoveredCluster {
   std::vector<TetKeys> removed;  ///< tets of the shell, each ascending
-  PatchTets tets;
+  RecoveredTets tets;
   bool recovered = false;  ///< false: a triangle is missing still
 };
 
 /// `around`: of all parts, in the cluster's box.
-Patch recover_cluster(const SharedInput& input, const Cluster& cluster, Neighborhood around, const TaskRunner& runner);
+RecoveredCluster recover_cluster(const SharedInput& input, const Cluster& cluster, NearPoints around,
+                                 const TaskRunner& runner);
 
 }  // namespace tetloom::parts

@@ -32,10 +32,10 @@ OwnPoints::OwnPoints(std::vector<ShellPoint> points) : points_(std::move(points)
   bvh_ = build_bvh(boxes, serial_loop());
 }
 
-void OwnPoints::mark_in(const Doubt& doubt, std::size_t most, std::vector<char>& is_in) const {
-  const auto& [a, b, c, d] = doubt.corners;
+void OwnPoints::mark_in(const OpenBall& ball, std::size_t most, std::vector<char>& is_in) const {
+  const auto& [a, b, c, d] = ball.corners;
   const Vec3 middle = 0.25 * (a + b + c + d);
-  const double radius2 = doubt.radius * doubt.radius;
+  const double radius2 = ball.radius * ball.radius;
   std::priority_queue<Waiting> waiting;
   waiting.push({0, 0, false});
   for (std::size_t inside = 0; !waiting.empty() && inside < most;) {
@@ -48,22 +48,22 @@ void OwnPoints::mark_in(const Doubt& doubt, std::size_t most, std::vector<char>&
       continue;
     }
     const BvhNode& node = bvh_.nodes[next.index];
-    if (squared_distance_to_box(doubt.center, node.box) > radius2) continue;
+    if (squared_distance_to_box(ball.center, node.box) > radius2) continue;
     if (node.right != 0) {
       for (const std::uint32_t child : {next.index + 1, node.right})
         waiting.push({squared_distance_to_box(middle, bvh_.nodes[child].box), child, false});
       continue;
     }
     for (const std::uint32_t i : std::span(bvh_.order).subspan(node.begin, node.end - node.begin))
-      if (norm2(points_[i].point - doubt.center) <= radius2) waiting.push({norm2(points_[i].point - middle), i, true});
+      if (norm2(points_[i].point - ball.center) <= radius2) waiting.push({norm2(points_[i].point - middle), i, true});
   }
 }
 
-std::vector<ShellPoint> OwnPoints::find_in(std::span<const Doubt> doubts, std::size_t most_per_doubt) const {
+std::vector<ShellPoint> OwnPoints::find_in(std::span<const OpenBall> open_balls, std::size_t most_per_ball) const {
   std::vector<ShellPoint> found;
   if (points_.empty()) return found;
   std::vector<char> is_in(points_.size(), 0);
-  for (const Doubt& doubt : doubts) mark_in(doubt, most_per_doubt, is_in);
+  for (const OpenBall& ball : open_balls) mark_in(ball, most_per_ball, is_in);
   for (std::size_t i = 0; i < points_.size(); ++i)
     if (is_in[i]) found.push_back(points_[i]);
   return found;

@@ -14,12 +14,12 @@ class OwnPoints {
  public:
   explicit OwnPoints(std::vector<ShellPoint> points);
 
-  /// The points that are not outside of a doubt's ball: all of those on its sphere, and of those inside of it the
-  /// `most_per_doubt` nearest to the tet, where one would do to say that it is none. Each once, ascending by key.
-  std::vector<ShellPoint> find_in(std::span<const Doubt> doubts, std::size_t most_per_doubt) const;
+  /// The points that are not outside of an open ball: all of those on its sphere, and of those inside of it the
+  /// `most_per_ball` nearest to the tet, where one would do to say that it is none. Each once, ascending by key.
+  std::vector<ShellPoint> find_in(std::span<const OpenBall> open_balls, std::size_t most_per_ball) const;
 
  private:
-  void mark_in(const Doubt& doubt, std::size_t most, std::vector<char>& is_in) const;
+  void mark_in(const OpenBall& ball, std::size_t most, std::vector<char>& is_in) const;
 
   std::vector<ShellPoint> points_;  ///< by key
   Bvh bvh_;

@@ -19,7 +19,7 @@ using tets::TriangleVerts;
 constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
 // What is kept of a part's state: all of them are numbered before any of them is handed on.
-struct Leaving {
+struct FinishedPart {
   GrowingArray<Vec3> points;
   GrowingArray<VertKey> keys;
   GrowingArray<std::uint32_t> to_vert, to_region;
@@ -35,7 +35,7 @@ struct Numbering {
 
 class Numberer {
  public:
-  Numberer(const AllParts& all, const PerPart<Leaving>& parts)
+  Numberer(const AllParts& all, const PerPart<FinishedPart>& parts)
       : all_(all),
         parts_(parts),
         given_(all.input.filling.complex.points.size()),
@@ -78,14 +78,14 @@ class Numberer {
   }
 
   std::vector<Message> find_used_by(PartId part) {
-    const Leaving& leaving = parts_.at(part);
+    const FinishedPart& finished = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
-    numbering.to_number.assign(leaving.keys.size(), kUnused);
-    for (const std::uint32_t v : leaving.to_vert) numbering.to_number[v] = 0;
-    numbering.made.assign(leaving.next_index, kUnused);
+    numbering.to_number.assign(finished.keys.size(), kUnused);
+    for (const std::uint32_t v : finished.to_vert) numbering.to_number[v] = 0;
+    numbering.made.assign(finished.next_index, kUnused);
     std::vector<VertKey> foreign;
-    for (std::size_t v = 0; v < leaving.keys.size(); ++v) {
-      const VertKey key = leaving.keys[v];
+    for (std::size_t v = 0; v < finished.keys.size(); ++v) {
+      const VertKey key = finished.keys[v];
       if (numbering.to_number[v] == kUnused || is_of_surface(key)) continue;
       if (maker_of(key) == part) {
         numbering.made[static_cast<std::uint32_t>(key)] = 0;
@@ -141,13 +141,13 @@ class Numberer {
 
   // Answers come by maker, and so in the order of the keys that were asked.
   void take_numbers(PartId part, std::span<const Message> answers) {
-    const Leaving& leaving = parts_.at(part);
+    const FinishedPart& finished = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
     std::vector<std::pair<VertKey, std::uint32_t>> foreign;
-    for (std::uint32_t v = 0; v < leaving.keys.size(); ++v) {
+    for (std::uint32_t v = 0; v < finished.keys.size(); ++v) {
       std::uint64_t& number = numbering.to_number[v];
       if (number == kUnused) continue;
-      const VertKey key = leaving.keys[v];
+      const VertKey key = finished.keys[v];
       if (is_of_surface(key)) {
         number = key;
       } else if (maker_of(key) == part) {
@@ -165,7 +165,7 @@ class Numberer {
   }
 
   const AllParts& all_;
-  const PerPart<Leaving>& parts_;
+  const PerPart<FinishedPart>& parts_;
   const std::uint64_t given_;
   PerPart<Numbering> numberings_;
   std::vector<std::uint64_t> first_;  // per part, and one past the last
@@ -226,37 +226,37 @@ class TriangleFinder {
   std::vector<std::pair<TriangleVerts, const ChangedTriangle*>> changed_;
 };
 
-enum class Leaves { Tets, TetsAndTriangles };
+enum class Keep { Tets, TetsAndTriangles };
 
 // The state with all that is not needed any more is gone.
-Leaving take_leave(const SharedInput& input, PartState& state, Leaves what) {
-  Leaving leaving;
-  if (what == Leaves::TetsAndTriangles) TriangleFinder(input, state).find(leaving.part);
-  leaving.points = std::move(state.mesh.points), leaving.keys = std::move(state.keys);
-  leaving.to_vert = std::move(state.mesh.to_vert), leaving.to_region = std::move(state.mesh.to_region);
-  leaving.next_index = state.next_index;
+FinishedPart take_finished(const SharedInput& input, PartState& state, Keep what) {
+  FinishedPart finished;
+  if (what == Keep::TetsAndTriangles) TriangleFinder(input, state).find(finished.part);
+  finished.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
+  finished.to_vert = std::move(state.mesh.to_vert), finished.to_region = std::move(state.mesh.to_region);
+  finished.next_index = state.next_index;
   state = PartState();
-  return leaving;
+  return finished;
 }
 
 // What a strip brings is joined to the part where the part is open. Two regions may so have vertices of their own at
 // points of the surface between them; the first then stands for the others.
-std::vector<std::uint32_t> find_twins(const Leaving& leaving, const Numbering& numbering) {
+std::vector<std::uint32_t> find_duplicates(const FinishedPart& finished, const Numbering& numbering) {
   std::vector<std::pair<VertKey, std::uint32_t>> surface;
-  std::vector<std::uint32_t> to_twin(leaving.keys.size());
-  for (std::uint32_t v = 0; v < to_twin.size(); ++v) {
-    to_twin[v] = v;
-    if (is_of_surface(leaving.keys[v]) && numbering.to_number[v] != kUnused) surface.emplace_back(leaving.keys[v], v);
+  std::vector<std::uint32_t> to_first(finished.keys.size());
+  for (std::uint32_t v = 0; v < to_first.size(); ++v) {
+    to_first[v] = v;
+    if (is_of_surface(finished.keys[v]) && numbering.to_number[v] != kUnused) surface.emplace_back(finished.keys[v], v);
   }
   std::sort(surface.begin(), surface.end());
   for (std::size_t i = 1; i < surface.size(); ++i)
-    if (surface[i].first == surface[i - 1].first) to_twin[surface[i].second] = to_twin[surface[i - 1].second];
-  return to_twin;
+    if (surface[i].first == surface[i - 1].first) to_first[surface[i].second] = to_first[surface[i - 1].second];
+  return to_first;
 }
 
-VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
-  VolumePart part = std::move(leaving.part);
-  std::vector<std::uint32_t> to_new = find_twins(leaving, numbering);
+VolumePart hand_on(FinishedPart& finished, Numbering& numbering) {
+  VolumePart part = std::move(finished.part);
+  std::vector<std::uint32_t> to_new = find_duplicates(finished, numbering);
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
     if (numbering.to_number[v] == kUnused) continue;
     if (to_new[v] != v) {
@@ -264,34 +264,35 @@ VolumePart hand_on(Leaving& leaving, Numbering& numbering) {
       continue;
     }
     to_new[v] = static_cast<std::uint32_t>(part.points.size());
-    part.points.push_back(leaving.points[v]);
+    part.points.push_back(finished.points[v]);
     part.vert_to_number.push_back(numbering.to_number[v]);
   }
-  part.tet_to_vert = std::move(leaving.to_vert);
-  part.tet_to_region = std::move(leaving.to_region);
+  part.tet_to_vert = std::move(finished.to_vert);
+  part.tet_to_region = std::move(finished.to_region);
   for (std::uint32_t& v : part.tet_to_vert) v = to_new[v];
   for (TriangleVerts& verts : part.tri_to_vert)
     for (std::uint32_t& v : verts) v = to_new[v];
   numbering = Numbering();
-  leaving = Leaving();
+  finished = FinishedPart();
   return part;
 }
 
-PerPart<Leaving> take_leave_of_all(const AllParts& all, Leaves what) {
+PerPart<FinishedPart> finish_all(const AllParts& all, Keep what) {
   const auto local = all.states.local();
-  PerPart<Leaving> leaving(all.states.part_count(), local);
+  PerPart<FinishedPart> finished(all.states.part_count(), local);
   run_on_all(all.communicator, [&] {
-    all.for_each_local(
-        "leave", [&](std::size_t i) { leaving.at(local[i]) = take_leave(all.input, all.states.at(local[i]), what); });
+    all.for_each_local("finish", [&](std::size_t i) {
+      finished.at(local[i]) = take_finished(all.input, all.states.at(local[i]), what);
+    });
   });
-  return leaving;
+  return finished;
 }
 
 // All parts in one place. A part writes the points that it made itself; then come those that others have, and the
 // surface's.
 class Whole {
  public:
-  Whole(const AllParts& all, PerPart<Leaving>& parts, Numberer& numberer)
+  Whole(const AllParts& all, PerPart<FinishedPart>& parts, Numberer& numberer)
       : all_(all), parts_(parts), numberer_(numberer), first_tet_(1, 0) {
     for (std::size_t p = 0; p < parts.part_count(); ++p)
       first_tet_.push_back(first_tet_.back() + parts.at(PartId(p)).to_region.size());
@@ -329,14 +330,14 @@ class Whole {
     std::vector<std::vector<std::uint32_t>> part_to_others(parts_.part_count());
     all_.for_each_local("write points", [&](std::size_t p) {
       const PartId part(p);
-      const Leaving& leaving = parts_.at(part);
+      const FinishedPart& finished = parts_.at(part);
       const std::vector<std::uint64_t>& to_number = numberer_.of(part).to_number;
       for (std::uint32_t v = 0; v < to_number.size(); ++v) {
         if (to_number[v] == kUnused) continue;
-        if (is_of_surface(leaving.keys[v]) || maker_of(leaving.keys[v]) != part) {
+        if (is_of_surface(finished.keys[v]) || maker_of(finished.keys[v]) != part) {
           part_to_others[p].push_back(v);
         } else {
-          filling_.points[to_number[v]] = leaving.points[v];
+          filling_.points[to_number[v]] = finished.points[v];
         }
       }
     });
@@ -347,21 +348,21 @@ class Whole {
   }
 
   void write_tets(PartId part) {
-    Leaving& leaving = parts_.at(part);
+    FinishedPart& finished = parts_.at(part);
     Numbering& numbering = numberer_.of(part);
     const std::size_t first = first_tet_[part.value];
-    for (std::size_t tet = 0; tet < leaving.to_region.size(); ++tet) {
+    for (std::size_t tet = 0; tet < finished.to_region.size(); ++tet) {
       for (std::size_t i = 0; i < 4; ++i)
         filling_.tet_to_vert[first + tet][i] =
-            static_cast<std::uint32_t>(numbering.to_number[leaving.to_vert[4 * tet + i]]);
-      filling_.tet_to_region[first + tet] = leaving.to_region[tet];
+            static_cast<std::uint32_t>(numbering.to_number[finished.to_vert[4 * tet + i]]);
+      filling_.tet_to_region[first + tet] = finished.to_region[tet];
     }
-    leaving = Leaving();
+    finished = FinishedPart();
     numbering = Numbering();
   }
 
   const AllParts& all_;
-  PerPart<Leaving>& parts_;
+  PerPart<FinishedPart>& parts_;
   Numberer& numberer_;
   std::vector<std::size_t> first_tet_;  // per part, and one past the last
   volume::Filling filling_;
@@ -371,24 +372,24 @@ class Whole {
 
 HandedOn hand_on_parts(const AllParts& all) {
   const auto local = all.states.local();
-  PerPart<Leaving> leaving = take_leave_of_all(all, Leaves::TetsAndTriangles);
-  Numberer numberer(all, leaving);
+  PerPart<FinishedPart> finished = finish_all(all, Keep::TetsAndTriangles);
+  Numberer numberer(all, finished);
   numberer.run();
   HandedOn result;
   result.new_points = numberer.new_points();
   result.parts.resize(local.size());
   run_on_all(all.communicator, [&] {
     all.for_each_local("hand on",
-                       [&](std::size_t i) { result.parts[i] = hand_on(leaving.at(local[i]), numberer.of(local[i])); });
+                       [&](std::size_t i) { result.parts[i] = hand_on(finished.at(local[i]), numberer.of(local[i])); });
   });
   return result;
 }
 
 volume::Filling put_together(const AllParts& all) {
-  PerPart<Leaving> leaving = take_leave_of_all(all, Leaves::Tets);
-  Numberer numberer(all, leaving);
+  PerPart<FinishedPart> finished = finish_all(all, Keep::Tets);
+  Numberer numberer(all, finished);
   numberer.run();
-  return Whole(all, leaving, numberer).run();
+  return Whole(all, finished, numberer).run();
 }
 
 }  // namespace tetloom::parts

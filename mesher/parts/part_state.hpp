@@ -23,8 +23,8 @@ constexpr VertKey key_of(PartId maker, std::uint32_t index) { return (VertKey{ma
 constexpr bool is_of_surface(VertKey key) { return key >> 32 == 0; }
 constexpr PartId maker_of(VertKey key) { return PartId((key >> 32) - 1); }
 
-/// A tet whose circumscribed ball has to be empty of points, asked of those who know.
-struct Doubt {
+/// The circumscribed ball of a tet, which has to be empty of points that other parts know.
+struct OpenBall {
   std::array<Vec3, 4> corners;  ///< positive
   Vec3 center;
   double radius = 0;  ///< infinite where it has no finite number
@@ -54,14 +54,14 @@ struct PartState {
   std::size_t shell_size = 0;          ///< how many of shell_verts are in it
   std::uint32_t first_outer = 0;       ///< see DelaunayResult
   std::vector<std::uint32_t> kept;     ///< own tets of the shell, ascending
-  std::vector<Doubt> doubts;           ///< such tets whose balls reach beyond what the part knows
-  std::vector<TetKeys> doubted;        ///< all that have ever been, ascending
+  std::vector<OpenBall> open_balls;    ///< of tets that reach beyond what the part knows
+  std::vector<TetKeys> asked_tets;     ///< whose balls have ever been open, ascending
   std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
   std::uint32_t next_index = 0;        ///< of the next point made here
   std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
   GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
 
-  std::vector<std::uint32_t> patches;  ///< of tets where triangles have been recovered, those that this part has
+  std::vector<std::uint32_t> recovered;  ///< of tets where triangles have been recovered, those that this part has
 
   GrowingArray<float> qualities;  ///< cubed, per tet, once optimised; of dead ones as in a WorkingMesh
   bool has_dead = false;          ///< tets, once optimised

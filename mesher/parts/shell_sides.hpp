@@ -14,7 +14,7 @@ struct ShellView {
   const tets::TetMesh& mesh;
   std::uint32_t surface_count, first_outer;  ///< vertices: of the surface, then of the lattices, then outer ones
   std::span<const char> is_own_vert;         ///< per vertex that is no outer one: whether the part owns it
-  KnownTriangles known;
+  ComplexTriangles known;
   std::span<const Box3> missing_boxes;  ///< of all triangles that the part knows and the shell does not have
 };
 

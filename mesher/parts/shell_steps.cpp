@@ -28,15 +28,15 @@ constexpr double kRoundOff = 1e-6;
 // A lattice's size may be this much larger than the field's at its points, or smaller.
 constexpr double kLevelStep = 1.3;
 
-Doubt ball_of(const TetMesh& mesh, std::uint32_t tet) {
-  Doubt doubt;
-  for (int i = 0; i < 4; ++i) doubt.corners[static_cast<std::size_t>(i)] = mesh.point_of(tet, i);
-  const auto& [a, b, c, d] = doubt.corners;
+OpenBall ball_of(const TetMesh& mesh, std::uint32_t tet) {
+  OpenBall ball;
+  for (int i = 0; i < 4; ++i) ball.corners[static_cast<std::size_t>(i)] = mesh.point_of(tet, i);
+  const auto& [a, b, c, d] = ball.corners;
   const Vec3 center = tets::Circumsphere(a, b, c, d).center_from_corner();
-  doubt.center = a + center;
-  doubt.radius = norm(center) * (1 + kRoundOff);
-  if (!std::isfinite(doubt.radius)) doubt.center = a, doubt.radius = HUGE_VAL;
-  return doubt;
+  ball.center = a + center;
+  ball.radius = norm(center) * (1 + kRoundOff);
+  if (!std::isfinite(ball.radius)) ball.center = a, ball.radius = HUGE_VAL;
+  return ball;
 }
 
 class Shell {
@@ -70,8 +70,8 @@ class Shell {
  private:
   void find_kept() {
     fix_surface();
-    state_.kept.clear(), state_.doubts.clear();
-    std::vector<TetKeys> doubted;
+    state_.kept.clear(), state_.open_balls.clear();
+    std::vector<TetKeys> asked_tets;
     find_own_verts();
     sides_.emplace(
         input_,
@@ -79,13 +79,13 @@ class Shell {
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (!has_own_vert(tet) || !is_kept(tet)) continue;
       if (is_own(tet)) state_.kept.push_back(tet);
-      doubt(tet, doubted);
+      note_open_ball(tet, asked_tets);
     }
-    std::sort(doubted.begin(), doubted.end());
+    std::sort(asked_tets.begin(), asked_tets.end());
     std::vector<TetKeys> all;
-    std::set_union(state_.doubted.begin(), state_.doubted.end(), doubted.begin(), doubted.end(),
+    std::set_union(state_.asked_tets.begin(), state_.asked_tets.end(), asked_tets.begin(), asked_tets.end(),
                    std::back_inserter(all));
-    state_.doubted = std::move(all);
+    state_.asked_tets = std::move(all);
   }
 
   void fix_surface() {
@@ -159,10 +159,10 @@ class Shell {
     });
   }
 
-  // Tets of other parts are doubted, too: where the part does not know a point of a tet of its own, another one stands
-  // in its place. One that is still there after others have been asked about it holds no point of theirs.
-  void doubt(std::uint32_t tet, std::vector<TetKeys>& doubted) {
-    const Doubt ball = ball_of(mesh_, tet);
+  // Tets of other parts are asked about, too: where the part does not know a point of a tet of its own, another one
+  // stands in its place. One that is still there after others have been asked about it holds no point of theirs.
+  void note_open_ball(std::uint32_t tet, std::vector<TetKeys>& asked_tets) {
+    const OpenBall ball = ball_of(mesh_, tet);
     const Vec3 reach{ball.radius, ball.radius, ball.radius};
     const double outside =
         std::max(distance_outside(ball.center - reach, box_), distance_outside(ball.center + reach, box_));
@@ -172,9 +172,9 @@ class Shell {
         input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
     if (outside <= kShellReach * least) return;
     const TetKeys keys = keys_of(tet);
-    if (std::binary_search(state_.doubted.begin(), state_.doubted.end(), keys)) return;
-    state_.doubts.push_back(ball);
-    doubted.push_back(keys);
+    if (std::binary_search(state_.asked_tets.begin(), state_.asked_tets.end(), keys)) return;
+    state_.open_balls.push_back(ball);
+    asked_tets.push_back(keys);
   }
 
   TetKeys keys_of(std::uint32_t tet) const {

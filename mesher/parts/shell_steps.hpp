@@ -49,7 +49,7 @@ inline ShellPoint shell_point(const PartState& state, std::uint32_t vert) {
   return {state.shell.points[vert], state.keys[vert], state.pure_around[vert] != 0};
 }
 
-/// Makes the shell anew from `shell_verts`: kept tets, doubts, missing triangles, the fault.
+/// Makes the shell anew from `shell_verts`: kept tets, open balls, missing triangles, the fault.
 void make_shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner);
 
 /// Adds points that the part does not know yet; whether there were any.
@@ -57,7 +57,7 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
 
 /// Appends the kept tets of the shell to the core and drops the rest, with all that only making them has needed.
 /// `removed`: tets of any part's shell that are no more, ascending.
-void join_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed);
+void append_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed);
 
 /// Names the region of every tet where there are several: what hangs together is in that around one of its tets.
 void name_regions(const SharedInput& input, PartState& state);

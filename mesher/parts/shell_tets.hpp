@@ -26,7 +26,7 @@ class TetBall {
 };
 
 /// Triangles of the complex by their vertices in a mesh.
-struct KnownTriangles {
+struct ComplexTriangles {
   const tets::TriangleIndex& index;
   std::span<const std::uint32_t> triangles;  ///< of the complex, as numbered in the index
 };
@@ -34,7 +34,7 @@ struct KnownTriangles {
 /// Whether the tet lies inside the surface, by the first of its fixed faces that is a triangle of it; nothing where
 /// none is. Pre: fixed faces have vertices that the index counts.
 std::optional<bool> is_inside_by_faces(const SharedInput& input, const tets::TetMesh& mesh, std::uint32_t tet,
-                                       const KnownTriangles& known);
+                                       const ComplexTriangles& known);
 
 /// By its centre.
 bool is_inside_by_center(const SharedInput& input, const tets::TetMesh& mesh, std::uint32_t tet);

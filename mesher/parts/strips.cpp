@@ -27,7 +27,7 @@ using tets::TetMesh;
 
 constexpr float kPoor = .9f * .9f * .9f;  // cubed: what the optimiser's last pass looks at
 
-struct SharedVert {
+struct SharedVertNote {
   VertKey key;
   std::uint64_t is_poor;
 };
@@ -166,7 +166,7 @@ std::vector<std::pair<PartState::SharedVert, double>> find_shared(const PartStat
 
 struct Heard {
   PartId from;
-  std::span<const SharedVert> verts;
+  std::span<const SharedVertNote> verts;
 };
 
 }  // namespace
@@ -202,11 +202,11 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
   if (wanted.empty()) return;
   const NeighborBoxes boxes(input.decomposition, task.part());
   const auto neighbors = input.decomposition.neighbors(task.part());
-  std::vector<std::vector<SharedVert>> lists(boxes.size());
+  std::vector<std::vector<SharedVertNote>> lists(boxes.size());
   auto teller = tellers.begin();
   for (const auto& [vert, reach] : find_shared(state, wanted)) {
     state.shared.push_back(vert);
-    const SharedVert told{vert.key, std::uint64_t{vert.is_poor}};
+    const SharedVertNote told{vert.key, std::uint64_t{vert.is_poor}};
     const Vec3& x = state.mesh.points[vert.vert];
     boxes.for_each_near(x, reach, [&](std::size_t n) { lists[n].push_back(told); });
     while (teller != tellers.end() && teller->first < vert.key) ++teller;
@@ -222,8 +222,8 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
 void send_strips(PartState& state, std::size_t round, PartTask& task) {
   std::vector<Heard> heard;
   for (const Message& message : task.inbox())
-    heard.push_back({message.from, MessageReader(message.bytes).get_view<SharedVert>()});
-  std::vector<std::pair<PartId, std::uint32_t>> claims;
+    heard.push_back({message.from, MessageReader(message.bytes).get_view<SharedVertNote>()});
+  std::vector<std::pair<PartId, std::uint32_t>> owned;
   std::vector<std::size_t> next(heard.size(), 0);
   for (const auto& vert : state.shared) {
     PartId lowest = task.part();
@@ -239,15 +239,15 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
       lowest = std::min(lowest, heard[i].from);
     }
     if (!poor || sharers == 0 || (round == 0 && sharers > 1)) continue;
-    claims.emplace_back(lowest, vert.vert);
+    owned.emplace_back(lowest, vert.vert);
   }
   state.own_piece.clear();
   state.opened.clear();
-  if (claims.empty()) return;
-  std::sort(claims.begin(), claims.end());
+  if (owned.empty()) return;
+  std::sort(owned.begin(), owned.end());
   state.open_faces_changed = true;
   TetPacker packer(state);
-  for (const auto& [part, tets] : find_claimed_tets(state, claims)) {
+  for (const auto& [part, tets] : find_tets_to_migrate(state, owned)) {
     Bytes bytes = packer.pack(tets);
     take_out(state, tets, state.opened);
     state.figures.parts.strips[round].tets += tets.size();

@@ -46,8 +46,8 @@ class Assembly {
 
   void finish() {
     std::ranges::sort(mesh_.moved_points, {}, &MovedPoint::point);
-    const auto twins = std::ranges::unique(mesh_.moved_points, {}, &MovedPoint::point);
-    mesh_.moved_points.erase(twins.begin(), twins.end());
+    const auto duplicates = std::ranges::unique(mesh_.moved_points, {}, &MovedPoint::point);
+    mesh_.moved_points.erase(duplicates.begin(), duplicates.end());
     std::ranges::sort(mesh_.changed_triangles, {}, &ChangedTriangle::triangle);
     const auto seen_twice = std::ranges::unique(mesh_.changed_triangles, {}, &ChangedTriangle::triangle);
     mesh_.changed_triangles.erase(seen_twice.begin(), seen_twice.end());

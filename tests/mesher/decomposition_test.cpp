@@ -215,7 +215,7 @@ TEST_CASE("small meshes are cut into two or four parts, larger ones into an even
   CHECK(count_parts(1e5, 3e5) == 1);
 }
 
-TEST_CASE("a doubted tet is told the points on its sphere and the nearest ones inside of it") {
+TEST_CASE("of an open ball a part is told the points on its sphere and the nearest ones inside of it") {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> place(-1, 1);
   for (const std::size_t count : {0u, 1u, 12u, 13u, 700u}) {
@@ -226,10 +226,10 @@ TEST_CASE("a doubted tet is told the points on its sphere and the nearest ones i
     }
     const OwnPoints own(points);
     // One of its corners is off the middle, so that nearest to the tet is not nearest to the sphere's centre.
-    Doubt doubt{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0.6, 0.8, 0}}, {}, 1 + 1e-9};
-    if (orient3d(doubt.corners[0], doubt.corners[1], doubt.corners[2], doubt.corners[3]) < 0)
-      std::swap(doubt.corners[0], doubt.corners[1]);
-    const auto& [a, b, c, d] = doubt.corners;
+    OpenBall ball{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0.6, 0.8, 0}}, {}, 1 + 1e-9};
+    if (orient3d(ball.corners[0], ball.corners[1], ball.corners[2], ball.corners[3]) < 0)
+      std::swap(ball.corners[0], ball.corners[1]);
+    const auto& [a, b, c, d] = ball.corners;
     const Vec3 middle = 0.25 * (a + b + c + d);
     std::vector<std::pair<double, std::uint64_t>> inside;
     std::size_t held = 0;
@@ -239,12 +239,12 @@ TEST_CASE("a doubted tet is told the points on its sphere and the nearest ones i
       if (side > 0) inside.emplace_back(norm2(point.point - middle), point.key);
     }
     std::sort(inside.begin(), inside.end());
-    const std::array doubts{doubt, doubt};
-    const auto all = own.find_in(doubts, points.size() + 1);
+    const std::array open_balls{ball, ball};
+    const auto all = own.find_in(open_balls, points.size() + 1);
     CHECK(all.size() == held);
     const auto by_key = [](const ShellPoint& s, const ShellPoint& t) { return s.key < t.key; };
     CHECK(std::is_sorted(all.begin(), all.end(), by_key));
-    const auto few = own.find_in(doubts, 3);
+    const auto few = own.find_in(open_balls, 3);
     CHECK(few.size() <= all.size());
     for (std::size_t i = 0; i < std::min<std::size_t>(3, inside.size()); ++i)
       CHECK(std::any_of(few.begin(), few.end(), [&](const ShellPoint& s) { return s.key == inside[i].second; }));

@@ -14,6 +14,7 @@ namespace {
 
 using test_sizes::build;
 using test_sizes::RandomPoints;
+using test_sizes::values_of;
 
 const Box3 kUnitBox{{0, 0, 0}, {1, 1, 1}};
 
@@ -228,8 +229,8 @@ TEST_CASE("the field is the same, bit for bit, for any number of threads") {
   SECTION("with a callback") {
     options.callback = [](const Vec3& x) { return 0.1 + 0.3 * std::abs(std::sin(3 * x.x)); };
   }
-  const std::vector<std::byte> reference = build(*torus, options, 1).serialize();
-  for (const int threads : {2, 3, 8}) CHECK(build(*torus, options, threads).serialize() == reference);
+  const std::vector<Vec3> reference = values_of(build(*torus, options, 1));
+  for (const int threads : {2, 3, 8}) CHECK(values_of(build(*torus, options, threads)) == reference);
 }
 
 TEST_CASE("refinements that come in rounds give the field that they give at once") {
@@ -249,7 +250,7 @@ TEST_CASE("refinements that come in rounds give the field that they give at once
   SizeFieldBuilder in_rounds(*torus, options, runner), at_once(*torus, options, runner);
   in_rounds.build(refinements);
   at_once.build(refinements);
-  std::vector<std::byte> last;
+  std::vector<Vec3> last;
   for (int round = 0; round < 3; ++round) {
     for (int i = 0; i < 10; ++i) {
       const double turn = 6.28 * random.unit();
@@ -260,14 +261,14 @@ TEST_CASE("refinements that come in rounds give the field that they give at once
     not_taken.resize(refinements.size() - 5);
     not_taken.push_back({refinements[0].corners, 0.01});
     in_rounds.build(not_taken);
-    last = in_rounds.build(refinements).sizes.serialize();
+    last = values_of(in_rounds.build(refinements).sizes);
   }
-  CHECK(last == at_once.build(refinements).sizes.serialize());
+  CHECK(last == values_of(at_once.build(refinements).sizes));
   SECTION("and others than before are not taken for more of them") {
     refinements.erase(refinements.begin());
     const SizeField other = in_rounds.build(refinements).sizes;
     for (const SizeRefinement& wish : refinements) CHECK(other.size_at(wish.corners[0]) <= 1.1 * wish.size);
-    CHECK(other.serialize() == build(*torus, options, 1, refinements).serialize());
+    CHECK(values_of(other) == values_of(build(*torus, options, 1, refinements)));
   }
 }
 

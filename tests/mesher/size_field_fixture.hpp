@@ -14,6 +14,19 @@ inline SizeField build(const GeometricModel& model, const SizeOptions& options, 
   return build_size_field(model, options, refinements, TaskRunner(threads));
 }
 
+/// All leaves within 100 of the origin, with the sizes at their corners: the same for equal fields alone.
+inline std::vector<Vec3> values_of(const SizeField& field) {
+  std::vector<Vec3> values;
+  field.for_each_leaf({{-100, -100, -100}, {100, 100, 100}}, [&](const SizeLeaf& leaf) {
+    const auto& [lo, hi] = leaf.box;
+    values.insert(values.end(), {lo, hi});
+    for (const double z : {lo.z, hi.z})
+      for (const double y : {lo.y, hi.y})
+        values.push_back({field.size_at({lo.x, y, z}), field.size_at({hi.x, y, z}), 0});
+  });
+  return values;
+}
+
 inline SizedModel build_and_estimate(const GeometricModel& model, const SizeOptions& options) {
   const TaskRunner runner(2);
   return SizeFieldBuilder(model, options, runner).build({});

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::uint32_t kFree = std::uint32_t{1} << 31;  // and the chunk
 
-struct Candidate {
+struct LinkedNode {
   std::uint32_t node, links;
 };
 
-void add_links(std::vector<Candidate>& list, std::uint32_t node, std::uint32_t links) {
-  for (Candidate& known : list)
+void add_links(std::vector<LinkedNode>& list, std::uint32_t node, std::uint32_t links) {
+  for (LinkedNode& known : list)
     if (known.node == node) {
       known.links += links;
       return;
@@ -25,9 +25,9 @@ void add_links(std::vector<Candidate>& list, std::uint32_t node, std::uint32_t l
   list.push_back({node, links});
 }
 
-std::vector<Candidate>::iterator find_most_linked(std::vector<Candidate>& list) {
+std::vector<LinkedNode>::iterator find_most_linked(std::vector<LinkedNode>& list) {
   return std::max_element(list.begin(), list.end(),
-                          [](const Candidate& a, const Candidate& b) { return a.links < b.links; });
+                          [](const LinkedNode& a, const LinkedNode& b) { return a.links < b.links; });
 }
 
 /// The nodes next to a growing cluster; `pop` takes the one with the most links to it, and of these the oldest.
@@ -47,7 +47,7 @@ class LinkedFront {
   }
 
  private:
-  std::vector<Candidate> list_;
+  std::vector<LinkedNode> list_;
 };
 
 /// The same for tets, where links are few: it may give a node twice.
@@ -191,7 +191,7 @@ class ChunkAggregation {
         add_links(around_, cluster, links);
     });
     if (around_.empty()) return kNoNode;
-    const Candidate best = *find_most_linked(around_);
+    const LinkedNode best = *find_most_linked(around_);
     return best.links > own_links ? best.node : kNoNode;
   }
 
@@ -204,7 +204,7 @@ class ChunkAggregation {
   std::int64_t weight_ = 0;  // of the growing cluster
   std::vector<std::uint32_t> members_, seeds_;
   Front<Graph> front_;
-  std::vector<Candidate> around_;
+  std::vector<LinkedNode> around_;
 };
 
 template <class Graph>

@@ -50,7 +50,6 @@ class PlaneChooser {
                           std::span<const std::int64_t> bins) const;
   Normal choose_by_box(ItemSet& set, const Box& box) const;
   void number(std::span<const ItemSet> sets);
-  void for_samples(std::size_t lanes, const std::function<void(std::size_t, std::size_t, const Sample&)>& body) const;
 
   const Items& items_;
   TargetRange range_;

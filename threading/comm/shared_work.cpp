@@ -14,9 +14,9 @@ namespace tetloom {
 /// The ranks of a communicator, which meet before each collective call. Whatever happens on a rank, it comes to the
 /// next meeting of the others: in `together` all ranks have the same meetings, and one that left early finds the others
 /// at the next of theirs.
-class SharedWork::Ranks final : public Communicator, public std::enable_shared_from_this<Ranks> {
+class SharedWork::MeetingRanks final : public Communicator, public std::enable_shared_from_this<MeetingRanks> {
  public:
-  explicit Ranks(Communicator& given) : given_(given) {}
+  explicit MeetingRanks(Communicator& given) : given_(given) {}
 
   int rank() const override { return given_.rank(); }
   int rank_count() const override { return given_.rank_count(); }
@@ -65,7 +65,7 @@ class SharedWork::Ranks final : public Communicator, public std::enable_shared_f
 
 // Work that may fail on any rank, and does on all then. A rank that was stopped because another one failed has no
 // failure of its own: whoever fails first has seen no other.
-void SharedWork::Ranks::meet(const std::function<void()>& work, const std::function<bool()>& cancelled) {
+void SharedWork::MeetingRanks::meet(const std::function<void()>& work, const std::function<bool()>& cancelled) {
   agreed = false;
   given_.open([](Message&&) {});
   meeting_ = true;
@@ -90,8 +90,8 @@ SharedWork::SharedWork(int threads, const Host& host, Communicator* ranks, Trace
   } else if (ranks->rank_count() == 1) {
     communicator_ = std::shared_ptr<Communicator>(std::shared_ptr<void>(), ranks);
   } else {
-    auto* const known = dynamic_cast<Ranks*>(ranks);  // inside of other work that they share
-    const auto shared = known != nullptr ? known->shared_from_this() : std::make_shared<Ranks>(*ranks);
+    auto* const known = dynamic_cast<MeetingRanks*>(ranks);  // inside of other work that they share
+    const auto shared = known != nullptr ? known->shared_from_this() : std::make_shared<MeetingRanks>(*ranks);
     shared_ = shared.get();
     communicator_ = shared;
     listening.wants_stop = [given = host.wants_stop, shared] { return (given && given()) || shared->stopped(); };

@@ -72,7 +72,7 @@ class SharedWork {
   std::vector<Bytes> exchange(const PutForRanks& put) const;
 
  private:
-  class Ranks;
+  class MeetingRanks;
 
   bool is_shared() const { return shared_ != nullptr; }
   void meet(const std::function<void()>& work) const;
@@ -81,7 +81,7 @@ class SharedWork {
   void carry_out(std::span<const double> work, std::span<const std::size_t> own, const SharedItems& items) const;
 
   std::shared_ptr<Communicator> communicator_;
-  Ranks* shared_ = nullptr;  // the same, where there are several
+  MeetingRanks* shared_ = nullptr;  // the same, where there are several
   std::shared_ptr<const TaskRunner> own_runner_;
   const TaskRunner* runner_;
 };

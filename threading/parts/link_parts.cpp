@@ -17,7 +17,7 @@ using EdgeVerts = std::array<std::uint32_t, 2>;
 // A boundary edge or face that another part may have too, named by the positions of its vertices in the list of
 // vertices that the two parts share. Both sides have that list in the same order, so the key is the same on both.
 template <class Entity>
-struct Candidate {
+struct MaybeShared {
   FaceKey key;
   Entity entity;
 };
@@ -26,8 +26,8 @@ struct Candidate {
 struct Neighbor {
   PartId part;
   std::vector<std::uint32_t> verts;  // shared with it, by ascending global id
-  std::vector<Candidate<EdgeVerts>> edges;
-  std::vector<Candidate<CellPlace>> faces;  // candidates, later those that are shared, by key
+  std::vector<MaybeShared<EdgeVerts>> edges;
+  std::vector<MaybeShared<CellPlace>> faces;  // candidates, later those that are shared, by key
 };
 
 class PartLinker {
@@ -199,23 +199,23 @@ class PartLinker {
   }
 
   template <class Entity>
-  static void put_keys(MessageWriter& writer, const std::vector<Candidate<Entity>>& candidates) {
+  static void put_keys(MessageWriter& writer, const std::vector<MaybeShared<Entity>>& candidates) {
     const std::span<FaceKey> room = writer.put_room<FaceKey>(candidates.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) room[i] = candidates[i].key;
   }
 
   // Both are ascending.
   template <class Entity>
-  static void keep_common(std::vector<Candidate<Entity>>& own, std::span<const FaceKey> theirs) {
+  static void keep_common(std::vector<MaybeShared<Entity>>& own, std::span<const FaceKey> theirs) {
     auto it = theirs.begin();
-    std::erase_if(own, [&](const Candidate<Entity>& candidate) {
+    std::erase_if(own, [&](const MaybeShared<Entity>& candidate) {
       while (it != theirs.end() && *it < candidate.key) ++it;
       return it == theirs.end() || *it != candidate.key;
     });
   }
 
   template <class Entity>
-  GrowingArray<Entity> list_entities(std::vector<Candidate<Entity>> Neighbor::*candidates) const {
+  GrowingArray<Entity> list_entities(std::vector<MaybeShared<Entity>> Neighbor::*candidates) const {
     std::vector<Entity> entities;
     for (const Neighbor& neighbor : neighbors_)
       for (const auto& candidate : neighbor.*candidates) entities.push_back(candidate.entity);
@@ -226,7 +226,7 @@ class PartLinker {
 
   template <class Entity>
   static std::vector<std::uint32_t> places_in(const GrowingArray<Entity>& entities,
-                                              const std::vector<Candidate<Entity>>& candidates) {
+                                              const std::vector<MaybeShared<Entity>>& candidates) {
     std::vector<std::uint32_t> places(candidates.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto it = std::lower_bound(entities.begin(), entities.end(), candidates[i].entity);
@@ -236,7 +236,7 @@ class PartLinker {
   }
 
   template <class Entity>
-  static void add_links(const std::vector<Candidate<Entity>>& own, PartId part, std::span<const std::uint32_t> theirs,
+  static void add_links(const std::vector<MaybeShared<Entity>>& own, PartId part, std::span<const std::uint32_t> theirs,
                         std::vector<std::pair<Entity, Copy>>& links) {
     TETLOOM_ASSERT(theirs.size() == own.size());
     for (std::size_t i = 0; i < own.size(); ++i) links.push_back({own[i].entity, {part, theirs[i]}});

@@ -11,53 +11,53 @@ namespace {
 
 constexpr std::size_t kBucketsPerRank = 64;
 
-struct Candidate {
+struct OpenVertex {
   std::uint64_t global;
   std::uint32_t vert;
   std::uint32_t padding = 0;
 };
 
-struct Claim {
+struct Resident {
   std::uint64_t global;
   PartId part;
   std::uint32_t padding = 0;
-  friend auto operator<=>(const Claim& a, const Claim& b) {
+  friend auto operator<=>(const Resident& a, const Resident& b) {
     return std::tie(a.global, a.part) <=> std::tie(b.global, b.part);
   }
 };
 
 // Part `to` shares the vertex `global` with part `with`.
-struct Answer {
+struct RemoteCopy {
   std::uint64_t global;
   PartId to, with;
-  friend auto operator<=>(const Answer& a, const Answer& b) {
+  friend auto operator<=>(const RemoteCopy& a, const RemoteCopy& b) {
     return std::tie(a.to, a.global, a.with) <=> std::tie(b.to, b.global, b.with);
   }
 };
 
-std::vector<Candidate> find_candidates(const PartMesh& part) {
-  std::vector<Candidate> candidates;
+std::vector<OpenVertex> find_open_vertices(const PartMesh& part) {
+  std::vector<OpenVertex> open_vertices;
   std::vector<bool> seen(part.vertex_count(), false);
   for_each_open_face(part, [&](CellPlace face) {
     for (const std::uint32_t v : vertices_of_face(part, face)) {
       if (v == kNone || seen[v]) continue;
       seen[v] = true;
-      candidates.push_back({part.vert_to_global[v], v});
+      open_vertices.push_back({part.vert_to_global[v], v});
     }
   });
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.global < b.global; });
-  return candidates;
+  std::sort(open_vertices.begin(), open_vertices.end(),
+            [](const OpenVertex& a, const OpenVertex& b) { return a.global < b.global; });
+  return open_vertices;
 }
 
 // The range of ids is cut into equal buckets, and these are dealt to ranks in blocks.
 class Homes {
  public:
-  Homes(Communicator& communicator, const PartitionedMesh& mesh, const PerPart<std::vector<Candidate>>& candidates)
+  Homes(Communicator& communicator, const PartitionedMesh& mesh, const PerPart<std::vector<OpenVertex>>& open_vertices)
       : count_(kBucketsPerRank * static_cast<std::size_t>(communicator.rank_count())) {
     std::uint64_t highest = 0;
     for (const PartId part : mesh.local())
-      if (!candidates.at(part).empty()) highest = std::max(highest, candidates.at(part).back().global);
+      if (!open_vertices.at(part).empty()) highest = std::max(highest, open_vertices.at(part).back().global);
     gather(
         communicator, [&](MessageWriter& writer) { writer.put(highest); },
         [&](MessageReader& reader) { highest = std::max(highest, reader.get<std::uint64_t>()); });
@@ -72,100 +72,100 @@ class Homes {
   std::uint64_t width_ = 1;
 };
 
-using Claims = std::vector<std::vector<Claim>>;  // by bucket
+using Residents = std::vector<std::vector<Resident>>;  // by bucket
 
-Claims collect_claims(const PartitionedMesh& mesh, const PerPart<std::vector<Candidate>>& candidates,
-                      const Homes& homes, const TaskRunner& runner) {
-  Claims claims(homes.count());
-  runner.for_each(claims.size(), [&](std::size_t bucket) {
-    const auto before = [](const Candidate& a, std::uint64_t global) { return a.global < global; };
+Residents collect_residents(const PartitionedMesh& mesh, const PerPart<std::vector<OpenVertex>>& open_vertices,
+                            const Homes& homes, const TaskRunner& runner) {
+  Residents residents(homes.count());
+  runner.for_each(residents.size(), [&](std::size_t bucket) {
+    const auto before = [](const OpenVertex& a, std::uint64_t global) { return a.global < global; };
     for (const PartId part : mesh.local()) {
-      const std::vector<Candidate>& own = candidates.at(part);
+      const std::vector<OpenVertex>& own = open_vertices.at(part);
       auto it = std::lower_bound(own.begin(), own.end(), homes.begin_of(bucket), before);
       const auto end = std::lower_bound(it, own.end(), homes.begin_of(bucket + 1), before);
-      for (; it != end; ++it) claims[bucket].push_back({it->global, part});
+      for (; it != end; ++it) residents[bucket].push_back({it->global, part});
     }
   });
-  return claims;
+  return residents;
 }
 
-// Sends each bucket to its home rank; afterwards this rank holds all claims of its own buckets, and no others.
-void send_claims_home(Communicator& communicator, const Homes& homes, Claims& claims) {
+// Sends each bucket to its home rank; afterwards this rank holds all residents of its own buckets, and no others.
+void send_home(Communicator& communicator, const Homes& homes, Residents& residents) {
   const auto self = PartId(static_cast<std::size_t>(communicator.rank()));
   const auto rank_of = [](PartId rank) { return static_cast<int>(rank.value); };
   const auto pack = [&] {
     std::vector<Message> outgoing;
-    for (std::size_t bucket = 0; bucket < claims.size(); ++bucket) {
+    for (std::size_t bucket = 0; bucket < residents.size(); ++bucket) {
       const auto home = PartId(static_cast<std::size_t>(homes.rank_of_bucket(bucket)));
-      if (home == self || claims[bucket].empty()) continue;
+      if (home == self || residents[bucket].empty()) continue;
       MessageWriter writer;
-      writer.put_array(std::span<const Claim>(claims[bucket]));
+      writer.put_array(std::span<const Resident>(residents[bucket]));
       outgoing.push_back({self, home, static_cast<std::uint32_t>(bucket), writer.take()});
-      claims[bucket] = std::vector<Claim>();
+      residents[bucket] = std::vector<Resident>();
     }
     return outgoing;
   };
   for (const Message& message : exchange(communicator, pack, rank_of)) {
-    const auto view = MessageReader(message.bytes).get_view<Claim>();
-    claims[message.step].insert(claims[message.step].end(), view.begin(), view.end());
+    const auto view = MessageReader(message.bytes).get_view<Resident>();
+    residents[message.step].insert(residents[message.step].end(), view.begin(), view.end());
   }
 }
 
-std::vector<Answer> answer_claims(std::vector<Claim> claims) {
-  std::sort(claims.begin(), claims.end());
-  std::vector<Answer> answers;
-  for (std::size_t begin = 0; begin < claims.size();) {
+std::vector<RemoteCopy> find_remote_copies(std::vector<Resident> residents) {
+  std::sort(residents.begin(), residents.end());
+  std::vector<RemoteCopy> copies;
+  for (std::size_t begin = 0; begin < residents.size();) {
     std::size_t end = begin + 1;
-    while (end < claims.size() && claims[end].global == claims[begin].global) ++end;
+    while (end < residents.size() && residents[end].global == residents[begin].global) ++end;
     for (std::size_t i = begin; i < end && end > begin + 1; ++i)
       for (std::size_t j = begin; j < end; ++j)
-        if (i != j) answers.push_back({claims[i].global, claims[i].part, claims[j].part});
+        if (i != j) copies.push_back({residents[i].global, residents[i].part, residents[j].part});
     begin = end;
   }
-  std::sort(answers.begin(), answers.end());
-  return answers;
+  std::sort(copies.begin(), copies.end());
+  return copies;
 }
 
-using Answers = std::vector<std::vector<Answer>>;  // by bucket, each sorted by part and global id
+using RemoteCopies = std::vector<std::vector<RemoteCopy>>;  // by bucket, each sorted by part and global id
 
-// Brings the answers for parts of other ranks there, and those for this rank's parts here.
-void send_answers_back(const PartitionedMesh& mesh, Answers& answers) {
+// Brings the copies for parts of other ranks there, and those for this rank's parts here.
+void send_copies_back(const PartitionedMesh& mesh, RemoteCopies& copies) {
   Communicator& communicator = *mesh.communicator;
   const auto self = PartId(static_cast<std::size_t>(communicator.rank()));
   const auto rank_of = [](PartId rank) { return static_cast<int>(rank.value); };
   const auto pack = [&] {
     std::vector<Message> outgoing;
-    for (std::size_t bucket = 0; bucket < answers.size(); ++bucket) {
-      std::vector<std::vector<Answer>> by_rank(static_cast<std::size_t>(communicator.rank_count()));
-      for (const Answer& answer : answers[bucket])
-        by_rank[static_cast<std::size_t>(communicator.rank_of(answer.to, mesh.part_count()))].push_back(answer);
+    for (std::size_t bucket = 0; bucket < copies.size(); ++bucket) {
+      std::vector<std::vector<RemoteCopy>> by_rank(static_cast<std::size_t>(communicator.rank_count()));
+      for (const RemoteCopy& copy : copies[bucket])
+        by_rank[static_cast<std::size_t>(communicator.rank_of(copy.to, mesh.part_count()))].push_back(copy);
       for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
         if (rank == self.value || by_rank[rank].empty()) continue;
         MessageWriter writer;
-        writer.put_array(std::span<const Answer>(by_rank[rank]));
+        writer.put_array(std::span<const RemoteCopy>(by_rank[rank]));
         outgoing.push_back({self, PartId(rank), static_cast<std::uint32_t>(bucket), writer.take()});
       }
-      answers[bucket] = std::move(by_rank[self.value]);
+      copies[bucket] = std::move(by_rank[self.value]);
     }
     return outgoing;
   };
   for (const Message& message : exchange(communicator, pack, rank_of)) {
-    const auto view = MessageReader(message.bytes).get_view<Answer>();
-    answers[message.step].insert(answers[message.step].end(), view.begin(), view.end());
+    const auto view = MessageReader(message.bytes).get_view<RemoteCopy>();
+    copies[message.step].insert(copies[message.step].end(), view.begin(), view.end());
   }
 }
 
 // Buckets ascend with global ids, so the residence comes out in order.
-Residence read_residence(PartId part, std::span<const Candidate> candidates, const Answers& answers) {
+Residence read_residence(PartId part, std::span<const OpenVertex> open_vertices, const RemoteCopies& copies) {
   Residence residence;
-  auto candidate = candidates.begin();
-  const auto before = [](const Answer& a, PartId id) { return a.to < id; };
-  for (const std::vector<Answer>& bucket : answers) {
+  auto vertex = open_vertices.begin();
+  const auto before = [](const RemoteCopy& a, PartId id) { return a.to < id; };
+  for (const std::vector<RemoteCopy>& bucket : copies) {
     auto it = std::lower_bound(bucket.begin(), bucket.end(), part, before);
     for (; it != bucket.end() && it->to == part; ++it) {
-      if (candidate == candidates.end() || residence.verts.empty() || candidate->global != it->global) {
-        while (candidate->global != it->global) ++candidate;
-        residence.verts.push_back(candidate->vert);
+      if (vertex == open_vertices.end() || residence.verts.empty() || vertex->global != it->global) {
+        while (vertex->global != it->global) ++vertex;
+        residence.verts.push_back(vertex->vert);
         residence.first.push_back(static_cast<std::uint32_t>(residence.parts.size()));
       }
       residence.parts.push_back(it->with);
@@ -180,18 +180,20 @@ Residence read_residence(PartId part, std::span<const Candidate> candidates, con
 PerPart<Residence> find_residence(const PartitionedMesh& mesh, const TaskRunner& runner) {
   Communicator& communicator = *mesh.communicator;
   const std::span<const PartId> local = mesh.local();
-  PerPart<std::vector<Candidate>> candidates(mesh.part_count(), local);
-  runner.for_each(local.size(),
-                  [&](std::size_t i) { candidates.at(local[i]) = find_candidates(mesh.parts.at(local[i]).mesh); });
-  const Homes homes(communicator, mesh, candidates);
-  Claims claims = collect_claims(mesh, candidates, homes, runner);
-  if (communicator.rank_count() > 1) send_claims_home(communicator, homes, claims);
-  Answers answers(claims.size());
-  runner.for_each(claims.size(), [&](std::size_t b) { answers[b] = answer_claims(std::exchange(claims[b], {})); });
-  if (communicator.rank_count() > 1) send_answers_back(mesh, answers);
+  PerPart<std::vector<OpenVertex>> open_vertices(mesh.part_count(), local);
+  runner.for_each(local.size(), [&](std::size_t i) {
+    open_vertices.at(local[i]) = find_open_vertices(mesh.parts.at(local[i]).mesh);
+  });
+  const Homes homes(communicator, mesh, open_vertices);
+  Residents residents = collect_residents(mesh, open_vertices, homes, runner);
+  if (communicator.rank_count() > 1) send_home(communicator, homes, residents);
+  RemoteCopies copies(residents.size());
+  runner.for_each(residents.size(),
+                  [&](std::size_t b) { copies[b] = find_remote_copies(std::exchange(residents[b], {})); });
+  if (communicator.rank_count() > 1) send_copies_back(mesh, copies);
   PerPart<Residence> residence(mesh.part_count(), local);
   runner.for_each(local.size(), [&](std::size_t i) {
-    residence.at(local[i]) = read_residence(local[i], candidates.at(local[i]), answers);
+    residence.at(local[i]) = read_residence(local[i], open_vertices.at(local[i]), copies);
   });
   return residence;
 }

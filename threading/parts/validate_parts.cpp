@@ -11,14 +11,14 @@ namespace tetloom {
 namespace {
 
 // What one side of a link says of the entity. Both sides must say the same with `here` and `there` exchanged.
-struct Claim {
+struct ListedCopy {
   std::uint32_t here = 0, there = 0;
   std::array<std::uint64_t, 4> globals{};
   Vec3 point{};
   PackedEntity entity;
   std::uint32_t padding = 0;
 
-  bool agrees_with(const Claim& other) const {
+  bool agrees_with(const ListedCopy& other) const {
     return here == other.there && there == other.here && globals == other.globals && point == other.point &&
            entity == other.entity;
   }
@@ -119,25 +119,26 @@ class PartValidator {
     return parts;
   }
 
-  void send_claims(PartTask& task, std::size_t part_count) const {
+  void send_listed_copies(PartTask& task, std::size_t part_count) const {
     for (const PartId neighbor : receivers(part_count)) {
       MessageWriter writer;
-      for (int dim = 0; dim < 3; ++dim) writer.put_array(std::span<const Claim>(claims_about(neighbor, dim)));
+      for (int dim = 0; dim < 3; ++dim) writer.put_array(std::span<const ListedCopy>(copies_in(neighbor, dim)));
       task.send(neighbor, writer.take());
     }
   }
 
-  void compare_claims(PartTask& task) {
+  void compare_listed_copies(PartTask& task) {
     constexpr std::array<const char*, 3> messages{"links of a vertex do not agree with those of its copy",
                                                   "links of an edge do not agree with those of its copy",
                                                   "links of a face do not agree with those of its copy"};
     for (const Message& message : task.inbox()) {
       MessageReader reader(message.bytes);
       for (int dim = 0; dim < 3; ++dim) {
-        const auto theirs = reader.get_view<Claim>();
-        std::vector<Claim> expected(theirs.begin(), theirs.end());
-        std::sort(expected.begin(), expected.end(), [](const Claim& a, const Claim& b) { return a.there < b.there; });
-        const std::vector<Claim> own = claims_about(message.from, dim);
+        const auto theirs = reader.get_view<ListedCopy>();
+        std::vector<ListedCopy> expected(theirs.begin(), theirs.end());
+        std::sort(expected.begin(), expected.end(),
+                  [](const ListedCopy& a, const ListedCopy& b) { return a.there < b.there; });
+        const std::vector<ListedCopy> own = copies_in(message.from, dim);
         if (own.size() != expected.size()) add("a part lists other copies than its neighbour does", {});
         for (std::size_t i = 0; i < std::min(own.size(), expected.size()); ++i)
           if (!own[i].agrees_with(expected[i])) add(messages[static_cast<std::size_t>(dim)], own[i].point);
@@ -208,51 +209,51 @@ class PartValidator {
   }
   Vec3 point_of(CellPlace face) const { return mesh_.points[vertices_of_face(mesh_, face)[0]]; }
 
-  Claim claim_of(std::span<const std::uint32_t> verts) const {
-    Claim claim;
+  ListedCopy copy_of(std::span<const std::uint32_t> verts) const {
+    ListedCopy listed;
     for (std::size_t i = 0; i < verts.size() && verts[i] < mesh_.vertex_count(); ++i)
-      claim.globals[i] = mesh_.vert_to_global[verts[i]] + 1;
-    std::sort(claim.globals.begin(), claim.globals.end());
-    if (verts.size() == 1) claim.entity = mesh_.vert_to_entity[verts[0]];
+      listed.globals[i] = mesh_.vert_to_global[verts[i]] + 1;
+    std::sort(listed.globals.begin(), listed.globals.end());
+    if (verts.size() == 1) listed.entity = mesh_.vert_to_entity[verts[0]];
     // The same vertex on both sides: that of the greatest global id.
     for (const std::uint32_t v : verts)
-      if (v < mesh_.vertex_count() && mesh_.vert_to_global[v] + 1 == claim.globals.back())
-        claim.point = mesh_.points[v];
-    return claim;
+      if (v < mesh_.vertex_count() && mesh_.vert_to_global[v] + 1 == listed.globals.back())
+        listed.point = mesh_.points[v];
+    return listed;
   }
 
   template <class Entity, class VertsOf>
-  std::vector<Claim> claims_from(const SharedEntities<Entity>& shared, PartId neighbor, bool by_position,
-                                 const VertsOf& verts_of) const {
-    std::vector<Claim> claims;
+  std::vector<ListedCopy> copies_listed_in(const SharedEntities<Entity>& shared, PartId neighbor, bool by_position,
+                                           const VertsOf& verts_of) const {
+    std::vector<ListedCopy> copies;
     for (std::uint32_t i = 0; i < shared.size(); ++i) {
       for (const Copy& copy : shared.copies_of(i)) {
         if (copy.part != neighbor) continue;
-        Claim claim = claim_of(verts_of(shared.entities[i]));
-        claim.here = by_position ? i : static_cast<std::uint32_t>(verts_of(shared.entities[i])[0]);
-        claim.there = copy.local;
-        claims.push_back(claim);
+        ListedCopy listed = copy_of(verts_of(shared.entities[i]));
+        listed.here = by_position ? i : static_cast<std::uint32_t>(verts_of(shared.entities[i])[0]);
+        listed.there = copy.local;
+        copies.push_back(listed);
       }
     }
-    return claims;
+    return copies;
   }
 
   // Ascending by `here`.
-  std::vector<Claim> claims_about(PartId neighbor, int dim) const {
+  std::vector<ListedCopy> copies_in(PartId neighbor, int dim) const {
     std::array<std::uint32_t, 4> verts{};
     if (dim == 0) {
-      return claims_from(part_.boundary.vertices, neighbor, false, [&](std::uint32_t v) {
+      return copies_listed_in(part_.boundary.vertices, neighbor, false, [&](std::uint32_t v) {
         verts[0] = v;
         return std::span<const std::uint32_t>(verts).first(1);
       });
     }
     if (dim == 1) {
-      return claims_from(part_.boundary.edges, neighbor, true, [&](const std::array<std::uint32_t, 2>& edge) {
+      return copies_listed_in(part_.boundary.edges, neighbor, true, [&](const std::array<std::uint32_t, 2>& edge) {
         std::copy(edge.begin(), edge.end(), verts.begin());
         return std::span<const std::uint32_t>(verts).first(2);
       });
     }
-    return claims_from(part_.boundary.faces, neighbor, true, [&](CellPlace face) {
+    return copies_listed_in(part_.boundary.faces, neighbor, true, [&](CellPlace face) {
       if (!is_face(face)) return std::span<const std::uint32_t>();
       verts = vertices_of_face(mesh_, face);
       return std::span<const std::uint32_t>(verts).first(verts[3] == kNone ? 3 : 4);
@@ -294,10 +295,13 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
     for (const PartId part : local) receivers.at(part) = validator_of(part).receivers(mesh.part_count());
     const std::vector<Step> steps{
         {"validate: send links",
-         [&](PartTask& task) { validator_of(task.part()).send_claims(task, mesh.part_count()); },
+         [&](PartTask& task) { validator_of(task.part()).send_listed_copies(task, mesh.part_count()); },
          directed_links(*mesh.communicator, receivers),
          {}},
-        {"validate: compare links", [&](PartTask& task) { validator_of(task.part()).compare_claims(task); }, {}, {}}};
+        {"validate: compare links",
+         [&](PartTask& task) { validator_of(task.part()).compare_listed_copies(task); },
+         {},
+         {}}};
     Schedule(*mesh.communicator, runner, mesh.part_count(), trace).run(steps);
   }
 

@@ -14,9 +14,9 @@ using tets::FaceCode;
 using tets::TetMesh;
 using tets::TriangleVerts;
 
-class Joiner {
+class ShellAppender {
  public:
-  Joiner(const SharedInput& input, PartState& state, std::span<const TetKeys> removed)
+  ShellAppender(const SharedInput& input, PartState& state, std::span<const TetKeys> removed)
       : input_(input), state_(state), mesh_(state.mesh), removed_(removed) {}
 
   void join() {
@@ -87,7 +87,7 @@ class Joiner {
     state_.shell = TetMesh();
     state_.levels = {}, state_.own_first = {}, state_.tri_verts = {};
     state_.core.shell_verts = {}, state_.core.pure_around = {}, state_.core.level_to_vert = {};
-    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.doubts = {}, state_.doubted = {},
+    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.open_balls = {}, state_.asked_tets = {},
     state_.missing = {};
   }
 
@@ -125,9 +125,9 @@ class Joiner {
 
 }  // namespace
 
-void join_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed) {
+void append_shell(const SharedInput& input, PartState& state, std::span<const TetKeys> removed) {
   Stopwatch watch;
-  Joiner(input, state, removed).join();
+  ShellAppender(input, state, removed).join();
   state.figures.seconds.join += watch.lap();
 }
 

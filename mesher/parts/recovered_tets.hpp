@@ -11,7 +11,7 @@
 namespace tetloom::parts {
 
 /// Tets that take the place of others.
-struct PatchTets {
+struct RecoveredTets {
   std::vector<std::array<VertKey, 4>> made;  ///< tets inside, positive; new points by their index with kNewPoint
   std::vector<std::uint8_t> fixed;           ///< per made tet: which of its faces are of the surface
   std::vector<VertKey> keys;                 ///< of the other vertices in `made`, ascending
@@ -20,14 +20,14 @@ struct PatchTets {
 };
 inline constexpr VertKey kNewPoint = VertKey{1} << 63;
 
-/// The tets of a patch by the parts that are to have them, ascending: as all tets of the shell, a tet belongs to the
+/// The tets by the parts that are to have them, ascending: as all tets of the shell, a tet belongs to the
 /// part of its lowest vertex; tets at one new point go together.
-std::vector<std::pair<PartId, PatchTets>> deal_patch(const SharedInput& input, const PatchTets& patch);
+std::vector<std::pair<PartId, RecoveredTets>> deal_recovered(const SharedInput& input, const RecoveredTets& tets);
 
-void put(MessageWriter& writer, const PatchTets& patch);
-PatchTets get_patch(MessageReader& reader);
+void put(MessageWriter& writer, const RecoveredTets& tets);
+RecoveredTets get_recovered(MessageReader& reader);
 
-/// Puts tets of a patch into their part's mesh, whose own ones have been joined.
-void put_in_patch(PartState& state, PartId part, const PatchTets& patch, std::uint32_t region);
+/// Puts tets into their part's mesh, whose own ones have been joined.
+void add_recovered(PartState& state, PartId part, const RecoveredTets& tets, std::uint32_t region);
 
 }  // namespace tetloom::parts
