@@ -5,6 +5,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/intersection/model_crossings.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/volume/volume_mesher.hpp"
@@ -56,6 +57,8 @@ bool SurfaceFitter::run() {
     Candidate candidate = make_candidate(sized);
     if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
     if (round == 0) first_crossings = candidate.solid_hits.size();
+    if (round == 0 && options_.stop_where_model_crosses && crosses_in_model(candidate))
+      return stop_early(std::move(candidate));
     const bool is_last = round == kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
@@ -172,6 +175,18 @@ void SurfaceFitter::find_crossings(Candidate& candidate) {
   candidate.solid_hits = those_of_solids(candidate.all_hits, mesh);
 }
 
+// Leaves only the crossings that no size helps, where there are any.
+bool SurfaceFitter::crosses_in_model(Candidate& candidate) {
+  if (options_.surface_only) return false;
+  Stopwatch watch;
+  std::vector<TriangleIntersection> found =
+      find_model_crossings(candidate.solid_hits, candidate.surface.mesh, model_, runner_);
+  result_.seconds.surface += watch.lap();
+  if (found.empty()) return false;
+  candidate.all_hits = candidate.solid_hits = std::move(found);
+  return true;
+}
+
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
   return tetloom::find_misfits(
       candidate.surface.mesh, model_.topology(), candidate.sizes, [&](const Vec3& x) { return floor_at(x); },
@@ -280,6 +295,14 @@ bool SurfaceFitter::accept(Candidate&& candidate, bool is_fine_enough) {
   if (log_.smallest_size() > 0) result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
   take(std::move(candidate));
   return true;
+}
+
+bool SurfaceFitter::stop_early(Candidate&& candidate) {
+  append(describe_intersections(candidate.solid_hits, {candidate.surface.mesh.tri_to_entity, &model_}), {});
+  take(std::move(candidate));
+  result_.status = MeshStatus::Failed;
+  result_.stopped_early = true;
+  return false;
 }
 
 // Crossings spoil a solid and no sheet.

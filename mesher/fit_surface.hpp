@@ -60,6 +60,7 @@ class SurfaceFitter {
   void set_aside(SurfaceMeshResult& surface);
   void settle_features(Candidate& candidate);
   void find_crossings(Candidate& candidate);
+  bool crosses_in_model(Candidate& candidate);
   std::vector<Misfit> find_misfits(const Candidate& candidate) const;
   SizeFloor floor_at(const Vec3& x) const;
   bool drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits);
@@ -72,6 +73,7 @@ class SurfaceFitter {
 
   bool reject(Candidate&& candidate);
   bool accept(Candidate&& candidate, bool is_fine_enough);
+  bool stop_early(Candidate&& candidate);
   bool judge_crossings(Candidate&& candidate);
   void take(Candidate&& candidate);
   void append(const std::vector<Diagnostic>& errors, const std::vector<Diagnostic>& warnings);

@@ -23,6 +23,7 @@ struct Sized {
   MeshOptions options;
 };
 
+// The model of a run, as `read` gives it, with the sizes asked for its entities.
 Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocument()>& read, Run& run) {
   RunReport& report = run.report();
   SizesFile sizes;
@@ -42,23 +43,58 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
   report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
 }
 
-// Solids whose boundary crosses itself are read once more, made anew from the space that they enclose.
+// Makes solids anew from the space that they enclose. False where that cannot be done, and nothing has changed.
+bool repair(const MeshCommand& command, const std::vector<ModelRegionId>& solids, Sized& sized,
+            Communicator& communicator, Run& run) {
+  bool is_changed = false;
+  run_on_all(communicator, [&] {
+    const TaskRunner runner(command.options.threads, {{}, &run.cancel()});
+    std::optional<ModelDocument> rebuilt;
+    run.begin(Stage::Read);
+    run.report().seconds.read +=
+        timed([&] { rebuilt = rebuild_solids(sized.document, solids, &run.cancel(), runner); });
+    is_changed = rebuilt.has_value();
+    if (is_changed)
+      sized = read_sized_model(
+          command, [&] { return std::move(*rebuilt); }, run);
+  });
+  if (is_changed) note_rebuilt(solids, run.report());
+  return is_changed;
+}
+
+void add(const StageSeconds& more, StageSeconds& seconds) {
+  seconds.size_field += more.size_field;
+  seconds.surface += more.surface;
+  seconds.volume += more.volume;
+}
+
+// Solids whose boundary crosses itself are made anew, and the model is meshed again; the seconds are those of all
+// attempts. The first attempt ends early where it is sure that solids cross. The next one may find that others cross as
+// well, but a solid is made anew only once.
 MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
-  MeshResult result = make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
-  ReadOptions reading = command.read;
-  reading.rebuild = regions_that_cross(result, sized.document.model->topology());
-  if (!reading.heal || reading.rebuild.empty() || result.status == MeshStatus::Cancelled) return result;
-  Sized repaired;
-  const auto read = [&] { return app::read(command.input, reading, command.options.threads, run.cancel()); };
-  run_on_all(communicator, [&] { repaired = read_sized_model(command, read, run); });
-  if (repaired.document.rebuilt == 0) return result;
-  sized = std::move(repaired);
-  const StageSeconds before = result.seconds;
-  result = make_mesh_on_ranks(*sized.document.model, sized.options, communicator, run.host());
-  result.seconds.size_field += before.size_field;
-  result.seconds.surface += before.surface;
-  result.seconds.volume += before.volume;
-  return result;
+  constexpr int kMostRepairs = 2;
+  StageSeconds seconds;
+  std::vector<ModelRegionId> repaired;
+  bool may_repair = command.read.heal;
+  for (int attempt = 0;; ++attempt) {
+    MeshOptions options = sized.options;
+    options.stop_where_model_crosses = may_repair && attempt == 0;
+    MeshResult result = make_mesh_on_ranks(*sized.document.model, options, communicator, run.host());
+    add(result.seconds, seconds);
+    result.seconds = seconds;
+    may_repair = may_repair && attempt < kMostRepairs && result.status != MeshStatus::Cancelled;
+    const ModelTopology& topology = sized.document.model->topology();
+    const std::vector<ModelRegionId> crossing =
+        may_repair ? regions_that_cross(result, topology) : std::vector<ModelRegionId>{};
+    const bool is_again =
+        std::ranges::any_of(crossing, [&](ModelRegionId r) { return std::ranges::count(repaired, r) > 0; });
+    const std::size_t regions = topology.region_count();
+    const bool is_repaired = !crossing.empty() && !is_again && repair(command, crossing, sized, communicator, run);
+    if (!is_repaired && !result.stopped_early) return result;
+    repaired.insert(repaired.end(), crossing.begin(), crossing.end());
+    // Solids in several pieces change the numbers of the others.
+    may_repair = is_repaired && sized.document.model->topology().region_count() == regions;
+  }
 }
 
 // The first rank has the whole mesh, and the threads of those that wait for it.

@@ -106,6 +106,14 @@ void note_run(const MeshResult& result, const GeometricModel& model, const MeshO
   for (const Diagnostic& error : result.errors) add_failure(report, error);
 }
 
+void note_rebuilt(const std::vector<ModelRegionId>& solids, RunReport& report) {
+  auto& lists = report.extra["rebuilt"];
+  if (lists.is_null()) lists = nlohmann::ordered_json::array();
+  nlohmann::ordered_json tags = nlohmann::ordered_json::array();
+  for (const ModelRegionId solid : solids) tags.push_back(ModelEntity(solid).tag());
+  lists.push_back(std::move(tags));
+}
+
 void note_filling(const FillingFigures& figures, const QualityGoals& goals, RunReport& report) {
   report.extra["filling"] = filling_json(figures, goals);
 }

@@ -135,6 +135,15 @@ double MesherRun::tets_per_second() const {
   return mesh && seconds > 0 ? static_cast<double>(mesh->tets) / seconds : 0;
 }
 
+std::vector<std::vector<ModelRegionId>> rebuilt_solids(const Json& report) {
+  std::vector<std::vector<ModelRegionId>> lists;
+  for (const Json& tags : child_of(report, "rebuilt")) {
+    lists.emplace_back();
+    for (const Json& tag : tags) lists.back().push_back(ModelRegionId(tag.get<std::size_t>() - 1));
+  }
+  return lists;
+}
+
 void take_description(const Json& report, ModelFacts& facts) {
   const Json model = child_of(report, "model"), box = child_of(model, "bounding_box");
   if (box.is_array() && box.size() == 2) {

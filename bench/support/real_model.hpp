@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tetloom/ids.hpp"
+
 namespace tetloom::bench {
 
 /// The model as `tetloom info` describes it, and its facets as the bench reads them.
@@ -68,6 +70,10 @@ struct RealModel {
   std::vector<std::string> warnings;
   std::optional<WorstAngle> worst;
 };
+
+/// The solids that tetloom has made anew, as its report says: lists that follow each other, each numbered in the model
+/// that the last one left.
+std::vector<std::vector<ModelRegionId>> rebuilt_solids(const nlohmann::json& report);
 
 /// Takes what `tetloom info --report` says.
 void take_description(const nlohmann::json& report, ModelFacts& facts);

@@ -111,9 +111,10 @@ void run_tetloom(const fs::path& folder, const RealRunOptions& options, RealMode
   std::istringstream more(options.options);
   for (std::string word; more >> word;) command.push_back(word);
   const ChildResult child = run_mesher(command, options, model.tetloom);
-  judge_apart({mesh, false, options.distance ? model.path : fs::path()}, options, model.tetloom);
+  const Json said = read_json(report);
+  judge_apart({mesh, false, options.distance ? model.path : fs::path(), said}, options, model.tetloom);
   if (child.exit_status != 0) model.tetloom.failure = end_of(child.output);
-  take_report(read_json(report), model);
+  take_report(said, model);
   fs::remove(mesh);
 }
 
@@ -159,6 +160,14 @@ void turn_regions(Mesh& mesh) {
     if (volumes[region_of(t)] < 0) std::swap(mesh.tet_to_vert[t][2], mesh.tet_to_vert[t][3]);
 }
 
+/// The model that a mesh is classified on.
+ModelDocument model_as_meshed(const JudgeTask& task) {
+  ModelDocument document = read_model(task.model);
+  for (const std::vector<ModelRegionId>& solids : rebuilt_solids(task.report))
+    if (std::optional<ModelDocument> rebuilt = rebuild_solids(document, solids)) document = std::move(*rebuilt);
+  return document;
+}
+
 }  // namespace
 
 bool is_model_file(const fs::path& path) {
@@ -184,12 +193,17 @@ RealModel run_real_model(const fs::path& path, const RealRunOptions& options) {
 }
 
 void to_json(Json& json, const JudgeTask& task) {
-  json = {{"mesh", task.mesh.string()}, {"lenient", task.lenient}, {"model", task.model.string()}};
+  json = {{"mesh", task.mesh.string()},
+          {"lenient", task.lenient},
+          {"model", task.model.string()},
+          {"report", {{"rebuilt", nullptr}}}};
+  if (task.report.contains("rebuilt")) json["report"]["rebuilt"] = task.report.at("rebuilt");
 }
 
 void from_json(const Json& json, JudgeTask& task) {
   task.mesh = json.at("mesh").get<std::string>(), task.model = json.at("model").get<std::string>();
   json.at("lenient").get_to(task.lenient);
+  task.report = json.at("report");
 }
 
 MeshFigures judge_mesh_file(const JudgeTask& task) {
@@ -204,7 +218,7 @@ MeshFigures judge_mesh_file(const JudgeTask& task) {
   figures.min_dihedral_deg = quality.tets.min_dihedral_deg;
   figures.ratio_mean = quality.tets.mean_ratio_mean, figures.ratio_p1 = quality.tets.mean_ratio_p1;
   figures.ratio_min = quality.tets.mean_ratio_min;
-  if (!task.model.empty()) figures.surface_distance = surface_distance(mesh, *read_model(task.model).model);
+  if (!task.model.empty()) figures.surface_distance = surface_distance(mesh, *model_as_meshed(task).model);
   if (!validation.valid()) figures.problem = validation.problems.front().message;
   return figures;
 }

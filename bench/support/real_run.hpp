@@ -31,6 +31,7 @@ struct JudgeTask {
   std::filesystem::path mesh;
   bool lenient = false;              ///< regions that are inside out as a whole are turned, as some meshers write them
   std::filesystem::path model = {};  ///< whose distance from the surface is measured; empty: none
+  nlohmann::json report = {};        ///< of the run that made the mesh, for the solids that it has made anew
 };
 void to_json(nlohmann::json& json, const JudgeTask& task);
 void from_json(const nlohmann::json& json, JudgeTask& task);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <numbers>
+#include <TopExp_Explorer.hxx>
 
 #include "core/cad/detail/body_fixing.hpp"
 #include "core/cad/detail/cad_model.hpp"
@@ -55,31 +56,36 @@ void append(std::vector<Diagnostic>& list, const std::vector<Diagnostic>& more) 
   list.insert(list.end(), more.begin(), more.end());
 }
 
+/// The model of a document that is complete. `valid`: whether all of its bodies are known to be.
+ModelDocument make_model(cad::Document document, std::vector<HealingStep> healing, bool valid,
+                         const CancelToken* cancel, const BlockLoop& loop) {
+  ModelDocument result;
+  result.healing = std::move(healing);
+  cad::ShapeTopology parts = cad::make_topology(document.root);
+  result.warnings = document.warnings;
+  append(result.warnings, parts.warnings);
+  if (!valid) append(result.warnings, cad::describe_faults(cad::suspect_bodies(document), parts.shapes, loop));
+  append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
+  if (cancel) cancel->check();
+  result.model = std::make_unique<cad::CadModel>(std::move(parts), std::move(document), loop);
+  add_names(*result.model, result.warnings);
+  return result;
+}
+
 ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format, const ReadOptions& options,
                        const CancelToken* cancel, const BlockLoop& loop) {
   const cad::ReadingSession session;
   cad::Document document = cad::read_document(path, format, cancel);
   return cad::translate_failures({}, ErrorCode::InputUnsuitable, "preparing the model", [&] {
-    ModelDocument result;
+    std::vector<HealingStep> healing;
     cad::fix_raw_bodies(document, cancel, loop);
-    cad::complete_geometry(document, result.healing);
-    bool valid = options.heal && cad::heal(document, result.healing, cancel, loop);
-    if (options.imprint && cad::imprint(document, result.healing, cancel)) valid = false, document.valid_bodies.Clear();
-    if (cancel) cancel->check();
-    result.rebuilt = cad::rebuild_solids(document, options.rebuild, cancel);
-    cad::add_step(result.healing, "solids that crossed themselves were made anew", result.rebuilt);
-    if (result.rebuilt > 0) valid = false;
-    cad::ShapeTopology parts = cad::make_topology(document.root);
-    if (parts.topology.face_count() == 0)
+    cad::complete_geometry(document, healing);
+    bool valid = options.heal && cad::heal(document, healing, cancel, loop);
+    if (options.imprint && cad::imprint(document, healing, cancel)) valid = false, document.valid_bodies.Clear();
+    if (!TopExp_Explorer(document.root, TopAbs_FACE).More())
       throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no face or solid");
-    result.warnings = std::move(document.warnings);
-    append(result.warnings, parts.warnings);
-    if (!valid) append(result.warnings, cad::describe_faults(cad::suspect_bodies(document), parts.shapes, loop));
-    append(result.warnings, cad::describe_open_shells(document.root, parts.shapes));
     if (cancel) cancel->check();
-    result.model = std::make_unique<cad::CadModel>(std::move(parts), document, loop);
-    add_names(*result.model, result.warnings);
-    return result;
+    return make_model(std::move(document), std::move(healing), valid, cancel, loop);
   });
 }
 
@@ -100,6 +106,23 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
   }
   document.format = extension.name;
   return document;
+}
+
+std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const std::vector<ModelRegionId>& solids,
+                                            const CancelToken* cancel, const BlockLoop& loop) {
+  const auto* model = dynamic_cast<const cad::CadModel*>(document.model.get());
+  if (!model || solids.empty()) return {};
+  const cad::ReadingSession session;
+  return cad::translate_failures({}, ErrorCode::InputUnsuitable, "making solids anew", [&] {
+    cad::Document changed = model->document();
+    const std::size_t count = cad::rebuild_solids(changed, solids, cancel);
+    if (count == 0) return std::optional<ModelDocument>();
+    std::vector<HealingStep> healing = document.healing;
+    cad::add_step(healing, "solids that crossed themselves were made anew", count);
+    std::optional<ModelDocument> result = make_model(std::move(changed), std::move(healing), false, cancel, loop);
+    result->format = document.format;
+    return result;
+  });
 }
 
 }  // namespace tetloom

@@ -83,9 +83,11 @@ struct MeshOptions {
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
-  bool keep_going = false;      ///< solids and sheets in which something fails are left out, with those that share
-                                ///< faces with them, and the others are meshed; by default the whole run fails
-  QualityGoals goals;           ///< of the tets
+  bool stop_where_model_crosses = false;  ///< the run ends with SelfIntersection as soon as faces of one region are
+                                          ///< known to cross in the model itself, for hosts that rebuild_solids then
+  bool keep_going = false;  ///< solids and sheets in which something fails are left out, with those that share
+                            ///< faces with them, and the others are meshed; by default the whole run fails
+  QualityGoals goals;       ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
   int parts = 0;  ///< of make_mesh_in_parts: the result is dealt to so many; 0: those in which it was made
@@ -117,6 +119,7 @@ struct SurfaceRefinement {
 struct MeshResult {
   MeshStatus status = MeshStatus::Failed;
   bool is_partial = false;
+  bool stopped_early = false;  ///< because of MeshOptions::stop_where_model_crosses
   Mesh mesh;
   SizeField sizes = SizeField::uniform(1);
   std::vector<Diagnostic> errors;
@@ -128,8 +131,7 @@ struct MeshResult {
   FillingFigures filling;                ///< how the volume came to be filled
 };
 
-/// The regions whose own boundary crosses itself, as the errors of a result say, ascending: reading them anew with
-/// ReadOptions::rebuild may help.
+/// The regions whose own boundary crosses itself, as the errors of a result say, ascending: rebuild_solids may help.
 std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const ModelTopology& topology);
 
 /// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.

@@ -193,9 +193,6 @@ struct ReadOptions {
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
   double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
   double fill_holes = 0;                      ///< model length; of discrete models, holes at most as wide are closed
-  /// Solids, numbered as the regions of the model that is read without this, to be made anew from the space that their
-  /// faces enclose: for those whose boundary crosses itself. Of CAD files only.
-  std::vector<ModelRegionId> rebuild = {};
 };
 
 /// One thing that was repaired, with how often.
@@ -207,7 +204,6 @@ struct HealingStep {
 struct ModelDocument {
   std::unique_ptr<GeometricModel> model;
   std::vector<HealingStep> healing;
-  std::size_t rebuilt = 0;           ///< solids that ReadOptions::rebuild asked for and that were made anew
   std::vector<Diagnostic> warnings;  ///< invalid shapes that remain, open shells, entities left out …
   std::string format;                ///< "STEP", "IGES", "BREP", "STL" or "OBJ"
 };
@@ -219,6 +215,13 @@ struct ModelDocument {
 /// measurements run on the threads of `loop`; the model does not depend on it.
 ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options = {},
                          const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
+
+/// The document of a CAD file with some of its solids made anew from the space that their faces enclose: for those
+/// whose boundary crosses itself. Names and colours follow the faces; all else is as it was, but for the numbering.
+/// None where no solid can be made anew, and for models of facets. `solids` are regions of the document's model.
+/// Errors and thread safety: as read_model.
+std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const std::vector<ModelRegionId>& solids,
+                                            const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 // Geometric models made of facets: STL and OBJ files, or triangles in memory.
 //

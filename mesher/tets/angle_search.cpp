@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/tets/dihedral.hpp"
+#include "core/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
 
 namespace tetloom::tets {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/tets/dihedral.hpp"
+#include "core/tets/many_values.hpp"
 #include "mesher/tets/angle_search.hpp"
-#include "mesher/tets/dihedral.hpp"
 #include "mesher/tets/edge_removal.hpp"
-#include "mesher/tets/many_values.hpp"
 #include "mesher/tets/newton_smoothing.hpp"
 #include "mesher/tets/point_insertion.hpp"
 #include "mesher/tets/quality_summary.hpp"

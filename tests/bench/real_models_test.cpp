@@ -47,6 +47,14 @@ TEST_CASE("the median of an even number of values is the mean of the two in the 
   CHECK_FALSE(median({}).has_value());
 }
 
+TEST_CASE("solids that were made anew are taken from the report, list after list") {
+  CHECK(rebuilt_solids(json::object()).empty());
+  const auto lists = rebuilt_solids({{"rebuilt", {{26, 27}, {1}}}});
+  REQUIRE(lists.size() == 2);
+  CHECK(lists[0] == std::vector{tetloom::ModelRegionId(25), tetloom::ModelRegionId(26)});
+  CHECK(lists[1] == std::vector{tetloom::ModelRegionId(0)});
+}
+
 TEST_CASE("a run is valid when its mesh fills all regions with the right volume") {
   RealModel model = filled();
   CHECK(is_valid(model));

@@ -191,9 +191,10 @@ TopoDS_Shape collapsed_faces() {
                                             BRepBuilderAPI_MakeFace(point, 1e-7).Shape()});
 }
 
-TopoDS_Shape floor_in_outer_face() {
+// The box's opposite face is whole, however deep the hole is.
+TopoDS_Shape box_with_hole(double depth) {
   const TopoDS_Shape box = box_at(0, 0, 0, 10);
-  const TopoDS_Shape hole = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(5, 5, 0), gp_Dir(0, 0, 1)), 2, 10).Shape();
+  const TopoDS_Shape hole = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(5, 5, 0), gp_Dir(0, 0, 1)), 2, depth).Shape();
   std::vector<TopoDS_Shape> faces;
   TopoDS_Wire mouth;
   for (const TopoDS_Shape& face : faces_of(hole)) {
@@ -245,7 +246,8 @@ TopoDS_Shape make_faulty(Fault fault) {
           loose_faces_of(BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(-3, 5, 3), gp_Dir(0, 0, 1)), 8, 4).Shape()));
     case Fault::NestedShells: return compound(loose_faces_of(box_at(0, 0, 0, 10)) + loose_faces_of(box_at(3, 3, 3, 4)));
     case Fault::CollapsedFaces: return collapsed_faces();
-    case Fault::FloorInOuterFace: return floor_in_outer_face();
+    case Fault::FloorBeyondOuterFace: return compound({box_with_hole(12), box_at(20, 0, 0, 10)});
+    case Fault::FloorInOuterFace: return box_with_hole(10);
     case Fault::FlatSolidAndBox: return flat_solid_and_box();
     case Fault::OverlappingBoxes: return compound({box_at(0, 0, 0, 10), box_at(5, 5, 5, 10)});
     case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 10).Shape();

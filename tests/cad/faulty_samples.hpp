@@ -12,14 +12,15 @@ enum class Fault {
   DoubledEdge,   ///< two squares of 10 side by side, one face each, that end in two lines between the same vertices
   FoldedCorner,  ///< an arrowhead pushed by 5, with a bilinear top that folds over at the concave corner
   CurveShortOfVertex,  ///< a box of 10 with an edge whose line runs the wrong way: its vertices have a tolerance of 20
-  CrossingShells,    ///< the loose faces of a box of edge 10 and of a cylinder that leaves it, though its vertices are
-                     ///< inside
-  NestedShells,      ///< the loose faces of two boxes of edge 10 and 4, one inside the other
-  CollapsedFaces,    ///< the loose faces of a box, one without area on each of two sides, and one that is a point
-  FloorInOuterFace,  ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
-  FlatSolidAndBox,   ///< a solid of two faces that lie on each other, beside a box of 10
-  OverlappingBoxes,  ///< two boxes of edge 10, one shifted by (5, 5, 5)
-  ThinRod            ///< radius 0.1, length 10
+  CrossingShells,  ///< the loose faces of a box of edge 10 and of a cylinder that leaves it, though its vertices are
+                   ///< inside
+  NestedShells,    ///< the loose faces of two boxes of edge 10 and 4, one inside the other
+  CollapsedFaces,  ///< the loose faces of a box, one without area on each of two sides, and one that is a point
+  FloorBeyondOuterFace,  ///< a box of 10 with a hole of radius 2 that is 12 deep, its floor outside; and another box
+  FloorInOuterFace,      ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
+  FlatSolidAndBox,       ///< a solid of two faces that lie on each other, beside a box of 10
+  OverlappingBoxes,      ///< two boxes of edge 10, one shifted by (5, 5, 5)
+  ThinRod                ///< radius 0.1, length 10
 };
 
 /// Writes a BREP file. Throws std::runtime_error when it fails.

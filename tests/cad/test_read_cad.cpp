@@ -67,7 +67,7 @@ class ThreadLoop : public BlockLoop {
 /// All that reading finds out: numbers to the last digit.
 std::string described(const ModelDocument& document) {
   std::ostringstream text;
-  text << std::hexfloat << document.rebuilt << '\n';
+  text << std::hexfloat;
   for (const HealingStep& step : document.healing) text << step.what << ' ' << step.count << '\n';
   for (const Diagnostic& warning : document.warnings) {
     text << warning.message;

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "mesher/tets/dihedral.hpp"
+#include "core/tets/dihedral.hpp"
 #include "mesher/tets/surface_slide.hpp"
 #include "tests/mesher/surface_fixtures.hpp"
 

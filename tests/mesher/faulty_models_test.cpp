@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "tests/cad/cad_samples.hpp"
@@ -22,19 +23,31 @@ struct Meshed {
   MeshResult result;
 };
 
-Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false,
-                   const ReadOptions& reading = {}) {
-  const test::TemporaryFolder folder;
-  test::write_faulty(fault, folder / "model.brep");
-  Meshed meshed{read_model(folder / "model.brep", reading), {}};
+MeshOptions options_for(double size, double curvature) {
   MeshOptions options;
   options.sizes.size = size;
   options.sizes.curvature = curvature;
   options.threads = 1;
-  options.keep_going = keep_going;
   options.keep_small_features = true;
   options.volume_worker = TETLOOM_WORKER;
+  return options;
+}
+
+Meshed read_faulty(Fault fault) {
+  const test::TemporaryFolder folder;
+  test::write_faulty(fault, folder / "model.brep");
+  return {read_model(folder / "model.brep"), {}};
+}
+
+void mesh(Meshed& meshed, double size, double curvature = 0, bool keep_going = false) {
+  MeshOptions options = options_for(size, curvature);
+  options.keep_going = keep_going;
   meshed.result = make_mesh(*meshed.document.model, options);
+}
+
+Meshed mesh_faulty(Fault fault, double size, double curvature = 0, bool keep_going = false) {
+  Meshed meshed = read_faulty(fault);
+  mesh(meshed, size, curvature, keep_going);
   return meshed;
 }
 
@@ -104,18 +117,54 @@ TEST_CASE("a curve that misses its vertices is fitted to them") {
 }
 
 TEST_CASE("a solid that crosses itself is refused, and meshed when it is made anew") {
-  const Meshed refused = mesh_faulty(Fault::FloorInOuterFace, 2);
-  CHECK(refused.result.status == MeshStatus::Failed);
-  REQUIRE_FALSE(refused.result.errors.empty());
-  CHECK(refused.result.errors.front().code == ErrorCode::SelfIntersection);
-  CHECK(regions_that_cross(refused.result, refused.document.model->topology()) == std::vector{ModelRegionId(0)});
+  const Fault fault = GENERATE(Fault::FloorInOuterFace, Fault::FloorBeyondOuterFace);
+  const std::size_t boxes = fault == Fault::FloorInOuterFace ? 1 : 2;
+  Meshed meshed = mesh_faulty(fault, 2);
+  CHECK(meshed.result.status == MeshStatus::Failed);
+  CHECK_FALSE(meshed.result.stopped_early);
+  REQUIRE_FALSE(meshed.result.errors.empty());
+  CHECK(meshed.result.errors.front().code == ErrorCode::SelfIntersection);
+  const std::vector crossing = regions_that_cross(meshed.result, meshed.document.model->topology());
+  CHECK(crossing == std::vector{ModelRegionId(0)});
 
-  ReadOptions reading;
-  reading.rebuild = {ModelRegionId(0)};
-  const Meshed meshed = mesh_faulty(Fault::FloorInOuterFace, 2, 24, false, reading);
+  std::optional<ModelDocument> rebuilt = rebuild_solids(meshed.document, crossing);
+  REQUIRE(rebuilt.has_value());
+  CHECK(rebuilt->format == "BREP");
+  CHECK(rebuilt->healing.back().count == 1);
+  meshed.document = std::move(*rebuilt);
+  mesh(meshed, 2, 24);
   require_valid(meshed);
-  CHECK(meshed.document.model->topology().region_count() == 1);
-  CHECK(volume_of(meshed) == Approx(1000 - 40 * std::numbers::pi).epsilon(0.01));
+  CHECK(meshed.document.model->topology().region_count() == boxes);
+  CHECK(volume_of(meshed) == Approx(1000.0 * boxes - 40 * std::numbers::pi).epsilon(0.01));
+}
+
+TEST_CASE("a run may stop as soon as it is sure that faces cross in the model") {
+  const auto stops = [](Fault fault) {
+    Meshed meshed = read_faulty(fault);
+    MeshOptions options = options_for(2, 24);
+    options.stop_where_model_crosses = true;
+    options.keep_going = true;
+    meshed.result = make_mesh(*meshed.document.model, options);
+    return std::move(meshed.result);
+  };
+  const MeshResult crossing = stops(Fault::FloorBeyondOuterFace);
+  CHECK(crossing.stopped_early);
+  CHECK(crossing.refinement.rounds == 0);
+  CHECK(crossing.status == MeshStatus::Failed);
+  REQUIRE(crossing.errors.size() == 1);
+  CHECK(crossing.errors.front().code == ErrorCode::SelfIntersection);
+  REQUIRE(crossing.errors.front().point.has_value());
+  const Vec3 place = *crossing.errors.front().point;
+  CHECK(std::hypot(place.x - 5, place.y - 5) == Approx(2));
+  CHECK(place.z == Approx(10));
+  CHECK_FALSE(stops(Fault::FloorInOuterFace).stopped_early);  // faces that touch are left to the triangles
+  CHECK_FALSE(stops(Fault::CrossingShells).stopped_early);    // two solids, which may cross
+}
+
+TEST_CASE("models of facets and solids that nothing is left of are not made anew") {
+  const Meshed meshed = read_faulty(Fault::FloorBeyondOuterFace);
+  CHECK_FALSE(rebuild_solids(meshed.document, {}).has_value());
+  CHECK_FALSE(rebuild_solids(meshed.document, {ModelRegionId(7)}).has_value());
 }
 
 TEST_CASE("closed shells that cross bound a solid each") {

@@ -83,15 +83,17 @@ constexpr double kToleranceMargin = 1.25;
 
 }  // namespace
 
-CadModel::CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop)
-    : shapes_(std::move(parts.shapes)),
+CadModel::CadModel(ShapeTopology parts, Document document, const BlockLoop& loop)
+    : document_(std::move(document)),
+      shapes_(std::move(parts.shapes)),
       faces_(parts.topology.face_count()),
-      known_(document.integrals),
       integrals_(parts.topology.face_count()),
       volumes_(parts.topology.region_count()) {
+  document_.facets->add_places(shapes_.faces);
+  shapes_.facets = document_.facets;
   topology_ = std::move(parts.topology);
-  attributes_ = make_entity_attributes(document.root, document.attributes, shapes_);
-  metres_per_unit_ = document.metres_per_unit;
+  attributes_ = make_entity_attributes(document_.root, document_.attributes, shapes_);
+  metres_per_unit_ = document_.metres_per_unit;
   translate_failures({}, ErrorCode::InputUnsuitable, "the bounding box",
                      [&] { bounding_box_ = compute_box(shapes_, topology_.face_count(), loop); });
   measure_tolerances(loop);
@@ -162,7 +164,7 @@ std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
 const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {
   return integrals_.get(id.value, [&] {
     const TopoDS_Face face = shapes_.face(id);
-    const auto known = find_integrals(known_, face);
+    const auto known = find_integrals(document_.integrals, face);
     return known ? *known : integrate_face(face);
   });
 }

@@ -33,7 +33,7 @@ class LazyValues {
 class CadModel final : public GeometricModel {
  public:
   /// Takes over the shapes of a document and their tables. Errors: InputUnsuitable.
-  CadModel(ShapeTopology parts, const Document& document, const BlockLoop& loop);
+  CadModel(ShapeTopology parts, Document document, const BlockLoop& loop);
 
   Vec3 vertex_point(ModelVertexId id) const override;
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
@@ -41,6 +41,7 @@ class CadModel final : public GeometricModel {
   double area(ModelFaceId id) const override;
   double volume(ModelRegionId id) const override;
   const ShapeTables& shapes() const { return shapes_; }
+  const Document& document() const { return document_; }
 
  private:
   const FaceIntegrals& integrals(ModelFaceId id) const;
@@ -52,9 +53,9 @@ class CadModel final : public GeometricModel {
   std::vector<Gap> measure_face(ModelFaceId id) const;
   void measure_use(FaceGeometry& face, EdgeGeometry& edge, const EdgeUse& use, std::vector<Gap>& gaps) const;
 
+  Document document_;
   ShapeTables shapes_;
   LazyValues<std::unique_ptr<const CadFace>> faces_;  ///< those that others are copied from
-  KnownIntegrals known_;                              ///< from the reading
   LazyValues<FaceIntegrals> integrals_;               ///< of faces
   LazyValues<double> volumes_;
 };

@@ -8,6 +8,7 @@
 #include "core/cad/detail/deferred_fixing.hpp"
 #include "core/cad/detail/face_integrals.hpp"
 #include "core/cad/detail/shape_attributes.hpp"
+#include "core/cad/detail/tessellate.hpp"
 #include "tetloom/host.hpp"
 
 namespace tetloom::cad {
@@ -17,8 +18,9 @@ struct Document {
   AttributeMap attributes;
   double metres_per_unit = 0;
   std::vector<Diagnostic> warnings;
-  KnownIntegrals integrals;          ///< of faces as they are now
-  std::vector<RawBody> raw_bodies;   ///< of STEP files: what is still to be completed (see fix_raw_bodies)
+  KnownIntegrals integrals;         ///< of faces as they are now
+  std::vector<RawBody> raw_bodies;  ///< of STEP files: what is still to be completed (see fix_raw_bodies)
+  std::shared_ptr<SharedFacets> facets = std::make_shared<SharedFacets>();  ///< of the models made of this
   TopTools_MapOfShape valid_bodies;  ///< without their locations: those known to be valid as they are now
 };
 

@@ -5,6 +5,9 @@
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopLoc_Location.hxx>
@@ -94,17 +97,62 @@ Facets make_facets(const TopoDS_Face& copy, double chord, double angle) {
 
 }  // namespace
 
+struct SharedFacets::Facetted {
+  Facetted(const TopoDS_Face& face, double chord, double angle)
+      : copy(face, true, false),
+        facets(make_facets(TopoDS::Face(copy.Shape().Oriented(TopAbs_FORWARD)), chord, angle)) {}
+
+  BRepBuilderAPI_Copy copy;
+  Facets facets;
+};
+
+struct SharedFacets::Entry {
+  std::once_flag is_made;
+  std::unique_ptr<const Facetted> facetted;
+};
+
+SharedFacets::SharedFacets() = default;
+SharedFacets::~SharedFacets() = default;
+
+void SharedFacets::add_places(const TopTools_IndexedMapOfShape& faces) {
+  const std::lock_guard lock(mutex_);
+  std::map<const TopoDS_TShape*, int> places;
+  for (int i = 1; i <= faces.Extent(); ++i)
+    if (++places[faces(i).TShape().get()] == 2) repeated_.insert(faces(i).TShape());
+}
+
+std::shared_ptr<const SharedFacets::Facetted> SharedFacets::find(const TopoDS_Face& face, double chord, double angle) {
+  std::shared_ptr<Entry> entry;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!repeated_.contains(face.TShape())) return nullptr;
+    std::shared_ptr<Entry>& known = entries_[{face.TShape().get(), chord, angle}];
+    if (!known) known = std::make_shared<Entry>();
+    entry = known;
+  }
+  std::call_once(entry->is_made, [&] {
+    entry->facetted = std::make_unique<const Facetted>(TopoDS::Face(face.Located({})), chord, angle);
+  });
+  return {entry, entry->facetted.get()};
+}
+
 Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
                              double angle) {
   if (!(chord > 0) || !(angle > 0)) throw Error(ErrorCode::InvalidArgument, "chord and angle must be positive");
-  BRepBuilderAPI_Copy copy(shapes.face(id), true, false);
-  const Facets facets = make_facets(TopoDS::Face(copy.Shape().Oriented(TopAbs_FORWARD)), chord, angle);
+  const TopoDS_Face face = shapes.face(id);
+  std::shared_ptr<const SharedFacets::Facetted> made =
+      shapes.facets ? shapes.facets->find(face, chord, angle) : nullptr;
+  const TopLoc_Location place = made ? face.Location() : TopLoc_Location();  // of the face that was facetted
+  if (!made) made = std::make_shared<const SharedFacets::Facetted>(face, chord, angle);
+  const Facets& facets = made->facets;
   Tessellation out;
-  copy_facets(facets.triangulation, facets.place, id, out);
+  copy_facets(facets.triangulation, place * facets.place, id, out);
   BoundaryMarker marker(topology, facets.triangulation, facets.place, out);
+  const TopLoc_Location back = place.Inverted();
   for (const ModelLoop& loop : topology.face_to_loops[id.value]) {
     for (const EdgeUse& use : loop) {
-      const TopoDS_Shape edge = copy.ModifiedShape(shapes.edge(use.edge));
+      const TopoDS_Edge placed = shapes.edge(use.edge);
+      const TopoDS_Shape edge = made->copy.ModifiedShape(placed.Located(back * placed.Location()));
       marker.mark(use, TopoDS::Edge(edge.Oriented(use.second_side ? TopAbs_REVERSED : TopAbs_FORWARD)));
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 // From an OpenCASCADE shape to the tables of a ModelTopology, and back from ids to shapes. Private to core/cad.
+#include <memory>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
@@ -12,10 +13,13 @@
 
 namespace tetloom::cad {
 
+class SharedFacets;
+
 /// The shapes behind the entities: entity i is shape i + 1 of its map. Numbering follows TopExp::MapShapes, so it
 /// depends on the file alone. The same shape in two places is two entities.
 struct ShapeTables {
   TopTools_IndexedMapOfShape vertices, edges, faces, solids;
+  std::shared_ptr<SharedFacets> facets;  ///< may be null
 
   TopoDS_Vertex vertex(ModelVertexId id) const;
   /// Forward, so that it runs along its curve.
