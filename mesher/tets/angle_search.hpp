@@ -8,7 +8,7 @@
 #include <functional>
 #include <span>
 
-#include "mesher/tets/vertex_star.hpp"
+#include "core/tets/vertex_star.hpp"
 
 namespace tetloom::tets {
 
