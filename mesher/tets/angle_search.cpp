@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/tets/dihedral.hpp"
+#include "core/tets/star_tet.hpp"
 #include "mesher/tets/edge_removal.hpp"
 
 namespace tetloom::tets {
