@@ -5,6 +5,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
+#include "mesher/intersection/pinched_edges.hpp"
 #include "mesher/intersection/model_crossings.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
@@ -172,6 +173,8 @@ void SurfaceFitter::find_crossings(Candidate& candidate) {
   search.tri_is_new = candidate.tri_is_new;
   search.tells_progress = true;
   candidate.all_hits = find_self_intersections(search, *candidate.tree, work_);
+  const std::vector<TriangleIntersection> pinched = find_pinched_edges(mesh);
+  candidate.all_hits.insert(candidate.all_hits.end(), pinched.begin(), pinched.end());
   candidate.solid_hits = those_of_solids(candidate.all_hits, mesh);
 }
 

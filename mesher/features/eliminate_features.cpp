@@ -86,10 +86,17 @@ class Eliminator {
 
   void lock_kept_places() {
     locked_.assign(surface_->point_count(), 0);
-    for (std::uint32_t v = 0; v < locked_.size(); ++v)
-      locked_[v] = std::ranges::any_of(how_.kept, [&](const KeptPlace& place) {
-        return distance(place.center, surface_->point(v)) <= place.radius;
-      });
+    std::vector<KeptPlace> kept(how_.kept.begin(), how_.kept.end());
+    std::ranges::stable_sort(kept, {}, [](const KeptPlace& place) { return place.center.x; });
+    double largest = 0;
+    for (const KeptPlace& place : kept) largest = std::max(largest, place.radius);
+    for (std::uint32_t v = 0; v < locked_.size() && !kept.empty(); ++v) {
+      const Vec3& x = surface_->point(v);
+      const auto first =
+          std::ranges::lower_bound(kept, x.x - largest, {}, [](const KeptPlace& place) { return place.center.x; });
+      for (auto place = first; place != kept.end() && place->center.x <= x.x + largest && !locked_[v]; ++place)
+        locked_[v] = distance(place->center, x) <= place->radius;
+    }
   }
 
   double tolerance_of(const Triangle& t) const {

@@ -13,6 +13,7 @@
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
 #include "mesher/features/small_features.hpp"
+#include "mesher/intersection/pinched_edges.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
@@ -229,6 +230,26 @@ TEST_CASE("a snap inside of a face swaps the edge, and one onto a model edge put
   CHECK(snapped.find_piece(5, 6) == kNone);
   CHECK(snapped.find_piece(5, 10) != kNone);
   CHECK(snapped.find_piece(10, 6) != kNone);
+}
+
+TEST_CASE("faces that meet in an edge of no model edge are found") {
+  Mesh mesh = make_strip(true);
+  CHECK(find_pinched_edges(mesh).empty());
+  // Without its piece, the edge from 4 to 5 is between two faces.
+  mesh.edge_to_vert.erase(mesh.edge_to_vert.begin());
+  mesh.edge_to_entity.erase(mesh.edge_to_entity.begin());
+  const std::vector<TriangleIntersection> found = find_pinched_edges(mesh);
+  REQUIRE(found.size() == 1);
+  CHECK(mesh.tri_to_entity[found[0].first] != mesh.tri_to_entity[found[0].second]);
+  CHECK(distance(found[0].point, {0.5, 1, 0}) < 1e-12);
+  // Two strips on each other, between the same points.
+  mesh = make_strip(true);
+  for (std::size_t t = 0, count = mesh.tri_to_vert.size(); t < count; ++t) {
+    const auto [a, b, c] = mesh.tri_to_vert[t];
+    mesh.tri_to_vert.push_back({a, c, b});
+    mesh.tri_to_entity.push_back(mesh.tri_to_entity[t]);
+  }
+  CHECK(find_pinched_edges(mesh).size() >= 3);
 }
 
 TEST_CASE("a change that would lay triangles of a region upon each other is refused") {
