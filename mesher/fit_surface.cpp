@@ -5,8 +5,8 @@
 
 #include "core/base/stopwatch.hpp"
 #include "mesher/complexes.hpp"
-#include "mesher/intersection/pinched_edges.hpp"
 #include "mesher/intersection/model_crossings.hpp"
+#include "mesher/intersection/pinched_edges.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/volume/volume_mesher.hpp"

@@ -45,8 +45,8 @@ std::vector<TriangleIntersection> find_pinched_edges(const Mesh& surface) {
     if (end - first > 2 || other != end) {
       const Side& second = other != end ? *other : *(first + 1);
       const auto& [a, b] = first->ends;
-      found.push_back({first->triangle, second.triangle, IntersectionKind::Overlap,
-                       0.5 * (surface.points[a] + surface.points[b])});
+      found.push_back(
+          {first->triangle, second.triangle, IntersectionKind::Overlap, 0.5 * (surface.points[a] + surface.points[b])});
     }
     first = end;
   }
