@@ -294,9 +294,8 @@ bool SurfaceFitter::reject(Candidate&& candidate) {
 
 bool SurfaceFitter::accept(Candidate&& candidate, bool is_fine_enough) {
   append({}, candidate.surface.warnings);
-  result_.refinement.narrow_places = log_.misfit_count();
-  if (log_.smallest_size() > 0) result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
   take(std::move(candidate));
+  if (log_.smallest_size() > 0) result_.warnings.push_back(log_.describe(result_.refinement, is_fine_enough, model_));
   return true;
 }
 
