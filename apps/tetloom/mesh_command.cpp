@@ -97,11 +97,31 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   }
 }
 
+// What the lengths of the model are multiplied by for the output.
+double scale_of(const MeshCommand& command, const GeometricModel& model) {
+  if (command.metres_per_unit == 0) return 1;
+  if (model.metres_per_unit() == 0)
+    throw Error(ErrorCode::InvalidArgument,
+                "--unit cannot scale '" + command.input.string() + "': the file does not say the unit of its lengths");
+  return model.metres_per_unit() / command.metres_per_unit;
+}
+
+void write(const MeshCommand& command, double scale, Mesh& mesh, const TaskRunner& runner, Run& run) {
+  for (Vec3& x : mesh.points) x = scale * x;
+  if (scale != 1) run.report().extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
+  nlohmann::ordered_json names = nlohmann::ordered_json::object();
+  for (const NamedGroup& group : solver_names(mesh))
+    if (!group.original.empty()) names[group.original] = group.sanitised;
+  if (!names.empty()) run.report().extra["names"] = std::move(names);
+  write_mesh(mesh, command.output, command.write, &run.cancel(), runner);
+}
+
 // The first rank has the whole mesh, and the threads of those that wait for it.
 void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
   const auto& [document, options] = sized;
   RunReport& report = run.report();
-  const MeshResult result = make_or_repair(command, sized, communicator, run);
+  const double scale = scale_of(command, *document.model);
+  MeshResult result = make_or_repair(command, sized, communicator, run);
   note_run(result, *document.model, options, report);
   run_on_first(communicator, [&] {
     if (!result.mesh.tet_to_vert.empty()) note_filling(result.filling, options.goals, report);
@@ -111,7 +131,7 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
     if (result.status != MeshStatus::Ok && !result.is_partial) return;
 
     run.begin(Stage::Write);
-    report.seconds.write = timed([&] { write_mesh(result.mesh, command.output, &run.cancel(), runner); });
+    report.seconds.write = timed([&] { write(command, scale, result.mesh, runner, run); });
     run.set_text(render_summary(report, command.output.string(), command.report.string()));
   });
 }

@@ -50,9 +50,9 @@ struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature;
   std::optional<int> threads, parts, rounds;
-  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement;
+  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version;
   bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
-       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false;
+       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false, ascii = false;
 };
 
 struct RawPartition {
@@ -79,6 +79,25 @@ QualityGoals make_goals(const RawMeshOptions& raw) {
     throw UsageError(std::string("--min-dihedral, --min-mean-ratio, --rounds: ") + error.what());
   }
   return goals;
+}
+
+double metres_of(const std::string& unit) {
+  if (unit == "m") return 1;
+  if (unit == "cm") return 1e-2;
+  if (unit == "mm") return 1e-3;
+  if (unit == "um") return 1e-6;
+  if (unit == "km") return 1e3;
+  if (unit == "in") return 0.0254;
+  if (unit == "ft") return 0.3048;
+  return 0;
+}
+
+WriteOptions make_write_options(const RawMeshOptions& raw) {
+  const WriteOptions options{raw.msh_version == "2.2", raw.ascii};
+  require(!options.text || options.msh_2_2, "--ascii needs --msh-version 2.2");
+  require(!options.msh_2_2 || std::filesystem::path(raw.output).extension() == ".msh",
+          "--msh-version needs an output that ends in .msh");
+  return options;
 }
 
 double angle_from_degrees(std::optional<double> degrees) {
@@ -120,7 +139,7 @@ void check_files(const MeshCommand& command) {
   require(!command.input.empty(), "INPUT must not be empty");
   require(is_writable_mesh_format(command.output) || is_piece_list(command.output),
           "cannot tell the format of the output '" + command.output.string() + "' from its extension; known are " +
-              known_mesh_extensions() + ", .pvtu");
+              writable_mesh_extensions() + ", .pvtu");
   require(!would_replace(command.output, command.input), "the output would replace the input");
   require(!same_file(command.input, command.report), "the report would replace the input");
   require(!would_replace(command.output, command.report), "the report would replace the output");
@@ -134,6 +153,8 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.report = raw.report;
   command.quiet = raw.quiet;
   check_files(command);
+  command.write = make_write_options(raw);
+  command.metres_per_unit = metres_of(raw.unit);
   command.read = {!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle),
                   not_negative("--fill-holes", raw.fill_holes, 0)};
   command.options.sizes = make_size_options(raw);
@@ -156,6 +177,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.in_parts = is_in_parts(command.output, raw.parts);
   require(!command.in_parts || !command.options.surface_only,
           "only meshes of volumes can be dealt to parts, and --surface-only makes none");
+  require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
@@ -222,7 +244,7 @@ void add_reading_options(CLI::App& command, Raw& raw) {
 CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   CLI::App* mesh = app.add_subcommand("mesh", "Mesh a CAD model (STEP, IGES, BREP) or a facet model (STL, OBJ)");
   mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
-  mesh->add_option("-o,--output", raw.output, "The mesh: " + known_mesh_extensions() + ", .pvtu (in parts)")
+  mesh->add_option("-o,--output", raw.output, "The mesh: " + writable_mesh_extensions() + ", .pvtu (in parts)")
       ->required()
       ->type_name("OUT");
   add_size_options(*mesh, raw);
@@ -275,6 +297,16 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
           "depends on it, where parts meet")
       ->type_name("N")
       ->group(group);
+  mesh->add_option("--unit", raw.unit,
+                   "The unit of the output's lengths; default: the model's. Sizes are in the model's unit")
+      ->check(CLI::IsMember({"m", "cm", "mm", "um", "km", "in", "ft"}))
+      ->type_name("U")
+      ->group(group);
+  mesh->add_option("--msh-version", raw.msh_version, "Of .msh: 4.1 (the default), or 2.2, which more programs read")
+      ->check(CLI::IsMember({"4.1", "2.2"}))
+      ->type_name("V")
+      ->group(group);
+  mesh->add_flag("--ascii", raw.ascii, "Write .msh of version 2.2 as text")->group(group);
   mesh->add_option("--max-memory", raw.max_memory,
                    "Refuse what is estimated to need more, such as 8G; default: what the machine has free")
       ->type_name("BYTES")

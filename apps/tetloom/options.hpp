@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "tetloom/adapt.hpp"
+#include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/model.hpp"
@@ -22,6 +23,8 @@ struct MeshCommand {
   std::filesystem::path report;      ///< empty: none
   ReadOptions read;
   MeshOptions options;
+  WriteOptions write;
+  double metres_per_unit = 0;  ///< of the output; 0: the model's unit
   bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the volume was filled in
   bool quiet = false;
 };

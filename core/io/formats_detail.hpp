@@ -25,6 +25,11 @@ void write_msh(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_partitioned_msh(const Mesh& mesh, const MeshParts& parts, AtomicFile& file, const BlockLoop& loop);
 void write_medit_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_medit_binary(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_msh2_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_msh2_binary(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_bdf(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_inp(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_su2(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 
 /// A comment in MSH files of our own, whose volumes have correctly oriented boundaries; those of others often have not.

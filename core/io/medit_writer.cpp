@@ -3,12 +3,11 @@
 // other cells have the order of a Mesh. Fields, which MEDIT keeps in files of their own, are left out.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <tuple>
-#include <type_traits>
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/medit_detail.hpp"
+#include "core/io/solver/number_text.hpp"
 #include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
@@ -59,17 +58,6 @@ std::vector<std::uint32_t> find_corners(const Mesh& mesh, const BlockLoop& loop)
   Corners all;
   for (const Corners& corners : of_blocks) all.insert(all.end(), corners.begin(), corners.end());
   return all;
-}
-
-constexpr std::size_t kRealBytes = 25, kIntegerBytes = 11;  // at most, with the character behind; indices have 32 bits
-
-/// A number in the shortest form that reads back as the same one, and a character behind it.
-template <class Number>
-char* print(char* out, Number number, char behind) {
-  constexpr std::size_t most = std::is_floating_point_v<Number> ? kRealBytes : kIntegerBytes;
-  out = std::to_chars(out, out + most - 1, number).ptr;
-  *out = behind;
-  return out + 1;
 }
 
 void print_points(AtomicFile& file, const Mesh& mesh, const BlockLoop& loop) {

@@ -6,6 +6,8 @@
 #include <new>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/solver/foam_writer.hpp"
+#include "core/io/solver/groups.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -15,13 +17,16 @@ namespace {
 struct Format {
   const char* extension;
   void (*write)(const Mesh&, AtomicFile&, const BlockLoop&);
-  Mesh (*read)(const detail::InputFile&);
+  Mesh (*read)(const detail::InputFile&);  ///< null: the format is written only
 };
 
-constexpr std::array<Format, 5> kFormats{{{".mesh", detail::write_medit_text, detail::read_medit_text},
+constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr},
+                                          {".inp", detail::write_inp, nullptr},
+                                          {".mesh", detail::write_medit_text, detail::read_medit_text},
                                           {".meshb", detail::write_medit_binary, detail::read_medit_binary},
                                           {".msh", detail::write_msh, detail::read_msh},
                                           {".stl", detail::write_stl, detail::read_stl},
+                                          {".su2", detail::write_su2, nullptr},
                                           {".vtu", detail::write_vtu, detail::read_vtu}}};
 
 const Format* find_format(const std::filesystem::path& path) {
@@ -32,11 +37,20 @@ const Format* find_format(const std::filesystem::path& path) {
   return nullptr;
 }
 
-const Format& format_of(const std::filesystem::path& path) {
+std::string extensions(bool only_read) {
+  std::string text;
+  for (const Format& format : kFormats)
+    if (!only_read || format.read) text += (text.empty() ? "" : ", ") + std::string(format.extension);
+  return text;
+}
+
+const Format& format_of(const std::filesystem::path& path, bool reads) {
   const Format* format = find_format(path);
   if (format == nullptr)
-    throw Error(ErrorCode::InvalidArgument,
-                "'" + path.string() + "' is no mesh file by its extension; known are " + known_mesh_extensions());
+    throw Error(ErrorCode::InvalidArgument, "'" + path.string() + "' is no mesh file by its extension; known are " +
+                                                (reads ? known_mesh_extensions() : writable_mesh_extensions()));
+  if (reads && !format->read)
+    throw Error(ErrorCode::InvalidArgument, "'" + path.string() + "': files of this format are written, but not read");
   return *format;
 }
 
@@ -53,30 +67,55 @@ void require_names(const std::vector<MeshField>& fields) {
 
 }  // namespace
 
-bool is_mesh_extension(const std::filesystem::path& path) { return find_format(path) != nullptr; }
+bool is_mesh_extension(const std::filesystem::path& path) {
+  const Format* format = find_format(path);
+  return format != nullptr && format->read != nullptr;
+}
 
-bool is_writable_mesh_format(const std::filesystem::path& path) { return find_format(path) != nullptr; }
+bool is_writable_mesh_format(const std::filesystem::path& path) {
+  return find_format(path) != nullptr || detail::is_foam_folder(path);
+}
 
-std::string known_mesh_extensions() {
-  std::string text;
-  for (const Format& format : kFormats) text += (text.empty() ? "" : ", ") + std::string(format.extension);
-  return text;
+std::string known_mesh_extensions() { return extensions(true); }
+
+std::string writable_mesh_extensions() { return extensions(false) + ", .foam (a folder), /polyMesh (a folder)"; }
+
+std::vector<NamedGroup> solver_names(const Mesh& mesh) {
+  std::vector<NamedGroup> names;
+  const detail::Groups groups = detail::make_groups(mesh);
+  for (std::size_t dim = 0; dim < groups.size(); ++dim)
+    for (const detail::Group& group : groups[dim]) {
+      if (group.tag == 0) continue;
+      const ModelEntity entity{static_cast<int>(dim), group.tag - 1};
+      const auto& known = mesh.entities[dim];
+      names.push_back({entity, entity.index < known.size() ? known[entity.index].name : std::string(), group.name});
+    }
+  return names;
 }
 
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel, const BlockLoop& loop) {
-  const Format& format = format_of(path);
+  write_mesh(mesh, path, WriteOptions{}, cancel, loop);
+}
+
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                const CancelToken* cancel, const BlockLoop& loop) {
+  const bool is_foam = detail::is_foam_folder(path);
+  auto write = is_foam ? nullptr : format_of(path, false).write;
   require_consistent(mesh, loop);
   require_names(mesh.point_fields);
   require_names(mesh.cell_fields);
-  if (format.write == detail::write_stl && mesh.tri_to_vert.empty())
+  if (is_foam) return detail::write_foam(mesh, path, cancel, loop);
+  if (write == detail::write_stl && mesh.tri_to_vert.empty())
     throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");
+  if (write == detail::write_msh && options.msh_2_2)
+    write = options.text ? detail::write_msh2_text : detail::write_msh2_binary;
   AtomicFile file(path, cancel);
-  format.write(mesh, file, loop);
+  write(mesh, file, loop);
   file.commit();
 }
 
 Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try {
-  const Format& format = format_of(path);
+  const Format& format = format_of(path, true);
   const detail::InputFile file(path, cancel);
   Mesh mesh = format.read(file);
   detail::check_read_mesh(file, mesh);

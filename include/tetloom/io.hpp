@@ -16,6 +16,20 @@
 //                  the elements
 //   .stl           triangles alone, in single precision
 //
+// These are written only, for solvers:
+//
+//   .inp           Abaqus, CalculiX: an ELSET for every region, an NSET and a SURFACE for every face, NSETs for edges
+//   and
+//                  vertices
+//   .foam          a folder, an OpenFOAM case whose constant/polyMesh is written; a folder polyMesh is written itself.
+//                  Faces are patches, regions are cell zones, faces between regions are face zones
+//   .su2           SU2: a marker for every face on the boundary
+//   .bdf           Nastran: a property for every region and face, named in comments
+//   .msh           in version 2.2, see WriteOptions: a physical group for every edge, face and region
+//
+// Their groups have the names of the model entities, as far as these formats take them: see `solver_names`. Triangles
+// of faces with a region on one side point out of it in these formats.
+//
 // What a format cannot hold is left out. In .vtu, the names entity_dim and entity_tag, and region on cells, belong to
 // the classification: arrays under them are no fields, nor is the array of a file from elsewhere that stands in for
 // entity_tag (see README.md); nor are 64-bit unsigned integers called global_id on points (see mesh_piece.hpp). Values
@@ -31,8 +45,29 @@ bool is_mesh_extension(const std::filesystem::path& path);
 /// Whether `path` ends in an extension that `write_mesh` knows.
 bool is_writable_mesh_format(const std::filesystem::path& path);
 
-/// ".mesh, .meshb, .msh, .stl, .vtu", for messages.
+/// ".mesh, .meshb, .msh, .stl, .vtu", for messages: those that are read.
 std::string known_mesh_extensions();
+
+/// Those that are written.
+std::string writable_mesh_extensions();
+
+/// What `write_mesh` may be told of a format.
+struct WriteOptions {
+  bool msh_2_2 = false;  ///< .msh in version 2.2 in place of 4.1
+  bool text = false;     ///< .msh of version 2.2 as text
+};
+
+/// A model entity of which a mesh has something, and what files for solvers call it.
+struct NamedGroup {
+  ModelEntity entity;
+  std::string original;   ///< may be empty
+  std::string sanitised;  ///< letters, digits and underscores, a letter first; at most 64; no two alike in any case
+};
+
+/// The names of groups in files for solvers: those of the entities with every run of other characters as an underscore,
+/// and a number behind where two would be the same; "region_2", "face_12", "edge_7", "vertex_1" of entities without.
+/// Ascending by dimension, then by tag. Linear.
+std::vector<NamedGroup> solver_names(const Mesh& mesh);
 
 /// Writes `mesh` to `path`, completely or not at all (see AtomicFile). What it writes, `read_mesh` reads back the same,
 /// as far as the format holds it; numbers are kept bit for bit in all formats but .stl.
@@ -43,6 +78,10 @@ std::string known_mesh_extensions();
 /// Thread safety: may be called by several threads, for different paths.
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel = nullptr,
                 const BlockLoop& loop = serial_loop());
+
+/// The same, in the form that the options ask for.
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 /// Reads cells, quadrilaterals, triangles, edges, points and fields from `path`. Understands, beside what `write_mesh`
 /// makes: VTU as text, base64 or raw, compressed by zlib or not, of any byte order and number of pieces; MSH 4.1

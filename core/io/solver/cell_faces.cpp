@@ -1,0 +1,107 @@
+#include "core/io/solver/cell_faces.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/mesh/mesh_access.hpp"
+#include "tetloom/error.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 14;
+
+using SortedFace = std::array<std::uint32_t, 4>;  // kNone behind the vertices of a triangle
+
+SortedFace sorted(std::span<const std::uint32_t> verts) {
+  SortedFace face{kNone, kNone, kNone, kNone};
+  std::ranges::copy(verts, face.begin());
+  std::ranges::sort(face);
+  return face;
+}
+
+}  // namespace
+
+CellFaces::CellFaces(const Mesh& mesh, const BlockLoop& loop) : mesh_(mesh) {
+  std::uint64_t faces = 0, cells = 0;
+  for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
+    cells += tetloom::cell_count(mesh, static_cast<CellKind>(kind));
+    faces += tetloom::cell_count(mesh, static_cast<CellKind>(kind)) * kCellShapes[kind].face_count;
+    if (faces >= kNone) throw Error(ErrorCode::InvalidArgument, "the mesh has too many cells for files of solvers");
+    first_cell_[kind + 1] = static_cast<std::uint32_t>(cells);
+    first_face_[kind + 1] = static_cast<std::uint32_t>(faces);
+  }
+  std::vector<std::uint32_t> lowest(faces);
+  loop.for_blocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<std::uint32_t, 4> buffer;
+    for (std::size_t f = begin; f < end; ++f)
+      lowest[f] = *std::ranges::min_element(vertices(static_cast<std::uint32_t>(f), buffer));
+  });
+  first_at_.assign(mesh.points.size() + 2, 0);
+  for (const std::uint32_t v : lowest) ++first_at_[v + 2];
+  for (std::size_t v = 2; v < first_at_.size(); ++v) first_at_[v] += first_at_[v - 1];
+  faces_at_.resize(faces);
+  for (std::uint32_t f = 0; f < faces; ++f) faces_at_[first_at_[lowest[f] + 1]++] = f;
+  twin_.assign(faces, kNone);
+  loop.for_blocks(mesh.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<std::uint32_t, 4> buffer;
+    std::vector<std::pair<SortedFace, std::uint32_t>> here;
+    for (std::size_t v = begin; v < end; ++v) {
+      here.clear();
+      for (std::uint32_t i = first_at_[v]; i < first_at_[v + 1]; ++i)
+        here.emplace_back(sorted(vertices(faces_at_[i], buffer)), faces_at_[i]);
+      std::ranges::sort(here);
+      for (std::size_t i = 1; i < here.size(); ++i)
+        if (here[i].first == here[i - 1].first && twin_[here[i - 1].second] == kNone) {
+          twin_[here[i].second] = here[i - 1].second;
+          twin_[here[i - 1].second] = here[i].second;
+        }
+    }
+  });
+}
+
+std::size_t CellFaces::kind_of_face(std::uint32_t face) const {
+  std::size_t kind = 0;
+  while (face >= first_face_[kind + 1]) ++kind;
+  return kind;
+}
+
+std::uint32_t CellFaces::cell(std::uint32_t face) const {
+  const std::size_t kind = kind_of_face(face);
+  return first_cell_[kind] + (face - first_face_[kind]) / kCellShapes[kind].face_count;
+}
+
+std::uint32_t CellFaces::local(std::uint32_t face) const {
+  const std::size_t kind = kind_of_face(face);
+  return (face - first_face_[kind]) % kCellShapes[kind].face_count;
+}
+
+CellKind CellFaces::kind_of_cell(std::uint32_t cell) const {
+  std::size_t kind = 0;
+  while (cell >= first_cell_[kind + 1]) ++kind;
+  return static_cast<CellKind>(kind);
+}
+
+std::uint32_t CellFaces::first_face(std::uint32_t cell) const {
+  const auto kind = static_cast<std::size_t>(kind_of_cell(cell));
+  return first_face_[kind] + (cell - first_cell_[kind]) * kCellShapes[kind].face_count;
+}
+
+std::span<const std::uint32_t> CellFaces::vertices(std::uint32_t face, std::span<std::uint32_t, 4> out) const {
+  const std::size_t kind = kind_of_face(face);
+  const std::uint32_t in_kind = face - first_face_[kind], count = kCellShapes[kind].face_count;
+  const auto verts = vertices_of(mesh_, {static_cast<CellKind>(kind), in_kind / count});
+  const auto local = kCellShapes[kind].face[in_kind % count].vertices();
+  std::ranges::transform(local, out.begin(), [&](std::uint8_t i) { return verts[i]; });
+  return out.first(local.size());
+}
+
+std::uint32_t CellFaces::find(std::span<const std::uint32_t> verts) const {
+  const SortedFace wanted = sorted(verts);
+  std::array<std::uint32_t, 4> buffer;
+  for (std::uint32_t i = first_at_[wanted[0]]; i < first_at_[wanted[0] + 1]; ++i)
+    if (sorted(vertices(faces_at_[i], buffer)) == wanted) return faces_at_[i];
+  return kNone;
+}
+
+}  // namespace tetloom::detail

@@ -1,0 +1,100 @@
+#include "core/io/solver/groups.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "core/io/formats_detail.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::array<const char*, 4> kKinds{"vertex", "edge", "face", "region"};
+constexpr std::size_t kLongest = 64;
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128; }
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string name_of(const Mesh& mesh, std::size_t dim, std::uint32_t tag) {
+  const std::vector<EntityAttributes>& entities = mesh.entities[dim];
+  const std::string given = tag > 0 && tag <= entities.size() ? solver_name(entities[tag - 1].name) : std::string();
+  return given.empty() ? std::string(kKinds[dim]) + "_" + std::to_string(tag) : given;
+}
+
+// The name, or the name with the lowest number behind that makes it one of its own.
+std::string own_name(const std::string& name, std::set<std::string>& taken) {
+  if (taken.insert(lower_case(name)).second) return name;
+  for (int number = 2;; ++number) {
+    const std::string suffix = "_" + std::to_string(number);
+    std::string numbered = name.substr(0, kLongest - suffix.size()) + suffix;
+    if (taken.insert(lower_case(numbered)).second) return numbered;
+  }
+}
+
+using ElementsByTag = std::map<std::uint32_t, std::vector<std::uint32_t>>;
+
+std::array<ElementsByTag, 4> collect(const Mesh& mesh) {
+  std::array<ElementsByTag, 4> all;
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+    const ModelEntity entity = entity_of_point(mesh, v);
+    if (entity.valid() && entity.dim == 0) all[0][entity.tag()].push_back(v);
+  }
+  std::array<std::uint32_t, 4> count{};
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
+    const auto dim = static_cast<std::size_t>(dimension_of(block));
+    std::uint32_t last = 0;
+    std::vector<std::uint32_t>* list = nullptr;  // elements of one entity mostly follow each other
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const std::uint32_t tag = tag_of_index(entities[e]);
+      if (!list || tag != last) list = &all[dim][last = tag];
+      list->push_back(count[dim]++);
+    }
+  });
+  return all;
+}
+
+}  // namespace
+
+std::string solver_name(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const char next = is_word(c) ? c : '_';
+    if (next != '_' || (!result.empty() && result.back() != '_')) result += next;
+  }
+  while (!result.empty() && result.back() == '_') result.pop_back();
+  if (!result.empty() && std::isalpha(static_cast<unsigned char>(result[0])) == 0) result.insert(0, "n_");
+  return result.substr(0, kLongest);
+}
+
+Groups make_groups(const Mesh& mesh) {
+  Groups groups;
+  std::array<ElementsByTag, 4> elements = collect(mesh);
+  std::set<std::string> taken;
+  for (const std::size_t dim : {std::size_t{3}, std::size_t{2}, std::size_t{1}, std::size_t{0}})
+    for (auto& [tag, list] : elements[dim])
+      groups[dim].push_back({own_name(name_of(mesh, dim, tag), taken), tag, std::move(list)});
+  return groups;
+}
+
+std::vector<std::uint32_t> points_of(const Mesh& mesh, int dim, const Group& group) {
+  if (dim == 0) return group.elements;
+  std::vector<std::uint32_t> points;
+  std::size_t first = 0;  // of the block, among all elements of the dimension
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
+    if (dimension_of(block) != dim) return;
+    auto at = std::ranges::lower_bound(group.elements, first);
+    for (; at != group.elements.end() && *at < first + elements.size(); ++at)
+      points.insert(points.end(), elements[*at - first].begin(), elements[*at - first].end());
+    first += elements.size();
+  });
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+}  // namespace tetloom::detail

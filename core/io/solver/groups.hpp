@@ -1,0 +1,41 @@
+#pragma once
+// The elements of each model entity, under the names that solvers' files give them.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tetloom/mesh_data.hpp"
+
+namespace tetloom::detail {
+
+/// Elements of one dimension that lie on one model entity.
+struct Group {
+  std::string name;                     ///< see `solver_name`; no other group has it, whatever the case of its letters
+  std::uint32_t tag = 0;                ///< of the entity; 0 of those without one
+  std::vector<std::uint32_t> elements;  ///< ascending; numbers among all elements of the dimension
+};
+
+/// By dimension: points on model vertices; edges; triangles, then quadrilaterals; tets, pyramids, prisms, hexahedra.
+/// Entities that have elements, ascending by tag.
+using Groups = std::array<std::vector<Group>, 4>;
+
+/// Names are those of the entities, or "vertex_1", "edge_7", "face_12", "region_3" by their tags. Where several have
+/// the same, the later ones get a number behind.
+Groups make_groups(const Mesh& mesh);
+
+/// A name that Abaqus, CalculiX, OpenFOAM, SU2, Gmsh and Nastran take: letters, digits and underscores, the first one a
+/// letter, at most 64 of them. Every run of other bytes becomes one underscore.
+std::string solver_name(const std::string& name);
+
+/// The points of a group of edges, triangles and quadrilaterals, or cells, ascending.
+std::vector<std::uint32_t> points_of(const Mesh& mesh, int dim, const Group& group);
+
+/// Whether the triangles and quadrilaterals of a face have to be turned over to point out of the one region at it.
+inline bool points_inwards(const Mesh& mesh, std::uint32_t face) {
+  if (face >= mesh.face_to_sides.size()) return false;
+  const FaceSides& sides = mesh.face_to_sides[face];
+  return sides.front.valid() && !sides.back.valid();
+}
+
+}  // namespace tetloom::detail

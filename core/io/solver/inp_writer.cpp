@@ -1,0 +1,121 @@
+// Input files of Abaqus and CalculiX, without a step: nodes, elements with an ELSET per region, and for every face of
+// the model an NSET of its nodes and a SURFACE of the element faces on it; NSETs for edges and vertices. Meshes without
+// cells are written as shells, with an ELSET per face.
+#include <algorithm>
+#include <array>
+
+#include "core/io/formats_detail.hpp"
+#include "core/io/solver/cell_faces.hpp"
+#include "core/io/solver/groups.hpp"
+#include "core/io/solver/number_text.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr std::array<const char*, kBlocks> kTypes{"T3D2", "S3", "S4", "C3D4", "C3D5", "C3D6", "C3D8"};
+/// Numbers of element faces, by kind and by face in kCellShapes.
+constexpr std::array<std::array<int, 6>, kCellKinds> kFaceNumbers{
+    {{3, 4, 2, 1, 0, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 6}}};
+constexpr std::size_t kPerLine = 8;  // numbers in a line of a set; readers take at most 16
+
+class InpWriter {
+ public:
+  InpWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop)
+      : mesh_(mesh), file_(file), loop_(loop), groups_(make_groups(mesh)) {}
+
+  void write() {
+    file_.write("*HEADING\ntetloom\n");
+    write_nodes();
+    const int dim = cell_count(mesh_) > 0 ? 3 : 2;
+    write_elements(dim);
+    for (const int below : {0, 1, 2})
+      for (const Group& group : groups_[static_cast<std::size_t>(below)])
+        if (below < dim) write_set("*NSET, NSET=", group.name, points_of(mesh_, below, group));
+    if (dim == 3) write_surfaces();
+  }
+
+ private:
+  void write_nodes() {
+    file_.write("*NODE, NSET=all_nodes\n");
+    const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
+      for (std::size_t v = begin; v < end; ++v) {
+        out = print(out, v + 1, ',');
+        for (int axis = 0; axis < 3; ++axis) out = print(out, mesh_.points[v][axis], axis < 2 ? ',' : '\n');
+      }
+      return out;
+    };
+    file_.write_lines(mesh_.points.size(), kIntegerBytes + 3 * kRealBytes, print_block, loop_);
+  }
+
+  // A block of elements for each kind and entity, so that every one says its set; the numbers run on.
+  void write_elements(int dim) {
+    std::size_t first = 0;
+    for_each_block(mesh_, [&](Block block, const auto& elements, const auto&) {
+      if (dimension_of(block) != dim) return;
+      for (const Group& group : groups_[static_cast<std::size_t>(dim)]) {
+        const auto begin = std::ranges::lower_bound(group.elements, first);
+        const auto end = std::ranges::lower_bound(group.elements, first + elements.size());
+        if (begin == end) continue;
+        file_.write(std::string("*ELEMENT, TYPE=") + kTypes[static_cast<std::size_t>(block)] + ", ELSET=" + group.name +
+                    "\n");
+        const auto print_block = [&](std::size_t from, std::size_t to, char* out) {
+          for (std::size_t i = from; i < to; ++i) {
+            const std::size_t element = begin[static_cast<std::ptrdiff_t>(i)];
+            out = print(out, element + 1, ',');
+            const auto& verts = elements[element - first];
+            for (std::size_t k = 0; k < verts.size(); ++k)
+              out = print(out, std::uint64_t{verts[k]} + 1, k + 1 < verts.size() ? ',' : '\n');
+          }
+          return out;
+        };
+        file_.write_lines(static_cast<std::size_t>(end - begin), (elements[0].size() + 1) * kIntegerBytes, print_block,
+                          loop_);
+      }
+      first += elements.size();
+    });
+  }
+
+  void write_set(const char* keyword, const std::string& name, const std::vector<std::uint32_t>& items) {
+    if (items.empty()) return;
+    file_.write(keyword + name + "\n");
+    const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const bool is_last = i + 1 == items.size() || (i + 1) % kPerLine == 0;
+        out = print(out, std::uint64_t{items[i]} + 1, is_last ? '\n' : ',');
+      }
+      return out;
+    };
+    file_.write_lines(items.size(), kIntegerBytes, print_block, loop_);
+  }
+
+  // Of a face between two regions, the side of the cell that comes first.
+  void write_surfaces() {
+    const CellFaces faces(mesh_, loop_);
+    for (const Group& group : groups_[2]) {
+      std::string lines;
+      for (const std::uint32_t element : group.elements) {
+        const std::size_t tri_count = mesh_.tri_to_vert.size();
+        const std::uint32_t face = element < tri_count ? faces.find(mesh_.tri_to_vert[element])
+                                                       : faces.find(mesh_.quad_to_vert[element - tri_count]);
+        if (face == kNone) continue;
+        const std::uint32_t cell = faces.cell(face);
+        const int number = kFaceNumbers[static_cast<std::size_t>(faces.kind_of_cell(cell))][faces.local(face)];
+        lines += std::to_string(cell + 1) + ",S" + std::to_string(number) + "\n";
+      }
+      if (lines.empty()) continue;
+      file_.write("*SURFACE, NAME=" + group.name + ", TYPE=ELEMENT\n");
+      file_.write(lines);
+    }
+  }
+
+  const Mesh& mesh_;
+  AtomicFile& file_;
+  const BlockLoop& loop_;
+  Groups groups_;
+};
+
+}  // namespace
+
+void write_inp(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) { InpWriter(mesh, file, loop).write(); }
+
+}  // namespace tetloom::detail

@@ -1,0 +1,309 @@
+// Files for solvers: the names of groups, which cell has which face, and each format read back by a few lines here.
+#include <array>
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "core/io/solver/cell_faces.hpp"
+#include "core/io/solver/groups.hpp"
+#include "core/mesh/mesh_access.hpp"
+#include "tests/core/mesh_fixtures.hpp"
+#include "tests/core/mesh_io_support.hpp"
+#include "tests/support/mixed_mesh.hpp"
+#include "tetloom/io.hpp"
+
+using namespace tetloom;
+using namespace tetloom::detail;
+using test::error_of;
+using test::file_content;
+using test::TemporaryFolder;
+
+namespace {
+
+/// A box of two regions, with names.
+Mesh named_box() {
+  Mesh mesh = test::make_box(4, 3, 2, true);
+  test::decorate(mesh);
+  return mesh;
+}
+
+std::string written(const Mesh& mesh, const std::string& extension, const WriteOptions& options = {}) {
+  const TemporaryFolder folder;
+  write_mesh(mesh, folder / test::joined("mesh", extension), options);
+  return file_content(folder / test::joined("mesh", extension));
+}
+
+/// The numbers in a text, whatever stands between them.
+std::vector<double> numbers_in(std::string text) {
+  for (char& c : text)
+    if (c == ',' || c == '(' || c == ')' || c == '\n') c = ' ';
+  std::istringstream stream(text);
+  std::vector<double> numbers;
+  for (double number = 0; stream >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+/// What stands behind each line that begins with a star, by that line.
+std::map<std::string, std::vector<std::string>> sections_of(const std::string& text) {
+  std::map<std::string, std::vector<std::string>> sections;
+  std::istringstream stream(text);
+  std::vector<std::string>* section = nullptr;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with('*'))
+      section = &sections[line];
+    else if (section)
+      section->push_back(line);
+  }
+  return sections;
+}
+
+/// The items of a list of OpenFOAM, one a line.
+std::vector<std::vector<double>> foam_list(const std::filesystem::path& path) {
+  std::istringstream stream(file_content(path));
+  std::string line;
+  while (std::getline(stream, line) && line != "(") {}
+  std::vector<std::vector<double>> items;
+  while (std::getline(stream, line) && line != ")") items.push_back(numbers_in(line));
+  return items;
+}
+
+double signed_volume(const std::vector<Vec3>& polygon, const Vec3& origin) {
+  double six = 0;
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    six += dot(polygon[0] - origin, cross(polygon[i - 1] - origin, polygon[i] - origin));
+  return six / 6;
+}
+
+}  // namespace
+
+TEST_CASE("names for solvers are words that begin with a letter") {
+  CHECK(solver_name("inlet") == "inlet");
+  CHECK(solver_name("inlet left/1") == "inlet_left_1");
+  CHECK(solver_name("  Gehäuse 'links' ") == "Geh_use_links");
+  CHECK(solver_name("2nd") == "n_2nd");
+  CHECK(solver_name("äöü").empty());
+  CHECK(solver_name("").empty());
+  CHECK(solver_name(std::string(300, 'x')).size() == 64);
+}
+
+TEST_CASE("no two groups have one name, in any case of letters") {
+  Mesh mesh = named_box();
+  mesh.entities[2][0].name = "Wall";
+  mesh.entities[2][1].name = "wall";
+  mesh.entities[2][2].name = "wall_2";
+  mesh.entities[2][3].name = std::string(300, 'a');
+  mesh.entities[2][4].name = std::string(301, 'a');
+  mesh.entities[3][0].name = "face_6";  // that of an unnamed face
+  mesh.entities[2][5].name.clear();
+  std::set<std::string> seen;
+  for (const NamedGroup& group : solver_names(mesh)) {
+    std::string lower = group.sanitised;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    CHECK(seen.insert(lower).second);
+    CHECK(group.sanitised.size() <= 64);
+    if (group.entity == ModelEntity(ModelFaceId(1))) CHECK(group.original == "wall");
+  }
+  CHECK(seen.contains("wall"));
+  CHECK(seen.contains("wall_2"));
+  CHECK(seen.contains("edge_1"));
+}
+
+TEST_CASE("faces of cells are found by their vertices, and two cells share those between them") {
+  const Mesh mesh = test::make_mixed_box(4, 3, 5, 7, true);
+  const CellFaces faces(mesh, serial_loop());
+  REQUIRE(faces.cell_count() == cell_count(mesh));
+  std::map<std::set<std::uint32_t>, std::vector<std::uint32_t>> expected;
+  for (std::uint32_t face = 0; face < faces.size(); ++face) {
+    std::array<std::uint32_t, 4> buffer;
+    const auto verts = faces.vertices(face, buffer);
+    expected[std::set<std::uint32_t>(verts.begin(), verts.end())].push_back(face);
+  }
+  for (const auto& [verts, owners] : expected) {
+    CHECK(faces.find(std::vector<std::uint32_t>(verts.begin(), verts.end())) == owners[0]);
+    CHECK(faces.twin(owners[0]) == (owners.size() > 1 ? owners[1] : kNone));
+    for (const std::uint32_t face : owners) CHECK(faces.first_face(faces.cell(face)) + faces.local(face) == face);
+  }
+  CHECK(faces.find(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(mesh.points.size() - 1)}) == kNone);
+}
+
+TEST_CASE(".inp has an element set per region, and per face its nodes and the element faces on it") {
+  const Mesh mesh = named_box();
+  const auto sections = sections_of(written(mesh, ".inp"));
+  CHECK(sections.at("*NODE, NSET=all_nodes").size() == mesh.points.size());
+  const auto& left = sections.at("*ELEMENT, TYPE=C3D4, ELSET=Geh_use_links");
+  const auto& right = sections.at("*ELEMENT, TYPE=C3D4, ELSET=steel");
+  CHECK(left.size() + right.size() == mesh.tet_to_vert.size());
+  // Nodes of the faces 1 to 4, by their numbers in C3D4.
+  constexpr std::array<std::array<int, 3>, 4> of_face{{{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
+  std::size_t sides = 0;
+  const Groups groups = make_groups(mesh);
+  for (const Group& group : groups[2]) {
+    std::set<std::uint32_t> points;
+    for (const std::string& line : sections.at("*SURFACE, NAME=" + group.name + ", TYPE=ELEMENT")) {
+      const std::size_t comma = line.find(",S");
+      REQUIRE(comma != std::string::npos);
+      const auto& tet = mesh.tet_to_vert[std::stoul(line.substr(0, comma)) - 1];
+      for (const int corner : of_face[std::stoul(line.substr(comma + 2)) - 1]) points.insert(tet[corner]);
+      ++sides;
+    }
+    std::set<std::uint32_t> nodes;
+    for (const std::string& line : sections.at("*NSET, NSET=" + group.name))
+      for (const double number : numbers_in(line)) nodes.insert(static_cast<std::uint32_t>(number) - 1);
+    CHECK(nodes == points);
+  }
+  CHECK(sides == mesh.tri_to_vert.size());
+}
+
+TEST_CASE(".inp of a surface has shells") {
+  Mesh mesh = named_box();
+  mesh.tet_to_vert.clear(), mesh.tet_to_entity.clear();
+  const std::string text = written(mesh, ".inp");
+  CHECK(text.find("*ELEMENT, TYPE=S3, ELSET=face_0_more") != std::string::npos);
+  CHECK(text.find("*SURFACE") == std::string::npos);
+}
+
+TEST_CASE("polyMesh: cells are closed, their volumes those of the mesh, and faces in upper-triangular order") {
+  for (const bool mixed : {false, true}) {
+    const Mesh mesh = mixed ? test::make_mixed_box(4, 3, 5, 7, true) : named_box();
+    const TemporaryFolder folder;
+    write_mesh(mesh, folder / "case.foam");
+    write_mesh(mesh, folder / "case.foam");  // its own files are replaced
+    const std::filesystem::path poly = folder / "case.foam" / "constant" / "polyMesh";
+    CHECK(std::filesystem::exists(folder / "case.foam" / "system" / "controlDict"));
+    const auto points = foam_list(poly / "points"), faces = foam_list(poly / "faces"),
+               owner = foam_list(poly / "owner"), neighbour = foam_list(poly / "neighbour");
+    REQUIRE(points.size() == mesh.points.size());
+    REQUIRE(owner.size() == faces.size());
+    std::vector<double> volumes(cell_count(mesh), 0);
+    std::vector<Vec3> areas(cell_count(mesh));
+    std::pair<double, double> last{-1, -1};
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      REQUIRE(static_cast<double>(faces[f].size()) == faces[f][0] + 1);
+      std::vector<Vec3> polygon;
+      for (std::size_t k = 1; k < faces[f].size(); ++k) {
+        const auto& x = points[static_cast<std::size_t>(faces[f][k])];
+        polygon.push_back({x[0], x[1], x[2]});
+      }
+      Vec3 area;
+      for (std::size_t i = 2; i < polygon.size(); ++i)
+        area = area + 0.5 * cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+      const auto own = static_cast<std::size_t>(owner[f][0]);
+      volumes[own] += signed_volume(polygon, {});
+      areas[own] = areas[own] + area;
+      if (f >= neighbour.size()) continue;
+      const auto other = static_cast<std::size_t>(neighbour[f][0]);
+      CHECK(own < other);
+      CHECK(last < std::pair(owner[f][0], neighbour[f][0]));
+      last = {owner[f][0], neighbour[f][0]};
+      volumes[other] -= signed_volume(polygon, {});
+      areas[other] = areas[other] - area;
+    }
+    double total = 0;
+    for (std::size_t c = 0; c < volumes.size(); ++c) {
+      CHECK(volumes[c] > 0);
+      CHECK(norm(areas[c]) < 1e-12);
+      total += volumes[c];
+    }
+    CHECK(total == Approx(mixed ? 60 : 24));
+    if (mixed) continue;
+    const std::string boundary = file_content(poly / "boundary"), zones = file_content(poly / "cellZones");
+    CHECK(boundary.find("no_face") == std::string::npos);
+    CHECK(zones.find("Geh_use_links\n") != std::string::npos);
+    CHECK(zones.find("steel\n") != std::string::npos);
+    CHECK(file_content(poly / "faceZones").find("}\n\n1\n(\n") != std::string::npos);
+  }
+}
+
+TEST_CASE("polyMesh: what is not ours stays, and boundary faces without triangles have a patch") {
+  const TemporaryFolder folder;
+  Mesh mesh = named_box();
+  mesh.tri_to_vert.clear(), mesh.tri_to_entity.clear();
+  write_mesh(mesh, folder / "a" / "polyMesh");
+  CHECK(file_content(folder / "a" / "polyMesh" / "boundary").find("no_face") != std::string::npos);
+  test::write_file(folder / "a" / "polyMesh" / "notes.txt", "mine");
+  CHECK(error_of([&] { write_mesh(mesh, folder / "a" / "polyMesh"); }).code == ErrorCode::OutputFailed);
+  CHECK(file_content(folder / "a" / "polyMesh" / "notes.txt") == "mine");
+  mesh.tet_to_vert.clear(), mesh.tet_to_entity.clear();
+  CHECK(error_of([&] { write_mesh(mesh, folder / "b.foam"); }).code == ErrorCode::InvalidArgument);
+  CHECK_FALSE(std::filesystem::exists(folder / "b.foam"));
+}
+
+TEST_CASE(".su2 has cells, points and markers that point outwards") {
+  Mesh mesh = named_box();
+  // A face that is turned over has its region in front.
+  const std::uint32_t turned = mesh.tri_to_entity[0];
+  std::swap(mesh.face_to_sides[turned].front, mesh.face_to_sides[turned].back);
+  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+    if (mesh.tri_to_entity[t] == turned) std::swap(mesh.tri_to_vert[t][1], mesh.tri_to_vert[t][2]);
+  const std::string text = written(mesh, ".su2");
+  CHECK(text.find("NDIME= 3\nNELEM= " + std::to_string(mesh.tet_to_vert.size())) != std::string::npos);
+  const std::size_t markers = text.find("NMARK= ");
+  CHECK(std::stoul(text.substr(markers + 7)) == 10);  // two faces of each side but two, and not the one in the middle
+  std::istringstream stream(text.substr(markers));
+  double volume = 0;
+  for (std::string line; std::getline(stream, line);) {
+    const std::vector<double> numbers = numbers_in(line);
+    if (numbers.size() != 4 || numbers[0] != 5) continue;
+    std::vector<Vec3> polygon;
+    for (std::size_t i = 1; i < 4; ++i) polygon.push_back(mesh.points[static_cast<std::size_t>(numbers[i])]);
+    volume += signed_volume(polygon, {});
+  }
+  CHECK(volume == Approx(24));
+}
+
+TEST_CASE(".bdf has fields of eight and sixteen characters") {
+  const Mesh mesh = named_box();
+  const std::string text = written(mesh, ".bdf");
+  std::istringstream stream(text);
+  std::map<std::string, std::size_t> cards;
+  for (std::string line; std::getline(stream, line);) {
+    CHECK(line.size() <= 80);
+    ++cards[line.substr(0, line.find(' '))];
+    if (!line.starts_with("CTETRA")) continue;
+    REQUIRE(line.size() == 7 * 8);
+    const std::size_t element = std::stoul(line.substr(8, 8)) - 1;
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(std::stoul(line.substr(24 + 8 * i, 8)) == mesh.tet_to_vert[element][i] + 1);
+  }
+  CHECK(cards["GRID*"] == mesh.points.size());
+  CHECK(cards["CTETRA"] == mesh.tet_to_vert.size());
+  CHECK(cards["CTRIA3"] == mesh.tri_to_vert.size());
+  CHECK(cards["PSOLID"] == 2);
+  CHECK(text.find("$ region steel\n") != std::string::npos);
+}
+
+TEST_CASE(".msh 2.2 as text is read back the same") {
+  const TemporaryFolder folder;
+  for (const Mesh& mesh : {named_box(), test::make_mixed_box(4, 3, 5, 7, true)}) {
+    write_mesh(mesh, folder / "a.msh", WriteOptions{.msh_2_2 = true, .text = true});
+    const Mesh read = read_mesh(folder / "a.msh");
+    CHECK(test::same_points(read, mesh));
+    CHECK(read.tet_to_vert == mesh.tet_to_vert);
+    CHECK(read.tet_to_entity == mesh.tet_to_entity);
+    CHECK(read.prism_to_vert == mesh.prism_to_vert);
+    CHECK(read.tri_to_entity == mesh.tri_to_entity);
+    CHECK(read.edge_to_vert == mesh.edge_to_vert);
+  }
+}
+
+TEST_CASE(".msh 2.2 has a physical group for every entity, and records of known size when binary") {
+  const Mesh mesh = named_box();
+  const std::string text = written(mesh, ".msh", {.msh_2_2 = true, .text = true});
+  CHECK(text.find("3 2 \"steel\"") != std::string::npos);
+  const std::string binary = written(mesh, ".msh", {.msh_2_2 = true, .text = false});
+  CHECK(binary.starts_with("$MeshFormat\n2.2 1 8\n"));
+  const std::size_t nodes = binary.find("$Nodes\n"), end = binary.find("\n$EndNodes");
+  const std::string count = std::to_string(mesh.points.size()) + "\n";
+  CHECK(end - nodes == 7 + count.size() + 28 * mesh.points.size());
+}
+
+TEST_CASE("formats that are only written are not read, and those of solvers are known by their extension") {
+  for (const char* name : {"a.inp", "a.su2", "a.bdf", "a.foam", "case/polyMesh"}) {
+    CHECK(is_writable_mesh_format(name));
+    CHECK_FALSE(is_mesh_extension(name));
+    CHECK(error_of([&] { static_cast<void>(read_mesh(name)); }).code == ErrorCode::InvalidArgument);
+  }
+  CHECK(writable_mesh_extensions().find(".foam") != std::string::npos);
+  CHECK(known_mesh_extensions().find(".inp") == std::string::npos);
+}
