@@ -98,7 +98,7 @@ void Adapter::run(AdaptResult& result) {
   runner_.begin_stage(Stage::Adapt, 0);
   follow_stages();
   approach_metric();
-  lead_to_model();
+  snap_to_model();
   finish_result(result);
 }
 
@@ -124,13 +124,13 @@ void Adapter::approach_metric() {
 }
 
 // One round more, and as many as vertices beside the model need: they make room for each other, one step in each.
-void Adapter::lead_to_model() {
+void Adapter::snap_to_model() {
   std::size_t before = ~std::size_t{0};
   for (std::size_t i = 0; i < kMostLeading; ++i) {
     round(HUGE_VAL, {polish});
-    const std::size_t unled = options_.model ? sum_of(last_counts_).unled : 0;
-    if (unled == 0 || unled >= before) break;
-    before = unled;
+    const std::size_t unsnapped = options_.model ? sum_of(last_counts_).unsnapped : 0;
+    if (unsnapped == 0 || unsnapped >= before) break;
+    before = unsnapped;
   }
 }
 
@@ -167,7 +167,7 @@ CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
     const auto rank = static_cast<std::size_t>(work_.rank());
     const std::size_t own = links_.first_verts[rank + 1] - links_.first_verts[rank];
     const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
-    carried = carrier.carry(share, own, places, options_.cell_shape, runner_);
+    carried = carrier.carry(share, own, places, options_.cell_reconstruction, runner_);
   });
   return {gather(std::move(carried.on_points)), gather(std::move(carried.on_tets))};
 }
@@ -189,7 +189,7 @@ void Adapter::finish_result(AdaptResult& result) {
     if (!carrier.has_none()) report.transfers = carrier.finish(std::move(carried), result.mesh, work_.runner_for_one());
   });
   report.operations = sum_of(counts_);
-  report.beside_model = sum_of(last_counts_).unled;
+  report.beside_model = sum_of(last_counts_).unsnapped;
   report.rounds = rounds_, report.most_parts = most_parts_, report.last_parts = last_parts_;
   seconds_.result = watch.lap();
   report.stages.metric = seconds_.metric, report.stages.dealing = seconds_.dealing;
