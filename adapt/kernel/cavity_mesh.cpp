@@ -323,11 +323,4 @@ void CavityMesh::drop_last_vertex() {
   vert_to_tet.resize(count), to_hint.resize(count), to_frozen.resize(count), to_state.resize(count);
 }
 
-void CavityMesh::refresh_qualities(std::span<const std::uint32_t> list) {
-  for (const std::uint32_t tet : list) {
-    const std::uint32_t* v = verts(tet);
-    to_quality[tet] = static_cast<float>(quality_of(v[0], v[1], v[2], v[3]));
-  }
-}
-
 }  // namespace tetloom::adapt

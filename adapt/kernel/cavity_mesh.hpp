@@ -176,7 +176,6 @@ class CavityMesh {
   GrowingArray<std::uint32_t> renumber(bool along_curve);
   /// Computes `to_quality` and `vert_to_tet`, when all else is there.
   void start();
-  void refresh_qualities(std::span<const std::uint32_t> tets);
 
  private:
   void note_metric(const VertexMetric& metric) {
