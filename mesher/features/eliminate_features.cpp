@@ -1,358 +1,235 @@
 #include "mesher/features/eliminate_features.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <queue>
-#include <utility>
+#include <memory>
+#include <tuple>
 
-#include "core/spatial/distances.hpp"
-#include "core/spatial/triangle_shape.hpp"
-#include "mesher/features/displacement.hpp"
-#include "mesher/features/local_change.hpp"
+#include "core/spatial/bvh.hpp"
 #include "mesher/features/shape_check.hpp"
-#include "tetloom/tasks.hpp"
 
 namespace tetloom {
 namespace {
 
 using namespace features;
 
-// Least height of new triangles as a share of the least one before: a collapse may leave a flatter one, which a snap
-// then takes; each snap has to gain.
-constexpr double kCollapseHeight = 0.5, kSnapHeight = 1.01;
-// Least mean ratio of triangles after a swap for the sake of their shape, as a share of the least one before.
-constexpr double kSwapShape = 1.001;
-// Edges beside merged vertices that are shorter than this share of the size are collapsed as well.
-constexpr double kShort = 0.5;
-// The distance, in sizes, by which that may move the surface beside what the tolerance allows: a half of the sagitta
-// of an arc of 24 edges per turn.
-constexpr double kSmoothing = 0.016;
-// An edge is swapped beside merged vertices where its triangles' normals differ by at most this.
-constexpr double kFlatCosine = 0.94;
-
-struct Task {
-  double urgency;  // a length over the one that is wanted
-  std::uint32_t triangle;
-  bool operator<(const Task& other) const {  // std::priority_queue takes the largest
-    return urgency != other.urgency ? urgency > other.urgency : triangle > other.triangle;
-  }
-};
-
-class Eliminator {
- public:
-  Eliminator(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner)
-      : mesh_(mesh),
-        how_(how),
-        runner_(runner),
-        displacement_(mesh.points),
-        is_touched_(mesh.points.size(), 0),
-        merged_into_(mesh.points.size(), kNone) {}
-
-  EliminationResult run() {
-    std::vector<std::uint32_t> first = find_small_triangles();
-    if (first.empty()) return {};
-    surface_.emplace(Mesh(mesh_));
-    lock_kept_places();
-    for (const std::uint32_t t : first) push(t);
-    // Every merge takes a point; swaps are bounded by their gain, and by this where rounding decides.
-    std::size_t budget = 50 * first.size() + 1000;
-    for (; !tasks_.empty() && budget > 0; --budget) {
-      const Task task = tasks_.top();
-      tasks_.pop();
-      if (budget % 256 == 0) runner_.check_cancelled();
-      if (surface_->is_alive(task.triangle)) better(task.triangle);
+std::vector<std::uint32_t> find_small_triangles(const Mesh& mesh, const FeatureElimination& how,
+                                                const TaskRunner& runner) {
+  constexpr std::size_t kBlock = std::size_t{1} << 14;
+  const std::size_t count = mesh.tri_to_vert.size();
+  std::vector<std::vector<std::uint32_t>> found((count + kBlock - 1) / kBlock);
+  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& [a, b, c] = mesh.tri_to_vert[t];
+      const double tolerance = (how.tolerances[a] + how.tolerances[b] + how.tolerances[c]) / 3;
+      if (least_height(mesh.points[a], mesh.points[b], mesh.points[c]) < 1.001 * tolerance)
+        found[begin / kBlock].push_back(static_cast<std::uint32_t>(t));
     }
-    return finish();
+  });
+  std::vector<std::uint32_t> all;
+  for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+/// The balls in which nothing is eliminated, to be asked for a place.
+class KeptPlaces {
+ public:
+  KeptPlaces(std::span<const KeptPlace> places, const TaskRunner& runner) : places_(places) {
+    std::vector<Box3> boxes;
+    for (const auto& [center, radius] : places) {
+      const Vec3 reach{radius, radius, radius};
+      Box3& box = boxes.emplace_back();
+      box.add(center - reach);
+      box.add(center + reach);
+    }
+    bvh_ = build_bvh(boxes, runner);
+  }
+  bool has(const Vec3& x) const {
+    Box3 box;
+    box.add(x);
+    bool found = false;
+    for_each_near(bvh_, box,
+                  [&](std::uint32_t i) { found = found || distance(places_[i].center, x) <= places_[i].radius; });
+    return found;
   }
 
  private:
-  std::vector<std::uint32_t> find_small_triangles() const {
-    constexpr std::size_t kBlock = std::size_t{1} << 14;
-    const std::size_t count = mesh_.tri_to_vert.size();
-    std::vector<std::vector<std::uint32_t>> found((count + kBlock - 1) / kBlock);
-    runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) {
-        const auto& [a, b, c] = mesh_.tri_to_vert[t];
-        const double tolerance = (how_.tolerances[a] + how_.tolerances[b] + how_.tolerances[c]) / 3;
-        if (least_height(mesh_.points[a], mesh_.points[b], mesh_.points[c]) < 1.001 * tolerance)
-          found[begin / kBlock].push_back(static_cast<std::uint32_t>(t));
-      }
-    });
-    std::vector<std::uint32_t> all;
-    for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
-    return all;
-  }
+  std::span<const KeptPlace> places_;
+  Bvh bvh_;
+};
 
-  void lock_kept_places() {
-    locked_.assign(surface_->point_count(), 0);
-    std::vector<KeptPlace> kept(how_.kept.begin(), how_.kept.end());
-    std::ranges::stable_sort(kept, {}, [](const KeptPlace& place) { return place.center.x; });
-    double largest = 0;
-    for (const KeptPlace& place : kept) largest = std::max(largest, place.radius);
-    for (std::uint32_t v = 0; v < locked_.size() && !kept.empty(); ++v) {
-      const Vec3& x = surface_->point(v);
-      const auto first =
-          std::ranges::lower_bound(kept, x.x - largest, {}, [](const KeptPlace& place) { return place.center.x; });
-      for (auto place = first; place != kept.end() && place->center.x <= x.x + largest && !locked_[v]; ++place)
-        locked_[v] = distance(place->center, x) <= place->radius;
+/// What the zones of a mesh become, put together to a mesh.
+class Assembly {
+ public:
+  Assembly(const Mesh& mesh, const Zones& zones, std::span<const ZoneChange* const> changes)
+      : mesh_(mesh), zones_(zones), changes_(changes) {}
+
+  EliminationResult run() {
+    for (const ZoneChange* change : changes_) {
+      result_.collapses += change->collapses;
+      result_.snaps += change->snaps;
     }
-  }
-
-  double tolerance_of(const Triangle& t) const {
-    return (how_.tolerances[t[0]] + how_.tolerances[t[1]] + how_.tolerances[t[2]]) / 3;
-  }
-  double length(std::uint32_t a, std::uint32_t b) const { return distance(surface_->point(a), surface_->point(b)); }
-  double size_of_edge(std::uint32_t a, std::uint32_t b) const { return 0.5 * (how_.sizes[a] + how_.sizes[b]); }
-  bool any_touched(const Triangle& t) const {
-    return std::ranges::any_of(t, [&](std::uint32_t v) { return is_touched_[v] != 0; });
-  }
-
-  void push(std::uint32_t t) {
-    const Triangle& verts = surface_->triangle(t);
-    const auto [a, b, c] = corners(*surface_, t);
-    const double height = least_height(a, b, c) / tolerance_of(verts);
-    if (height < 1) return tasks_.push({height, t});
-    if (!any_touched(verts)) return;
-    // Beside merged vertices shapes matter too, after all that is small.
-    tasks_.push({1 + triangle_mean_ratio(a, b, c), t});
-  }
-
-  // Edges of a triangle, as the corner opposite to them, the shortest first.
-  std::array<int, 3> by_length(const Triangle& verts) const {
-    std::array<int, 3> order{0, 1, 2};
-    std::ranges::stable_sort(order, {}, [&](int i) {
-      const auto at = static_cast<std::size_t>(i);
-      return length(verts[(at + 1) % 3], verts[(at + 2) % 3]);
-    });
-    return order;
-  }
-
-  void better(std::uint32_t t) {
-    const Triangle verts = surface_->triangle(t);
-    const std::array<int, 3> order = by_length(verts);
-    for (const int i : order) {
-      const auto at = static_cast<std::size_t>(i);
-      if (collapse(verts[(at + 1) % 3], verts[(at + 2) % 3])) return;
-    }
-    snap(t, order[2]);
-  }
-
-  bool collapse(std::uint32_t a, std::uint32_t b) {
-    const double edge = length(a, b), tolerance = 0.5 * (how_.tolerances[a] + how_.tolerances[b]);
-    const bool is_feature = edge < tolerance;
-    if (!is_feature && !(edge < kShort * size_of_edge(a, b) && (is_touched_[a] || is_touched_[b]))) return false;
-    std::optional<LocalChange> best;
-    Motion best_motion;
-    double best_shape = 0;
-    for (const auto& [gone, kept] : {std::pair{a, b}, std::pair{b, a}}) {
-      if (locked_[gone] || locked_[kept]) continue;
-      std::optional<LocalChange> change = plan_collapse(*surface_, gone, kept);
-      if (!change) continue;
-      const std::optional<Motion> motion = allowed_motion(*change, tolerance);
-      if (!motion) continue;
-      const BeforeAfter shapes = compare_shapes(*surface_, *change), heights = compare_heights(*surface_, *change);
-      const bool gains = is_feature ? heights.after > kCollapseHeight * heights.before : shapes.after > shapes.before;
-      if (!gains || (best && shapes.after <= best_shape) || !keeps_shape(*surface_, *change, tolerance)) continue;
-      best_shape = shapes.after;
-      best_motion = *motion;
-      best = std::move(change);
-    }
-    if (!best) return false;
-    if (best_motion.is_direct)
-      displacement_.merge(best->gone, best->kept, best->place);
-    else
-      displacement_.note(best->kept, best_motion.distance);
-    is_touched_[best->kept] = 1;
-    merged_into_[best->gone] = best->kept;
-    ++result_.collapses;
-    make(*best);
-    return true;
-  }
-
-  struct Motion {
-    double distance = 0;     ///< of the surface from the given one
-    bool is_direct = false;  ///< all of the vertex that goes is now at the one that stays
-  };
-
-  // How far the surface will be from the given one; none where that is too far.
-  std::optional<Motion> allowed_motion(const LocalChange& change, double tolerance) const {
-    const double direct = displacement_.from(change.gone, change.place);
-    if (direct <= tolerance) return Motion{direct, true};
-    const double before = displacement_.from(change.gone, surface_->point(change.gone));
-    const std::optional<double> beside = distance_beside(change);
-    const double most = std::max(tolerance, kSmoothing * size_of_edge(change.gone, change.kept));
-    if (!beside || before + *beside > most) return {};
-    return Motion{before + *beside, false};
-  }
-
-  // The distance of a vertex from the surface without it, where it lies inside of a face, or inside of a model edge
-  // along which it is merged; none elsewhere.
-  std::optional<double> distance_beside(const LocalChange& change) const {
-    const Vec3& x = surface_->point(change.gone);
-    const ModelEntity entity = surface_->entity(change.gone);
-    double nearest = HUGE_VAL;
-    for (const AddedTriangle& added : change.added) {
-      const auto [a, b, c] = corners(*surface_, change, added.verts);
-      nearest = std::min(nearest, distance_to_triangle(x, a, b, c));
-    }
-    const auto pieces = surface_->pieces_at(change.gone);
-    if (entity.dim == 2 && pieces.empty()) return nearest;
-    if (entity.dim != 1 || pieces.size() != 2) return {};
-    const std::uint32_t along = surface_->find_piece(change.gone, change.kept);
-    if (along == kNone || surface_->piece_edge(pieces[0]) != surface_->piece_edge(pieces[1])) return {};
-    const Piece& other = surface_->piece(pieces[0] == along ? pieces[1] : pieces[0]);
-    const std::uint32_t far = other[0] == change.gone ? other[1] : other[0];
-    return std::max(nearest, distance_to_segment(x, change.place, surface_->point(far)));
-  }
-
-  void snap(std::uint32_t t, int i) {
-    const Triangle verts = surface_->triangle(t);
-    const auto at = static_cast<std::size_t>(i);
-    const std::uint32_t apex = verts[at], u = verts[(at + 1) % 3], v = verts[(at + 2) % 3];
-    if (locked_[apex] || locked_[u] || locked_[v]) return;
-    const auto [a, b, c] = corners(*surface_, t);
-    const double height = least_height(a, b, c), tolerance = tolerance_of(verts);
-    const bool is_feature = height < tolerance;
-    const std::optional<LocalChange> change = plan_snap(*surface_, t, i);
-    if (!change || (!is_feature && !is_flat_swap(*change))) return;
-    const BeforeAfter heights = compare_heights(*surface_, *change), shapes = compare_shapes(*surface_, *change);
-    if (!(is_feature ? heights.after > kSnapHeight * heights.before : is_better_swap(*change, heights, shapes))) return;
-    const Vec3& start = surface_->point(u);
-    const Vec3 along = surface_->point(v) - start;
-    const double share = std::clamp(dot(change->place - start, along) / norm2(along), 0.0, 1.0);
-    const double moved =
-        std::max(displacement_.from_edge(u, v, share, change->place), displacement_.from(apex, change->place));
-    if ((is_feature && moved > tolerance) || !keeps_shape(*surface_, *change, tolerance)) return;
-    if (is_feature) {
-      displacement_.merge_edge(u, v, share, apex, change->place);
-      is_touched_[apex] = 1;
-    }
-    ++result_.snaps;
-    make(*change);
-  }
-
-  // Whether a swap improves shapes and makes no feature: that would be swapped back, and so on.
-  bool is_better_swap(const LocalChange& change, const BeforeAfter& heights, const BeforeAfter& shapes) const {
-    double largest = 0;  // tolerance
-    for (const AddedTriangle& added : change.added)
-      for (const std::uint32_t v : added.verts) largest = std::max(largest, how_.tolerances[v]);
-    return shapes.after > kSwapShape * shapes.before && (heights.after > heights.before || heights.after > largest);
-  }
-
-  // Whether a snap swaps an edge inside of a face that is flat there.
-  bool is_flat_swap(const LocalChange& change) const {
-    if (change.removed.size() != 2 || surface_->find_piece(change.split[0], change.split[1]) != kNone) return false;
-    const auto normal = [&](std::uint32_t t) {
-      const auto [a, b, c] = corners(*surface_, t);
-      return normalized(cross(b - a, c - a));
-    };
-    return surface_->face(change.removed[0]) == surface_->face(change.removed[1]) &&
-           dot(normal(change.removed[0]), normal(change.removed[1])) > kFlatCosine;
-  }
-
-  void make(const LocalChange& change) {
-    apply(change, *surface_);
-    for (const std::uint32_t p : surface_->pieces_at(change.kept))
-      for (const std::uint32_t v : surface_->piece(p)) is_touched_[v] = 1;
-    std::vector<std::uint32_t> around;
-    for (const AddedTriangle& added : change.added)
-      for (const std::uint32_t v : added.verts) {
-        const auto triangles = surface_->triangles_at(v);
-        around.insert(around.end(), triangles.begin(), triangles.end());
-      }
-    std::ranges::sort(around);
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    for (const std::uint32_t t : around) push(t);
-  }
-
-  std::uint32_t root(std::uint32_t v) const {
-    while (merged_into_[v] != kNone) v = merged_into_[v];
-    return v;
-  }
-
-  // A point that was on a model edge of which it has no piece any more lies on what there is now.
-  void reclassify_points() {
-    for (std::uint32_t v = 0; v < surface_->point_count(); ++v) {
-      const ModelEntity entity = surface_->entity(v);
-      if (!is_touched_[v] || entity.dim != 1 || surface_->triangles_at(v).empty()) continue;
-      std::uint32_t lowest = kNone;
-      bool has_own = false;
-      for (const std::uint32_t p : surface_->pieces_at(v)) {
-        lowest = std::min(lowest, surface_->piece_edge(p));
-        has_own = has_own || surface_->piece_edge(p) == entity.index;
-      }
-      if (has_own) continue;
-      const ModelEntity now = lowest != kNone ? ModelEntity(ModelEdgeId(lowest))
-                                              : ModelEntity(ModelFaceId(surface_->face(surface_->triangles_at(v)[0])));
-      surface_->move_point(v, surface_->point(v), now);
-    }
-  }
-
-  EliminationResult finish() {
-    reclassify_points();
-    find_absorbed();
-    std::vector<std::uint32_t> new_ids;
-    result_.mesh = surface_->give_back(new_ids);
-    for (std::uint32_t v = 0; v < new_ids.size(); ++v)
-      if (is_touched_[v] && new_ids[v] != kNone) result_.changed.push_back(new_ids[v]);
+    if (result_.collapses + result_.snaps == 0) return {};
+    Mesh& made = result_.mesh.emplace();
+    made.face_to_sides = mesh_.face_to_sides;
+    made.entities = mesh_.entities;
+    put_points(made);
+    put_triangles(made);
+    put_pieces(made);
+    find_absorbed(made);
     return std::move(result_);
   }
 
-  // What the given mesh had something of, and the new one has not; with one of its points, by which it is found.
-  void find_absorbed() {
-    std::array<std::vector<std::uint32_t>, 3> had;
-    std::array<std::vector<std::uint8_t>, 3> has;
+ private:
+  void put_points(Mesh& made) {
+    made.points = mesh_.points;
+    made.point_to_entity = mesh_.point_to_entity;
+    std::vector<std::uint8_t> is_gone(mesh_.points.size(), 0), is_touched(mesh_.points.size(), 0);
+    for (std::size_t z = 0; z < changes_.size(); ++z) {
+      const ZoneChange& change = *changes_[z];
+      for (std::size_t i = 0; i < change.items.points.size(); ++i) {
+        const std::uint32_t v = zones_.items[z].points[i];
+        made.points[v] = change.items.points[i];
+        made.point_to_entity[v] = change.items.point_to_entity[i];
+        is_gone[v] = change.is_gone[i];
+        is_touched[v] = change.is_touched[i];
+      }
+    }
+    new_ids_.assign(mesh_.points.size(), kNone);
+    std::uint32_t next = 0;
+    for (std::uint32_t v = 0; v < new_ids_.size(); ++v) {
+      if (is_gone[v]) continue;
+      if (is_touched[v]) result_.changed.push_back(next);
+      made.points[next] = made.points[v];
+      made.point_to_entity[next] = made.point_to_entity[v];
+      new_ids_[v] = next++;
+    }
+    made.points.resize(next);
+    made.point_to_entity.resize(next);
+  }
+
+  // Items of zones stand where those were of which they come; `put` takes the points of one, and its entity.
+  template <class Items, class Put>
+  void put_items(const Items& verts, const std::vector<std::uint32_t>& entities,
+                 const std::vector<std::uint32_t>& item_to_zone, const auto& of_change, const Put& put) const {
+    struct Next {
+      std::uint32_t given = 0;  // item of the zone
+      std::size_t made = 0;     // item of what it becomes
+    };
+    std::vector<Next> next(changes_.size());
+    for (std::size_t i = 0; i < verts.size(); ++i) {
+      const std::uint32_t zone = item_to_zone[i];
+      auto now = verts[i];
+      if (zone == kNone || changes_[zone]->is_empty()) {
+        for (std::uint32_t& v : now) v = new_ids_[v];
+        put(now, entities[i]);
+        continue;
+      }
+      const auto& [made, made_entities, sources] = of_change(*changes_[zone]);
+      const std::uint32_t given = next[zone].given++;
+      for (std::size_t& k = next[zone].made; k < made.size() && sources[k] == given; ++k) {
+        now = made[k];
+        for (std::uint32_t& v : now) v = new_ids_[zones_.items[zone].points[v]];
+        put(now, made_entities[k]);
+      }
+    }
+  }
+
+  void put_triangles(Mesh& made) const {
+    const auto of_change = [](const ZoneChange& change) {
+      return std::tie(change.items.triangles, change.items.tri_to_face, change.tri_source);
+    };
+    put_items(mesh_.tri_to_vert, mesh_.tri_to_entity, zones_.tri_to_zone, of_change,
+              [&](const Triangle& verts, std::uint32_t face) {
+                made.tri_to_vert.push_back(verts);
+                made.tri_to_entity.push_back(face);
+              });
+  }
+
+  void put_pieces(Mesh& made) const {
+    const auto of_change = [](const ZoneChange& change) {
+      return std::tie(change.items.pieces, change.items.piece_to_edge, change.piece_source);
+    };
+    put_items(mesh_.edge_to_vert, mesh_.edge_to_entity, zones_.piece_to_zone, of_change,
+              [&](const Piece& verts, std::uint32_t edge) {
+                made.edge_to_vert.push_back(verts);
+                made.edge_to_entity.push_back(edge);
+              });
+  }
+
+  // What the given mesh had something of, and the new one has not; found by the first of its points.
+  void find_absorbed(const Mesh& made) {
+    const std::array<std::vector<std::uint32_t>, 3> had = first_points(mesh_), has = first_points(made);
+    for (std::size_t dim = 0; dim < 3; ++dim)
+      for (std::uint32_t i = 0; i < had[dim].size(); ++i)
+        if (had[dim][i] != kNone && (i >= has[dim].size() || has[dim][i] == kNone))
+          add_absorbed({static_cast<int>(dim), i}, had[dim][i]);
+  }
+
+  // Of every model vertex, edge and face of which a mesh has something.
+  static std::array<std::vector<std::uint32_t>, 3> first_points(const Mesh& mesh) {
+    std::array<std::vector<std::uint32_t>, 3> first;
     const auto note = [](std::uint32_t index, std::uint32_t point, std::vector<std::uint32_t>& list) {
       if (list.size() <= index) list.resize(index + 1, kNone);
       if (list[index] == kNone) list[index] = point;
     };
-    const auto mark = [](std::uint32_t index, std::vector<std::uint8_t>& list) {
-      if (index < list.size()) list[index] = 1;
-    };
-    for (std::uint32_t v = 0; v < mesh_.points.size(); ++v)
-      if (mesh_.point_to_entity[v].dim == 0 && !used_no_more(v)) note(mesh_.point_to_entity[v].index, v, had[0]);
-    for (std::size_t p = 0; p < mesh_.edge_to_vert.size(); ++p)
-      note(mesh_.edge_to_entity[p], mesh_.edge_to_vert[p][0], had[1]);
-    for (std::size_t t = 0; t < mesh_.tri_to_vert.size(); ++t)
-      note(mesh_.tri_to_entity[t], mesh_.tri_to_vert[t][0], had[2]);
-    for (std::size_t dim = 0; dim < 3; ++dim) has[dim].resize(had[dim].size(), 0);
-    for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
-      if (merged_into_[v] == kNone && mesh_.point_to_entity[v].dim == 0) mark(mesh_.point_to_entity[v].index, has[0]);
-      for (const std::uint32_t p : surface_->pieces_at(v)) mark(surface_->piece_edge(p), has[1]);
-      for (const std::uint32_t t : surface_->triangles_at(v)) mark(surface_->face(t), has[2]);
-    }
-    for (std::size_t dim = 0; dim < 3; ++dim)
-      for (std::uint32_t i = 0; i < had[dim].size(); ++i)
-        if (had[dim][i] != kNone && !has[dim][i]) add_absorbed({static_cast<int>(dim), i}, had[dim][i]);
-  }
-
-  // Points of the given mesh that have neither triangles nor pieces.
-  bool used_no_more(std::uint32_t v) const {
-    return merged_into_[v] == kNone && surface_->triangles_at(v).empty() && surface_->pieces_at(v).empty();
+    for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+      if (mesh.point_to_entity[v].dim == 0) note(mesh.point_to_entity[v].index, v, first[0]);
+    for (std::size_t p = 0; p < mesh.edge_to_vert.size(); ++p)
+      note(mesh.edge_to_entity[p], mesh.edge_to_vert[p][0], first[1]);
+    for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+      note(mesh.tri_to_entity[t], mesh.tri_to_vert[t][0], first[2]);
+    return first;
   }
 
   void add_absorbed(ModelEntity entity, std::uint32_t point) {
-    const std::uint32_t now = root(point);
-    result_.absorbed.push_back({entity, surface_->entity(now), displacement_.from(now, surface_->point(now))});
+    const ZoneChange& change = *changes_[zones_.point_to_zone[point]];
+    const std::uint32_t now = change.now[zones_.point_in_zone[point]];
+    result_.absorbed.push_back({entity, change.items.point_to_entity[now], change.moved[now]});
   }
 
   const Mesh& mesh_;
-  const FeatureElimination& how_;
-  const TaskRunner& runner_;
-  std::optional<SurfaceComplex> surface_;
-  Displacement displacement_;
-  std::vector<std::uint8_t> is_touched_;    // per point: something was merged there
-  std::vector<std::uint32_t> merged_into_;  // per point, kNone for those that are there
-  std::vector<std::uint8_t> locked_;        // per point
-  std::priority_queue<Task> tasks_;
+  const Zones& zones_;
+  std::span<const ZoneChange* const> changes_;
+  std::vector<std::uint32_t> new_ids_;  // per point of the given mesh
   EliminationResult result_;
 };
 
 }  // namespace
 
-EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner) {
-  return Eliminator(mesh, how, runner).run();
+EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner,
+                                           KnownZones* known) {
+  const std::vector<std::uint32_t> small = find_small_triangles(mesh, how, runner);
+  if (small.empty()) return {};
+  const Zones zones = find_zones(mesh, small);
+  const KeptPlaces kept(how.kept, runner);
+  const auto take_zone = [&](std::size_t z) {
+    const ZoneItems& numbers = zones.items[z];
+    Zone zone{take_items(mesh, numbers, zones.point_in_zone), {}, {}, {}, {}};
+    for (const std::uint32_t v : numbers.points) {
+      zone.tolerances.push_back(how.tolerances[v]);
+      zone.sizes.push_back(how.sizes[v]);
+      zone.is_locked.push_back(zones.is_near_border[v] || kept.has(mesh.points[v]));
+    }
+    for (std::uint32_t i = 0; i < numbers.triangles.size(); ++i)
+      if (std::ranges::binary_search(small, numbers.triangles[i])) zone.small.push_back(i);
+    return zone;
+  };
+  KnownZones none;
+  KnownZones& before = known ? *known : none;
+  std::vector<std::shared_ptr<const KnownZone>> done(zones.items.size());
+  std::vector<double> work;
+  for (const ZoneItems& items : zones.items) work.push_back(static_cast<double>(items.triangles.size()));
+  runner.for_each_largest_first(work, [&](std::size_t z) {
+    Zone zone = take_zone(z);
+    done[z] = before.find(zone);
+    if (done[z]) return;
+    ZoneChange change = eliminate_in_zone(zone, mesh.face_to_sides, runner);
+    done[z] = std::make_shared<const KnownZone>(std::move(zone), std::move(change));
+  });
+  before = KnownZones(done);
+  std::vector<const ZoneChange*> changes;
+  for (const auto& zone : done) changes.push_back(&zone->change);
+  return Assembly(mesh, zones, changes).run();
 }
 
 }  // namespace tetloom

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "mesher/features/known_zones.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
@@ -44,9 +45,13 @@ struct EliminationResult {
 /// stay. Merged vertices belong to the entity of lower dimension; an absorbed edge's pieces belong to the edge that
 /// they fell upon.
 ///
+/// What is done beside a small feature depends on the surface up to four edges from it, its zone. Zones are changed in
+/// parallel, and those that `known` has are not changed anew; it has those of this call afterwards.
+///
 /// The mesh may have any topology, but no cells. Points that are used no more are left out; others keep their order.
 /// The result depends on the mesh alone. Pre: arrays of tolerances and sizes as long as the points. Complexity: linear,
-/// plus O(k log k) for k changes. Errors: Cancelled.
-EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner);
+/// plus O(k log k) for k changes in a zone. Errors: Cancelled.
+EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimination& how, const TaskRunner& runner,
+                                           features::KnownZones* known = nullptr);
 
 }  // namespace tetloom

@@ -71,8 +71,7 @@ bool SmallFeatures::spare_regions(const Mesh& surface, const EliminationResult& 
   return any;
 }
 
-EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField& sizes,
-                                           const TaskRunner& runner) const {
+EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) {
   std::vector<double> tolerances(surface.points.size()), wanted(surface.points.size());
   runner.for_blocks(tolerances.size(), std::size_t{1} << 13, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
@@ -81,7 +80,7 @@ EliminationResult SmallFeatures::eliminate(const Mesh& surface, const SizeField&
     }
   });
   spare_points(surface, tolerances);
-  return eliminate_small_features(surface, {tolerances, wanted, kept_}, runner);
+  return eliminate_small_features(surface, {tolerances, wanted, kept_}, runner, &known_zones_);
 }
 
 bool SmallFeatures::keep_where_crossing(const Mesh& mesh, std::span<const std::uint32_t> changed,

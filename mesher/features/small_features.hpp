@@ -27,7 +27,7 @@ class SmallFeatures {
 
   /// The surface without small features; see eliminate_small_features. The tolerance is also at most kSmallOfSolid of
   /// the thickness of the solids beside a face, so that a small solid keeps its shape.
-  EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner) const;
+  EliminationResult eliminate(const Mesh& surface, const SizeField& sizes, const TaskRunner& runner);
 
   /// Regions that the elimination brought further from the model's volume, to more than .75 % of it, have a smaller
   /// tolerance from now on, and none after three such cuts. Whether there are such.
@@ -46,6 +46,7 @@ class SmallFeatures {
   SizeField asked_;
   std::vector<double> face_limits_;  // of the tolerance; see SmallWidth
   std::vector<KeptPlace> kept_;
+  features::KnownZones known_zones_;
   struct RegionLimit {
     double share = 1;  // of the tolerance
     int cuts = 0;

@@ -23,14 +23,6 @@ std::vector<std::uint32_t> survivors(const std::vector<std::uint8_t>& alive, con
   return items;
 }
 
-template <class Values>
-Values picked(const Values& values, const std::vector<std::uint32_t>& items) {
-  Values result;
-  result.reserve(items.size());
-  for (const std::uint32_t i : items) result.push_back(values[i]);
-  return result;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t>& VertexItems::list(std::uint32_t v) {
@@ -42,15 +34,16 @@ std::vector<std::uint32_t>& VertexItems::list(std::uint32_t v) {
   return lists_[changed_[v]];
 }
 
-SurfaceComplex::SurfaceComplex(Mesh&& mesh)
-    : mesh_(std::move(mesh)),
-      triangles_(mesh_.points.size(), mesh_.tri_to_vert),
-      pieces_(mesh_.points.size(), mesh_.edge_to_vert),
-      alive_(mesh_.tri_to_vert.size(), 1),
-      piece_alive_(mesh_.edge_to_vert.size(), 1),
-      was_used_(mesh_.points.size(), 0),
-      source_(numbers(mesh_.tri_to_vert.size())),
-      piece_source_(numbers(mesh_.edge_to_vert.size())) {
+SurfaceComplex::SurfaceComplex(SurfaceItems items, std::span<const FaceSides> sides)
+    : items_(std::move(items)),
+      sides_(sides),
+      triangles_(items_.points.size(), items_.triangles),
+      pieces_(items_.points.size(), items_.pieces),
+      alive_(items_.triangles.size(), 1),
+      piece_alive_(items_.pieces.size(), 1),
+      was_used_(items_.points.size(), 0),
+      source_(numbers(items_.triangles.size())),
+      piece_source_(numbers(items_.pieces.size())) {
   for (std::uint32_t v = 0; v < point_count(); ++v) was_used_[v] = !triangles_at(v).empty() || !pieces_at(v).empty();
 }
 
@@ -98,8 +91,8 @@ void SurfaceComplex::remove_triangle(std::uint32_t t) {
 
 std::uint32_t SurfaceComplex::add_triangle(const Triangle& verts, std::uint32_t source) {
   const auto t = static_cast<std::uint32_t>(triangle_count());
-  mesh_.tri_to_vert.push_back(verts);
-  mesh_.tri_to_entity.push_back(mesh_.tri_to_entity[source]);
+  items_.triangles.push_back(verts);
+  items_.tri_to_face.push_back(items_.tri_to_face[source]);
   alive_.push_back(1);
   source_.push_back(source_[source]);
   for (const std::uint32_t v : verts) triangles_.add(v, t);
@@ -112,47 +105,28 @@ void SurfaceComplex::remove_piece(std::uint32_t p) {
 }
 
 void SurfaceComplex::move_piece_end(std::uint32_t p, std::uint32_t from, std::uint32_t to) {
-  for (std::uint32_t& v : mesh_.edge_to_vert[p])
+  for (std::uint32_t& v : items_.pieces[p])
     if (v == from) v = to;
   pieces_.remove(from, p);
   pieces_.add(to, p);
 }
 
 void SurfaceComplex::add_piece(const Piece& verts, std::uint32_t source) {
-  const auto p = static_cast<std::uint32_t>(mesh_.edge_to_vert.size());
-  mesh_.edge_to_vert.push_back(verts);
-  mesh_.edge_to_entity.push_back(mesh_.edge_to_entity[source]);
+  const auto p = static_cast<std::uint32_t>(items_.pieces.size());
+  items_.pieces.push_back(verts);
+  items_.piece_to_edge.push_back(items_.piece_to_edge[source]);
   piece_alive_.push_back(1);
   piece_source_.push_back(piece_source_[source]);
   for (const std::uint32_t v : verts) pieces_.add(v, p);
 }
 
 void SurfaceComplex::move_point(std::uint32_t v, const Vec3& to, ModelEntity entity) {
-  mesh_.points[v] = to;
-  mesh_.point_to_entity[v] = entity;
+  items_.points[v] = to;
+  items_.point_to_entity[v] = entity;
 }
 
-Mesh SurfaceComplex::give_back(std::vector<std::uint32_t>& new_ids) {
-  new_ids.assign(point_count(), kNone);
-  std::vector<std::uint32_t> points;
-  for (std::uint32_t v = 0; v < point_count(); ++v) {
-    if (was_used_[v] && triangles_at(v).empty() && pieces_at(v).empty()) continue;
-    new_ids[v] = static_cast<std::uint32_t>(points.size());
-    points.push_back(v);
-  }
-  const std::vector<std::uint32_t> triangles = survivors(alive_, source_);
-  const std::vector<std::uint32_t> pieces = survivors(piece_alive_, piece_source_);
-  mesh_.points = picked(mesh_.points, points);
-  mesh_.point_to_entity = picked(mesh_.point_to_entity, points);
-  mesh_.tri_to_vert = picked(mesh_.tri_to_vert, triangles);
-  mesh_.tri_to_entity = picked(mesh_.tri_to_entity, triangles);
-  mesh_.edge_to_vert = picked(mesh_.edge_to_vert, pieces);
-  mesh_.edge_to_entity = picked(mesh_.edge_to_entity, pieces);
-  for (Triangle& verts : mesh_.tri_to_vert)
-    for (std::uint32_t& v : verts) v = new_ids[v];
-  for (Piece& verts : mesh_.edge_to_vert)
-    for (std::uint32_t& v : verts) v = new_ids[v];
-  return std::move(mesh_);
-}
+std::vector<std::uint32_t> SurfaceComplex::triangles_left() const { return survivors(alive_, source_); }
+
+std::vector<std::uint32_t> SurfaceComplex::pieces_left() const { return survivors(piece_alive_, piece_source_); }
 
 }  // namespace tetloom::features

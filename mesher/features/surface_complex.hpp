@@ -46,26 +46,37 @@ class VertexItems {
   std::vector<std::vector<std::uint32_t>> lists_;
 };
 
-/// The points, triangles and pieces of a mesh without cells, on the way to other ones. Complexity of the queries: the
+/// Points, triangles and pieces of a mesh without cells, with the model entities that they lie on.
+struct SurfaceItems {
+  std::vector<Vec3> points;
+  std::vector<ModelEntity> point_to_entity;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> tri_to_face;
+  std::vector<Piece> pieces;
+  std::vector<std::uint32_t> piece_to_edge;
+  bool operator==(const SurfaceItems&) const = default;
+};
+
+/// A surface on the way to another one. Complexity of the queries: the
 /// number of triangles at a vertex.
 class SurfaceComplex {
  public:
-  /// Takes the surface out of `mesh`, which gets it back from `give_back`.
-  explicit SurfaceComplex(Mesh&& mesh);
+  /// `sides` are those of the model's faces, and outlive the surface.
+  SurfaceComplex(SurfaceItems items, std::span<const FaceSides> sides);
 
-  std::size_t point_count() const { return mesh_.points.size(); }
-  std::size_t triangle_count() const { return mesh_.tri_to_vert.size(); }
-  const Vec3& point(std::uint32_t v) const { return mesh_.points[v]; }
-  ModelEntity entity(std::uint32_t v) const { return mesh_.point_to_entity[v]; }
-  const Triangle& triangle(std::uint32_t t) const { return mesh_.tri_to_vert[t]; }
-  std::uint32_t face(std::uint32_t t) const { return mesh_.tri_to_entity[t]; }
-  FaceSides sides(std::uint32_t t) const { return mesh_.face_to_sides[face(t)]; }
+  std::size_t point_count() const { return items_.points.size(); }
+  std::size_t triangle_count() const { return items_.triangles.size(); }
+  const Vec3& point(std::uint32_t v) const { return items_.points[v]; }
+  ModelEntity entity(std::uint32_t v) const { return items_.point_to_entity[v]; }
+  const Triangle& triangle(std::uint32_t t) const { return items_.triangles[t]; }
+  std::uint32_t face(std::uint32_t t) const { return items_.tri_to_face[t]; }
+  FaceSides sides(std::uint32_t t) const { return sides_[face(t)]; }
   bool is_alive(std::uint32_t t) const { return alive_[t] != 0; }
   std::span<const std::uint32_t> triangles_at(std::uint32_t v) const { return triangles_.at(v); }
   /// Pieces of model edges that end at `v`.
   std::span<const std::uint32_t> pieces_at(std::uint32_t v) const { return pieces_.at(v); }
-  const Piece& piece(std::uint32_t p) const { return mesh_.edge_to_vert[p]; }
-  std::uint32_t piece_edge(std::uint32_t p) const { return mesh_.edge_to_entity[p]; }
+  const Piece& piece(std::uint32_t p) const { return items_.pieces[p]; }
+  std::uint32_t piece_edge(std::uint32_t p) const { return items_.piece_to_edge[p]; }
 
   /// The piece between two vertices, or kNone.
   std::uint32_t find_piece(std::uint32_t a, std::uint32_t b) const;
@@ -84,12 +95,17 @@ class SurfaceComplex {
   void add_piece(const Piece& verts, std::uint32_t source);
   void move_point(std::uint32_t v, const Vec3& to, ModelEntity entity);
 
-  /// The mesh as it has become: without removed items and without points that nothing uses any more but that had
-  /// triangles or pieces before. `new_ids` gets the new index of every old point, or kNone.
-  Mesh give_back(std::vector<std::uint32_t>& new_ids);
+  /// The triangles and pieces that are there, in the order of the given ones beside which they stand: those.
+  std::vector<std::uint32_t> triangles_left() const;
+  std::vector<std::uint32_t> pieces_left() const;
+  std::uint32_t source(std::uint32_t t) const { return source_[t]; }
+  std::uint32_t piece_source(std::uint32_t p) const { return piece_source_[p]; }
+  /// Points that had triangles or pieces and have none any more.
+  bool is_gone(std::uint32_t v) const { return was_used_[v] && triangles_at(v).empty() && pieces_at(v).empty(); }
 
  private:
-  Mesh mesh_;
+  SurfaceItems items_;
+  std::span<const FaceSides> sides_;
   VertexItems triangles_, pieces_;
   std::vector<std::uint8_t> alive_, piece_alive_, was_used_;
   std::vector<std::uint32_t> source_, piece_source_;  // the item of the input beside which each one stands
