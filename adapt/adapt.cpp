@@ -79,83 +79,80 @@ void share_findings(AdaptReport& report, const SharedWork& work) {
   }
 }
 
-class AdaptRun {
- public:
-  AdaptRun(const Mesh& mesh, const MetricField* given, const MetricFunction& function, const AdaptOptions& options,
-           const SharedWork& work)
-      : mesh_(mesh), given_(given), function_(function), options_(options), work_(work) {}
+// The metric asked for at the points of the mesh, limited as the options say.
+MetricField prepare_metric(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
+                           const AdaptOptions& options, const TaskRunner& runner, AdaptReport& report) {
+  check_options(options);
+  check_mesh(mesh, runner);
+  check_transfer(mesh, options.transfer);
+  MetricField metric = given ? *given : metric_from_function(function, mesh.points, runner);
+  check_metric(metric, mesh);
+  if (!given) return metric;
+  const TetView view{mesh.points, mesh.tet_to_vert};
+  if (options.gradation > 0) limit_gradation(metric, mesh.points, VertexGraph(view, runner), options.gradation, runner);
+  report.turning = limit_turning(metric, view, runner);
+  return metric;
+}
 
-  void run(AdaptResult& result) {
-    Stopwatch watch;
-    work_.each([&] { prepare(result.report); });
-    require_same_input(mesh_, metric_, options_, work_);
-    measure_before(result.report);
-    std::optional<Adapter> adapter;
-    work_.each([&] {
-      split_touching(result.report.before.complexity);
-      adapter.emplace(refined_ ? refined_->mesh : mesh_, refined_ ? refined_->metric : metric_, function_, options_,
-                      work_);
-    });
-    result.report.stages.set_up = watch.lap();
-    adapter->run(result);
-    watch.lap();
-    work_.each([&] {
-      if (work_.rank() != 0) return;
-      check_positive(result.mesh, work_.runner_for_one());
-      result.report.after = conformity_of(result.mesh, adapter->metric_of_result(), work_.runner_for_one());
-    });
-    share_findings(result.report, work_);
-    result.report.stages.result += watch.lap();
-  }
+// Found on the first rank, for all.
+MetricConformity conformity_before(const Mesh& mesh, const MetricField& metric, const SharedWork& work) {
+  MetricConformity before;
+  work.each([&] {
+    if (work.rank() == 0) before = measure_conformity(mesh, metric, work.runner_for_one());
+  });
+  const auto given = work.all_gather([&](MessageWriter& writer) { writer.put(before); });
+  if (work.rank() != 0) before = MessageReader(given[0]).get<MetricConformity>();
+  work.each([&] { check_complexity(before.complexity); });
+  return before;
+}
 
- private:
-  void prepare(AdaptReport& report) {
-    const TaskRunner& runner = work_.runner();
-    check_options(options_);
-    check_mesh(mesh_, runner);
-    check_transfer(mesh_, options_.transfer);
-    metric_ = given_ ? *given_ : metric_from_function(function_, mesh_.points, runner);
-    check_metric(metric_, mesh_);
-    if (!given_) return;
-    const TetView view{mesh_.points, mesh_.tet_to_vert};
-    if (options_.gradation > 0)
-      limit_gradation(metric_, mesh_.points, VertexGraph(view, runner), options_.gradation, runner);
-    report.turning = limit_turning(metric_, view, runner);
-  }
+// The mesh without edges at which it touches itself, and the metric there; nothing where it has none.
+std::optional<RefinedInput> split_touching(const Mesh& mesh, const MetricField& metric, const MetricFunction& function,
+                                           const AdaptOptions& options, double complexity, const TaskRunner& runner) {
+  constexpr double kMostOfTouching = 2;  // times the tets that the metric asks for
+  const double most = static_cast<double>(mesh.tet_to_vert.size()) + kMostOfTouching * expected_tets(complexity);
+  auto refined = split_touching_edges(mesh, metric, function, options.model, static_cast<std::size_t>(most));
+  // Errors name elements of the mesh that was given.
+  if (refined) make_whole_mesh(mesh, runner);
+  return refined;
+}
 
-  // On the first rank, for all.
-  void measure_before(AdaptReport& report) {
-    work_.each([&] {
-      if (work_.rank() == 0) report.before = measure_conformity(mesh_, metric_, work_.runner_for_one());
-    });
-    const auto given = work_.all_gather([&](MessageWriter& writer) { writer.put(report.before); });
-    if (work_.rank() != 0) report.before = MessageReader(given[0]).get<MetricConformity>();
-    work_.each([&] { check_complexity(report.before.complexity); });
-  }
+// On the first rank, which has the mesh.
+void check_result(AdaptResult& result, std::span<const VertexMetric> metric, const SharedWork& work) {
+  work.each([&] {
+    if (work.rank() != 0) return;
+    check_positive(result.mesh, work.runner_for_one());
+    result.report.after = conformity_of(result.mesh, metric, work.runner_for_one());
+  });
+  share_findings(result.report, work);
+}
 
-  void split_touching(double complexity) {
-    const double most = static_cast<double>(mesh_.tet_to_vert.size()) + kMostOfTouching * expected_tets(complexity);
-    refined_ = split_touching_edges(mesh_, metric_, function_, options_.model, static_cast<std::size_t>(most));
-    // Errors name elements of the mesh that was given.
-    if (refined_) make_whole_mesh(mesh_, work_.runner());
-  }
-
-  static constexpr double kMostOfTouching = 2;  // times the tets that the metric asks for
-
-  const Mesh& mesh_;
-  const MetricField* given_;
-  const MetricFunction& function_;
-  const AdaptOptions& options_;
-  const SharedWork& work_;
-  MetricField metric_;
-  std::optional<RefinedInput> refined_;
-};
+void adapt_together(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
+                    const AdaptOptions& options, const SharedWork& work, AdaptResult& result) {
+  Stopwatch watch;
+  AdaptReport& report = result.report;
+  MetricField metric;
+  work.each([&] { metric = prepare_metric(mesh, given, function, options, work.runner(), report); });
+  require_same_input(mesh, metric, options, work);
+  report.before = conformity_before(mesh, metric, work);
+  std::optional<RefinedInput> refined;
+  std::optional<Adapter> adapter;
+  work.each([&] {
+    refined = split_touching(mesh, metric, function, options, report.before.complexity, work.runner());
+    adapter.emplace(refined ? refined->mesh : mesh, refined ? refined->metric : metric, function, options, work);
+  });
+  report.stages.set_up = watch.lap();
+  adapter->run(result);
+  watch.lap();
+  check_result(result, adapter->metric_of_result(), work);
+  report.stages.result += watch.lap();
+}
 
 AdaptResult adapt_to(const Mesh& mesh, const MetricField* given, const MetricFunction& function,
                      const AdaptOptions& options, Communicator* ranks, const Host& host) {
   return guarded([&](AdaptResult& result) {
     const SharedWork work(std::max(0, options.threads), host, ranks, options.trace);
-    work.together([&] { AdaptRun(mesh, given, function, options, work).run(result); });
+    work.together([&] { adapt_together(mesh, given, function, options, work, result); });
   });
 }
 

@@ -12,51 +12,69 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kPerPart = 1e5;  // tets
-constexpr double kTetsPerComplexity = 10;
-constexpr double kWorkOfTet = 0.7;  // beside what it will become
-// Where a metric turns from neighbour to neighbour, edges are long however many there are: no more than so many times
-// the tets that it asks for.
-constexpr double kOverfull = 6, kLeastFull = 1000;
 constexpr std::size_t kGrain = std::size_t{1} << 12;
-constexpr std::size_t kMostStages = 40;
-constexpr std::size_t kMostRounds = 12;  // at the metric itself
-constexpr std::size_t kMostLeading = 8;  // rounds for vertices beside the model
-constexpr double kWorthARound = 0.002;   // of the share of unit edges
-constexpr double kEnough = 0.985;        // of it
-constexpr double kNearlyAll = 0.9998;    // of edges of lengths in [1/2, 2]
-constexpr double kFair = 0.008;          // cubed mean ratio: all tets should have at least that
-constexpr double kFairGain = 1.2;        // of the worst
-constexpr double kMovable = 0.92;        // mean ratio below which the vertices of a tet move
-constexpr double kCollapsed = 0.73;      // a little above the shortest: what is collapsed and split does not alternate
-constexpr double kLongest = 1.4142135623730951;
-constexpr double kLongestOfStage = 1.6;
+
+// How a mesh is dealt.
+struct DealingSettings {
+  double per_part = 1e5;            // tets of a part, where there are many parts
+  double tets_per_complexity = 10;  // that a regular mesh has, about
+  double work_of_tet = 0.7;         // beside what it will become
+  // Where a metric turns from neighbour to neighbour, edges are long however many there are: no more than so many times
+  // the tets that it asks for, but always the least.
+  double overfull = 6, least_full = 1000;
+};
+constexpr DealingSettings kDealing;
+
+// When the rounds end.
+struct EndSettings {
+  std::size_t most_stages = 40;   // each of which halves sizes: more than numbers have room for
+  std::size_t most_rounds = 12;   // at the metric itself
+  std::size_t most_snapping = 8;  // rounds for vertices beside the model
+  double worth_a_round = 0.002;   // gain in the share of unit edges
+  double enough = 0.985;          // of that share
+  double nearly_all = 0.9998;     // share of edges of lengths in [1/2, 2]
+  double fair = 0.008;            // cubed mean ratio: all tets should have at least that
+  double fair_gain = 1.2;         // of the worst
+};
+constexpr EndSettings kEnd;
+
+// What a pass changes, in metric lengths and mean ratios.
+struct PassSettings {
+  double movable = 0.92;                // vertices of tets below move
+  double collapsed = 0.73;              // a little above the shortest: what is collapsed and split does not alternate
+  double longest = 1.4142135623730951;  // of a unit edge
+  double longest_of_stage = 1.6;        // on the way, where the next stage splits it again
+};
+constexpr PassSettings kPasses;
 
 // Equal parts keep 2 threads, or 4, busy where they are as many or a multiple. Few of them: every round leaves
 // something to do at their sides.
 double part_count_for(double tets) {
   constexpr double kForTwo = 2e4, kForFour = 1.6e5, kForEight = 6e5, kForMore = 1.6e6;
   if (tets < kForEight) return tets < kForTwo ? 1 : tets < kForFour ? 2 : 4;
-  return tets < kForMore ? 8 : 4 * std::round(tets / kPerPart / 4);
+  return tets < kForMore ? 8 : 4 * std::round(tets / kDealing.per_part / 4);
 }
 
 void follow(Passes& passes) {
   passes.split_edges(2), passes.swap(0.6);
-  passes.split_edges(kLongestOfStage), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
+  passes.split_edges(kPasses.longest_of_stage), passes.collapse_edges(0.7, 1.45), passes.swap(0.6), passes.smooth(0.85);
 }
 
-void finish(Passes& passes) { passes.collapse_edges(kCollapsed, kLongest), passes.swap(0.8), passes.smooth(kMovable); }
+void finish(Passes& passes) {
+  passes.collapse_edges(kPasses.collapsed, kPasses.longest), passes.swap(0.8), passes.smooth(kPasses.movable);
+}
 
-void refine_and_finish(Passes& passes) { passes.split_edges(kLongest), finish(passes); }
+void refine_and_finish(Passes& passes) { passes.split_edges(kPasses.longest), finish(passes); }
 
 // The first time at the metric itself, and the second in the same round: most of what is left then lies between parts.
 void refine(Passes& passes) {
-  passes.split_edges(kLongest), passes.collapse_edges(0.65, kLongest), passes.swap(0.7), passes.smooth(kMovable);
+  passes.split_edges(kPasses.longest), passes.collapse_edges(0.65, kPasses.longest), passes.swap(0.7),
+      passes.smooth(kPasses.movable);
   refine_and_finish(passes);
 }
 
 // The last rounds: where vertices have moved, other swaps pay.
-void polish(Passes& passes) { finish(passes), passes.swap(0.8), passes.smooth(kMovable); }
+void polish(Passes& passes) { finish(passes), passes.swap(0.8), passes.smooth(kPasses.movable); }
 
 // Those of the vertices `kept`, of `count`; all where it is empty.
 void keep_values(std::vector<double>& values, const std::vector<std::uint32_t>& kept, std::size_t count) {
@@ -68,11 +86,13 @@ void keep_values(std::vector<double>& values, const std::vector<std::uint32_t>& 
 
 }  // namespace
 
-bool Adapter::Fit::is_good() const { return unit > kEnough && half_to_two > kNearlyAll && least_quality > kFair; }
+bool Adapter::Fit::is_good() const {
+  return unit > kEnd.enough && half_to_two > kEnd.nearly_all && least_quality > kEnd.fair;
+}
 
 bool Adapter::Fit::is_better_than(const Fit& other) const {
-  return unit > other.unit + kWorthARound || half_to_two > other.half_to_two ||
-         (least_quality > kFairGain * other.least_quality && other.least_quality < kFair);
+  return unit > other.unit + kEnd.worth_a_round || half_to_two > other.half_to_two ||
+         (least_quality > kEnd.fair_gain * other.least_quality && other.least_quality < kEnd.fair);
 }
 
 Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function,
@@ -98,39 +118,39 @@ void Adapter::run(AdaptResult& result) {
   runner_.begin_stage(Stage::Adapt, 0);
   follow_stages();
   approach_metric();
-  lead_to_model();
+  snap_to_model();
   finish_result(result);
 }
 
 void Adapter::follow_stages() {
   double ratio = 2;
-  for (std::size_t stage = 0; stage < kMostStages; ++stage, ratio *= 2) {
+  for (std::size_t stage = 0; stage < kEnd.most_stages; ++stage, ratio *= 2) {
     if (refinement() <= ratio) break;
-    round(ratio, {follow, kLongestOfStage});
+    round(ratio, {follow, kPasses.longest_of_stage});
   }
 }
 
 void Adapter::approach_metric() {
-  round(HUGE_VAL, {refine, kLongest});
+  round(HUGE_VAL, {refine, kPasses.longest});
   Fit best;
-  for (std::size_t i = 0, idle = 0; i < kMostRounds && idle < 2; ++i) {
+  for (std::size_t i = 0, idle = 0; i < kEnd.most_rounds && idle < 2; ++i) {
     const Fit fit = measure();
     if (fit.is_good()) break;
     idle = fit.is_better_than(best) ? 0 : idle + 1;
     best = {std::max(best.unit, fit.unit), std::max(best.half_to_two, fit.half_to_two),
             std::max(best.least_quality, fit.least_quality)};
-    round(HUGE_VAL, {refine_and_finish, kLongest});
+    round(HUGE_VAL, {refine_and_finish, kPasses.longest});
   }
 }
 
 // One round more, and as many as vertices beside the model need: they make room for each other, one step in each.
-void Adapter::lead_to_model() {
+void Adapter::snap_to_model() {
   std::size_t before = ~std::size_t{0};
-  for (std::size_t i = 0; i < kMostLeading; ++i) {
+  for (std::size_t i = 0; i < kEnd.most_snapping; ++i) {
     round(HUGE_VAL, {polish});
-    const std::size_t unled = options_.model ? sum_of(last_counts_).unled : 0;
-    if (unled == 0 || unled >= before) break;
-    before = unled;
+    const std::size_t unsnapped = options_.model ? sum_of(last_counts_).unsnapped : 0;
+    if (unsnapped == 0 || unsnapped >= before) break;
+    before = unsnapped;
   }
 }
 
@@ -167,7 +187,7 @@ CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
     const auto rank = static_cast<std::size_t>(work_.rank());
     const std::size_t own = links_.first_verts[rank + 1] - links_.first_verts[rank];
     const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
-    carried = carrier.carry(share, own, places, options_.cell_shape, runner_);
+    carried = carrier.carry(share, own, places, options_.cell_reconstruction, runner_);
   });
   return {gather(std::move(carried.on_points)), gather(std::move(carried.on_tets))};
 }
@@ -189,7 +209,7 @@ void Adapter::finish_result(AdaptResult& result) {
     if (!carrier.has_none()) report.transfers = carrier.finish(std::move(carried), result.mesh, work_.runner_for_one());
   });
   report.operations = sum_of(counts_);
-  report.beside_model = sum_of(last_counts_).unled;
+  report.beside_model = sum_of(last_counts_).unsnapped;
   report.rounds = rounds_, report.most_parts = most_parts_, report.last_parts = last_parts_;
   seconds_.result = watch.lap();
   report.stages.metric = seconds_.metric, report.stages.dealing = seconds_.dealing;
@@ -255,7 +275,8 @@ void Adapter::round(double ratio, const Work& work) {
   PassOptions pass_options;
   pass_options.floor = options_.quality_floor;
   pass_options.most_tets =
-      std::max(kLeastFull, kOverfull * (all - kWorkOfTet * count_tets()) / static_cast<double>(parts));
+      std::max(kDealing.least_full,
+               kDealing.overfull * (all - kDealing.work_of_tet * count_tets()) / static_cast<double>(parts));
   const auto adapt_part = [&](std::size_t number, CavityMesh& part) {
     const SurfaceProjector project = options_.model ? make_projector(*options_.model) : SurfaceProjector();
     Passes passes(part, stage, project, pass_options, runner_);
@@ -290,7 +311,7 @@ GrowingArray<float> Adapter::work_per_tet() const {
       const double volume = dot(cross(whole_.points[v[1]] - x, whole_.points[v[2]] - x), whole_.points[v[3]] - x) / 6;
       double density = 0;
       for (int i = 0; i < 4; ++i) density += 0.25 * std::sqrt(whole_.to_metric[v[i]].det);
-      to_work[tet] = static_cast<float>(kWorkOfTet + kTetsPerComplexity * volume * density);
+      to_work[tet] = static_cast<float>(kDealing.work_of_tet + kDealing.tets_per_complexity * volume * density);
     }
   });
   return to_work;

@@ -49,7 +49,7 @@ class Adapter {
   double refinement();
   void follow_stages();
   void approach_metric();
-  void lead_to_model();
+  void snap_to_model();
   void round(double ratio, const Work& work);
   void set_metric(const MetricStage& stage);
   double count_tets() const;

@@ -197,8 +197,8 @@ class Splitter {
   std::optional<Vec3> find_place(std::uint32_t a, std::uint32_t b, double share,
                                  std::span<const std::uint32_t> tets) const {
     const Vec3 straight = mesh_.points[a] + share * (mesh_.points[b] - mesh_.points[a]);
-    const std::optional<Vec3> led = place_on_model(a, b, straight);
-    if (led && keeps_sides(a, b, *led, tets)) return led;
+    const std::optional<Vec3> snapped = place_on_model(a, b, straight);
+    if (snapped && keeps_sides(a, b, *snapped, tets)) return snapped;
     return keeps_sides(a, b, straight, tets) ? std::optional(straight) : std::nullopt;
   }
 

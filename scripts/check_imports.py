@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that imports point downwards and that every library of others stays inside its one adapter.
+"""Checks that imports point downwards and that every library of others stays inside its one adapter, and
+that no two files or types have one name.
 
 usage: scripts/check_imports.py [--headers [--build DIR]]
   --headers    also compiles every header alone, with the flags of DIR/compile_commands.json (default: build/release)
@@ -132,6 +133,31 @@ def check_edges(root, names):
     return problems
 
 
+TYPE = re.compile(r"(?:template\s*<.*>\s*)?(?:struct|class|enum class)\s+(?:\w+\s+)?(?!final\b)(\w+)(?:\s+final)?\s*(?::[^:].*)?\{")
+
+
+def check_names(root, names):
+    """Two headers or two sources of one name, and types of one name of which a header outside of a class has one."""
+    problems, file_of, type_of = [], {}, {}
+    names = [name for name in names if room_of(name) in ("core", "threading", "mesher", "adapt", "apps")]
+    for name in names:
+        base = os.path.basename(name)
+        is_public = name.startswith("include/")
+        if base != "main.cpp" and file_of.setdefault(base, name) != name:
+            problems.append(f"{name}: {file_of[base]} has that name" + (" as a public header" if is_public else ""))
+    for name in sorted(names, key=lambda name: name.endswith(".cpp")):
+        for number, line in enumerate((root / name).read_text(encoding="utf-8").splitlines(), 1):
+            match = TYPE.match(line)
+            if not match:
+                continue
+            known = type_of.get(match.group(1))
+            if known and known != name:
+                problems.append(f"{name}:{number}: {known} has a type {match.group(1)}")
+            elif name.endswith(".hpp"):
+                type_of[match.group(1)] = name
+    return problems
+
+
 def flags_by_folder(build):
     """The compiler flags of one source of each folder, from compile_commands.json."""
     flags = {}
@@ -168,14 +194,14 @@ def main():
     arguments = parser.parse_args()
     root = Path(__file__).resolve().parent.parent
     names = source_files(root)
-    problems = check_edges(root, names)
+    problems = check_edges(root, names) + check_names(root, names)
     if arguments.headers:
         problems += check_headers(root, names, root / arguments.build)
     for problem in problems:
         print(problem)
     if problems:
         sys.exit(1)
-    print(f"{len(names)} files: imports point downwards" + (" and every header compiles alone." if arguments.headers
+    print(f"{len(names)} files: imports point downwards, names are their own" + (" and every header compiles alone." if arguments.headers
                                                             else "."))
 
 

@@ -4,7 +4,6 @@
 
 #include "adapt/kernel/quality_pairs.hpp"
 #include "core/predicates/predicates.hpp"
-#include "tetloom/assert.hpp"
 
 namespace tetloom::adapt {
 
@@ -136,23 +135,27 @@ bool CavityMesh::is_sound(const Cavity& cavity, std::uint32_t p) const {
   return true;
 }
 
+// The pieces of model edges that a triangle's corner, a core of one, has in it; their other ends and edges go to
+// `ends`.
+void CavityMesh::take_pieces(const Triangle& corners, std::uint32_t core, std::vector<ModelEdgeEnd>& ends) {
+  for (const std::uint32_t v : corners) {
+    if (v == core) continue;
+    const std::uint32_t edge = surface.find_edge(core, v);
+    if (edge == kNone) continue;
+    surface.remove_edge(core, v);
+    ends.emplace_back(v, edge);
+  }
+}
+
 void CavityMesh::change_surface(const Cavity& cavity, std::uint32_t p) {
   std::vector<SurfaceTriangle> made;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  // of model edges at a core of one
+  std::vector<ModelEdgeEnd> ends;
   for (const FaceCode face : cavity.surface) {
     const auto corners = tets::verts_of(mesh, face);
     const SurfaceTriangle* found = surface.find(corners);
     if (!found) continue;  // a side of the part
     const SurfaceTriangle old = *found;
-    if (cavity.core_size == 1) {
-      for (const std::uint32_t v : corners) {
-        if (v == cavity.core[0]) continue;
-        const std::uint32_t edge = surface.find_edge(cavity.core[0], v);
-        if (edge == kNone) continue;
-        surface.remove_edge(cavity.core[0], v);
-        if (v != p) ends.emplace_back(v, edge);
-      }
-    }
+    if (cavity.core_size == 1) take_pieces(corners, cavity.core[0], ends);
     surface.remove(corners);
     if (std::find(corners.begin(), corners.end(), p) != corners.end()) continue;
     for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
@@ -162,112 +165,121 @@ void CavityMesh::change_surface(const Cavity& cavity, std::uint32_t p) {
     }
   }
   for (const SurfaceTriangle& triangle : made) surface.add(triangle);
-  for (const auto& [v, edge] : ends) surface.add_edge(p, v, edge);
-  if (cavity.core_size != 2) return;
-  const std::uint32_t edge = surface.find_edge(cavity.core[0], cavity.core[1]);
-  if (edge == kNone) return;
-  surface.remove_edge(cavity.core[0], cavity.core[1]);
-  surface.add_edge(cavity.core[0], p, edge);
-  surface.add_edge(cavity.core[1], p, edge);
+  for (const auto& [v, edge] : ends)
+    if (v != p) surface.add_edge(p, v, edge);
+  if (cavity.core_size == 2) split_piece(cavity.core, p);
 }
 
-void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made) {
-  const std::size_t count = cavity.tets.size();
-  const std::uint32_t size = cavity.core_size;
-  stamp(cavity);
-  if (!cavity.surface.empty()) change_surface(cavity, p);
-  old_verts_.resize(count), old_behind_.resize(count), ids_.resize(count), old_fixed_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t tet = cavity.tets[i];
-    for (std::size_t j = 0; j < 4; ++j) {
-      old_verts_[i][j] = mesh.to_vert[tet * 4 + j];
-      old_behind_[i][j] = mesh.to_neighbor[tet * 4 + j];
-    }
-    old_fixed_[i] = mesh.to_fixed[tet];
+void CavityMesh::split_piece(const std::array<std::uint32_t, 4>& ends, std::uint32_t p) {
+  const std::uint32_t edge = surface.find_edge(ends[0], ends[1]);
+  if (edge == kNone) return;
+  surface.remove_edge(ends[0], ends[1]);
+  surface.add_edge(ends[0], p, edge);
+  surface.add_edge(ends[1], p, edge);
+}
+
+// What a cavity's tets were, before others are written in their places.
+void CavityMesh::remember(const Cavity& cavity, std::uint32_t p) {
+  star_.resize(cavity.tets.size());
+  old_.clear(), vanishing_.clear();
+  for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
+    const std::uint32_t tet = cavity.tets[i];
+    OldTet& old = star_[i];
+    std::copy_n(&mesh.to_neighbor[std::size_t{tet} * 4], 4, old.behind.begin());
+    old.fixed = mesh.to_fixed[tet];
+    old.apex = corner_of(tet, p);
+    (old.vanishes() ? vanishing_ : old_).push_back(tet);
   }
-  const auto corner_in = [&](std::size_t i, std::uint32_t v) {
-    const auto& verts = old_verts_[i];
-    return verts[0] == v ? 0u : verts[1] == v ? 1u : verts[2] == v ? 2u : verts[3] == v ? 3u : 4u;
-  };
-  // Those that stay take the places of their tets, further ones those of tets that vanish, then new places.
-  std::vector<std::uint32_t>& free = free_;
-  free.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (corner_in(i, p) < 4) {
-      free.push_back(cavity.tets[i]);
-      ids_[i][0] = kNone;
+}
+
+// The tets of the star of p have their places, without links: the first of each tet that stays its own, further ones
+// those of tets that vanish, then others.
+void CavityMesh::write_star(const Cavity& cavity, std::uint32_t p, const MadeQualities& qualities) {
+  const std::size_t size = cavity.core_size, staying = old_.size(), more = size - 1;
+  old_.insert(old_.end(), vanishing_.begin(), vanishing_.end());
+  made_.resize(staying * size), regions_.resize(staying * size);
+  std::size_t first = 0;
+  const auto place = [&](std::size_t k) { return k == 0 ? first : staying + first * more + k - 1; };
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    if (star_[i].vanishes()) continue;
+    const std::uint32_t *v = verts(cavity.tets[i]), region = mesh.to_region[cavity.tets[i]];
+    for (std::size_t k = 0; k < size; ++k) {
+      tets::NewTet& made = made_[place(k)];
+      made = {{v[0], v[1], v[2], v[3]}, double{qualities[i * size + k]}};
+      made.verts[cavity.corners[i][k]] = p;
+      regions_[place(k)] = region;
     }
+    ++first;
   }
-  std::size_t next_free = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (corner_in(i, p) < 4) continue;
-    ids_[i][0] = cavity.tets[i];
-    for (std::uint32_t k = 1; k < size; ++k) ids_[i][k] = next_free < free.size() ? free[next_free++] : take_tet();
+  const auto ids = editor_.write(mesh, &to_quality, {old_, made_, regions_});
+  first = 0;
+  for (OldTet& old : star_) {
+    if (old.vanishes()) continue;
+    for (std::size_t k = 0; k < size; ++k) note_made(old.ids[k] = ids[place(k)]);
+    ++first;
   }
-  const auto link = [&](FaceCode face, FaceCode behind, bool fixed) {
-    tets::link_sides(mesh, face, behind);
-    if (fixed) {
-      tets::fix_side(mesh, face);
-      if (behind != kNone) tets::fix_side(mesh, behind);
-    }
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (ids_[i][0] == kNone) continue;
-    for (std::uint32_t k = 0; k < size; ++k) {
-      const std::uint32_t tet = ids_[i][k];
-      for (std::size_t j = 0; j < 4; ++j) mesh.to_vert[std::size_t{tet} * 4 + j] = old_verts_[i][j];
-      mesh.to_vert[std::size_t{tet} * 4 + cavity.corners[i][k]] = p;
-      mesh.to_region[tet] = mesh.to_region[cavity.tets[i]];
-      mesh.to_fixed[tet] = 0;
-      to_quality[tet] = made[i * size + k];
-      for (std::size_t j = 0; j < 4; ++j) {
-        const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + j];
-        vert_to_tet[v] = tet, to_state[v] |= kChanged | kUnsettled;
-      }
-    }
+}
+
+// Of a tet that vanishes: a triangle behind which nothing lies passes to what was behind the tet.
+void CavityMesh::pass_triangle(const Cavity& cavity, std::size_t i) {
+  if (star_[i].behind[star_[i].apex] != kNone) return;
+  for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
+    const FaceCode outer = star_[i].behind[cavity.corners[i][k]];
+    tets::link_sides(mesh, outer, kNone, true);
+    for (const std::uint32_t v : tets::verts_of(mesh, outer)) vert_to_tet[v] = outer / 4;
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool vanishes = ids_[i][0] == kNone;
-    unsigned in_core = 0;
-    for (std::uint32_t k = 0; k < size; ++k) in_core |= 1u << cavity.corners[i][k];
-    if (vanishes) {
-      // A triangle behind which nothing lies passes to what was behind the tet.
-      const std::uint32_t apex = corner_in(i, p);
-      if (old_behind_[i][apex] == kNone) {
-        for (std::uint32_t k = 0; k < size; ++k) {
-          const FaceCode outer = old_behind_[i][cavity.corners[i][k]];
-          link(outer, kNone, true);
-          for (const std::uint8_t c : tets::kFaceVerts[outer % 4]) vert_to_tet[verts(outer / 4)[c]] = outer / 4;
-        }
-      }
+}
+
+// Links what has taken the place of the i-th tet, with p in that of the k-th vertex of the core.
+void CavityMesh::link_made(const Cavity& cavity, std::size_t i, std::uint32_t k) {
+  const OldTet& old = star_[i];
+  const std::uint32_t base = old.ids[k] * 4, own = cavity.corners[i][k];
+  tets::link_sides(mesh, base + own, old.behind[own], old.is_fixed(own));
+  unsigned in_core = 1u << own;
+  for (std::uint32_t other = 0; other < cavity.core_size; ++other) {
+    if (other == k) continue;
+    const std::uint32_t corner = cavity.corners[i][other];
+    mesh.to_neighbor[base + corner] = old.ids[other] * 4 + own;
+    in_core |= 1u << corner;
+  }
+  for (std::uint32_t j = 0; j < 4; ++j) {
+    if (in_core >> j & 1) continue;
+    const FaceCode behind = old.behind[j];
+    if (behind == kNone) {
+      tets::link_sides(mesh, base + j, kNone, old.is_fixed(j));
       continue;
     }
-    for (std::uint32_t k = 0; k < size; ++k) {
-      const std::uint32_t base = ids_[i][k] * 4, own = cavity.corners[i][k];
-      link(base + own, old_behind_[i][own], (old_fixed_[i] >> own & 1) != 0);
-      for (std::uint32_t other = 0; other < size; ++other)
-        if (other != k) mesh.to_neighbor[base + cavity.corners[i][other]] = ids_[i][other] * 4 + own;
-      for (std::uint32_t j = 0; j < 4; ++j) {
-        if (in_core >> j & 1) continue;
-        const bool fixed = (old_fixed_[i] >> j & 1) != 0;
-        const FaceCode behind = old_behind_[i][j];
-        if (behind == kNone) {
-          link(base + j, kNone, fixed);
-          continue;
-        }
-        const std::uint32_t slot = slot_[behind / 4];
-        if (ids_[slot][0] != kNone) {
-          mesh.to_neighbor[base + j] = ids_[slot][k] * 4 + behind % 4;
-          if (fixed) tets::fix_side(mesh, base + j);
-          continue;
-        }
-        const std::uint32_t outer = cavity.corners[slot][k];
-        link(base + j, old_behind_[slot][outer], fixed || (old_fixed_[slot] >> outer & 1) != 0);
-      }
+    const std::size_t slot = slot_[behind / 4];
+    const OldTet& beside = star_[slot];
+    if (!beside.vanishes()) {
+      mesh.to_neighbor[base + j] = beside.ids[k] * 4 + behind % 4;
+      if (old.is_fixed(j)) tets::fix_side(mesh, base + j);
+    } else {
+      const std::uint32_t outer = cavity.corners[slot][k];
+      tets::link_sides(mesh, base + j, beside.behind[outer], old.is_fixed(j) || beside.is_fixed(outer));
     }
   }
-  for (; next_free < free.size(); ++next_free) drop_tet(free[next_free]);
-  if (size == 1 && cavity.core[0] != p) vert_to_tet[cavity.core[0]] = kNone;
+}
+
+void CavityMesh::reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& qualities) {
+  stamp(cavity);
+  if (!cavity.surface.empty()) change_surface(cavity, p);
+  remember(cavity, p);
+  write_star(cavity, p, qualities);
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    if (star_[i].vanishes()) pass_triangle(cavity, i);
+    for (std::uint32_t k = 0; k < cavity.core_size && !star_[i].vanishes(); ++k) link_made(cavity, i, k);
+  }
+  if (cavity.core_size == 1 && cavity.core[0] != p) vert_to_tet[cavity.core[0]] = kNone;
+}
+
+void CavityMesh::replace(std::span<const std::uint32_t> old, std::span<const tets::NewTet> made) {
+  for (const std::uint32_t tet : editor_.replace(mesh, &to_quality, {old, made})) note_made(tet);
+}
+
+void CavityMesh::note_made(std::uint32_t tet) {
+  for (int j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
+  mark_changed(tet);
 }
 
 void CavityMesh::start() {
@@ -282,37 +294,10 @@ void CavityMesh::start() {
 }
 
 void CavityMesh::replace_ring(const tets::EdgeRing& ring, std::span<const tets::RingTriangle> triangles) {
-  const std::size_t count = 2 * triangles.size(), old = ring.old().size();
-  const std::uint32_t region = mesh.to_region[ring.tets[0]];
-  filling_.open(mesh, ring.old(), count);
-  std::array<std::uint32_t, std::size_t{2} * tets::kMostRingVerts> places;
-  for (std::size_t i = 0; i < count; ++i) places[i] = i < old ? ring.tets[i] : take_tet();
-  for (std::size_t i = count; i < old; ++i) drop_tet(ring.tets[i]);
-  const std::span<const std::uint32_t> ids = std::span(places).first(count);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const auto [at_b, at_a] = tets::tets_over(ring, triangles[t]);
-    std::copy(at_b.begin(), at_b.end(), &mesh.to_vert[std::size_t{ids[2 * t]} * 4]);
-    std::copy(at_a.begin(), at_a.end(), &mesh.to_vert[std::size_t{ids[2 * t + 1]} * 4]);
-  }
-  for (const std::uint32_t tet : ids) mesh.to_region[tet] = region, mesh.to_fixed[tet] = 0;
-  [[maybe_unused]] const bool fits = filling_.close(mesh, ids);
-  TETLOOM_DEBUG_ASSERT(fits);
-  refresh_qualities(ids);
-  for (const std::uint32_t tet : ids) {
-    for (int j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;
-    mark_changed(tet);
-  }
-}
-
-std::uint32_t CavityMesh::take_tet() {
-  const std::uint32_t tet = places_.take(mesh);
-  if (tet == to_quality.size()) to_quality.push_back(kDeadQuality);
-  return tet;
-}
-
-void CavityMesh::drop_tet(std::uint32_t tet) {
-  places_.drop(mesh, tet);
-  to_quality[tet] = kDeadQuality;
+  made_.clear();
+  for (const tets::RingTriangle& triangle : triangles)
+    for (const auto& v : tets::tets_over(ring, triangle)) made_.push_back({v, quality_of(v[0], v[1], v[2], v[3])});
+  replace(ring.old(), made_);
 }
 
 std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint) {
@@ -336,13 +321,6 @@ void CavityMesh::drop_last_vertex() {
   const std::size_t count = mesh.points.size() - 1;
   mesh.points.resize(count), to_metric.resize(count), to_entity.resize(count);
   vert_to_tet.resize(count), to_hint.resize(count), to_frozen.resize(count), to_state.resize(count);
-}
-
-void CavityMesh::refresh_qualities(std::span<const std::uint32_t> list) {
-  for (const std::uint32_t tet : list) {
-    const std::uint32_t* v = verts(tet);
-    to_quality[tet] = static_cast<float>(quality_of(v[0], v[1], v[2], v[3]));
-  }
 }
 
 }  // namespace tetloom::adapt

@@ -22,16 +22,16 @@
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/kernel/surface_map.hpp"
 #include "adapt/metric/tet_edges.hpp"
-#include "core/tets/cavity_filling.hpp"
 #include "core/tets/edge_ring.hpp"
+#include "core/tets/tet_editor.hpp"
 #include "core/tets/tet_mesh.hpp"
-#include "core/tets/tet_places.hpp"
 #include "core/tets/tet_quality.hpp"
 #include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {
 
 using tets::FaceCode;
+using tets::kDeadQuality;
 using tets::TetMesh;
 
 // Bits of a vertex's state. Where nothing has changed, what was refused before is not asked again.
@@ -88,8 +88,6 @@ using MadeQualities = std::vector<float>;
 
 class CavityMesh {
  public:
-  static constexpr float kDeadQuality = 2;
-
   TetMesh mesh;
   GrowingArray<float> to_quality;           ///< cubed quality of each tet in the metric; kDeadQuality for dead ones
   GrowingArray<VertexMetric> to_metric;     ///< per vertex
@@ -150,7 +148,9 @@ class CavityMesh {
   bool is_sound(const Cavity& cavity, std::uint32_t p) const;
   /// Carries it out. Pre: evaluate > 0 with these `made`, is_sound. The core loses p's cavity: vertices of a core of
   /// one have no tets any more.
-  void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& made);
+  void reconnect(const Cavity& cavity, std::uint32_t p, const MadeQualities& qualities);
+  /// The tets `made` take the place of `old`, which are of one region and have no fixed faces between them.
+  void replace(std::span<const std::uint32_t> old, std::span<const tets::NewTet> made);
 
   /// The ring of an edge, with its ends in the order that the ring's sense asks for. False where it has more vertices
   /// than there is room for. Pre: `shell` is the cavity of an edge without fixed faces, collected from `shell.tets[0]`.
@@ -168,9 +168,6 @@ class CavityMesh {
       __builtin_prefetch(&mesh.to_neighbor[behind & ~3u]);
     }
   }
-  /// A tet with nothing in it, to be filled.
-  std::uint32_t take_tet();
-  void drop_tet(std::uint32_t tet);
   std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);
   void set_metric(std::uint32_t v, const Tensor& metric);
   void drop_last_vertex();
@@ -179,7 +176,6 @@ class CavityMesh {
   GrowingArray<std::uint32_t> renumber(bool along_curve);
   /// Computes `to_quality` and `vert_to_tet`, when all else is there.
   void start();
-  void refresh_qualities(std::span<const std::uint32_t> tets);
 
  private:
   void note_metric(const VertexMetric& metric) {
@@ -197,16 +193,32 @@ class CavityMesh {
   GrowingArray<std::uint32_t> find_tets(bool by_verts) const;
   void permute_verts(std::span<const std::uint32_t> sources);
   void permute_tets(std::span<const std::uint32_t> sources);
+  using ModelEdgeEnd = std::pair<std::uint32_t, std::uint32_t>;  // a vertex, and the edge that leads to it
+  // A tet of a cavity that gives way, and what is made in its place.
+  struct OldTet {
+    std::array<FaceCode, 4> behind;
+    std::array<std::uint32_t, 4> ids;  // with p in the place of each vertex of the core; unless it vanishes
+    std::uint32_t apex;                // the corner at p; 4: none
+    std::uint8_t fixed;
+    bool vanishes() const { return apex < 4; }
+    bool is_fixed(std::uint32_t face) const { return (fixed >> face & 1) != 0; }
+  };
+  void take_pieces(const Triangle& corners, std::uint32_t core, std::vector<ModelEdgeEnd>& ends);
+  void split_piece(const std::array<std::uint32_t, 4>& ends, std::uint32_t p);
   void change_surface(const Cavity& cavity, std::uint32_t p);
+  void remember(const Cavity& cavity, std::uint32_t p);
+  void write_star(const Cavity& cavity, std::uint32_t p, const MadeQualities& qualities);
+  void pass_triangle(const Cavity& cavity, std::size_t i);
+  void link_made(const Cavity& cavity, std::size_t i, std::uint32_t k);
+  void note_made(std::uint32_t tet);
 
   double surely_positive_ = 0;  // the largest for all metrics that there were
-  tets::TetPlaces places_;
+  tets::TetEditor editor_;
   mutable GrowingArray<std::uint32_t> slot_;  // of a tet in the last cavity
   // Scratch of reconnect.
-  std::vector<std::array<std::uint32_t, 4>> old_verts_, old_behind_, ids_;
-  std::vector<std::uint8_t> old_fixed_;
-  std::vector<std::uint32_t> free_;
-  tets::CavityFilling filling_;  // of rings
+  std::vector<OldTet> star_;
+  std::vector<std::uint32_t> old_, vanishing_, regions_;
+  std::vector<tets::NewTet> made_;
 };
 
 }  // namespace tetloom::adapt

@@ -49,9 +49,9 @@ std::array<const Vec3*, 3> opposite_face(const CavityMesh& mesh, const Cavity& b
 
 }  // namespace
 
-// Leads a vertex of the surface that does not lie on the model there, or as far as its tets bear: it was made beside
+// Moves a vertex of the surface that does not lie on the model to it, or as far as its tets bear: it was made beside
 // the model because they would have been inverted. NoGain: it does lie there. Pre: cavity_ is the ball of v.
-Verdict Passes::lead_to_model(std::uint32_t v) {
+Verdict Passes::snap_to_model(std::uint32_t v) {
   const Vec3 x = mesh_.point(v);
   const auto spot = project_(mesh_.to_entity[v].unpack(), x);
   if (!spot) return Verdict::NoGain;
@@ -69,7 +69,7 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
     take_made_qualities();
     for (const std::uint32_t tet : cavity_.tets) mesh_.mark_changed(tet);
     mesh_.to_hint[v] = hint;
-    counts_.unled += share < 1;
+    counts_.unsnapped += share < 1;
     return Verdict::Done;
   }
   mesh_.mesh.points[v] = x;
@@ -77,7 +77,7 @@ Verdict Passes::lead_to_model(std::uint32_t v) {
   return Verdict::Surface;
 }
 
-// Collapses a vertex that cannot be led to the model into one of the surface beside it. Pre: cavity_ is its ball.
+// Collapses a vertex that cannot be snapped to the model into one of the surface beside it. Pre: cavity_ is its ball.
 bool Passes::remove_from_surface(std::uint32_t v) {
   std::vector<std::uint32_t> near;
   for (const FaceCode face : cavity_.surface)
@@ -152,10 +152,10 @@ Verdict Passes::move(std::uint32_t v) {
   if (dim == 0) return Verdict::Classification;
   if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], cavity_)) return Verdict::TooLarge;
   if (dim < 3 && project_) {
-    const Verdict led = lead_to_model(v);
-    if (led == Verdict::Surface && remove_from_surface(v)) return Verdict::Done;
-    counts_.unled += led == Verdict::Surface;
-    if (led != Verdict::NoGain) return led;
+    const Verdict snapped = snap_to_model(v);
+    if (snapped == Verdict::Surface && remove_from_surface(v)) return Verdict::Done;
+    counts_.unsnapped += snapped == Verdict::Surface;
+    if (snapped != Verdict::NoGain) return snapped;
   }
   double badness = 0;
   Vec3 step = find_step(v, badness);

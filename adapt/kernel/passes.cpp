@@ -140,7 +140,7 @@ std::size_t Passes::smooth(double limit) {
     if (tet % 4096 == 0) runner_.check_cancelled();
     if (tet + kAhead < mesh_.mesh.size() && mesh_.to_quality[tet + kAhead] < bound) mesh_.prefetch_behind(tet + kAhead);
     if (!(mesh_.to_quality[tet] < bound)) continue;
-    // What cannot be led to the model goes, and tets with it.
+    // What cannot be snapped to the model goes, and tets with it.
     for (std::uint32_t i = 0; i < 4 && !mesh_.mesh.is_dead(tet); ++i) {
       const std::uint32_t v = mesh_.verts(tet)[i];
       if (visited[v] != 0) continue;

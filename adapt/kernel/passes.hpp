@@ -85,7 +85,7 @@ class Passes {
   bool find_ends(const std::array<std::uint32_t, 2>& edge);
 
   Verdict move(std::uint32_t v);
-  Verdict lead_to_model(std::uint32_t v);
+  Verdict snap_to_model(std::uint32_t v);
   bool remove_from_surface(std::uint32_t v);
   Vec3 find_step(std::uint32_t v, double& badness);
   bool keep_on_entity(std::uint32_t v, Vec3& step) const;

@@ -105,7 +105,7 @@ void CavityMesh::permute_tets(std::span<const std::uint32_t> sources) {
   }
   mesh.to_vert = std::move(to_vert), mesh.to_neighbor = std::move(to_neighbor);
   permute(mesh.to_region, sources), permute(mesh.to_fixed, sources), permute(to_quality, sources);
-  places_.forget();
+  editor_.forget_dead();
   slot_ = {};
   for (std::uint32_t tet = 0; tet < mesh.size(); ++tet)
     for (std::size_t j = 0; j < 4; ++j) vert_to_tet[verts(tet)[j]] = tet;

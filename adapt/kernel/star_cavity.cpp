@@ -41,7 +41,7 @@ bool StarCavity::collect(double goal) {
         sides_.push_back({key_of(static_cast<std::uint32_t>(edge[0]), static_cast<std::uint32_t>(edge[1])), kNone});
         continue;
       }
-      Made one{{v[0], v[1], v[2], v[3]}, j, mesh_.mesh.to_region[tet], 0};
+      Made one{{v[0], v[1], v[2], v[3]}, j, 0};
       one.verts[j] = p_;
       const double quality = mesh_.quality_of(one.verts[0], one.verts[1], one.verts[2], one.verts[3]);
       if (!(quality > goal)) {
@@ -99,23 +99,9 @@ bool StarCavity::find(const Cavity& ball, std::uint32_t p, double goal) {
 }
 
 void StarCavity::fill() {
-  filling_.open(mesh_.mesh, tets_, made_.size());
-  std::vector<std::uint32_t> ids(made_.size());
-  for (std::size_t n = 0; n < made_.size(); ++n) ids[n] = n < tets_.size() ? tets_[n] : mesh_.take_tet();
-  for (std::size_t n = 0; n < made_.size(); ++n) {
-    const std::uint32_t tet = ids[n];
-    std::copy_n(made_[n].verts.begin(), 4, &mesh_.mesh.to_vert[std::size_t{tet} * 4]);
-    mesh_.mesh.to_region[tet] = made_[n].region;
-    mesh_.mesh.to_fixed[tet] = 0;
-    mesh_.to_quality[tet] = made_[n].quality;
-    for (const std::uint32_t v : made_[n].verts) {
-      mesh_.vert_to_tet[v] = tet;
-      mesh_.to_state[v] |= kChanged | kUnsettled;
-    }
-  }
-  [[maybe_unused]] const bool fits = filling_.close(mesh_.mesh, ids);
-  TETLOOM_DEBUG_ASSERT(fits);
-  for (std::size_t n = made_.size(); n < tets_.size(); ++n) mesh_.drop_tet(tets_[n]);
+  std::vector<tets::NewTet> made;
+  for (const Made& one : made_) made.push_back({one.verts, double{one.quality}});
+  mesh_.replace(tets_, made);
   mesh_.vert_to_tet[core_] = kNone;
 }
 

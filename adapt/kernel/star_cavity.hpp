@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
-#include "core/tets/cavity_filling.hpp"
 
 namespace tetloom::adapt {
 
@@ -29,7 +28,7 @@ class StarCavity {
   // A tet that will be made: one that goes, with p in the place of a corner.
   struct Made {
     std::array<std::uint32_t, 4> verts;
-    std::uint32_t corner, region;
+    std::uint32_t corner;
     float quality;
   };
   // A side of what is made, or with kNone of what stays around it: two have the same edge opposite to p.
@@ -48,7 +47,6 @@ class StarCavity {
   std::vector<std::uint32_t> tets_, bad_, link_;
   std::vector<Made> made_;
   std::vector<Side> sides_;
-  tets::CavityFilling filling_;
   std::vector<std::uint32_t> marks_, vert_marks_;
   std::uint32_t mark_ = 0;
 };

@@ -10,8 +10,8 @@ namespace tetloom::adapt {
 /// Throws Error(InputUnsuitable), with the entity and the place, unless `mesh`, and `whole`, which was made from it,
 /// name entities that `model` has, every edge in which its faces meet is a piece of a model edge, and every vertex
 /// lies on the model vertex, edge or face that it is classified on: within the entity's tolerance or a millionth of
-/// the model's size, or within a tenth of the shortest edge of the surface there, for vertices that could not be led to
-/// the surface before. Also Cancelled. Parallel over the entities; the error does not depend on the threads.
+/// the model's size, or within a tenth of the shortest edge of the surface there, for vertices that could not be
+/// snapped to the surface before. Also Cancelled. Parallel over the entities; the error does not depend on the threads.
 void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
                         const TaskRunner& runner);
 

@@ -39,9 +39,9 @@ class CellTransfer {
     before_ = sums_over({from_.mesh(), from_regions_}, cells_.values);
   }
 
-  std::vector<double> average_all(std::span<const BackgroundPlace> places, CellShape shape) {
+  std::vector<double> average_all(std::span<const BackgroundPlace> places, CellReconstruction shape) {
     TETLOOM_ASSERT(places.size() == to_.mesh.points.size());
-    if (shape == CellShape::Linear) slopes_ = limited_slopes(from_, from_regions_, cells_, runner_);
+    if (shape == CellReconstruction::Linear) slopes_ = limited_slopes(from_, from_regions_, cells_, runner_);
     std::vector<double> values(to_.mesh.tets.size() * cells_.components);
     runner_.for_blocks(to_.mesh.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       OverlapFinder finder(from_, from_regions_);
@@ -154,7 +154,8 @@ class CellTransfer {
 }  // namespace
 
 std::vector<double> average_cells(const CellSource& from, const TetsInRegions& to,
-                                  std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner) {
+                                  std::span<const BackgroundPlace> places, CellReconstruction shape,
+                                  const TaskRunner& runner) {
   return CellTransfer(from, to, runner).average_all(places, shape);
 }
 
@@ -164,7 +165,8 @@ void put_right_cells(const CellSource& from, const TetsInRegions& to, std::span<
 }
 
 std::vector<double> transfer_cells(const CellSource& from, const TetsInRegions& to,
-                                   std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner) {
+                                   std::span<const BackgroundPlace> places, CellReconstruction shape,
+                                   const TaskRunner& runner) {
   CellTransfer transfer(from, to, runner);
   std::vector<double> values = transfer.average_all(places, shape);
   transfer.put_right(values);

@@ -35,12 +35,14 @@ struct CellSource {
 /// `places`: a tet of `from` near every point of `to`. Pre: sizes fit. The values do not depend on threads. Errors:
 /// Cancelled. About 0.4 µs per overlap of two tets and 1 µs per old one.
 std::vector<double> transfer_cells(const CellSource& from, const TetsInRegions& to,
-                                   std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner);
+                                   std::span<const BackgroundPlace> places, CellReconstruction shape,
+                                   const TaskRunner& runner);
 
 /// The same in two steps: the means alone, for which `to` may be any tets of the mesh, each on its own; and where all
 /// of them are together, what is put right once per region.
 std::vector<double> average_cells(const CellSource& from, const TetsInRegions& to,
-                                  std::span<const BackgroundPlace> places, CellShape shape, const TaskRunner& runner);
+                                  std::span<const BackgroundPlace> places, CellReconstruction shape,
+                                  const TaskRunner& runner);
 void put_right_cells(const CellSource& from, const TetsInRegions& to, std::span<double> values,
                      const TaskRunner& runner);
 

@@ -144,7 +144,7 @@ CellSource FieldCarrier::tet_source(std::span<const double> values) const {
 }
 
 CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::size_t point_count,
-                                  std::span<const BackgroundPlace> places, CellShape shape,
+                                  std::span<const BackgroundPlace> places, CellReconstruction shape,
                                   const TaskRunner& runner) const {
   CarriedFields carried;
   std::vector<MeshField> fields;

@@ -31,7 +31,7 @@ class FieldCarrier {
   /// What the first `point_count` points of `to` get, and its tets, which may be some of the mesh: before integrals are
   /// put right. `places`: of all of its points. Values do not depend on what else is in `to`. Errors: Cancelled.
   CarriedFields carry(const TetsInRegions& to, std::size_t point_count, std::span<const BackgroundPlace> places,
-                      CellShape shape, const TaskRunner& runner) const;
+                      CellReconstruction shape, const TaskRunner& runner) const;
   /// Puts integrals on tets right and gives `to` the fields, on points first. Pre: `carried` is that of all points and
   /// tets of `to`, in their order.
   std::vector<FieldTransfer> finish(CarriedFields&& carried, Mesh& to, const TaskRunner& runner) const;

@@ -92,7 +92,7 @@ void set_adaptation(const RawAdapt& raw, AdaptCommand& command) {
   require(!raw.transfer_order || !raw.transfer.empty(), "--transfer-order goes with --transfer");
   require(!raw.transfer_order || *raw.transfer_order == 1 || *raw.transfer_order == 2,
           "--transfer-order must be 1 or 2");
-  if (raw.transfer_order == 1) options.cell_shape = adapt::CellShape::Constant;
+  if (raw.transfer_order == 1) options.cell_reconstruction = adapt::CellReconstruction::Constant;
   options.threads = count_between("--threads", raw.threads, kMostThreads);
   options.parts = count_between("--parts", raw.parts, kMostParts);
   command.in_parts = is_in_parts(command.output, raw.parts);

@@ -241,6 +241,35 @@ void add_reading_options(CLI::App& command, Raw& raw) {
       ->group(group);
 }
 
+constexpr const char* kRun = "Run";
+
+void add_surface_options(CLI::App& mesh, RawMeshOptions& raw) {
+  mesh.add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(kRun);
+  CLI::Option* refine =
+      mesh.add_option(
+              "--allow-surface-refinement", raw.refinement,
+              "Smaller sizes where walls, faces or edges are too narrow for those asked for, up to FACTOR times "
+              "the elements (inf: whatever it takes); default: 2")
+          ->type_name("FACTOR")
+          ->expected(0, 1)
+          ->default_str("2")
+          ->group(kRun);
+  mesh.add_flag("--no-surface-refinement", raw.no_refinement, "Keep the sizes also there")
+      ->excludes(refine)
+      ->group(kRun);
+  CLI::Option* keep = mesh.add_flag("--keep-small-features", raw.keep_small_features,
+                                    "Mesh edges, faces and steps of the model however small they are");
+  mesh.add_option("--small-feature", raw.small_feature,
+                  "Eliminate from the mesh what is smaller than TOL; default: a tenth of the size asked for there")
+      ->type_name("TOL")
+      ->excludes(keep)
+      ->group(kRun);
+  keep->group(kRun);
+  mesh.add_flag("--keep-surface", raw.keep_surface,
+                "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
+      ->group(kRun);
+}
+
 CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   CLI::App* mesh = app.add_subcommand("mesh", "Mesh a CAD model (STEP, IGES, BREP) or a facet model (STL, OBJ)");
   mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
@@ -250,73 +279,49 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_size_options(*mesh, raw);
   add_goal_options(*mesh, raw);
   add_reading_options(*mesh, raw);
-  const std::string group = "Run";
-  mesh->add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(group);
-  CLI::Option* refine =
-      mesh->add_option(
-              "--allow-surface-refinement", raw.refinement,
-              "Smaller sizes where walls, faces or edges are too narrow for those asked for, up to FACTOR times "
-              "the elements (inf: whatever it takes); default: 2")
-          ->type_name("FACTOR")
-          ->expected(0, 1)
-          ->default_str("2")
-          ->group(group);
-  mesh->add_flag("--no-surface-refinement", raw.no_refinement, "Keep the sizes also there")
-      ->excludes(refine)
-      ->group(group);
-  CLI::Option* keep = mesh->add_flag("--keep-small-features", raw.keep_small_features,
-                                     "Mesh edges, faces and steps of the model however small they are");
-  mesh->add_option("--small-feature", raw.small_feature,
-                   "Eliminate from the mesh what is smaller than TOL; default: a tenth of the size asked for there")
-      ->type_name("TOL")
-      ->excludes(keep)
-      ->group(group);
-  keep->group(group);
-  mesh->add_flag("--keep-surface", raw.keep_surface,
-                 "Keep the surface mesh as it is while the volume is filled, also beside poor tetrahedra")
-      ->group(group);
+  add_surface_options(*mesh, raw);
   mesh->add_flag("--keep-going", raw.keep_going,
                  "Write the solids that can be meshed where others cannot; the exit status is 4 all the same")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option("--lattice", raw.lattice,
                    "The lattice inside: bcc (the default), or a15, of fewer tetrahedra that are nearer to regular")
       ->check(CLI::IsMember({"bcc", "a15"}))
       ->type_name("KIND")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option("--threads", raw.threads, "Default: all cores; the mesh does not depend on it")
       ->type_name("T")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option("--parts", raw.parts,
                    "Deal the mesh to P parts: .pvtu (a file per part) or .msh (one file); .pvtu without it: the parts "
                    "in which volumes were filled")
       ->type_name("P")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option(
           "--tets-per-part", raw.tets_per_part,
           "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: about 2.5e5. The mesh "
           "depends on it, where parts meet")
       ->type_name("N")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option("--unit", raw.unit,
                    "The unit of the output's lengths; default: the model's. Sizes are in the model's unit")
       ->check(CLI::IsMember({"m", "cm", "mm", "um", "km", "in", "ft"}))
       ->type_name("U")
-      ->group(group);
+      ->group(kRun);
   mesh->add_option("--msh-version", raw.msh_version, "Of .msh: 4.1 (the default), or 2.2, which more programs read")
       ->check(CLI::IsMember({"4.1", "2.2"}))
       ->type_name("V")
-      ->group(group);
-  mesh->add_flag("--ascii", raw.ascii, "Write .msh of version 2.2 as text")->group(group);
+      ->group(kRun);
+  mesh->add_flag("--ascii", raw.ascii, "Write .msh of version 2.2 as text")->group(kRun);
   mesh->add_option("--max-memory", raw.max_memory,
                    "Refuse what is estimated to need more, such as 8G; default: what the machine has free")
       ->type_name("BYTES")
-      ->group(group);
+      ->group(kRun);
   mesh->add_flag("--tetgen", raw.tetgen, "Fill volumes by TetGen alone, to compare");
   mesh->add_option("--worker", raw.worker, "The tetloom-tetgen to use; default: beside tetloom, then in PATH")
       ->type_name("FILE")
-      ->group(group);
-  mesh->add_option("--report", raw.report, "Write a report, for failures too")->type_name("R.json")->group(group);
-  mesh->add_flag("--quiet", raw.quiet, "Print errors only")->group(group);
+      ->group(kRun);
+  mesh->add_option("--report", raw.report, "Write a report, for failures too")->type_name("R.json")->group(kRun);
+  mesh->add_flag("--quiet", raw.quiet, "Print errors only")->group(kRun);
   mesh->footer(kMeshExamples);
   return mesh;
 }

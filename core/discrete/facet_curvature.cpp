@@ -8,12 +8,12 @@
 namespace tetloom::detail {
 namespace {
 
-struct Frame {
+struct TangentFrame {
   Vec3 u, v, normal;
 };
 
 /// An orthonormal frame around a unit normal (Duff et al. 2017).
-Frame make_frame(const Vec3& n) {
+TangentFrame make_frame(const Vec3& n) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
@@ -121,7 +121,7 @@ struct Jet {
 };
 
 Jet fit_jet(std::span<const Vec3> points, const Vec3& center, const std::vector<std::uint32_t>& ring,
-            const Frame& frame) {
+            const TangentFrame& frame) {
   // Where the ring leaves terms open, the weak pull towards zero decides: slopes are pulled least, so that points in
   // two rows are a slope and not a bend.
   constexpr double kSlope = 1e-9, kBend = 1e-6;
@@ -142,7 +142,7 @@ Jet fit_jet(std::span<const Vec3> points, const Vec3& center, const std::vector<
   return {x[0], x[1], scale * x[2], scale * x[3], scale * x[4]};
 }
 
-SymmetricTensor to_tensor(const Jet& jet, const Frame& frame) {
+SymmetricTensor to_tensor(const Jet& jet, const TangentFrame& frame) {
   SymmetricTensor tensor;
   int entry = 0;
   for (int i = 0; i < 3; ++i) {
@@ -233,7 +233,7 @@ PointJets fit_jets(std::span<const Vec3> points, std::span<const Triangle> tri_t
     const auto& ring = collector.collect(v, on_rim[v]);
     // The bending is read off where the slope is small, so turn the frame to the jet's own normal.
     for (int round = 0; round < kRounds; ++round) {
-      const Frame frame = make_frame(jets.normals[v]);
+      const TangentFrame frame = make_frame(jets.normals[v]);
       const Jet jet = fit_jet(points, points[v], ring, frame);
       jets.bending[v] = to_tensor(jet, frame);
       const Vec3 normal = normalized(frame.normal - jet.a * frame.u - jet.b * frame.v);
@@ -248,7 +248,7 @@ PointJets fit_jets(std::span<const Vec3> points, std::span<const Triangle> tri_t
 
 PrincipalCurvatures principal_curvatures(const SymmetricTensor& bending, const Vec3& normal) {
   if (normal == Vec3{}) return {};
-  const Frame frame = make_frame(normal);
+  const TangentFrame frame = make_frame(normal);
   const Vec3 mu = multiply(bending, frame.u), mv = multiply(bending, frame.v);
   const double a = dot(frame.u, mu), b = dot(frame.u, mv), c = dot(frame.v, mv);
   const double mean = (a + c) / 2, radius = std::hypot((a - c) / 2, b);

@@ -123,9 +123,9 @@ void drop_unused_points(FacetSoup& soup) {
 }
 
 /// Points by cells of a grid as wide as the tolerance, so that those nearby are in 27 cells.
-class PointGrid {
+class SoupGrid {
  public:
-  PointGrid(std::span<const Vec3> points, Vec3 origin, double cell) : points_(points), origin_(origin), cell_(cell) {}
+  SoupGrid(std::span<const Vec3> points, Vec3 origin, double cell) : points_(points), origin_(origin), cell_(cell) {}
 
   void insert(std::uint32_t v) { cells_.emplace(key(cell_of(points_[v])), v); }
 
@@ -168,7 +168,7 @@ VertexMap map_cracks(const FacetSoup& soup, const FacetEdges& edges, double tole
   for (std::size_t edge = 0; edge < edges.size(); ++edge) {
     if (edges.halves(edge).size() == 1) open[edges.edge_to_vert[edge][0]] = open[edges.edge_to_vert[edge][1]] = true;
   }
-  PointGrid grid(soup.points, box_of(soup.points).lo, tolerance);
+  SoupGrid grid(soup.points, box_of(soup.points).lo, tolerance);
   for (std::uint32_t v = 0; v < map.size(); ++v) {
     const std::uint32_t near = open[v] ? grid.find_near(v) : kNone;
     map[v] = near == kNone ? v : near;

@@ -73,18 +73,19 @@ void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, const Blo
 void validate_classification(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log);
 
 /// A directed edge filed under its ends in ascending order.
-struct EdgeUse {
+struct ElementEdge {
   std::uint32_t low = 0, high = 0;
   std::uint64_t code = 0;  ///< element * 4 + is_mesh_edge * 2 + runs from high to low
 
   std::size_t element() const { return static_cast<std::size_t>(code >> 2); }
   bool is_mesh_edge() const { return (code & 2) != 0; }
   bool reversed() const { return (code & 1) != 0; }
-  friend auto operator<=>(const EdgeUse&, const EdgeUse&) = default;
+  friend auto operator<=>(const ElementEdge&, const ElementEdge&) = default;
 };
-inline EdgeUse make_edge_use(std::uint32_t from, std::uint32_t to, std::uint64_t element, bool is_mesh_edge = false) {
+inline ElementEdge make_edge_use(std::uint32_t from, std::uint32_t to, std::uint64_t element,
+                                 bool is_mesh_edge = false) {
   const std::uint64_t code = element * 4 + (is_mesh_edge ? 2 : 0);
-  return from < to ? EdgeUse{from, to, code} : EdgeUse{to, from, code | 1};
+  return from < to ? ElementEdge{from, to, code} : ElementEdge{to, from, code | 1};
 }
 
 /// What is found at the edges around a range of points.
@@ -102,16 +103,16 @@ void check_edge_groups(const Mesh& mesh, std::size_t count, const BlockLoop& loo
   const KeyRanges ranges(mesh.points.size());
   std::vector<EdgeFindings> findings(ranges.count(), EdgeFindings{ProblemLog(mesh)});
   const auto file_uses = [&](std::size_t begin, std::size_t end, const auto& file) {
-    emit(begin, end, [&](const EdgeUse& use) { file(ranges.of(use.low), use); });
+    emit(begin, end, [&](const ElementEdge& use) { file(ranges.of(use.low), use); });
   };
-  const auto visit_range = [&](std::size_t range, std::span<EdgeUse> uses) {
+  const auto visit_range = [&](std::size_t range, std::span<ElementEdge> uses) {
     std::sort(uses.begin(), uses.end());
     for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
       while (end < uses.size() && uses[end].low == uses[begin].low && uses[end].high == uses[begin].high) ++end;
-      visit(std::span<const EdgeUse>(uses.subspan(begin, end - begin)), findings[range]);
+      visit(std::span<const ElementEdge>(uses.subspan(begin, end - begin)), findings[range]);
     }
   };
-  for_each_filed_range<EdgeUse>(count, ranges, loop, file_uses, visit_range);
+  for_each_filed_range<ElementEdge>(count, ranges, loop, file_uses, visit_range);
   for (EdgeFindings& found : findings) {
     log.append(std::move(found.log));
     report.open_edges += found.open;

@@ -23,11 +23,11 @@ void log_surface(const Mesh& mesh, ProblemLog& log, ProblemKind problem, std::si
 struct SurfaceEdge {
   std::size_t faces = 0, mesh_edges = 0;
   bool faces_differ = false;
-  const EdgeUse* first = nullptr;  // surface elements
-  const EdgeUse* second = nullptr;
+  const ElementEdge* first = nullptr;  // surface elements
+  const ElementEdge* second = nullptr;
 
-  SurfaceEdge(const Mesh& mesh, std::span<const EdgeUse> group) {
-    for (const EdgeUse& use : group) {
+  SurfaceEdge(const Mesh& mesh, std::span<const ElementEdge> group) {
+    for (const ElementEdge& use : group) {
       if (use.is_mesh_edge()) {
         ++mesh_edges;
         continue;
@@ -43,10 +43,11 @@ struct SurfaceEdge {
   }
 };
 
-void check_surface_edge(const Mesh& mesh, const PointMarks& marks, std::span<const EdgeUse> group, ProblemLog& log) {
+void check_surface_edge(const Mesh& mesh, const PointMarks& marks, std::span<const ElementEdge> group,
+                        ProblemLog& log) {
   const SurfaceEdge edge(mesh, group);
   std::size_t seen = 0;
-  for (const EdgeUse& use : group)
+  for (const ElementEdge& use : group)
     if (use.is_mesh_edge() && seen++ > 0) log.add(ProblemKind::DuplicateElement, ElementKind::Edge, use.element());
   if (edge.faces == 0) {
     const bool on_surface = marks.on_surface[group[0].low] && marks.on_surface[group[0].high];
@@ -85,7 +86,7 @@ void validate_surface_edges(const Mesh& mesh, const PointMarks& marks, const Blo
     }
   };
   const bool counts_edges = cell_count(mesh) == 0;
-  const auto visit = [&](std::span<const EdgeUse> group, EdgeFindings& findings) {
+  const auto visit = [&](std::span<const ElementEdge> group, EdgeFindings& findings) {
     check_surface_edge(mesh, marks, group, findings.log);
     if (!counts_edges) return;
     const SurfaceEdge edge(mesh, group);

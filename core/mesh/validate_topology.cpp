@@ -124,7 +124,7 @@ Triangle sorted(Triangle v) {
 
 /// The faces of single cells.
 struct Boundary {
-  std::vector<EdgeUse> edges;
+  std::vector<ElementEdge> edges;
   std::vector<Triangle> triangles;  // kept in meshes that have faces of four points
   std::vector<FaceUse> quads;
 
@@ -164,12 +164,12 @@ void check_face(const Mesh& mesh, const FaceGroup& face, bool keeps_triangles, F
   }
 }
 
-void count_edges(const Mesh& mesh, const std::vector<EdgeUse>& uses, const BlockLoop& loop, ProblemLog& log,
+void count_edges(const Mesh& mesh, const std::vector<ElementEdge>& uses, const BlockLoop& loop, ProblemLog& log,
                  ValidationReport& report) {
   const auto emit = [&](std::size_t begin, std::size_t end, const auto& add) {
     for (std::size_t i = begin; i < end; ++i) add(uses[i]);
   };
-  const auto visit = [](std::span<const EdgeUse> group, EdgeFindings& findings) {
+  const auto visit = [](std::span<const ElementEdge> group, EdgeFindings& findings) {
     if (group.size() > 2) ++findings.nonmanifold;
     if (group.size() % 2 == 0) return;
     ++findings.open;

@@ -20,12 +20,12 @@ constexpr unsigned gray_rank(unsigned v) { return v ^ (v >> 1) ^ (v >> 2); }
 constexpr unsigned trailing_ones(unsigned v) { return static_cast<unsigned>(std::countr_one(v)); }
 
 /// The eighth of the cube with the corner bits `octant` comes as number `rank` and has the pose `inner`.
-struct Step {
+struct CurveStep {
   unsigned rank;
   Pose inner;
 };
 
-constexpr Step step(Pose pose, unsigned octant) {
+constexpr CurveStep step(Pose pose, unsigned octant) {
   const unsigned turn = (pose.axis + 1) % 3;
   const unsigned rank = gray_rank(rotate_right(octant ^ pose.corner, turn));
   const unsigned entry = rank == 0 ? 0 : gray((rank - 1) & ~1U);
@@ -38,7 +38,7 @@ constexpr auto kSteps = [] {
   std::array<std::uint8_t, 24 * 8> table{};
   for (unsigned pose = 0; pose < 24; ++pose)
     for (unsigned octant = 0; octant < 8; ++octant) {
-      const Step s = step({pose / 3, pose % 3}, octant);
+      const CurveStep s = step({pose / 3, pose % 3}, octant);
       table[8 * pose + octant] = static_cast<std::uint8_t>(8 * (3 * s.inner.corner + s.inner.axis) + s.rank);
     }
   return table;

@@ -72,10 +72,7 @@ void CavityFilling::swap_surface(std::span<const TriangleVerts> before, std::spa
 
 // A face, or nothing, where the slot's has been waiting for one.
 void CavityFilling::meet(TetMesh& mesh, Slot& slot, FaceCode face, bool is_fixed) {
-  link_sides(mesh, face, slot.code);
-  if (is_fixed || slot.is_fixed)
-    for (const FaceCode side : {face, slot.code})
-      if (side != kNone) fix_side(mesh, side);
+  link_sides(mesh, face, slot.code, is_fixed || slot.is_fixed);
   slot.state = State::Gone;
   --unmet_;
 }

@@ -12,52 +12,41 @@
 
 namespace tetloom::tets {
 
-/// The faces of tets by their lowest vertices. Looks at the vertices that it was made of, which have to stay. 16 bytes
-/// per tet and 8 per point.
-class FaceGroups {
- public:
-  /// `to_vert`: four vertices of each tet. Pre: they are below `point_count`; fewer than 2^30 tets. Errors: Cancelled.
-  FaceGroups(std::span<const std::uint32_t> to_vert, std::size_t point_count, const BlockLoop& loop);
-
-  /// Calls visit(faces) for all faces that have the same vertices, ascending; for several such groups at once. Linear
-  /// but for vertices that are the lowest of very many faces.
-  template <class Visit>
-  void for_each(const BlockLoop& loop, const Visit& visit) const {
-    loop.for_blocks(by_lowest_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::pair<std::uint64_t, FaceCode>> keys;
-      std::vector<FaceCode> group;
-      for (std::size_t v = begin; v < end; ++v) {
-        keys.clear();
-        for (const FaceCode face : by_lowest_[v]) {
-          const TriangleVerts verts = sorted(verts_of(face)).verts;
-          keys.emplace_back(std::uint64_t{verts[1]} << 32 | verts[2], face);
-        }
-        std::sort(keys.begin(), keys.end());
-        for (std::size_t i = 0; i < keys.size();) {
-          group.clear();
-          const std::uint64_t key = keys[i].first;
-          for (; i < keys.size() && keys[i].first == key; ++i) group.push_back(keys[i].second);
-          visit(std::span<const FaceCode>(group));
-        }
+/// Calls visit(faces, verts) for all faces that have the same vertices, ascending as these are; for several such groups
+/// at once. `to_vert`: four vertices of each tet. Linear but for vertices that are the lowest of very many faces; 16
+/// bytes per tet and 8 per point. Pre: vertices are below `point_count`; fewer than 2^30 tets. Errors: Cancelled.
+template <class Visit>
+void for_each_face_group(std::span<const std::uint32_t> to_vert, std::size_t point_count, const BlockLoop& loop,
+                         const Visit& visit) {
+  constexpr std::size_t kGrain = 1 << 10;
+  const auto verts_of_face = [to_vert](FaceCode face) { return sorted(verts_of(to_vert.data(), face)).verts; };
+  const Grouping by_lowest(point_count, to_vert.size(), [&](const auto& add) {
+    loop.for_blocks(to_vert.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end) {
+      for (auto face = static_cast<FaceCode>(begin); face < end; ++face) {
+        const TriangleVerts v = verts_of(to_vert.data(), face);
+        add(face, std::min({v[0], v[1], v[2]}));
       }
     });
-  }
-
-  /// The lowest face with these vertices, which ascend; kNone where there is none.
-  FaceCode find(const TriangleVerts& verts) const;
-
-  /// The vertices of a face, counter-clockwise seen from outside a tet of positive volume.
-  TriangleVerts verts_of(FaceCode face) const {
-    const std::uint32_t* v = &to_vert_[std::size_t{face / 4} * 4];
-    const auto& f = kFaceVerts[face % 4];
-    return {v[f[0]], v[f[1]], v[f[2]]};
-  }
-
- private:
-  static constexpr std::size_t kGrain = 1 << 10;
-
-  std::span<const std::uint32_t> to_vert_;
-  Grouping by_lowest_;  // faces by their lowest vertices
-};
+  });
+  loop.for_blocks(point_count, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::pair<std::uint64_t, FaceCode>> keys;
+    std::vector<FaceCode> group;
+    for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
+      keys.clear();
+      for (const FaceCode face : by_lowest[v]) {
+        const TriangleVerts verts = verts_of_face(face);
+        keys.emplace_back(std::uint64_t{verts[1]} << 32 | verts[2], face);
+      }
+      std::sort(keys.begin(), keys.end());
+      for (std::size_t i = 0; i < keys.size();) {
+        group.clear();
+        const std::uint64_t key = keys[i].first;
+        for (; i < keys.size() && keys[i].first == key; ++i) group.push_back(keys[i].second);
+        const TriangleVerts verts{v, static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        visit(std::span<const FaceCode>(group), verts);
+      }
+    }
+  });
+}
 
 }  // namespace tetloom::tets

@@ -6,6 +6,7 @@
 
 #include "core/predicates/predicates.hpp"
 #include "core/tets/face_groups.hpp"
+#include "core/tets/find_triangles.hpp"
 
 namespace tetloom::tets {
 
@@ -46,32 +47,32 @@ class LowestFault {
   const char* message_ = nullptr;
 };
 
-Fault link_faces(TetMesh& mesh, const FaceGroups& groups, const BlockLoop& loop) {
+// Fills `tri_to_face` with the lowest face that each triangle is, but for repeated ones.
+Fault link_faces(TetMesh& mesh, const TriangleIndex& triangles, std::span<FaceCode> tri_to_face,
+                 const BlockLoop& loop) {
   LowestFault lowest;
-  groups.for_each(loop, [&](std::span<const FaceCode> faces) {
+  const auto link = [&](std::span<const FaceCode> faces, const TriangleVerts& verts) {
+    if (const auto* triangle = triangles.find({verts})) tri_to_face[triangle->triangle] = faces[0];
     if (faces.size() == 1) return;
     if (sorted(verts_of(mesh, faces[0])).turned == sorted(verts_of(mesh, faces[1])).turned)
       return lowest.tell(faces[1], "two tetrahedra lie on one side of a face");
     if (faces.size() > 2) return lowest.tell(faces[2], "more than two tetrahedra share a face");
     link_sides(mesh, faces[0], faces[1]);
-  });
+  };
+  for_each_face_group(mesh.to_vert.span(), mesh.points.size(), loop, link);
   return lowest.fault(mesh);
 }
 
-Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const FaceGroups& groups,
-                  const BlockLoop& loop) {
-  std::vector<FaceCode> faces(triangles.size());
-  loop.for_blocks(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) faces[t] = groups.find(sorted(triangles[t]).verts);
-  });
+Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const TriangleIndex& index,
+                  std::span<const FaceCode> tri_to_face) {
   Fault fault;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (faces[t] == kNone) {
+    const FaceCode face = tri_to_face[index.find(sorted(triangles[t]))->triangle];
+    if (face == kNone) {
       fault.triangles.push_back(t);
-      continue;
+    } else {
+      link_sides(mesh, face, mesh.to_neighbor[face], true);
     }
-    fix_side(mesh, faces[t]);
-    if (const FaceCode behind = mesh.to_neighbor[faces[t]]; behind != kNone) fix_side(mesh, behind);
   }
   if (fault.triangles.empty()) return fault;
   const auto& [a, b, c] = triangles[fault.triangles[0]];
@@ -90,9 +91,10 @@ Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet
   mesh.to_region.resize(tet_to_vert.size(), kNone);
   mesh.to_fixed.resize(tet_to_vert.size(), 0);
   if (Fault fault = turn_tets(mesh, loop); fault.any()) return fault;
-  const FaceGroups groups(mesh.to_vert.span(), mesh.points.size(), loop);
-  if (Fault fault = link_faces(mesh, groups, loop); fault.any()) return fault;
-  return fix_surface(mesh, triangles, groups, loop);
+  const TriangleIndex index(triangles, mesh.points.size());
+  std::vector<FaceCode> tri_to_face(triangles.size(), kNone);
+  if (Fault fault = link_faces(mesh, index, tri_to_face, loop); fault.any()) return fault;
+  return fix_surface(mesh, triangles, index, tri_to_face);
 }
 
 }  // namespace tetloom::tets

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "tetloom/assert.hpp"
-
 namespace tetloom::tets {
 
 LocalMesh::LocalMesh(TetMesh& mesh) : mesh_(mesh), vert_to_tet_(mesh.points.size(), kNone) {
   for (auto t = static_cast<std::uint32_t>(mesh.size()); t-- > 0;)
-    if (mesh.is_dead(t)) places_.drop(mesh, t);
+    if (mesh.is_dead(t)) editor_.drop(mesh, nullptr, t);
   for (std::uint32_t t = 0; t < mesh.size(); ++t) {
     if (mesh.is_dead(t)) continue;
     for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = t;
@@ -95,26 +93,17 @@ void LocalMesh::release(FaceCode code) {
 }
 
 void LocalMesh::replace(std::span<const std::uint32_t> old, std::span<const Tet> fresh) {
-  const std::uint32_t region = mesh_.to_region[old[0]];
   TetList inside(old.begin(), old.end());
   std::sort(inside.begin(), inside.end());
-  filling_.open(mesh_, inside, fresh.size());
-  for (const std::uint32_t t : inside) {
+  for (const std::uint32_t t : inside)
     for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = kNone;
-  }
-  for (auto t = inside.rbegin(); t != inside.rend(); ++t) places_.drop(mesh_, *t);
-  TetList made;
-  for (const Tet& verts : fresh) {
-    const std::uint32_t t = places_.take(mesh_);
-    std::copy(verts.begin(), verts.end(), mesh_.to_vert.begin() + std::size_t{t} * 4);
-    mesh_.to_region[t] = region;
-    mesh_.to_fixed[t] = 0;
-    for (const std::uint32_t v : verts) vert_to_tet_[v] = t;
-    made.push_back(t);
-  }
+  // Of those that die, the lowest is to be taken again first.
+  std::reverse(inside.begin() + static_cast<std::ptrdiff_t>(std::min(inside.size(), fresh.size())), inside.end());
+  std::vector<NewTet> made;
+  for (const Tet& verts : fresh) made.push_back({verts, 0});
+  for (const std::uint32_t t : editor_.replace(mesh_, nullptr, {inside, made}))
+    for (const std::uint32_t v : tet(t)) vert_to_tet_[v] = t;
   stamps_.resize(mesh_.size(), 0);
-  const bool fits = filling_.close(mesh_, made);
-  TETLOOM_ASSERT(fits);
 }
 
 std::uint32_t LocalMesh::add_point(const Vec3& p) {
@@ -124,8 +113,8 @@ std::uint32_t LocalMesh::add_point(const Vec3& p) {
 }
 
 void LocalMesh::tidy(std::uint32_t first) {
-  if (places_.has_dead()) compact(mesh_);
-  places_.forget();
+  compact(mesh_);
+  editor_.forget_dead();
   if (mesh_.points.size() == first) return;
   std::vector<std::uint32_t> to_new(mesh_.points.size() - first, kNone);
   for (const std::uint32_t v : mesh_.to_vert) {

@@ -7,9 +7,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "core/tets/cavity_filling.hpp"
+#include "core/tets/tet_editor.hpp"
 #include "core/tets/tet_mesh.hpp"
-#include "core/tets/tet_places.hpp"
 #include "core/tets/triangle_verts.hpp"
 
 namespace tetloom::tets {
@@ -57,8 +56,7 @@ class LocalMesh {
 
   TetMesh& mesh_;
   std::vector<std::uint32_t> vert_to_tet_;
-  TetPlaces places_;
-  CavityFilling filling_;
+  TetEditor editor_;
   mutable std::vector<std::uint32_t> stamps_;
   mutable std::uint32_t stamp_ = 0;
 };

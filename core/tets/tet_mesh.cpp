@@ -44,15 +44,10 @@ std::string find_face_fault(const TetMesh& mesh, std::uint32_t tet, std::uint32_
 }  // namespace
 
 void compact(TetMesh& mesh, std::span<const std::uint32_t> dead) {
-  auto count = static_cast<std::uint32_t>(mesh.size());
-  for (const std::uint32_t hole : dead) {
-    if (hole >= count) break;
-    while (count > hole + 1 && mesh.is_dead(count - 1)) --count;
-    --count;
-    if (count > hole) move_tet(mesh, count, hole);
-  }
-  mesh.to_vert.resize(std::size_t{count} * 4);
-  mesh.to_neighbor.resize(std::size_t{count} * 4);
+  const std::size_t count =
+      fill_holes(mesh.size(), dead, [&mesh](std::uint32_t from, std::uint32_t to) { move_tet(mesh, from, to); });
+  mesh.to_vert.resize(count * 4);
+  mesh.to_neighbor.resize(count * 4);
   mesh.to_region.resize(count);
   mesh.to_fixed.resize(count);
 }

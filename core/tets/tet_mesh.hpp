@@ -48,6 +48,25 @@ inline void link_sides(TetMesh& mesh, FaceCode one, FaceCode other) {
   if (one != kNone) mesh.to_neighbor[one] = other;
   if (other != kNone) mesh.to_neighbor[other] = one;
 }
+/// The same, and where `fixed`, both must stay.
+inline void link_sides(TetMesh& mesh, FaceCode one, FaceCode other, bool fixed) {
+  link_sides(mesh, one, other);
+  if (!fixed) return;
+  if (one != kNone) fix_side(mesh, one);
+  if (other != kNone) fix_side(mesh, other);
+}
+
+/// Calls move(from, to) until none of `count` places is a hole, with those from the end that are none for the holes,
+/// which ascend. Returns how many are left.
+template <class Move>
+std::size_t fill_holes(std::size_t count, std::span<const std::uint32_t> holes, const Move& move) {
+  std::size_t last = holes.size();
+  for (std::size_t i = 0; i < last; ++i) {
+    for (; last > i && holes[last - 1] == count - 1; --last) --count;
+    if (i < last) move(static_cast<std::uint32_t>(--count), holes[i]);
+  }
+  return count;
+}
 
 /// Moves the last tets into the places of dead ones, in ascending order, so that none is dead. Linear.
 void compact(TetMesh& mesh);

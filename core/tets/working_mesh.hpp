@@ -6,19 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/tets/cavity_filling.hpp"
 #include "core/tets/edge_ring.hpp"
+#include "core/tets/tet_editor.hpp"
 #include "core/tets/tet_mesh.hpp"
-#include "core/tets/tet_places.hpp"
 #include "core/tets/tet_quality.hpp"
 
 namespace tetloom::tets {
-
-/// The vertices of a tet, positively oriented, and its cubed quality.
-struct NewTet {
-  std::array<std::uint32_t, 4> verts;
-  double quality;
-};
 
 /// Two fixed faces that give way to two others: a diagonal of four points of the surface is exchanged.
 struct SurfaceSwap {
@@ -32,10 +25,10 @@ struct CavitySide {
 };
 
 /// Invariant between two calls: to_quality[t] is the cubed quality of tet t in single precision, kDeadQuality for a
-/// dead one. Dead tets form a list through their first neighbour, so that nothing is allocated for them.
+/// dead one.
 class WorkingMesh {
  public:
-  static constexpr float kDeadQuality = 2;
+  static constexpr float kDeadQuality = tets::kDeadQuality;
   static constexpr std::size_t kMostTets = 128;  // of a cavity, old or new
 
   /// The first `alike` tets are taken to have the quality of the first one, no fixed faces, and none with nothing
@@ -113,20 +106,13 @@ class WorkingMesh {
   void read_tet(std::uint32_t tet);
   void fix_points_of(std::uint32_t tet);
   std::vector<std::uint32_t> find_dead() const;  // ascending
-  void compact_qualities(std::span<const std::uint32_t> dead);
-  std::array<std::uint32_t, kMostTets> take_ids(std::span<const std::uint32_t> old, std::size_t count);
-  void write_tet(std::uint32_t tet, const NewTet& made, std::uint32_t region);
-  void close(std::span<const std::uint32_t> made);
   void set_fixed_point(std::uint32_t vertex) { fixed_[vertex / 64] |= std::uint64_t{1} << vertex % 64; }
-  std::uint32_t take_tet();
-  void drop_tet(std::uint32_t tet);
 
   TetMesh& mesh_;
-  TetPlaces places_;
+  TetEditor editor_;
   GrowingArray<float> to_quality_;
   GrowingArray<std::uint64_t> fixed_;  // a bit per point
   GrowingArray<std::uint32_t> unused_points_;
-  CavityFilling filling_;
 };
 
 }  // namespace tetloom::tets

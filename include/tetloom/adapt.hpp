@@ -42,17 +42,17 @@ using Verdicts = std::array<std::size_t, static_cast<std::size_t>(Verdict::Count
 
 struct PassCounts {
   Verdicts splits{}, collapses{}, swaps{}, moves{};
-  std::size_t unled = 0;  ///< times that a vertex of the surface was not led all the way to the model
+  std::size_t unsnapped = 0;  ///< times that a vertex of the surface was not moved all the way to the model
 
   void add(const PassCounts& other) {
     for (const auto counts : {&PassCounts::splits, &PassCounts::collapses, &PassCounts::swaps, &PassCounts::moves})
       for (std::size_t i = 0; i < splits.size(); ++i) (this->*counts)[i] += (other.*counts)[i];
-    unled += other.unled;
+    unsnapped += other.unsnapped;
   }
 };
 
 /// How values on tets are understood between the centres.
-enum class CellShape {
+enum class CellReconstruction {
   Constant,  ///< one value all over each tet: first order
   Linear,    ///< with a gradient that makes no new extremes: second order where the field is smooth
 };
@@ -98,12 +98,13 @@ struct AdaptOptions {
   double quality_floor = 0.1;  ///< mean ratio in the metric; no collapse, swap or motion makes a tet worse than this,
                                ///< unless it replaces worse ones
   double gradation = 0;        ///< > 1: sizes grow by at most this factor over an edge of unit length; 0: as given
-  const GeometricModel* model = nullptr;  ///< new vertices of the boundary are led to it; null: boundaries stay as they
-                                          ///< are, and only what lies in planes and on straight edges is changed
+  const GeometricModel* model = nullptr;  ///< new vertices of the boundary are snapped to it; null: boundaries stay as
+                                          ///< they are, and only what lies in planes and on straight edges is changed
   std::vector<std::string> transfer;      ///< fields to be carried over, on points, on tets or on both
-  adapt::CellShape cell_shape = adapt::CellShape::Linear;  ///< of fields on tets, while they are carried over
-  int threads = 0;                                         ///< 0: all cores that the process may use
-  double tets_per_part = 0;                                ///< 0: as it sees fit
+  adapt::CellReconstruction cell_reconstruction =
+      adapt::CellReconstruction::Linear;  ///< of fields on tets, while they are carried over
+  int threads = 0;                        ///< 0: all cores that the process may use
+  double tets_per_part = 0;               ///< 0: as it sees fit
   int parts = 0;           ///< of adapt_mesh_in_parts: the result is dealt to so many; 0: as many as the last round had
   Trace* trace = nullptr;  ///< takes what loops and parts did; may be null
 };
@@ -136,7 +137,7 @@ struct AdaptReport {
   std::size_t rounds = 0;
   std::size_t most_parts = 0;    ///< of any round
   std::size_t last_parts = 0;    ///< of the last round
-  std::size_t beside_model = 0;  ///< vertices of the surface that could not be led all the way to the model
+  std::size_t beside_model = 0;  ///< vertices of the surface that could not be moved all the way to the model
   std::vector<adapt::FieldTransfer> transfers;  ///< fields on points first
   double seconds = 0;
   AdaptSeconds stages;

@@ -24,7 +24,7 @@ bool has(const auto& items, std::uint32_t item) { return std::ranges::find(items
 Vec3 area_vector(const std::array<Vec3, 3>& x) { return cross(x[1] - x[0], x[2] - x[0]); }
 
 /// A triangle of the surface as it will be, at one of its corners.
-struct Corner {
+struct TriangleCorner {
   const Triangle& verts;
   std::uint32_t source;  ///< the triangle of the present surface that it is or replaces
 };
@@ -81,7 +81,7 @@ class FoldCheck {
     return false;
   }
 
-  bool folds(std::uint32_t v, const AddedTriangle& added, const Cone& cone, const Corner& other) const {
+  bool folds(std::uint32_t v, const AddedTriangle& added, const Cone& cone, const TriangleCorner& other) const {
     const Cone near = cone_at(v, other.verts, [&](std::uint32_t w) { return after(w); });
     const FaceSides sides = surface_.sides(added.source);
     const bool in_region = (dot(cone.normal, near.middle) > 0 ? sides.front : sides.back).valid();

@@ -10,7 +10,7 @@
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/parts/part_surface.hpp"
 #include "mesher/tets/optimizer.hpp"
-#include "mesher/volume/filling.hpp"
+#include "mesher/volume/complex_filling.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {

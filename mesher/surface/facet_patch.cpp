@@ -9,13 +9,13 @@
 namespace tetloom {
 namespace {
 
-using detail::PatchFailure, detail::PatchVertices, detail::Reach, detail::Run;
+using detail::PatchFailure, detail::PatchVertices, detail::Reach, detail::RimRun;
 constexpr std::uint32_t kNone = Triangulation::kNone;
 
 /// Removes the points of the rim that are no nodes.
 class RimCleaner {
  public:
-  RimCleaner(Triangulation& mesh, PatchVertices& vertices, const std::vector<Run>& runs,
+  RimCleaner(Triangulation& mesh, PatchVertices& vertices, const std::vector<RimRun>& runs,
              const detail::PatchCallbacks& callbacks)
       : mesh_(mesh),
         vertices_(vertices),
@@ -23,7 +23,7 @@ class RimCleaner {
         callbacks_(callbacks),
         on_rim_(vertices.size(), false),
         touched_(vertices.size(), 0) {
-    for (const Run& run : runs) {
+    for (const RimRun& run : runs) {
       for (const std::uint32_t v : run.verts) {
         on_rim_[v] = true;
         if (vertices.node[v] == FacetPatch::kNoNode) pending_.push_back(v);
@@ -126,7 +126,7 @@ class RimCleaner {
   }
 
   bool remove(std::uint32_t v, const Stage& stage) {
-    const detail::Cavity& ball = remover_.collect_ball(v);
+    const detail::PatchCavity& ball = remover_.collect_ball(v);
     const std::uint32_t after = ball.ring.front(), before = ball.ring.back();
     bool gone = remover_.remove(v, stage.level, stage.reach);
     while (!gone && stage.sacrifice != Sacrifice::Nothing && give_up_one(v, stage))
@@ -204,7 +204,7 @@ class RimCleaner {
 
   Triangulation& mesh_;
   PatchVertices& vertices_;
-  detail::VertexRemover remover_;
+  detail::PatchVertexRemover remover_;
   const detail::PatchCallbacks& callbacks_;
   std::vector<bool> on_rim_;
   std::vector<std::uint32_t> touched_, pending_;
@@ -240,8 +240,8 @@ FacetPatch make_facet_patch(const Tessellation& tessellation, std::span<const Bo
     Triangulation mesh;
     PatchVertices vertices;
     detail::join_facets(tessellation, mesh, vertices);
-    std::vector<Run> runs = detail::match_runs(mesh, vertices, chains);
-    for (Run& run : runs) detail::insert_nodes(mesh, vertices, run);
+    std::vector<RimRun> runs = detail::match_runs(mesh, vertices, chains);
+    for (RimRun& run : runs) detail::insert_nodes(mesh, vertices, run);
     const detail::PatchCallbacks callbacks{keep_going, size_at};
     RimCleaner cleaner(mesh, vertices, runs, callbacks);
     cleaner.clean();

@@ -43,17 +43,17 @@ struct PatchVertices {
 void join_facets(const Tessellation& tessellation, Triangulation& mesh, PatchVertices& vertices);
 
 /// The rim from one model vertex to the next, face on the left.
-struct Run {
+struct RimRun {
   std::vector<std::uint32_t> verts;
   const BoundaryChain* chain = nullptr;
 };
 
 /// Cuts the rim into runs and gives each its chain. Throws PatchFailure.
-std::vector<Run> match_runs(const Triangulation& mesh, const PatchVertices& vertices,
-                            std::span<const BoundaryChain> chains);
+std::vector<RimRun> match_runs(const Triangulation& mesh, const PatchVertices& vertices,
+                               std::span<const BoundaryChain> chains);
 
 /// Puts the nodes of its chain into a run. The run then holds its old points and the nodes in order.
-void insert_nodes(Triangulation& mesh, PatchVertices& vertices, Run& run);
+void insert_nodes(Triangulation& mesh, PatchVertices& vertices, RimRun& run);
 
 /// Puts a point in the middle of an edge inside.
 std::uint32_t halve_edge(Triangulation& mesh, PatchVertices& vertices, std::uint32_t half);
@@ -78,7 +78,7 @@ void halve_repeated_edges(Triangulation& mesh, PatchVertices& vertices);
 ///        r2 ─── r1          outer[i] is the half-edge on the far side of r(i) → r(i+1), kNone on a rim.
 ///       /  \   /  \         The hole is filled from the base edge: from the last of the ring to the first.
 ///     r3 ─── v ─── r0
-struct Cavity {
+struct PatchCavity {
   std::vector<std::uint32_t> ring, outer, tris;
   bool closed = false;
 };
@@ -87,12 +87,12 @@ struct Cavity {
 enum class Reach { Ball = 0, Near = 2, Far = 5 };
 
 /// Takes vertices out of the triangulation, keeping it one.
-class VertexRemover {
+class PatchVertexRemover {
  public:
-  VertexRemover(Triangulation& mesh, PatchVertices& vertices);
+  PatchVertexRemover(Triangulation& mesh, PatchVertices& vertices);
 
   /// The triangles around v.
-  const Cavity& collect_ball(std::uint32_t v);
+  const PatchCavity& collect_ball(std::uint32_t v);
 
   /// Removes v if what was around it can be triangulated with no triangle turned by more than acos(level) against the
   /// surface; else leaves everything as it is. Where that fails for the triangles around v alone, more are taken in.
@@ -141,7 +141,7 @@ class VertexRemover {
   Triangulation& mesh_;
   PatchVertices& vertices_;
   std::map<std::uint32_t, std::vector<std::uint32_t>> node_to_copies_;
-  Cavity cavity_;
+  PatchCavity cavity_;
   std::uint32_t removed_ = Triangulation::kNone;                 // the vertex inside of the cavity
   std::set<std::pair<std::uint32_t, std::uint32_t>> forbidden_;  // pairs that force() may not join
   std::vector<double> best_;

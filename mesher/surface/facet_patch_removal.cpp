@@ -12,13 +12,14 @@ constexpr std::size_t kLargestRing = 160;  // filling takes cubic time: tens of 
 
 }  // namespace
 
-VertexRemover::VertexRemover(Triangulation& mesh, PatchVertices& vertices) : mesh_(mesh), vertices_(vertices) {
+PatchVertexRemover::PatchVertexRemover(Triangulation& mesh, PatchVertices& vertices)
+    : mesh_(mesh), vertices_(vertices) {
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     if (vertices.node[v] != FacetPatch::kNoNode) node_to_copies_[vertices.node[v]].push_back(v);
   }
 }
 
-const Cavity& VertexRemover::collect_ball(std::uint32_t v) {
+const PatchCavity& PatchVertexRemover::collect_ball(std::uint32_t v) {
   cavity_.ring.clear(), cavity_.outer.clear(), cavity_.tris.clear();
   const std::uint32_t first = mesh_.outgoing(v);
   std::uint32_t start = first;
@@ -38,7 +39,7 @@ const Cavity& VertexRemover::collect_ball(std::uint32_t v) {
   return cavity_;
 }
 
-bool VertexRemover::remove(std::uint32_t v, double level, Reach reach) {
+bool PatchVertexRemover::remove(std::uint32_t v, double level, Reach reach) {
   collect_ball(v);
   removed_ = v;
   const std::size_t n = cavity_.ring.size();
@@ -50,7 +51,7 @@ bool VertexRemover::remove(std::uint32_t v, double level, Reach reach) {
   return n >= 3 && refill(level, reach);
 }
 
-bool VertexRemover::reshape(std::uint32_t tri, double level, Reach reach) {
+bool PatchVertexRemover::reshape(std::uint32_t tri, double level, Reach reach) {
   const auto corners = mesh_.triangle(tri);
   cavity_.ring.assign(corners.begin(), corners.end());
   cavity_.outer = {mesh_.twin(3 * tri), mesh_.twin(3 * tri + 1), mesh_.twin(3 * tri + 2)};
@@ -60,7 +61,7 @@ bool VertexRemover::reshape(std::uint32_t tri, double level, Reach reach) {
   return grow() && refill(level, reach);
 }
 
-bool VertexRemover::refill(double level, Reach reach) {
+bool PatchVertexRemover::refill(double level, Reach reach) {
   for (int layer = 0;; ++layer) {
     if (cavity_.ring.size() > kLargestRing) return false;
     if (fill_once(level)) return true;
@@ -68,7 +69,7 @@ bool VertexRemover::refill(double level, Reach reach) {
   }
 }
 
-bool VertexRemover::grow() {
+bool PatchVertexRemover::grow() {
   const auto in_ring = [&](std::uint32_t v) {
     return v == removed_ || std::find(cavity_.ring.begin(), cavity_.ring.end(), v) != cavity_.ring.end();
   };
@@ -87,7 +88,7 @@ bool VertexRemover::grow() {
   return grown;
 }
 
-bool VertexRemover::fill_once(double level) {
+bool PatchVertexRemover::fill_once(double level) {
   const std::size_t n = cavity_.ring.size();
   if (n == 3 && cavity_.closed && cavity_.outer[0] / 3 == cavity_.outer[1] / 3) return false;  // a tetrahedron
   std::sort(cavity_.tris.begin(), cavity_.tris.end());
@@ -97,14 +98,14 @@ bool VertexRemover::fill_once(double level) {
   return true;
 }
 
-void VertexRemover::apply_plan() {
+void PatchVertexRemover::apply_plan() {
   const std::size_t n = cavity_.ring.size();
   for (const std::uint32_t tri : cavity_.tris) mesh_.remove_triangle(tri);
   const std::uint32_t base = fill(0, n - 1);
   if (cavity_.closed) mesh_.link(base, cavity_.outer[n - 1]);
 }
 
-bool VertexRemover::force(std::uint32_t v) {
+bool PatchVertexRemover::force(std::uint32_t v) {
   forbidden_.clear();
   removed_ = v;
   while (true) {
@@ -131,7 +132,7 @@ bool VertexRemover::force(std::uint32_t v) {
   return true;
 }
 
-std::vector<std::array<std::uint32_t, 2>> VertexRemover::find_obstacles() const {
+std::vector<std::array<std::uint32_t, 2>> PatchVertexRemover::find_obstacles() const {
   std::vector<std::array<std::size_t, 2>> planned;
   list_planned(0, cavity_.ring.size() - 1, planned);
   if (!cavity_.closed) planned.push_back({0, cavity_.ring.size() - 1});
@@ -145,7 +146,8 @@ std::vector<std::array<std::uint32_t, 2>> VertexRemover::find_obstacles() const 
   return obstacles;
 }
 
-void VertexRemover::list_planned(std::size_t i, std::size_t j, std::vector<std::array<std::size_t, 2>>& edges) const {
+void PatchVertexRemover::list_planned(std::size_t i, std::size_t j,
+                                      std::vector<std::array<std::size_t, 2>>& edges) const {
   std::vector<std::array<std::size_t, 2>> parts{{i, j}};
   while (!parts.empty()) {
     const auto [from, to] = parts.back();
@@ -156,7 +158,7 @@ void VertexRemover::list_planned(std::size_t i, std::size_t j, std::vector<std::
   }
 }
 
-bool VertexRemover::improve(std::uint32_t half, double level, double tolerance) {
+bool PatchVertexRemover::improve(std::uint32_t half, double level, double tolerance) {
   constexpr double kWorthwhile = 1.05;
   if (mesh_.twin(half) == kNone) return false;
   const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half), c = mesh_.apex(half);
@@ -173,7 +175,7 @@ bool VertexRemover::improve(std::uint32_t half, double level, double tolerance) 
   return true;
 }
 
-double VertexRemover::score(std::uint32_t a, std::uint32_t b, std::uint32_t c, double level) const {
+double PatchVertexRemover::score(std::uint32_t a, std::uint32_t b, std::uint32_t c, double level) const {
   constexpr double kFlat = 1e-9;
   const Vec3 ab = vertices_.points[b] - vertices_.points[a], ac = vertices_.points[c] - vertices_.points[a];
   const Vec3 n = cross(ab, ac), mean = vertices_.normals[a] + vertices_.normals[b] + vertices_.normals[c];
@@ -182,18 +184,18 @@ double VertexRemover::score(std::uint32_t a, std::uint32_t b, std::uint32_t c, d
   return dot(n, mean) >= level * area * norm(mean) ? quality : -1;
 }
 
-double VertexRemover::score_any(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+double PatchVertexRemover::score_any(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
   const Vec3 ab = vertices_.points[b] - vertices_.points[a], ac = vertices_.points[c] - vertices_.points[a];
   const Vec3 n = cross(ab, ac), mean = vertices_.normals[a] + vertices_.normals[b] + vertices_.normals[c];
   const double squares = norm2(ab) + norm2(ac) + norm2(ac - ab);
   return 2 + (squares > 0 ? 2 * std::sqrt(3.0) * dot(n, normalized(mean)) / squares : 0);
 }
 
-bool VertexRemover::connected(std::uint32_t a, std::uint32_t b) const {
+bool PatchVertexRemover::connected(std::uint32_t a, std::uint32_t b) const {
   return mesh_.find_half_edge(a, b) != kNone || mesh_.find_half_edge(b, a) != kNone;
 }
 
-bool VertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
+bool PatchVertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
   std::uint32_t half = mesh_.find_half_edge(a, b);
   if (half == kNone) half = mesh_.find_half_edge(b, a);
   if (half == kNone) return false;
@@ -203,7 +205,7 @@ bool VertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
   return !inside(half) || !inside(mesh_.twin(half));
 }
 
-bool VertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
+bool PatchVertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
   if (connected_outside(a, b)) return false;
   const std::uint32_t node_a = vertices_.node[a], node_b = vertices_.node[b];
   if (node_a == FacetPatch::kNoNode || node_b == FacetPatch::kNoNode) return true;
@@ -218,7 +220,7 @@ bool VertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
   return true;
 }
 
-bool VertexRemover::plan(double level, Facing facing) {
+bool PatchVertexRemover::plan(double level, Facing facing) {
   const auto allowed = [&](std::uint32_t a, std::uint32_t b) {
     return facing == Facing::Surface ? may_join(a, b) : !forbidden_.contains({std::min(a, b), std::max(a, b)});
   };
@@ -244,7 +246,7 @@ bool VertexRemover::plan(double level, Facing facing) {
   return best(0, n - 1) > 0;
 }
 
-std::uint32_t VertexRemover::fill(std::size_t i, std::size_t j) {
+std::uint32_t PatchVertexRemover::fill(std::size_t i, std::size_t j) {
   const std::size_t m = split_[i * cavity_.ring.size() + j];
   const std::uint32_t left = m == i + 1 ? cavity_.outer[i] : fill(i, m);
   const std::uint32_t right = j == m + 1 ? cavity_.outer[m] : fill(m, j);

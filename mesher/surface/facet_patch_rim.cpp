@@ -184,13 +184,13 @@ class RunMatcher {
     }
   }
 
-  std::vector<Run> match() {
+  std::vector<RimRun> match() {
     trace();
     // Runs with points on their edge know it; the others take what is left.
-    for (Run& run : runs_) {
+    for (RimRun& run : runs_) {
       if (run.verts.size() > 2) take_chain(run);
     }
-    for (Run& run : runs_) {
+    for (RimRun& run : runs_) {
       if (run.verts.size() == 2) take_chain(run);
     }
     for (const BoundaryChain* chain : chains_) {
@@ -217,7 +217,7 @@ class RunMatcher {
     std::size_t traced = 0;
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
       if (after[v] == kNone || vertices_.entity[v].dim != 0) continue;
-      Run run{{v, after[v]}};
+      RimRun run{{v, after[v]}};
       while (vertices_.entity[run.verts.back()].dim != 0) run.verts.push_back(after[run.verts.back()]);
       traced += run.verts.size() - 1;
       runs_.push_back(std::move(run));
@@ -232,7 +232,7 @@ class RunMatcher {
   }
 
   /// How badly a chain fits a run: infinite when it is another edge or runs the other way.
-  double misfit(const Run& run, const BoundaryChain& chain) const {
+  double misfit(const RimRun& run, const BoundaryChain& chain) const {
     const auto& verts = run.verts;
     const DirectedChain nodes(chain);
     if (nodes.first() != vertices_.entity[verts.front()] || nodes.last() != vertices_.entity[verts.back()])
@@ -255,7 +255,7 @@ class RunMatcher {
     return worst;
   }
 
-  void take_chain(Run& run) {
+  void take_chain(RimRun& run) {
     const BoundaryChain** best = nullptr;
     double best_misfit = HUGE_VAL;
     for (const BoundaryChain*& chain : chains_) {
@@ -269,12 +269,12 @@ class RunMatcher {
   const Triangulation& mesh_;
   const PatchVertices& vertices_;
   std::vector<const BoundaryChain*> chains_;
-  std::vector<Run> runs_;
+  std::vector<RimRun> runs_;
 };
 
 class NodeInserter {
  public:
-  NodeInserter(Triangulation& mesh, PatchVertices& vertices, Run& run)
+  NodeInserter(Triangulation& mesh, PatchVertices& vertices, RimRun& run)
       : mesh_(mesh), vertices_(vertices), run_(run), nodes_(*run.chain) {}
 
   void insert() {
@@ -353,7 +353,7 @@ class NodeInserter {
 
   Triangulation& mesh_;
   PatchVertices& vertices_;
-  Run& run_;
+  RimRun& run_;
   DirectedChain nodes_;
   std::vector<double> vert_share_, node_share_;
 };
@@ -364,12 +364,12 @@ void join_facets(const Tessellation& tessellation, Triangulation& mesh, PatchVer
   FacetJoiner(tessellation).run(mesh, vertices);
 }
 
-std::vector<Run> match_runs(const Triangulation& mesh, const PatchVertices& vertices,
-                            std::span<const BoundaryChain> chains) {
+std::vector<RimRun> match_runs(const Triangulation& mesh, const PatchVertices& vertices,
+                               std::span<const BoundaryChain> chains) {
   return RunMatcher(mesh, vertices, chains).match();
 }
 
-void insert_nodes(Triangulation& mesh, PatchVertices& vertices, Run& run) {
+void insert_nodes(Triangulation& mesh, PatchVertices& vertices, RimRun& run) {
   NodeInserter(mesh, vertices, run).insert();
 }
 

@@ -13,7 +13,7 @@ template <class Wanted>
 bool Recoverer::reconnect(const Wanted& wanted, TetList tets) {
   const std::uint64_t left_to_others = steps_left_ - steps_left_ / kShare;
   for (std::uint32_t growth = 0; growth <= options_.growths && steps_left_ > left_to_others; ++growth) {
-    std::optional<Cavity> cavity = make_cavity(mesh_, kept_, tets, std::min(options_.cavity_points, 64u));
+    std::optional<RecoveryCavity> cavity = make_cavity(mesh_, kept_, tets, std::min(options_.cavity_points, 64u));
     if (!cavity) return false;
     wanted(*cavity);
     check_cancelled();
@@ -36,11 +36,11 @@ bool Recoverer::recover_edge(std::uint32_t a, std::uint32_t b, Obstacles& why) {
   if (mesh_.has_edge(a, b)) return true;
   why = find_obstacles(mesh_, a, b);
   if (why.blocked) return false;
-  return reconnect([&](Cavity& cavity) { demand(cavity, a, b); }, why.tets);
+  return reconnect([&](RecoveryCavity& cavity) { demand(cavity, a, b); }, why.tets);
 }
 
 bool Recoverer::remove_point(std::uint32_t point, std::span<const TriangleVerts> triangles) {
-  const auto wanted = [&](Cavity& cavity) {
+  const auto wanted = [&](RecoveryCavity& cavity) {
     leave_out(cavity, point);
     for (const TriangleVerts& triangle : triangles) demand(cavity, triangle);
   };
@@ -52,7 +52,7 @@ bool Recoverer::recover_triangle(const TriangleVerts& triangle, Obstacles& why) 
   if (code == kNone) {
     why = find_obstacles(mesh_, triangle);
     if (why.blocked) return false;
-    if (!reconnect([&](Cavity& cavity) { demand(cavity, triangle); }, why.tets)) return false;
+    if (!reconnect([&](RecoveryCavity& cavity) { demand(cavity, triangle); }, why.tets)) return false;
     code = mesh_.find_face(triangle);
     if (code == kNone) return false;
   }

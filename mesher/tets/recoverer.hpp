@@ -2,8 +2,8 @@
 // The steps of the recovery of one missing edge or triangle.
 #include <algorithm>
 
-#include "mesher/tets/cavity.hpp"
 #include "mesher/tets/obstacles.hpp"
+#include "mesher/tets/recovery_cavity.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::tets {

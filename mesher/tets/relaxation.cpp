@@ -17,7 +17,7 @@ constexpr std::uint32_t kBlock = 1 << 16;
 enum class State : std::uint8_t { Stays, Moves, GoesBack };
 
 // What a point gathers from its tets; then where it was.
-struct Sum {
+struct StarMoment {
   Vec3 moment;
   double weight = 0;
 };
@@ -80,7 +80,7 @@ class Relaxation {
   void gather() {
     runner_.check_cancelled();
     sums_.resize_for_overwrite(state_.size());
-    std::fill(sums_.begin(), sums_.end(), Sum{});
+    std::fill(sums_.begin(), sums_.end(), StarMoment{});
     for_each_tet([&](std::uint32_t tet) {
       const Circumsphere sphere = sphere_of(tet);
       double density = 0;
@@ -127,7 +127,7 @@ class Relaxation {
   const TaskRunner& runner_;
   GrowingArray<float> density_;  // of points, those of the largest size 1
   GrowingArray<State> state_;
-  GrowingArray<Sum> sums_;
+  GrowingArray<StarMoment> sums_;
   GrowingArray<Vec3> last_step_;
   GrowingArray<float> quality_;  // of tets, as they have moved
 };

@@ -24,9 +24,9 @@ struct Candidate {
   double rank;
 };
 
-class Search {
+class TetSearch {
  public:
-  Search(const SmallPolyhedron& polyhedron, std::uint64_t max_steps)
+  TetSearch(const SmallPolyhedron& polyhedron, std::uint64_t max_steps)
       : in_(polyhedron),
         count_(static_cast<std::uint32_t>(polyhedron.points.size())),
         max_steps_(max_steps),
@@ -285,7 +285,7 @@ class Search {
 }  // namespace
 
 SmallFilling fill_small_polyhedron(const SmallPolyhedron& polyhedron, std::uint64_t max_steps) {
-  return Search(polyhedron, max_steps).run();
+  return TetSearch(polyhedron, max_steps).run();
 }
 
 }  // namespace tetloom::tets

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mesher/volume/complex.hpp"
-#include "mesher/volume/filling.hpp"
+#include "mesher/volume/complex_filling.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts.hpp"
 #include "tetloom/tasks.hpp"

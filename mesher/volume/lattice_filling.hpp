@@ -5,7 +5,7 @@
 // tetrahedralisation of everything else, stitched to them face to face; the boundary recovered where it is missing; the
 // tetrahedra between the core and the surface kept, those outside and in the core's place dropped; all of it optimised.
 // The idea is de Cougny & Shephard's (1999), who fill interior octants by templates and connect them to the surface.
-#include "mesher/volume/filling.hpp"
+#include "mesher/volume/complex_filling.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::volume {

@@ -93,8 +93,8 @@ Metric layer_of_cycle(int cycle) {
 TEST_CASE("integrals are kept over ten adaptations of a cube, and bounds", "[transfer]") {
   const bool anisotropic = GENERATE(false, true);
   AdaptOptions options;
-  options.cell_shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
-  CAPTURE(anisotropic, static_cast<int>(options.cell_shape));
+  options.cell_reconstruction = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
+  CAPTURE(anisotropic, static_cast<int>(options.cell_reconstruction));
   Mesh cube = unit_cube(6, true);
   add_cell_field(cube, "constant", [](const Vec3&) { return 0.3; });
   add_cell_field(cube, "smooth", [](const Vec3& x) { return std::sin(4 * x.x) - x.y * x.z; });

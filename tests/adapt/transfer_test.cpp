@@ -61,7 +61,7 @@ struct Transfer {
   Transfer(const Mesh& from_mesh, const Mesh& to_mesh, int threads = 1)
       : from(from_mesh), to(to_mesh), runner(threads), background(tets_of(from), {}, runner) {}
 
-  std::vector<double> operator()(const std::vector<double>& values, adapt::CellShape shape,
+  std::vector<double> operator()(const std::vector<double>& values, adapt::CellReconstruction shape,
                                  std::size_t components = 1) const {
     return transfer_cells({background, from.tet_to_entity, {values, components}}, {tets_of(to), to.tet_to_entity},
                           background.locate(to.points, runner), shape, runner);
@@ -219,7 +219,7 @@ TEST_CASE("constants stay, and linear fields away from the surface", "[transfer]
   const auto squeeze = thin_and_turned(aspect);
   const Mesh from = mapped_cube(9, 1, squeeze), to = mapped_cube(12, 2, squeeze);
   const Transfer transfer(from, to);
-  const auto shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
+  const auto shape = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
   for (const double value : transfer(std::vector<double>(from.tet_to_vert.size(), 3.7), shape))
     CHECK(value == Approx(3.7).epsilon(1e-13));
 
@@ -227,7 +227,7 @@ TEST_CASE("constants stay, and linear fields away from the surface", "[transfer]
   const auto linear = [&](const Vec3& x) {
     return 1 + dot(x, basis[0]) - 2 * dot(x, basis[1]) + 3 * aspect * dot(x, basis[2]);
   };
-  const std::vector<double> values = transfer(sampled(from, linear), adapt::CellShape::Linear),
+  const std::vector<double> values = transfer(sampled(from, linear), adapt::CellReconstruction::Linear),
                             exact = sampled(to, linear);
   std::size_t inside = 0;
   double worst = 0;
@@ -245,7 +245,7 @@ TEST_CASE("constants stay, and linear fields away from the surface", "[transfer]
 TEST_CASE("regions do not mix, and each keeps its integral", "[transfer]") {
   const auto [n, m] = GENERATE(std::pair(6, 10), std::pair(10, 4));
   const Mesh from = cube(n, 1, true), to = cube(m, 2, true);
-  const auto shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
+  const auto shape = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
   std::vector<double> values = sampled(from, [](const Vec3& x) { return std::sin(5 * x.x + x.y * x.z); });
   std::vector<double> pairs;
   for (std::size_t tet = 0; tet < values.size(); ++tet) {
@@ -270,7 +270,7 @@ TEST_CASE("a jump stays within its bounds", "[transfer]") {
   const Mesh from = mapped_cube(7, 1, squeeze), to = mapped_cube(9, 2, squeeze);
   const auto basis = RandomTensors(7).basis();
   const auto jump = [&](const Vec3& x) { return dot(x, basis[0]) + aspect * dot(x, basis[2]) > 0.8 ? 5.0 : -2.0; };
-  const auto shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
+  const auto shape = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
   const std::vector<double> before = sampled(from, jump), after = Transfer(from, to)(before, shape);
   CHECK(largest(after) <= 5 + 1e-12);
   CHECK(smallest(after) >= -2 - 1e-12);
@@ -281,15 +281,15 @@ TEST_CASE("a jump stays within its bounds", "[transfer]") {
 
 TEST_CASE("linear functions in tets carry a smooth field further", "[transfer]") {
   const auto wave = [](const Vec3& x) { return std::sin(4 * x.x) * std::cos(3 * x.y) + x.z * x.z; };
-  const auto error = [&](int n, adapt::CellShape shape) {
+  const auto error = [&](int n, adapt::CellReconstruction shape) {
     const Mesh from = cube(n, 1), to = cube(n + 1, 2);
     const std::vector<double> values = Transfer(from, to)(sampled(from, wave), shape), exact = sampled(to, wave);
     std::vector<double> off;
     for (std::size_t i = 0; i < values.size(); ++i) off.push_back(std::abs(values[i] - exact[i]));
     return integral(to, off);
   };
-  CHECK(error(8, adapt::CellShape::Linear) < 0.5 * error(8, adapt::CellShape::Constant));
-  CHECK(error(8, adapt::CellShape::Linear) > 3.4 * error(16, adapt::CellShape::Linear));
+  CHECK(error(8, adapt::CellReconstruction::Linear) < 0.5 * error(8, adapt::CellReconstruction::Constant));
+  CHECK(error(8, adapt::CellReconstruction::Linear) > 3.4 * error(16, adapt::CellReconstruction::Linear));
 }
 
 TEST_CASE("what a region loses or gains where it has changed is made up for", "[transfer]") {
@@ -299,7 +299,7 @@ TEST_CASE("what a region loses or gains where it has changed is made up for", "[
     return Vec3{x.x, x.y, x.z + 0.1 * at * x.z - 0.06 * at * (1 - x.z)};
   };
   const Mesh from = cube(6, 1), to = mapped_cube(8, 2, bulge);
-  const auto shape = GENERATE(adapt::CellShape::Constant, adapt::CellShape::Linear);
+  const auto shape = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
   const Transfer transfer(from, to);
   SECTION("by a factor where the sign is the same everywhere, and zeros stay") {
     const std::vector<double> before = sampled(from, [](const Vec3& x) { return x.x < 0.3 ? 0.0 : 1 + x.y; });
@@ -322,8 +322,8 @@ TEST_CASE("what a region loses or gains where it has changed is made up for", "[
 TEST_CASE("transferred values do not depend on threads", "[transfer]") {
   const Mesh from = cube(8, 1, true), to = cube(11 + 1, 2, true);
   const std::vector<double> values = sampled(from, [](const Vec3& x) { return std::exp(x.x) * x.y - x.z; });
-  CHECK(Transfer(from, to, 1)(values, adapt::CellShape::Linear) ==
-        Transfer(from, to, 4)(values, adapt::CellShape::Linear));
+  CHECK(Transfer(from, to, 1)(values, adapt::CellReconstruction::Linear) ==
+        Transfer(from, to, 4)(values, adapt::CellReconstruction::Linear));
 }
 
 TEST_CASE("means of any tets, put together and put right, are what all tets have at once", "[transfer]") {
@@ -336,13 +336,13 @@ TEST_CASE("means of any tets, put together and put right, are what all tets have
   const auto part = [&](std::size_t begin, std::size_t end) {
     const TetView tets{to.points, std::span(to.tet_to_vert).subspan(begin, end - begin)};
     return average_cells(source, {tets, std::span(to.tet_to_entity).subspan(begin, end - begin)}, places,
-                         adapt::CellShape::Linear, transfer.runner);
+                         adapt::CellReconstruction::Linear, transfer.runner);
   };
   std::vector<double> carried = part(0, half);
   const std::vector<double> rest = part(half, to.tet_to_vert.size());
   carried.insert(carried.end(), rest.begin(), rest.end());
   put_right_cells(source, {tets_of(to), to.tet_to_entity}, carried, transfer.runner);
-  CHECK(carried == transfer(values, adapt::CellShape::Linear));
+  CHECK(carried == transfer(values, adapt::CellReconstruction::Linear));
 }
 
 TEST_CASE("a transfer can be cancelled", "[transfer]") {
@@ -354,6 +354,6 @@ TEST_CASE("a transfer can be cancelled", "[transfer]") {
   stop.cancel();
   const TaskRunner runner(1, {nullptr, &stop});
   CHECK_THROWS_AS(transfer_cells({transfer.background, from.tet_to_entity, {values, 1}},
-                                 {tets_of(to), to.tet_to_entity}, places, adapt::CellShape::Linear, runner),
+                                 {tets_of(to), to.tet_to_entity}, places, adapt::CellReconstruction::Linear, runner),
                   Error);
 }

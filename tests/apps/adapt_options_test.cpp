@@ -63,8 +63,8 @@ TEST_CASE("options of adapt are read") {
   CHECK(all.hessian.bounds.max_aspect == 100);
   CHECK(all.hessian.gradation == 1.5);
   CHECK(all.options.transfer == std::vector<std::string>{"a", "b"});
-  CHECK(plain.options.cell_shape == adapt::CellShape::Linear);
-  CHECK(all.options.cell_shape == adapt::CellShape::Constant);
+  CHECK(plain.options.cell_reconstruction == adapt::CellReconstruction::Linear);
+  CHECK(all.options.cell_reconstruction == adapt::CellReconstruction::Constant);
   CHECK(all.options.quality_floor == 0.2);
   CHECK(all.options.tets_per_part == 5000);
   CHECK(all.options.threads == 3);

@@ -45,5 +45,30 @@ class Rooms(unittest.TestCase):
         self.assertTrue(problems[0].startswith("adapt/a.cpp:2: adapt may not include mesher"), problems[0])
 
 
+class Names(unittest.TestCase):
+    def problems_of(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for name, text in files.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text)
+            return check_imports.check_names(root, sorted(files))
+
+    def test_two_headers_of_one_name_are_refused(self):
+        problems = self.problems_of({"adapt/a/patch.hpp": "", "mesher/b/patch.hpp": "", "mesher/b/patch.cpp": ""})
+        self.assertEqual(problems, ["mesher/b/patch.hpp: adapt/a/patch.hpp has that name"])
+
+    def test_a_type_of_a_header_has_a_name_of_its_own(self):
+        header = "struct Cavity {\n"
+        self.assertEqual(self.problems_of({"adapt/a.hpp": header, "mesher/b.hpp": header}),
+                         ["mesher/b.hpp:1: adapt/a.hpp has a type Cavity"])
+        self.assertEqual(self.problems_of({"core/a.hpp": header, "core/b.cpp": "\nclass Cavity final : public B {\n"}),
+                         ["core/b.cpp:2: core/a.hpp has a type Cavity"])
+
+    def test_nested_types_declarations_and_those_of_two_sources_may_share_a_name(self):
+        self.assertEqual(self.problems_of({"core/a.hpp": "struct Slot {\n", "core/b.hpp": "  struct Slot {\nstruct Slot;\n",
+                                           "core/c.cpp": "struct Own {\n", "core/d.cpp": "struct Own {\n"}), [])
+
+
 if __name__ == "__main__":
     unittest.main()

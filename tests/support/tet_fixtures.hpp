@@ -63,6 +63,13 @@ inline TetMesh make_tets(const std::vector<Vec3>& points, std::vector<std::array
   return mesh;
 }
 
+/// The octahedron around `center`, which is point 6.
+inline TetMesh make_octahedron(const Vec3& center) {
+  return make_tets(
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, center},
+      {{6, 0, 2, 4}, {6, 2, 1, 4}, {6, 1, 3, 4}, {6, 3, 0, 4}, {6, 0, 2, 5}, {6, 2, 1, 5}, {6, 1, 3, 5}, {6, 3, 0, 5}});
+}
+
 inline void fix_face(TetMesh& mesh, std::uint32_t face) {
   mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4);
   const std::uint32_t behind = mesh.to_neighbor[face];

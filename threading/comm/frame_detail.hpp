@@ -7,12 +7,12 @@
 
 namespace tetloom::detail {
 
-enum class FrameKind : std::uint64_t { Messages, Large, Failure };
+enum class RankFrameKind : std::uint64_t { Messages, Large, Failure };
 
 /// `epoch` numbers the runs, so that what a faster rank sends for the next run is not taken for this one.
 struct FrameHead {
   std::uint64_t epoch;
-  FrameKind kind;
+  RankFrameKind kind;
 };
 
 inline void put_address(MessageWriter& writer, const Message& message) {
@@ -31,13 +31,13 @@ inline Message get_address(MessageReader& reader) {
 
 inline Bytes failure_frame(std::uint64_t epoch) {
   MessageWriter writer;
-  writer.put(FrameHead{epoch, FrameKind::Failure});
+  writer.put(FrameHead{epoch, RankFrameKind::Failure});
   return writer.take();
 }
 
 inline Bytes large_frame(std::uint64_t epoch, const Message& message) {
   MessageWriter writer;
-  writer.put(FrameHead{epoch, FrameKind::Large});
+  writer.put(FrameHead{epoch, RankFrameKind::Large});
   put_address(writer, message);
   writer.put(static_cast<std::uint64_t>(message.bytes.size()));
   return writer.take();
@@ -50,7 +50,7 @@ class FramePacker {
   std::size_t size() const { return size_; }
 
   void add(const Message& message) {
-    if (size_ == 0) writer_.put(FrameHead{epoch_, FrameKind::Messages});
+    if (size_ == 0) writer_.put(FrameHead{epoch_, RankFrameKind::Messages});
     put_address(writer_, message);
     writer_.put_array(std::span<const std::byte>(message.bytes));
     size_ += kAddressSize + message.bytes.size();

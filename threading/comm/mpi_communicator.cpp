@@ -392,9 +392,9 @@ void MpiCommunicator::take_frame(int source, const Bytes& frame) {
   MessageReader reader(frame);
   const auto head = reader.get<detail::FrameHead>();
   count_frame(head.epoch);
-  if (head.kind == detail::FrameKind::Failure) {
+  if (head.kind == detail::RankFrameKind::Failure) {
     (head.epoch == epoch_ ? failed_elsewhere_ = true : early_failure_ = true);
-  } else if (head.kind == detail::FrameKind::Large) {
+  } else if (head.kind == detail::RankFrameKind::Large) {
     detail::PartialMessage& partial = partial_[static_cast<std::size_t>(source)];
     partial = {detail::get_address(reader), head.epoch, 0};
     partial.message.bytes.resize(reader.get<std::uint64_t>());

@@ -19,9 +19,9 @@ namespace tetloom::cad {
 namespace {
 
 /// A right- or left-handed orthonormal frame.
-struct Frame {
+struct AxisFrame {
   Vec3 origin, x, y, z;
-  explicit Frame(const gp_Ax3& axes)
+  explicit AxisFrame(const gp_Ax3& axes)
       : origin(to_vec3(axes.Location())),
         x(to_vec3(axes.XDirection())),
         y(to_vec3(axes.YDirection())),
@@ -41,7 +41,7 @@ class PlaneEvaluator final : public SurfaceEvaluator {
   }
 
  private:
-  Frame frame_;
+  AxisFrame frame_;
 };
 
 /// A point of a meridian in the half plane (radius, height), with derivatives in v.
@@ -132,7 +132,7 @@ class TurnedEvaluator final : public SurfaceEvaluator {
     return {near_period(u, hint.u), v};
   }
 
-  Frame frame_;
+  AxisFrame frame_;
   Curve curve_;
 };
 

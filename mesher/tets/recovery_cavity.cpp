@@ -1,4 +1,4 @@
-#include "mesher/tets/cavity.hpp"
+#include "mesher/tets/recovery_cavity.hpp"
 
 #include <algorithm>
 
@@ -18,7 +18,7 @@ std::vector<std::uint32_t> points_of(const LocalMesh& mesh, const TetList& tets)
   return points;
 }
 
-void add_faces(const LocalMesh& mesh, Cavity& cavity) {
+void add_faces(const LocalMesh& mesh, RecoveryCavity& cavity) {
   TetList inside = cavity.tets;
   std::sort(inside.begin(), inside.end());
   for (const std::uint32_t t : inside) {
@@ -33,7 +33,7 @@ void add_faces(const LocalMesh& mesh, Cavity& cavity) {
   }
 }
 
-void add_kept_edges(const LocalMesh& mesh, const EdgeSet& kept, Cavity& cavity) {
+void add_kept_edges(const LocalMesh& mesh, const EdgeSet& kept, RecoveryCavity& cavity) {
   for (const std::uint32_t t : cavity.tets) {
     const Tet v = mesh.tet(t);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -46,14 +46,14 @@ void add_kept_edges(const LocalMesh& mesh, const EdgeSet& kept, Cavity& cavity) 
 
 }  // namespace
 
-std::uint8_t Cavity::local(std::uint32_t vert) const {
+std::uint8_t RecoveryCavity::local(std::uint32_t vert) const {
   return static_cast<std::uint8_t>(std::lower_bound(to_vert.begin(), to_vert.end(), vert) - to_vert.begin());
 }
 
-std::optional<Cavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, const TetList& tets,
-                                  std::size_t points_at_most) {
+std::optional<RecoveryCavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, const TetList& tets,
+                                          std::size_t points_at_most) {
   if (tets.empty() || tets.size() > points_at_most * 8) return std::nullopt;
-  Cavity cavity{tets, points_of(mesh, tets), {}, {}};
+  RecoveryCavity cavity{tets, points_of(mesh, tets), {}, {}};
   if (cavity.to_vert.size() > points_at_most) return std::nullopt;
   for (const std::uint32_t v : cavity.to_vert) cavity.shape.points.push_back(mesh.point(v));
   add_faces(mesh, cavity);
@@ -61,7 +61,7 @@ std::optional<Cavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, co
   return cavity;
 }
 
-void demand(Cavity& cavity, std::uint32_t a, std::uint32_t b) {
+void demand(RecoveryCavity& cavity, std::uint32_t a, std::uint32_t b) {
   const std::array<std::uint8_t, 2> edge{std::min(cavity.local(a), cavity.local(b)),
                                          std::max(cavity.local(a), cavity.local(b))};
   for (const auto& f : cavity.shape.faces) {
@@ -71,7 +71,7 @@ void demand(Cavity& cavity, std::uint32_t a, std::uint32_t b) {
   if (std::find(edges.begin(), edges.end(), edge) == edges.end()) edges.push_back(edge);
 }
 
-void demand(Cavity& cavity, const TriangleVerts& triangle) {
+void demand(RecoveryCavity& cavity, const TriangleVerts& triangle) {
   const auto a = cavity.local(triangle[0]), b = cavity.local(triangle[1]), c = cavity.local(triangle[2]);
   cavity.shape.faces.push_back({a, b, c});
   cavity.shape.faces.push_back({a, c, b});
@@ -81,7 +81,7 @@ void demand(Cavity& cavity, const TriangleVerts& triangle) {
   });
 }
 
-void leave_out(Cavity& cavity, std::uint32_t vert) {
+void leave_out(RecoveryCavity& cavity, std::uint32_t vert) {
   const std::uint8_t gone = cavity.local(vert);
   SmallPolyhedron& shape = cavity.shape;
   const auto has_it = [&](const auto& simplex) {
@@ -106,14 +106,14 @@ void leave_out(Cavity& cavity, std::uint32_t vert) {
   cavity.to_vert.erase(cavity.to_vert.begin() + gone);
 }
 
-void refill(LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling) {
+void refill(LocalMesh& mesh, const RecoveryCavity& cavity, const SmallFilling& filling) {
   std::vector<Tet> fresh;
   for (const auto& t : filling.tets)
     fresh.push_back({cavity.to_vert[t[0]], cavity.to_vert[t[1]], cavity.to_vert[t[2]], cavity.to_vert[t[3]]});
   mesh.replace(cavity.tets, fresh);
 }
 
-TetList grown(const LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling) {
+TetList grown(const LocalMesh& mesh, const RecoveryCavity& cavity, const SmallFilling& filling) {
   TetList tets = cavity.tets;
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < cavity.face_to_code.size(); ++i) {

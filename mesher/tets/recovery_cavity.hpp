@@ -22,7 +22,7 @@ class EdgeSet {
   std::unordered_set<std::uint64_t> keys_;
 };
 
-struct Cavity {
+struct RecoveryCavity {
   TetList tets;
   std::vector<std::uint32_t> to_vert;  ///< ascending
   std::vector<FaceCode> face_to_code;  ///< of the faces of `shape`, those of cavity tets; kNone for wanted ones
@@ -33,21 +33,21 @@ struct Cavity {
 
 /// Nothing where it has more than `points_at_most` points. Fixed faces inside and edges of `kept` inside become
 /// constraints. Pre: the tets are connected and in one region.
-std::optional<Cavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, const TetList& tets,
-                                  std::size_t points_at_most);
+std::optional<RecoveryCavity> make_cavity(const LocalMesh& mesh, const EdgeSet& kept, const TetList& tets,
+                                          std::size_t points_at_most);
 
 /// Demands an edge or a triangle between points of the cavity.
-void demand(Cavity& cavity, std::uint32_t a, std::uint32_t b);
-void demand(Cavity& cavity, const TriangleVerts& triangle);
+void demand(RecoveryCavity& cavity, std::uint32_t a, std::uint32_t b);
+void demand(RecoveryCavity& cavity, const TriangleVerts& triangle);
 
 /// Leaves a point inside of the cavity out, with the fixed faces and kept edges that end there. Pre: its whole ball is
 /// in the cavity.
-void leave_out(Cavity& cavity, std::uint32_t vert);
+void leave_out(RecoveryCavity& cavity, std::uint32_t vert);
 
 /// Fills the cavity anew.
-void refill(LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling);
+void refill(LocalMesh& mesh, const RecoveryCavity& cavity, const SmallFilling& filling);
 
 /// The cavity's tets and some behind the faces on which most fillings failed; the same tets where there are none.
-TetList grown(const LocalMesh& mesh, const Cavity& cavity, const SmallFilling& filling);
+TetList grown(const LocalMesh& mesh, const RecoveryCavity& cavity, const SmallFilling& filling);
 
 }  // namespace tetloom::tets

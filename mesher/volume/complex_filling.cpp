@@ -1,4 +1,4 @@
-#include "mesher/volume/filling.hpp"
+#include "mesher/volume/complex_filling.hpp"
 
 #include <algorithm>
 
