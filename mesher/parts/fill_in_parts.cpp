@@ -33,7 +33,7 @@ class Filler {
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
 
-  FilledParts run(bool keep_parts) {
+  FilledParts run() {
     make_tets();
     asked_ = ask_others(parts_);
     if (!parts_.any_fault()) {
@@ -43,10 +43,6 @@ class Filler {
     FilledParts result;
     take_figures(result);
     if (result.fault.any()) return result;
-    if (!keep_parts) {
-      result.filling = put_together(parts_);
-      return result;
-    }
     HandedOn handed_on = hand_on_parts(parts_);
     result.parts = std::move(handed_on.parts);
     result.new_points = handed_on.new_points;
@@ -181,12 +177,10 @@ std::uint32_t only_region_of(const volume::Complex& complex) {
 }  // namespace
 
 std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
-                                         const TaskRunner& runner) {
+                                         Communicator& communicator, const TaskRunner& runner) {
   lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
                                   input.attempt};
   for (const Vec3& x : input.complex.points) lattice.box.add(x);
-  const std::unique_ptr<Communicator> own = request.communicator ? nullptr : make_thread_communicator();
-  Communicator& communicator = own ? *own : *request.communicator;
   std::optional<lattice::LatticeCells> cells;
   std::optional<Decomposition> decomposition;
   std::optional<PartSurface> surface;
@@ -210,7 +204,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
   });
   const SharedInput shared{
       input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
-  return Filler(shared, communicator, runner, request.trace).run(request.keep_parts || request.communicator);
+  return Filler(shared, communicator, runner, request.trace).run();
 }
 
 }  // namespace tetloom::parts

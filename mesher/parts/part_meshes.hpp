@@ -1,5 +1,5 @@
 #pragma once
-// What the parts have made, handed on as parts or put together.
+// What the parts have made, handed on.
 #include "mesher/parts/all_parts.hpp"
 #include "mesher/volume/volume_parts.hpp"
 
@@ -16,9 +16,5 @@ struct HandedOn {
 
 /// Each part's tets with the vertices that they use, and its triangles. A collective call. Errors: Cancelled.
 HandedOn hand_on_parts(const AllParts& all);
-
-/// All tets, those of each part together, over the given points and then the new ones. What is left of the states is
-/// freed part by part while the whole grows. Pre: these are all parts. Errors: OutOfMemory; Cancelled.
-volume::Filling put_together(const AllParts& all);
 
 }  // namespace tetloom::parts

@@ -30,6 +30,16 @@ struct OpenBall {
   double radius = 0;  ///< infinite where it has no finite number
 };
 
+struct MovedPoint {
+  std::uint32_t point = 0;  ///< of the complex
+  Vec3 to;
+};
+
+struct ChangedTriangle {
+  std::uint32_t triangle = 0;  ///< of the complex; its face and its sides are as before
+  std::array<std::uint32_t, 3> verts{};
+};
+
 /// The vertices of a tet, ascending.
 using TetKeys = std::array<VertKey, 4>;
 

@@ -58,9 +58,9 @@ class ComplexFiller {
         runner_(runner),
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
-  FilledComplex run() {
-    if (!options_.worker_only) fill_by_own_means();
-    if (result_.filling || !result_.parts.empty()) return std::move(result_);
+  VolumeParts run(bool may_be_parted) {
+    if (!options_.worker_only) fill_by_own_means(may_be_parted);
+    if (is_filled()) return std::move(result_);
     if (failure_ && failure_->code == ErrorCode::SelfIntersection) {
       result_.errors.push_back(describe_failure());
       return std::move(result_);
@@ -68,7 +68,7 @@ class ComplexFiller {
     if (!result_.errors.empty() || (!knows_crossings_ && surface_crosses_itself(result_.errors)))
       return std::move(result_);
     ask_worker();
-    if (!result_.filling) {
+    if (!is_filled()) {
       result_.errors.push_back(describe_failure());
     } else if (failure_) {
       result_.warnings.push_back(describe_fallback());
@@ -76,15 +76,17 @@ class ComplexFiller {
     return std::move(result_);
   }
 
-  FilledComplex run_in_parts() {
-    fill_in_parts();
+  VolumeParts run_in_parts(Communicator& communicator) {
+    fill_in_parts(communicator);
     return std::move(result_);
   }
 
  private:
+  bool is_filled() const { return result_.part_count > 0; }
+
   // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
-  void fill_by_own_means() {
-    if (fill_in_parts()) return;
+  void fill_by_own_means(bool may_be_parted) {
+    if (may_be_parted && fill_in_parts(*make_thread_communicator())) return;
     for (int attempt = 0; attempt < kOwnAttempts; ++attempt) {
       FillingInput input = filling_input();
       input.attempt = attempt;
@@ -102,10 +104,9 @@ class ComplexFiller {
   }
 
   // False when there is one part only, or where the parts' tets do not fit together.
-  bool fill_in_parts() {
-    const parts::PartsRequest request{options_.tets_per_part, options_.trace, options_.keep_parts,
-                                      options_.communicator};
-    auto filled = parts::fill_in_parts(filling_input(), request, runner_);
+  bool fill_in_parts(Communicator& communicator) {
+    const parts::PartsRequest request{options_.tets_per_part, options_.trace};
+    auto filled = parts::fill_in_parts(filling_input(), request, communicator, runner_);
     if (!filled) return false;
     if (filled->fault.any()) {
       result_.figures.parts.given_up = 1;
@@ -114,8 +115,6 @@ class ComplexFiller {
     }
     name_causes(input_, complex_, filled->tri_to_vert, filled->figures.optimizer.acute_tets);
     result_.figures.add(filled->figures);
-    result_.tri_to_vert = std::move(filled->tri_to_vert);
-    result_.filling = std::move(filled->filling);
     result_.parts = std::move(filled->parts);
     result_.new_points = filled->new_points;
     result_.part_count = filled->figures.parts.parts;
@@ -132,8 +131,9 @@ class ComplexFiller {
     result_.figures.add(filled.figures);
     if (filled.fault.any())
       return note({filled.fault.code, filled.fault.message, filled.fault.triangles, filled.fault.point});
-    result_.tri_to_vert = std::move(filled.tri_to_vert);
-    result_.filling = to_filling(std::move(filled.mesh), complex_.points.size(), runner_);
+    result_.parts.push_back(to_part(std::move(filled), complex_, runner_));
+    result_.new_points = result_.parts.back().points.size() - complex_.points.size();
+    result_.part_count = 1;
   }
 
   void ask_worker() {
@@ -143,7 +143,7 @@ class ComplexFiller {
     for (const Attempt& attempt : std::span(kAttempts).first(std::min(most, kAttempts.size()))) {
       try_once(attempt);
       has_interior_ = attempt.interior_points;
-      if (result_.filling || hopeless_) return;
+      if (is_filled() || hopeless_) return;
     }
   }
 
@@ -266,7 +266,7 @@ class ComplexFiller {
   FillingProgress& progress_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
-  FilledComplex result_;
+  VolumeParts result_;
   std::vector<Vec3> interior_;
   std::optional<Failure> failure_;
   bool hopeless_ = false;      // other attempts would end like this one
@@ -276,20 +276,20 @@ class ComplexFiller {
 
 }  // namespace
 
-FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                           FillingProgress& progress, const TaskRunner& runner) {
+VolumeParts fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
+                         FillingProgress& progress, bool may_be_parted, const TaskRunner& runner) {
   std::optional<TraceSpan> span(std::in_place, options.trace, "tree of triangles", runner.threads(),
                                 intersection::TriangleTree::pieces(complex.tri_to_vert.size()));
   ComplexFiller filler(input, complex, options, progress, runner);
   span.reset();
-  return filler.run();
+  return filler.run(may_be_parted);
 }
 
-FilledComplex fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                                    FillingProgress& progress, const TaskRunner& runner) {
+VolumeParts fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
+                                  FillingProgress& progress, Communicator& communicator, const TaskRunner& runner) {
   std::optional<ComplexFiller> filler;
-  run_on_all(*options.communicator, [&] { filler.emplace(input, complex, options, progress, runner); });
-  return filler->run_in_parts();
+  run_on_all(communicator, [&] { filler.emplace(input, complex, options, progress, runner); });
+  return filler->run_in_parts(communicator);
 }
 
 }  // namespace tetloom::volume

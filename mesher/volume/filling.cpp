@@ -1,6 +1,7 @@
 #include "mesher/volume/filling.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
@@ -60,29 +61,34 @@ void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRun
   filled.fault = check_volumes(filled.mesh, runner);
 }
 
-Filling to_filling(TetMesh&& mesh, std::size_t given, const TaskRunner& runner) {
-  Filling filling;
+VolumePart to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner) {
+  VolumePart part;
+  TetMesh& mesh = filled.mesh;
   mesh.to_neighbor.release();
   mesh.to_fixed.release();
   std::vector<std::uint32_t> to_new(mesh.points.size(), tets::kNone);
   for (const std::uint32_t v : mesh.to_vert) to_new[v] = 0;
   runner.check_cancelled();
+  std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
-    if (v >= given && to_new[v] == tets::kNone) continue;
-    to_new[v] = static_cast<std::uint32_t>(filling.points.size());
-    filling.points.push_back(mesh.points[v]);
+    if (v >= complex.points.size() && to_new[v] == tets::kNone) continue;
+    mesh.points[count] = mesh.points[v];
+    to_new[v] = count++;
   }
-  mesh.points.release();
-  filling.tet_to_vert.resize(mesh.to_region.size());
-  runner.for_blocks(filling.tet_to_vert.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
-    }
+  mesh.points.resize_for_overwrite(count);
+  mesh.points.shrink_to_fit();
+  runner.for_blocks(mesh.to_vert.size(), 4 * kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) mesh.to_vert[i] = to_new[mesh.to_vert[i]];
   });
-  mesh.to_vert.release();
-  filling.tet_to_region.assign(mesh.to_region.begin(), mesh.to_region.end());
-  mesh.to_region.release();
-  return filling;
+  part.points = std::move(mesh.points);
+  part.vert_to_number.resize_for_overwrite(count);
+  std::iota(part.vert_to_number.begin(), part.vert_to_number.end(), std::uint64_t{0});
+  part.tet_to_vert = std::move(mesh.to_vert);
+  part.tet_to_region = std::move(mesh.to_region);
+  part.triangles.resize(complex.tri_to_vert.size());
+  std::iota(part.triangles.begin(), part.triangles.end(), 0u);
+  part.tri_to_vert = filled.tri_to_vert.empty() ? complex.tri_to_vert : std::move(filled.tri_to_vert);
+  return part;
 }
 
 }  // namespace tetloom::volume

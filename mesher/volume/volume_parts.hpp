@@ -1,13 +1,13 @@
 #pragma once
-// A filled volume as the parts in which it was filled, never put together.
+// A filled volume: the parts in which it was filled.
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/communicator.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/filling.hpp"
 #include "tetloom/growing_array.hpp"
-#include "tetloom/tasks.hpp"
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 
@@ -22,18 +22,14 @@ struct VolumePart {
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< vertices here of each, as they have become
 };
 
-/// All parts of a volume that this rank has.
+/// All parts of a volume, or of one complex of it.
 struct VolumeParts {
-  std::vector<VolumePart> parts;  ///< those of each complex together, in the order of the complexes; of this rank
-  std::size_t part_count = 0;     ///< on all ranks
-  std::uint64_t new_points = 0;   ///< of the parts of all ranks
-  std::vector<Diagnostic> errors, warnings;  ///< as of VolumeMesh
+  std::vector<VolumePart> parts;     ///< those of each complex together, in the order of the complexes; of this rank
+  std::size_t part_count = 0;        ///< on all ranks
+  std::uint64_t new_points = 0;      ///< of the parts of all ranks
+  std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
+  std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
   FillingFigures figures;
 };
-
-/// As fill_volume, the same tets in parts: a complex that was filled in one part is one, and the numbers of all points
-/// are those of fill_volume. A collective call, for which all ranks give the same; errors are the same on all of them.
-VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
-                                 const TaskRunner& runner);
 
 }  // namespace tetloom
