@@ -285,19 +285,18 @@ PerPart<FinishedPart> finish_all(const AllParts& all) {
 
 }  // namespace
 
-HandedOn hand_on_parts(const AllParts& all) {
+void hand_on_parts(const AllParts& all, VolumeParts& volume) {
   const auto local = all.states.local();
   PerPart<FinishedPart> finished = finish_all(all);
   Numberer numberer(all, finished);
   numberer.run();
-  HandedOn result;
-  result.new_points = numberer.new_points();
-  result.parts.resize(local.size());
+  volume.new_points = numberer.new_points();
+  volume.part_count = all.states.part_count();
+  volume.parts.resize(local.size());
   run_on_all(all.communicator, [&] {
     all.for_each_local("hand on",
-                       [&](std::size_t i) { result.parts[i] = hand_on(finished.at(local[i]), numberer.of(local[i])); });
+                       [&](std::size_t i) { volume.parts[i] = hand_on(finished.at(local[i]), numberer.of(local[i])); });
   });
-  return result;
 }
 
 }  // namespace tetloom::parts

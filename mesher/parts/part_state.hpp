@@ -30,11 +30,6 @@ struct OpenBall {
   double radius = 0;  ///< infinite where it has no finite number
 };
 
-struct MovedPoint {
-  std::uint32_t point = 0;  ///< of the complex
-  Vec3 to;
-};
-
 struct ChangedTriangle {
   std::uint32_t triangle = 0;  ///< of the complex; its face and its sides are as before
   std::array<std::uint32_t, 3> verts{};
@@ -105,7 +100,6 @@ struct PartState {
   std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 
   std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have
-  std::vector<MovedPoint> moved_points;            ///< of the complex
   std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
   FillingFigures figures;
   tets::Fault fault;

@@ -55,15 +55,15 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
 
 }  // namespace
 
-std::vector<VolumeParts> fill_on_ranks(const VolumeInput& input, std::span<const Complex> complexes,
-                                       const ComplexOptions& options, std::span<FillingProgress> progress,
-                                       Communicator& communicator, const TaskRunner& runner) {
+std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
+                                       std::span<FillingProgress> progress, Communicator& communicator,
+                                       const TaskRunner& runner) {
   const bool is_alone = communicator.rank_count() == 1;
   std::vector<VolumeParts> filled(complexes.size());
   std::vector<std::size_t> left, own;
   for (std::size_t i = 0; i < complexes.size(); ++i) {
-    if (!is_alone && !options.worker_only)
-      filled[i] = fill_complex_in_parts(input, complexes[i], options, progress[i], communicator, runner);
+    if (!is_alone && !plan.options.worker_only)
+      filled[i] = fill_complex_in_parts(plan, complexes[i], progress[i], communicator, runner);
     if (filled[i].part_count == 0) left.push_back(i);
   }
   const std::vector<int> owner = deal_to_ranks(left, progress, communicator.rank_count());
@@ -77,7 +77,7 @@ std::vector<VolumeParts> fill_on_ranks(const VolumeInput& input, std::span<const
     runner.for_each_largest_first(work, [&](std::size_t k) {
       const std::size_t i = own[k];
       const FillingFigures before = std::move(filled[i].figures);
-      filled[i] = fill_complex(input, complexes[i], options, progress[i], is_alone, runner);
+      filled[i] = fill_complex(plan, complexes[i], progress[i], is_alone, runner);
       filled[i].figures.add(before);
       progress[i].reach(FillingStep::Done, runner);
     });

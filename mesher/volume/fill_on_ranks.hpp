@@ -10,9 +10,9 @@ namespace tetloom::volume {
 /// filled in one part are dealt to the ranks. A single rank fills the complexes side by side. All ranks know errors,
 /// warnings, figures and numbers of all complexes in the end, and have the parts that they made. A collective call; all
 /// ranks give the same.
-std::vector<VolumeParts> fill_on_ranks(const VolumeInput& input, std::span<const Complex> complexes,
-                                       const ComplexOptions& options, std::span<FillingProgress> progress,
-                                       Communicator& communicator, const TaskRunner& runner);
+std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
+                                       std::span<FillingProgress> progress, Communicator& communicator,
+                                       const TaskRunner& runner);
 
 /// A part of the whole volume.
 struct NumberedPart {

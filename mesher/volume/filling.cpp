@@ -21,7 +21,7 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
   Stopwatch watch;
   FillingFigures& figures = filled.figures;
   tets::OptimizeOptions options = optimize_options(input);
-  if (input.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
+  if (input.options.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
   figures.optimizer = optimize(filled.mesh, options, runner);
   figures.seconds.optimize += watch.lap();
   input.progress.reach(FillingStep::Optimized, runner);
@@ -37,7 +37,7 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
 tets::OptimizeOptions optimize_options(const FillingInput& input) {
   tets::OptimizeOptions options;
   options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
-  options.goals = input.goals;
+  options.goals = input.options.goals;
   if (input.sizes.gradation() > kStrongGradation) options.sizes = &input.sizes;
   return options;
 }

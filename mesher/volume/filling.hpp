@@ -14,16 +14,15 @@
 
 namespace tetloom::volume {
 
-/// The complex that is filled, with the sizes and the goals.
+/// The complex that is filled, and how.
 struct FillingInput {
   const Complex& complex;
   const intersection::TriangleTree& tree;  ///< of the complex
   const SizeField& sizes;
   FillingProgress& progress;
+  const VolumeOptions& options;
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
-  QualityGoals goals = {};
-  LatticeKind lattice = LatticeKind::Bcc;
-  int attempt = 0;  ///< another one has another place of the lattice
+  int attempt = 0;                          ///< another one has another place of the lattice
 };
 
 /// The tets of a complex, or why there are none.

@@ -97,40 +97,35 @@ Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, cons
   return diagnostic;
 }
 
-// What is to be filled, and how.
-struct Plan {
+// What is to be filled.
+struct Work {
   std::vector<Complex> complexes;
   std::vector<volume::FillingProgress> progress;
-  volume::ComplexOptions how;
   std::optional<volume::SurfaceFreedom> freedom;
 };
 
-void make_plan(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Plan& plan,
-               VolumeParts& result) {
+void find_work(volume::FillingPlan& plan, const TaskRunner& runner, Work& work, VolumeParts& result) {
+  const VolumeInput& input = plan.input;
+  const VolumeOptions& options = plan.options;
   std::optional<TraceSpan> span(std::in_place, options.trace, "shells", runner.threads(),
                                 volume::open_region_pieces(input));
   volume::OpenRegions open = volume::find_open_regions(input, runner);
   span.emplace(options.trace, "plan");
   result.errors = std::move(open.diagnostics);
-  plan.complexes = volume::split_complexes(input, open.regions);
+  work.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
-  for (const Complex& complex : plan.complexes) whole += plan.progress.emplace_back(input, complex).whole();
+  for (const Complex& complex : work.complexes) whole += work.progress.emplace_back(input, complex).whole();
   runner.begin_stage(Stage::Volume, whole);
-  plan.how.worker_only = options.worker_only;
-  plan.how.goals = options.goals;
-  plan.how.lattice = options.lattice;
-  plan.how.trace = options.trace;
-  plan.how.tets_per_part = options.tets_per_part;
-  if (plan.complexes.empty()) return;
+  if (work.complexes.empty()) return;
   try {
-    plan.how.worker = volume::find_worker(options.worker);
+    plan.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : plan.complexes) result.errors.push_back(worker_missing(input, complex, error));
-      return plan.complexes.clear();
+      for (const Complex& complex : work.complexes) result.errors.push_back(worker_missing(input, complex, error));
+      return work.complexes.clear();
     }
   }
-  if (options.improve_surface) plan.how.freedom = &plan.freedom.emplace(input, plan.complexes);
+  if (options.improve_surface) plan.freedom = &work.freedom.emplace(input, work.complexes);
 }
 
 // From numbers of the complex to those of the input; new points from `first_new` on. Both lists of the complex ascend,
@@ -206,14 +201,15 @@ void FillingFigures::add(const FillingFigures& other) {
 VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
                         const TaskRunner& runner) {
   VolumeParts result;
-  Plan plan;
+  volume::FillingPlan plan{input, options, {}};
+  Work work;
   run_on_all(communicator, [&] {
     check(input, options, runner);
-    make_plan(input, options, runner, plan, result);
+    find_work(plan, runner, work, result);
   });
-  std::vector<VolumeParts> filled =
-      volume::fill_on_ranks(input, plan.complexes, plan.how, plan.progress, communicator, runner);
-  join_complexes(input, plan.complexes, std::move(filled), communicator, runner, result);
+  join_complexes(input, work.complexes,
+                 volume::fill_on_ranks(plan, work.complexes, work.progress, communicator, runner), communicator, runner,
+                 result);
   return result;
 }
 
