@@ -346,8 +346,7 @@ void fill_ball(benchmark::State& state) {
   const Ball ball(static_cast<int>(state.range(0)));
   const auto fill = [&](const auto& communicator) {
     std::size_t tets = 0;
-    for (const VolumePart& part : fill_volume(ball.input(), {}, *communicator, kSerial).parts)
-      tets += part.tet_to_region.size();
+    for (const PartMesh& part : fill_volume(ball.input(), {}, *communicator, kSerial).parts) tets += part.cell_count();
     return tets;
   };
   run_step(

@@ -22,7 +22,7 @@ struct FinishedPart {
   GrowingArray<VertKey> keys;
   GrowingArray<std::uint32_t> to_vert, to_region;
   std::uint32_t next_index = 0;
-  VolumePart part;  // its triangles, by vertices of the state
+  PartMesh part;  // its triangles, by vertices of the state
 };
 
 // The vertices of a part that tets use, and their numbers in the complex.
@@ -179,7 +179,7 @@ class TriangleFinder {
   }
 
   // With vertices of the state.
-  void find(VolumePart& part) const {
+  void find(BoundaryBlock& triangles) const {
     std::vector<std::pair<std::uint32_t, TriangleVerts>> found;
     for (FaceCode face = 0; face < state_.mesh.to_neighbor.size(); ++face) {
       const FaceCode behind = state_.mesh.to_neighbor[face];
@@ -187,9 +187,9 @@ class TriangleFinder {
     }
     std::sort(found.begin(), found.end());
     for (const auto& [triangle, verts] : found) {
-      if (!part.triangles.empty() && part.triangles.back() == triangle) continue;  // seen from both sides
-      part.triangles.push_back(triangle);
-      part.tri_to_vert.push_back(verts);
+      if (!triangles.to_entity.empty() && triangles.to_entity.back() == triangle) continue;  // seen from both sides
+      triangles.to_entity.push_back(triangle);
+      triangles.to_vert.append(verts);
     }
   }
 
@@ -227,7 +227,7 @@ class TriangleFinder {
 // The state with all that is not needed any more is gone.
 FinishedPart take_finished(const SharedInput& input, PartState& state) {
   FinishedPart finished;
-  TriangleFinder(input, state).find(finished.part);
+  TriangleFinder(input, state).find(finished.part.block(BoundaryKind::Triangle));
   finished.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
   finished.to_vert = std::move(state.mesh.to_vert), finished.to_region = std::move(state.mesh.to_region);
   finished.next_index = state.next_index;
@@ -250,8 +250,8 @@ std::vector<std::uint32_t> find_duplicates(const FinishedPart& finished, const N
   return to_first;
 }
 
-VolumePart hand_on(FinishedPart& finished, Numbering& numbering) {
-  VolumePart part = std::move(finished.part);
+PartMesh hand_on(FinishedPart& finished, Numbering& numbering) {
+  PartMesh part = std::move(finished.part);
   std::vector<std::uint32_t> to_new = find_duplicates(finished, numbering);
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
     if (numbering.to_number[v] == kUnused) continue;
@@ -261,13 +261,12 @@ VolumePart hand_on(FinishedPart& finished, Numbering& numbering) {
     }
     to_new[v] = static_cast<std::uint32_t>(part.points.size());
     part.points.push_back(finished.points[v]);
-    part.vert_to_number.push_back(numbering.to_number[v]);
+    part.vert_to_global.push_back(numbering.to_number[v]);
   }
-  part.tet_to_vert = std::move(finished.to_vert);
-  part.tet_to_region = std::move(finished.to_region);
-  for (std::uint32_t& v : part.tet_to_vert) v = to_new[v];
-  for (TriangleVerts& verts : part.tri_to_vert)
-    for (std::uint32_t& v : verts) v = to_new[v];
+  CellBlock& tets = part.block(CellKind::Tet);
+  tets.to_vert = std::move(finished.to_vert), tets.to_region = std::move(finished.to_region);
+  for (GrowingArray<std::uint32_t>* verts : {&tets.to_vert, &part.block(BoundaryKind::Triangle).to_vert})
+    for (std::uint32_t& v : *verts) v = to_new[v];
   numbering = Numbering();
   finished = FinishedPart();
   return part;

@@ -87,8 +87,7 @@ std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const 
   return filled;
 }
 
-std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
-                                  Communicator& communicator) {
+std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator) {
   const auto rank_of = [&](PartId part) { return communicator.rank_of(part, part_count); };
   const auto pack = [&] {
     std::vector<Message> messages;
@@ -106,7 +105,7 @@ std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t
     parts.push_back({message.to, get_part(reader)});
   }
   std::ranges::sort(parts, {}, &NumberedPart::number);
-  std::vector<VolumePart> own;
+  std::vector<PartMesh> own;
   for (NumberedPart& part : parts) own.push_back(std::move(part.part));
   return own;
 }

@@ -17,11 +17,10 @@ std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const 
 /// A part of the whole volume.
 struct NumberedPart {
   PartId number;
-  VolumePart part;
+  PartMesh part;
 };
 
 /// Sends parts to the ranks that host them, of `part_count`; returns those of this rank, ascending. A collective call.
-std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
-                                  Communicator& communicator);
+std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator);
 
 }  // namespace tetloom::volume

@@ -61,8 +61,8 @@ void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRun
   filled.fault = check_volumes(filled.mesh, runner);
 }
 
-VolumePart to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner) {
-  VolumePart part;
+PartMesh to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner) {
+  PartMesh part;
   TetMesh& mesh = filled.mesh;
   mesh.to_neighbor.release();
   mesh.to_fixed.release();
@@ -81,13 +81,16 @@ VolumePart to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner
     for (std::size_t i = begin; i < end; ++i) mesh.to_vert[i] = to_new[mesh.to_vert[i]];
   });
   part.points = std::move(mesh.points);
-  part.vert_to_number.resize_for_overwrite(count);
-  std::iota(part.vert_to_number.begin(), part.vert_to_number.end(), std::uint64_t{0});
-  part.tet_to_vert = std::move(mesh.to_vert);
-  part.tet_to_region = std::move(mesh.to_region);
-  part.triangles.resize(complex.tri_to_vert.size());
-  std::iota(part.triangles.begin(), part.triangles.end(), 0u);
-  part.tri_to_vert = filled.tri_to_vert.empty() ? complex.tri_to_vert : std::move(filled.tri_to_vert);
+  part.vert_to_global.resize_for_overwrite(count);
+  std::iota(part.vert_to_global.begin(), part.vert_to_global.end(), std::uint64_t{0});
+  CellBlock& tets = part.block(CellKind::Tet);
+  tets.to_vert = std::move(mesh.to_vert), tets.to_region = std::move(mesh.to_region);
+  BoundaryBlock& triangles = part.block(BoundaryKind::Triangle);
+  triangles.to_vert.reserve(3 * complex.tri_to_vert.size());
+  for (const auto& verts : filled.tri_to_vert.empty() ? complex.tri_to_vert : filled.tri_to_vert)
+    triangles.to_vert.append(verts);
+  triangles.to_entity.resize_for_overwrite(complex.tri_to_vert.size());
+  std::iota(triangles.to_entity.begin(), triangles.to_entity.end(), 0u);
   return part;
 }
 

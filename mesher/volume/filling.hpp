@@ -45,6 +45,6 @@ void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRun
 
 /// The tets as the only part of the complex, the points that no tet has left out. `filled` is emptied on the way, so
 /// that the two are never there at once. Pre: no fault. Errors: Cancelled.
-VolumePart to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner);
+PartMesh to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

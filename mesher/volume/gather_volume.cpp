@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 16;  // items of one task
 
-using volume::VolumePartView;
+using volume::PartView;
 
 // Parts follow each other; the items of one are dealt to the threads. So points that several parts have are written one
 // after the other.
@@ -32,13 +32,12 @@ class Assembly {
     make_room(mesh_.tet_to_entity, tets);
   }
 
-  void add(const VolumePartView& part) {
+  void add(const PartView& part) {
     if (part.tet_to_region.empty()) return;
     add_points(part);
     add_tets(part);
-    for (std::size_t i = 0; i < part.triangles.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        mesh_.tri_to_vert[part.triangles[i]][k] = number_of(part, part.tri_to_vert[i][k]);
+    for (std::size_t i = 0; i < part.tri_to_vert.size(); ++i)
+      mesh_.tri_to_vert[part.triangles[i / 3]][i % 3] = number_of(part, part.tri_to_vert[i]);
   }
 
  private:
@@ -49,11 +48,11 @@ class Assembly {
   }
 
   // New points lie inside of the region of any tet that has them.
-  void add_points(const VolumePartView& part) {
+  void add_points(const PartView& part) {
     const std::uint32_t region = part.tet_to_region.front();
     runner_.for_blocks(part.points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
-        const std::uint64_t number = part.vert_to_number[v];
+        const std::uint64_t number = part.vert_to_global[v];
         mesh_.points[number] = part.points[v];
         if (number >= given_) mesh_.point_to_entity[number] = ModelRegionId(region);
       }
@@ -64,7 +63,7 @@ class Assembly {
         mesh_.point_to_entity[v] = ModelRegionId(part.tet_to_region[i / 4]);
   }
 
-  void add_tets(const VolumePartView& part) {
+  void add_tets(const PartView& part) {
     runner_.for_blocks(part.tet_to_region.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t tet = begin; tet < end; ++tet) {
         for (std::size_t i = 0; i < 4; ++i)
@@ -75,8 +74,8 @@ class Assembly {
     next_tet_ += part.tet_to_region.size();
   }
 
-  static std::uint32_t number_of(const VolumePartView& part, std::uint32_t vert) {
-    return static_cast<std::uint32_t>(part.vert_to_number[vert]);
+  static std::uint32_t number_of(const PartView& part, std::uint32_t vert) {
+    return static_cast<std::uint32_t>(part.vert_to_global[vert]);
   }
 
   Mesh& mesh_;
@@ -108,11 +107,14 @@ void gather_volume(VolumeParts&& volume, Mesh& mesh, Communicator& communicator,
   run_on_first(communicator, [&] {
     const TaskRunner wide = runner.with_idle_threads(communicator.ranks_on_machine());
     // Parts of the first rank come first; the others have arrived by their numbers.
-    std::vector<VolumePartView> views;
-    for (const VolumePart& part : volume.parts) views.push_back(volume::view_of(part));
-    for (const Message& message : messages) views.push_back(volume::get_view(message.bytes));
+    std::vector<PartView> views;
+    for (const PartMesh& part : volume.parts) views.push_back(volume::view_of(part));
+    for (const Message& message : messages) {
+      MessageReader reader(message.bytes);
+      views.push_back(volume::get_view(reader));
+    }
     std::size_t tets = 0;
-    for (const VolumePartView& view : views) tets += view.tet_to_region.size();
+    for (const PartView& view : views) tets += view.tet_to_region.size();
     Assembly assembly(mesh, wide);
     assembly.make_room(volume.new_points, tets);
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -130,13 +130,14 @@ void find_work(volume::FillingPlan& plan, const TaskRunner& runner, Work& work, 
 
 // From numbers of the complex to those of the input; new points from `first_new` on. Both lists of the complex ascend,
 // so that triangles stay in order.
-void to_numbers_of_input(const Complex& complex, std::uint64_t first_new, std::span<VolumePart> parts,
+void to_numbers_of_input(const Complex& complex, std::uint64_t first_new, std::span<PartMesh> parts,
                          const TaskRunner& runner) {
   const std::uint64_t given = complex.points.size();
   runner.for_each(parts.size(), [&](std::size_t i) {
-    for (std::uint64_t& number : parts[i].vert_to_number)
+    for (std::uint64_t& number : parts[i].vert_to_global)
       number = number < given ? complex.to_input_vert[number] : number - given + first_new;
-    for (std::uint32_t& triangle : parts[i].triangles) triangle = complex.to_input_tri[triangle];
+    for (std::uint32_t& triangle : parts[i].block(BoundaryKind::Triangle).to_entity)
+      triangle = complex.to_input_tri[triangle];
   });
 }
 
