@@ -18,11 +18,9 @@ constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
 // What is kept of a part's state: all of them are numbered before any of them is handed on.
 struct FinishedPart {
-  GrowingArray<Vec3> points;
+  PartMesh part;  // by vertices of the state
   GrowingArray<VertKey> keys;
-  GrowingArray<std::uint32_t> to_vert, to_region;
   std::uint32_t next_index = 0;
-  PartMesh part;  // its triangles, by vertices of the state
 };
 
 // The vertices of a part that tets use, and their numbers in the complex.
@@ -79,7 +77,7 @@ class Numberer {
     const FinishedPart& finished = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
     numbering.to_number.assign(finished.keys.size(), kUnused);
-    for (const std::uint32_t v : finished.to_vert) numbering.to_number[v] = 0;
+    for (const std::uint32_t v : finished.part.block(CellKind::Tet).to_vert) numbering.to_number[v] = 0;
     numbering.made.assign(finished.next_index, kUnused);
     std::vector<VertKey> foreign;
     for (std::size_t v = 0; v < finished.keys.size(); ++v) {
@@ -228,8 +226,9 @@ class TriangleFinder {
 FinishedPart take_finished(const SharedInput& input, PartState& state) {
   FinishedPart finished;
   TriangleFinder(input, state).find(finished.part.block(BoundaryKind::Triangle));
-  finished.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
-  finished.to_vert = std::move(state.mesh.to_vert), finished.to_region = std::move(state.mesh.to_region);
+  CellBlock& tets = finished.part.block(CellKind::Tet);
+  finished.part.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
+  tets.to_vert = std::move(state.mesh.to_vert), tets.to_region = std::move(state.mesh.to_region);
   finished.next_index = state.next_index;
   state = PartState();
   return finished;
@@ -259,13 +258,14 @@ PartMesh hand_on(FinishedPart& finished, Numbering& numbering) {
       to_new[v] = to_new[to_new[v]];
       continue;
     }
-    to_new[v] = static_cast<std::uint32_t>(part.points.size());
-    part.points.push_back(finished.points[v]);
+    to_new[v] = static_cast<std::uint32_t>(part.vert_to_global.size());
+    part.points[to_new[v]] = part.points[v];
     part.vert_to_global.push_back(numbering.to_number[v]);
   }
-  CellBlock& tets = part.block(CellKind::Tet);
-  tets.to_vert = std::move(finished.to_vert), tets.to_region = std::move(finished.to_region);
-  for (GrowingArray<std::uint32_t>* verts : {&tets.to_vert, &part.block(BoundaryKind::Triangle).to_vert})
+  part.points.resize_for_overwrite(part.vert_to_global.size());
+  part.points.shrink_to_fit();
+  for (GrowingArray<std::uint32_t>* verts :
+       {&part.block(CellKind::Tet).to_vert, &part.block(BoundaryKind::Triangle).to_vert})
     for (std::uint32_t& v : *verts) v = to_new[v];
   numbering = Numbering();
   finished = FinishedPart();
