@@ -34,21 +34,15 @@ class EdgeIndex {
 
 class PartClassifier {
  public:
-  PartClassifier(const Mesh& surface, const EdgeIndex& edges, VolumePart&& volume)
-      : surface_(surface), edges_(edges), volume_(std::move(volume)) {}
+  PartClassifier(const Mesh& surface, const EdgeIndex& edges, PartMesh& part)
+      : surface_(surface), edges_(edges), part_(part) {}
 
-  PartMesh run() {
-    part_.points = std::move(volume_.points);
-    part_.vert_to_global = std::move(volume_.vert_to_number);
-    CellBlock& tets = part_.block(CellKind::Tet);
-    tets.to_vert = std::move(volume_.tet_to_vert);
-    tets.to_region = std::move(volume_.tet_to_region);
+  void run() {
     connect_cells(part_);
     classify_vertices();
-    add_triangles();
+    for (std::uint32_t& entity : part_.block(BoundaryKind::Triangle).to_entity) entity = surface_.tri_to_entity[entity];
     add_edges();
     add_entities();
-    return std::move(part_);
   }
 
  private:
@@ -61,15 +55,6 @@ class PartClassifier {
       const std::uint32_t region = part_.block(CellKind::Tet).to_region[part_.vert_to_place[v].cell()];
       part_.vert_to_entity[v] =
           PackedEntity(is_new(v) ? ModelEntity(3, region) : surface_.point_to_entity[part_.vert_to_global[v]]);
-    }
-  }
-
-  void add_triangles() {
-    BoundaryBlock& block = part_.block(BoundaryKind::Triangle);
-    block.to_vert.reserve(3 * volume_.triangles.size());
-    for (std::size_t i = 0; i < volume_.triangles.size(); ++i) {
-      block.to_vert.append(std::span<const std::uint32_t>(volume_.tri_to_vert[i]));
-      block.to_entity.push_back(surface_.tri_to_entity[volume_.triangles[i]]);
     }
   }
 
@@ -130,20 +115,20 @@ class PartClassifier {
 
   const Mesh& surface_;
   const EdgeIndex& edges_;
-  VolumePart volume_;
-  PartMesh part_;
+  PartMesh& part_;
 };
 
 }  // namespace
 
-PartitionedMesh classify_parts(const Mesh& surface, std::vector<VolumePart>&& parts, std::size_t part_count,
+PartitionedMesh classify_parts(const Mesh& surface, std::vector<PartMesh>&& parts, std::size_t part_count,
                                Communicator& communicator, const TaskRunner& runner) {
   PartitionedMesh mesh(communicator, part_count);
   const auto local = mesh.local();
   run_on_all(communicator, [&] {
     const EdgeIndex edges(surface);
     runner.for_each(local.size(), [&](std::size_t i) {
-      mesh.parts.at(local[i]).mesh = PartClassifier(surface, edges, std::move(parts[i])).run();
+      PartMesh& part = mesh.parts.at(local[i]).mesh = std::move(parts[i]);
+      PartClassifier(surface, edges, part).run();
       runner.check_cancelled();
     });
   });

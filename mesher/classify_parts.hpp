@@ -7,12 +7,12 @@
 
 namespace tetloom {
 
-/// A mesh of `part_count` parts, of which `parts` are those of this rank, linked: vertices, triangles and pieces of
-/// model edges are classified as `surface` says, which holds the points, triangles and edges that the volume was filled
-/// from. Each part gets the triangles and edges that its tets have, and what the surface knows of the model entities
-/// that it lies on. `parts` is emptied on the way. A collective call. Errors, on all ranks alike: Cancelled,
-/// OutOfMemory; InputUnsuitable when a part is too large.
-PartitionedMesh classify_parts(const Mesh& surface, std::vector<VolumePart>&& parts, std::size_t part_count,
+/// A mesh of `part_count` parts, of which `parts`, as of VolumeParts, are those of this rank, linked: vertices,
+/// triangles and pieces of model edges are classified as `surface` says, which holds the points, triangles and edges
+/// that the volume was filled from. Each part gets the triangles and edges that its tets have, and what the surface
+/// knows of the model entities that it lies on. `parts` is emptied on the way. A collective call. Errors, on all ranks
+/// alike: Cancelled, OutOfMemory; InputUnsuitable when a part is too large.
+PartitionedMesh classify_parts(const Mesh& surface, std::vector<PartMesh>&& parts, std::size_t part_count,
                                Communicator& communicator, const TaskRunner& runner);
 
 }  // namespace tetloom

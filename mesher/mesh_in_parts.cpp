@@ -1,4 +1,3 @@
-#include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -57,26 +56,21 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
     throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
-  const auto fill = [&](const VolumeInput& input, const VolumeOptions& how, const SharedWork& work, Mesh& surface) {
-    Communicator& ranks = work.ranks();
+  const auto take = [&](VolumeParts&& volume, Mesh& surface, const SharedWork& work) {
     const TaskRunner& runner = work.runner();
-    VolumeParts volume = fill_volume_in_parts(input, how, ranks, runner);
-    FillingReport report{std::move(volume.errors), std::move(volume.warnings), volume.figures};
-    if (!report.errors.empty()) return report;
     Stopwatch watch;
-    run_on_all(ranks, [&] {
+    run_on_all(work.ranks(), [&] {
       runner.begin_stage(Stage::Partition, 0);
       runner.check_cancelled();
     });
-    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, ranks, runner);
+    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, work.ranks(), runner);
     if (options.parts > 0)
       deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
     result.partition_seconds = watch.lap();
     mesh.communicator = &communicator;
     result.mesh = std::move(mesh);
-    return report;
   };
-  result.run = run_mesh(model, options, host, fill, &communicator);
+  result.run = run_mesh(model, options, host, take, &communicator);
   result.run.seconds.volume -= result.partition_seconds;
   return result;
 }

@@ -23,13 +23,13 @@ namespace {
 
 class MeshRun {
  public:
-  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const TakeVolume& take,
           Communicator* ranks)
       : model_(model),
         options_(options),
         work_(options.threads, host, ranks),
         runner_(work_.runner()),
-        fill_(fill),
+        take_(take),
         on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
@@ -123,18 +123,20 @@ class MeshRun {
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
                                 options_.max_memory,    options_.goals,       options_.lattice,
                                 options_.tets_per_part, options_.trace};
-    FillingReport filling = fill_(input, options, work_, result_.mesh);
+    VolumeParts volume = tetloom::fill_volume(input, options, work_.ranks(), runner_);
+    append({}, volume.warnings);
+    result_.filling = std::move(volume.figures);
+    std::vector<Diagnostic> errors = std::move(volume.errors);
+    if (errors.empty()) take_(std::move(volume), result_.mesh, work_);
     result_.seconds.volume += watch.lap();
-    result_.filling = std::move(filling.figures);
-    append({}, filling.warnings);
-    return filling.errors;
+    return errors;
   }
 
   const GeometricModel& model_;
   const MeshOptions& options_;
   const SharedWork work_;
   const TaskRunner& runner_;
-  const FillVolume& fill_;
+  const TakeVolume& take_;
   const bool on_several_ranks_;
   MeshResult result_;
   std::vector<double> model_volumes_;  // per region
@@ -160,7 +162,7 @@ void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
 
 }  // namespace
 
-MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const TakeVolume& take,
                     Communicator* ranks) {
   check_goals(options.goals);
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
@@ -170,7 +172,7 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
     throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   StageClock clock;
-  MeshResult result = MeshRun(model, options, with_clock(host, clock), fill, ranks).run();
+  MeshResult result = MeshRun(model, options, with_clock(host, clock), take, ranks).run();
   if (result.status != MeshStatus::Ok) count_unfinished_stage(clock, result.seconds);
   return result;
 }

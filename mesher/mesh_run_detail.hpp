@@ -1,9 +1,8 @@
 #pragma once
-// What all ways of meshing a model have in common: sizes and surface; the volume is filled by whoever calls.
+// What all ways of meshing a model have in common: sizes, surface and volume, which is left in its parts.
 #include <functional>
-#include <vector>
 
-#include "mesher/volume/volume_mesher.hpp"
+#include "mesher/volume/volume_parts.hpp"
 #include "tetloom/communicator.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
@@ -11,19 +10,13 @@
 
 namespace tetloom {
 
-struct FillingReport {
-  std::vector<Diagnostic> errors, warnings;
-  FillingFigures figures;
-};
-
-/// Called once at most, when there is a surface that may be filled: the mesh, from which the input is made. In
+/// Called once at most, when the volume is filled: takes the parts, and the mesh, which is the surface. In
 /// SharedWork::together, for its ranks.
-using FillVolume = std::function<FillingReport(const VolumeInput&, const VolumeOptions&, const SharedWork&, Mesh&)>;
+using TakeVolume = std::function<void(VolumeParts&&, Mesh&, const SharedWork&)>;
 
-/// As make_mesh, where the volume is what `fill` makes of it. Whatever it throws is in the result. `ranks`, where there
-/// are some, share the work on sizes and surface; they have the same surface then, and come to `fill` together or not
-/// at all.
-MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const FillVolume& fill,
+/// As make_mesh, where `take` makes of the filled volume what is wanted. Whatever it throws is in the result. `ranks`,
+/// where there are some, share the work; they have the same surface, and come to `take` together or not at all.
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const TakeVolume& take,
                     Communicator* ranks = nullptr);
 
 }  // namespace tetloom

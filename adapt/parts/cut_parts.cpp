@@ -100,7 +100,7 @@ class PartCutter {
     runner_.for_blocks(mesh_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin * 4; i < end * 4; ++i) add_owner(mesh_.to_vert[i], share_.to_part[i / 4] - first_);
     });
-    for (const std::uint32_t v : share_.outside_verts) to_owner_[v] = kShared;
+    for (const std::uint32_t v : share_.outside.verts) to_owner_[v] = kShared;
   }
 
   // From tets of all parts at once.

@@ -76,8 +76,9 @@ class PartsJoiner {
   void find_foreign() {
     if (work_.rank_count() == 1) return;
     is_foreign_.assign(old_.vert_count, 0);
-    for (std::size_t i = 0; i < old_.outside_verts.size(); ++i)
-      is_foreign_[old_.outside_verts[i]] = old_.outside_ranks[old_.outside_first[i]] < rank();
+    const Residence& outside = old_.outside;
+    for (std::size_t i = 0; i < outside.verts.size(); ++i)
+      is_foreign_[outside.verts[i]] = outside.parts[outside.first[i]].value < rank();
   }
 
   // Where the numbers of each rank begin.
@@ -121,11 +122,12 @@ class PartsJoiner {
 
   void put_numbers(std::span<MessageWriter> to) const {
     std::vector<std::vector<Renumbered>> numbers(to.size());
-    for (std::size_t i = 0; i < old_.outside_verts.size(); ++i) {
-      const std::uint32_t old = old_.outside_verts[i];
+    const Residence& outside = old_.outside;
+    for (std::size_t i = 0; i < outside.verts.size(); ++i) {
+      const std::uint32_t old = outside.verts[i];
       if (is_foreign(old)) continue;
-      for (std::uint32_t k = old_.outside_first[i]; k < old_.outside_first[i + 1]; ++k)
-        numbers[old_.outside_ranks[k]].push_back({old_.to_number[old], links_.first_verts[rank()] + old_to_new_[old]});
+      for (std::uint32_t k = outside.first[i]; k < outside.first[i + 1]; ++k)
+        numbers[outside.parts[k].value].push_back({old_.to_number[old], links_.first_verts[rank()] + old_to_new_[old]});
     }
     for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Renumbered>(numbers[r]));
   }
@@ -282,7 +284,7 @@ class PartsJoiner {
 
   void put_faces(std::span<MessageWriter> to) const {
     std::vector<std::uint8_t> is_outside(links_.to_number.size(), 0);
-    for (const std::uint32_t old : old_.outside_verts) is_outside[old_to_new_[old]] = 1;
+    for (const std::uint32_t old : old_.outside.verts) is_outside[old_to_new_[old]] = 1;
     std::vector<std::vector<OpenFace>> faces(to.size());
     for (OpenFace face : alone_) {
       if (!is_outside[face.verts[0]] || !is_outside[face.verts[1]] || !is_outside[face.verts[2]]) continue;

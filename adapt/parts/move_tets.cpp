@@ -301,51 +301,13 @@ std::vector<std::uint32_t> find_open_verts(const WholeMesh& mesh) {
   return verts;
 }
 
-// The ranks tell each vertex to a rank that follows from its number, which tells them who else has it.
-void find_outside_verts(RoundShare& share, const ShareLinks& links, const SharedWork& work) {
-  struct Holder {
-    std::uint32_t number, rank;
-    auto operator<=>(const Holder&) const = default;
-  };
-  const auto self = static_cast<std::uint32_t>(work.rank());
-  const std::uint64_t ranks = static_cast<std::uint64_t>(work.rank_count()), count = links.first_verts.back();
-  const std::vector<Bytes> told = work.exchange([&](std::span<MessageWriter> to) {
-    std::vector<std::vector<Holder>> holders(to.size());
-    for (const std::uint32_t v : find_open_verts(share.mesh))
-      holders[share.to_number[v] * ranks / count].push_back({share.to_number[v], self});
-    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Holder>(holders[r]));
-  });
-  const std::vector<Bytes> known = work.exchange([&](std::span<MessageWriter> to) {
-    std::vector<Holder> all;
-    for (const Bytes& bytes : told) {
-      const auto holders = MessageReader(bytes).get_view<Holder>();
-      all.insert(all.end(), holders.begin(), holders.end());
-    }
-    parallel_sort(all, work.runner());
-    std::vector<std::vector<Holder>> others(to.size());
-    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-      while (end < all.size() && all[end].number == all[begin].number) ++end;
-      for (std::size_t i = begin; i < end; ++i)
-        for (std::size_t k = begin; k < end; ++k)
-          if (k != i) others[all[i].rank].push_back(all[k]);
-    }
-    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const Holder>(others[r]));
-  });
+void find_outside_verts(RoundShare& share, const SharedWork& work) {
+  const PartId self(static_cast<std::size_t>(work.rank()));
+  PerPart<std::vector<OpenVertex>> open(static_cast<std::size_t>(work.rank_count()), std::span(&self, 1));
   work.each([&] {
-    // Numbers are ascending from rank to rank, and in what each of them tells.
-    for (const Bytes& bytes : known) {
-      for (const Holder& holder : MessageReader(bytes).get_view<Holder>()) {
-        const auto vert = static_cast<std::uint32_t>(std::ranges::lower_bound(share.to_number, holder.number) -
-                                                     share.to_number.begin());
-        if (share.outside_verts.empty() || share.outside_verts.back() != vert) {
-          share.outside_verts.push_back(vert);
-          share.outside_first.push_back(share.outside_first.back());
-        }
-        share.outside_ranks.push_back(holder.rank);
-        ++share.outside_first.back();
-      }
-    }
+    for (const std::uint32_t v : find_open_verts(share.mesh)) open.at(self).push_back({share.to_number[v], v});
   });
+  share.outside = std::move(find_residence(open, work.ranks(), work.runner()).at(self));
 }
 
 }  // namespace
@@ -368,7 +330,7 @@ RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint
     given.clear();
     moved.vert_count = moved.mesh.points.size();
   });
-  find_outside_verts(moved, links, work);
+  find_outside_verts(moved, work);
   return moved;
 }
 

@@ -6,6 +6,7 @@
 
 #include "adapt/parts/whole_mesh.hpp"
 #include "threading/comm/shared_work.hpp"
+#include "threading/parts/residence.hpp"
 
 namespace tetloom::adapt {
 
@@ -40,8 +41,7 @@ struct RoundShare {
   std::size_t vert_count = 0;            ///< of the mesh
   GrowingArray<std::uint32_t> to_part;   ///< of its tets, which are ascending in number
   std::vector<std::uint32_t> to_number;  ///< as of ShareLinks
-  // Vertices that other ranks have too, ascending, and those ranks: outside_ranks[first[i] … first[i + 1]], ascending.
-  std::vector<std::uint32_t> outside_verts, outside_first{0}, outside_ranks;
+  Residence outside;                     ///< of its vertices on other ranks: there is a part for each rank
 };
 
 /// The rank that adapts a part: in blocks, as Communicator::rank_of.

@@ -122,10 +122,10 @@ class SideSplitter {
     if (work_.rank_count() == 1) return;
     share_.to_number.push_back(next_number_);
     if (ranks_.size() == 1) return;
-    share_.outside_verts.push_back(edge.vert);
+    share_.outside.verts.push_back(edge.vert);
     for (const std::uint32_t rank : ranks_)
-      if (rank != self) share_.outside_ranks.push_back(rank);
-    share_.outside_first.push_back(static_cast<std::uint32_t>(share_.outside_ranks.size()));
+      if (rank != self) share_.outside.parts.push_back(PartId(rank));
+    share_.outside.first.push_back(static_cast<std::uint32_t>(share_.outside.parts.size()));
   }
 
   void split() {

@@ -94,8 +94,8 @@ struct MeshOptions {
   std::uint64_t max_memory = 0;  ///< bytes; refuse what is estimated to need more; 0: what the machine has free
   std::string volume_worker;     ///< path of tetloom-tetgen; empty: beside the executable, then in PATH
   bool worker_only = false;      ///< fill volumes by TetGen alone, to compare
-  double tets_per_part = 0;      ///< as VolumeOptions
-  Trace* trace = nullptr;        ///< as VolumeOptions
+  double tets_per_part = 0;      ///< volumes are filled in parts of so many tets; infinite: in one; 0: as many as suit
+  Trace* trace = nullptr;        ///< takes what the tasks of the volume did; may be null
 };
 
 enum class MeshStatus { Ok, Failed, Cancelled };

@@ -26,14 +26,14 @@ class ShellAppender {
     std::vector<TriangleVerts> open_verts;
     for (const FaceCode face : state_.core.open_faces) open_verts.push_back(verts_of(mesh_, face));
     const tets::TriangleIndex open(open_verts, state_.keys.size());
-    const std::size_t count = core_size_ + state_.kept.size();
+    const std::size_t count = core_size_ + state_.shell.kept.size();
     mesh_.to_vert.resize_for_overwrite(count * 4);
     mesh_.to_neighbor.resize_for_overwrite(count * 4);
     mesh_.to_fixed.resize_for_overwrite(count);
-    for (const std::uint32_t tet : state_.kept) append(tet, open);
+    for (const std::uint32_t tet : state_.shell.kept) append(tet, open);
     mesh_.to_region.resize(count, input_.only_region);
-    mesh_.points = std::move(state_.shell.points);
-    state_.figures.shell_tets = state_.kept.size();
+    mesh_.points = std::move(state_.shell.mesh.points);
+    state_.figures.shell_tets = state_.shell.kept.size();
     std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
     drop_points_of_others();
     release_shell();
@@ -43,22 +43,22 @@ class ShellAppender {
  private:
   void drop_removed() {
     if (removed_.empty()) return;
-    std::erase_if(state_.kept, [&](std::uint32_t tet) {
+    std::erase_if(state_.shell.kept, [&](std::uint32_t tet) {
       TetKeys keys;
-      for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[state_.shell.to_vert[std::size_t{tet} * 4 + i]];
+      for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[state_.shell.mesh.to_vert[std::size_t{tet} * 4 + i]];
       std::sort(keys.begin(), keys.end());
       return std::binary_search(removed_.begin(), removed_.end(), keys);
     });
   }
 
   void number_kept() {
-    to_kept_.resize(state_.shell.size(), kNone);
+    to_kept_.resize(state_.shell.mesh.size(), kNone);
     std::uint32_t next = core_size_;
-    for (const std::uint32_t tet : state_.kept) to_kept_[tet] = next++;
+    for (const std::uint32_t tet : state_.shell.kept) to_kept_[tet] = next++;
   }
 
   void append(std::uint32_t tet, const tets::TriangleIndex& open) {
-    const TetMesh& shell = state_.shell;
+    const TetMesh& shell = state_.shell.mesh;
     const std::uint32_t kept = to_kept_[tet];
     mesh_.to_fixed[kept] = shell.to_fixed[tet];
     state_.seen_sides += static_cast<std::size_t>(std::popcount(shell.to_fixed[tet]));
@@ -73,7 +73,7 @@ class ShellAppender {
 
   // Tets of the core have no vertices on the surface.
   void link_to_core(FaceCode from, FaceCode to, const tets::TriangleIndex& open) {
-    const TriangleVerts verts = verts_of(state_.shell, from);
+    const TriangleVerts verts = verts_of(state_.shell.mesh, from);
     if (std::min({verts[0], verts[1], verts[2]}) < state_.surface_count()) return;
     const auto* face = open.find(tets::sorted(verts));
     if (!face) return;
@@ -84,11 +84,8 @@ class ShellAppender {
 
   // What served to make the core and the shell.
   void release_shell() {
-    state_.shell = TetMesh();
-    state_.levels = {}, state_.own_first = {}, state_.tri_verts = {};
+    state_.shell = {};
     state_.core.shell_verts = {}, state_.core.pure_around = {}, state_.core.level_to_vert = {};
-    state_.pure_around = {}, state_.shell_verts = {}, state_.kept = {}, state_.open_balls = {}, state_.asked_tets = {},
-    state_.missing = {};
   }
 
   // Points around the part that none of its tets has got. The first ones are those of the surface, whose places are

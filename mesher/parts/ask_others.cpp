@@ -19,7 +19,7 @@ constexpr std::size_t kNearest = 8;
 void ask(const AllParts& parts, PartId part, std::vector<Message>& questions) {
   const Decomposition& decomposition = parts.input.decomposition;
   std::vector<std::vector<OpenBall>> part_to_balls(decomposition.part_count());
-  for (const OpenBall& ball : parts.states.at(part).open_balls) {
+  for (const OpenBall& ball : parts.states.at(part).shell.open_balls) {
     const Vec3 reach{ball.radius, ball.radius, ball.radius};
     decomposition.for_each_in({ball.center - reach, ball.center + reach}, [&](PartId other) {
       if (other != part) part_to_balls[other.value].push_back(ball);
@@ -63,7 +63,7 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
   }
   std::vector<PartId> told;  // few: most have asked nobody
   for (const PartId part : parts.states.local()) {
-    parts.states.at(part).open_balls.clear();
+    parts.states.at(part).shell.open_balls.clear();
     if (!part_to_points[part.value].empty()) told.push_back(part);
   }
   std::vector<char> learnt(told.size(), 0);
@@ -84,7 +84,7 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
 Asked ask_others(const AllParts& parts) {
   Asked asked;
   std::uint64_t tets = 0;
-  for (const PartId part : parts.states.local()) tets += parts.states.at(part).open_balls.size();
+  for (const PartId part : parts.states.local()) tets += parts.states.at(part).shell.open_balls.size();
   asked.tets = sum_over_ranks(parts.communicator, tets);
   while (asked.rounds < kMostRounds && !parts.any_fault()) {
     std::vector<Message> questions;

@@ -33,7 +33,7 @@ class Filler {
     links_ = neighbour_links([this](PartId part) { return input_.decomposition.neighbors(part); });
   }
 
-  FilledParts run(bool keep_parts) {
+  FilledParts run() {
     make_tets();
     asked_ = ask_others(parts_);
     if (!parts_.any_fault()) {
@@ -42,14 +42,7 @@ class Filler {
     }
     FilledParts result;
     take_figures(result);
-    if (result.fault.any()) return result;
-    if (!keep_parts) {
-      result.filling = put_together(parts_);
-      return result;
-    }
-    HandedOn handed_on = hand_on_parts(parts_);
-    result.parts = std::move(handed_on.parts);
-    result.new_points = handed_on.new_points;
+    if (!result.fault.any()) hand_on_parts(parts_, result.volume);
     return result;
   }
 
@@ -140,14 +133,15 @@ class Filler {
         writer.put_array<ChangedTriangle>(state.changed_triangles);
       }
     };
-    result.figures.parts.parts = states_.part_count();
-    result.figures.parts.asking_rounds = asked_.rounds;
-    result.figures.parts.asked = asked_.tets;
+    FillingFigures& figures = result.volume.figures;
+    figures.parts.parts = states_.part_count();
+    figures.parts.asking_rounds = asked_.rounds;
+    figures.parts.asked = asked_.tets;
     result.tri_to_vert = input_.filling.complex.tri_to_vert;
     std::size_t seen = 0, wanted = 0;
     const auto take = [&](MessageReader& reader) {
       while (!reader.at_end()) {
-        result.figures.add(volume::get_figures(reader));
+        figures.add(volume::get_figures(reader));
         const std::string fault = get_text(reader);
         if (!result.fault.any()) result.fault.message = fault;
         seen += reader.get<std::uint64_t>();
@@ -180,37 +174,36 @@ std::uint32_t only_region_of(const volume::Complex& complex) {
 
 }  // namespace
 
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Communicator& communicator,
                                          const TaskRunner& runner) {
-  lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {}, &input.sizes, input.lattice,
-                                  input.attempt};
+  Trace* const trace = input.options.trace;
+  lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {},
+                                  &input.sizes, input.options.lattice,      input.attempt};
   for (const Vec3& x : input.complex.points) lattice.box.add(x);
-  const std::unique_ptr<Communicator> own = request.communicator ? nullptr : make_thread_communicator();
-  Communicator& communicator = own ? *own : *request.communicator;
   std::optional<lattice::LatticeCells> cells;
   std::optional<Decomposition> decomposition;
   std::optional<PartSurface> surface;
   std::optional<tets::TriangleIndex> triangles;
   run_on_all(communicator, [&] {
     {
-      const TraceSpan span(request.trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
+      const TraceSpan span(trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
       cells.emplace(lattice, runner);
     }
-    const std::size_t parts = count_parts(estimate_tets(*cells), request.tets_per_part);
-    if (parts > 1) decomposition.emplace(*cells, parts, runner, request.trace);
+    const std::size_t parts = count_parts(estimate_tets(*cells), input.options.tets_per_part);
+    if (parts > 1) decomposition.emplace(*cells, parts, runner, trace);
   });
   if (!decomposition) return std::nullopt;
   run_on_all(communicator, [&] {
-    const TraceSpan span(request.trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
+    const TraceSpan span(trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
     surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
   });
   run_on_all(communicator, [&] {
-    const TraceSpan span(request.trace, "index of triangles");
+    const TraceSpan span(trace, "index of triangles");
     triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
   });
   const SharedInput shared{
       input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
-  return Filler(shared, communicator, runner, request.trace).run(request.keep_parts || request.communicator);
+  return Filler(shared, communicator, runner, trace).run();
 }
 
 }  // namespace tetloom::parts

@@ -19,28 +19,17 @@
 
 namespace tetloom::parts {
 
-/// How a complex is to be filled in parts.
-struct PartsRequest {
-  double tets_per_part = 0;              ///< as VolumeOptions
-  Trace* trace = nullptr;                ///< may be null
-  bool keep_parts = false;               ///< they are not put together
-  Communicator* communicator = nullptr;  ///< of the ranks that share the parts, which are kept then; null: this process
-};
-
-/// A complex that was filled in parts, as a whole or as these parts.
+/// A complex that was filled in parts.
 struct FilledParts {
-  std::optional<volume::Filling> filling;  ///< nothing after a fault, or when parts are kept
-  std::vector<VolumePart> parts;           ///< kept ones of this rank; points and triangles numbered as in the complex
-  std::uint64_t new_points = 0;            ///< of all kept parts
+  VolumeParts volume;  ///< points and triangles numbered as in the complex; after a fault, figures alone
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< the complex's triangles as they have become
-  FillingFigures figures;
   tets::Fault fault;  ///< any: why the parts do not fit together; one part may succeed where they do not
 };
 
-/// The result depends on the input and the tets per part alone. Nothing when the complex is too small for two parts.
-/// Errors: Cancelled, OutOfMemory. With a communicator, a collective call; all ranks give the same input, and know all
-/// but the parts of the others then.
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const PartsRequest& request,
+/// The result depends on the input alone. Nothing when the complex is too small for two parts. Errors: Cancelled,
+/// OutOfMemory. A collective call of the ranks that share the parts; all give the same input, and know all but the
+/// parts of the others then.
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Communicator& communicator,
                                          const TaskRunner& runner);
 
 }  // namespace tetloom::parts

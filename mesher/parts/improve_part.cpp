@@ -135,8 +135,6 @@ class Improvement {
   }
 
   void note_changes(const std::vector<TriangleVerts>& after) {
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (mesh_.points[i] != surface_.points[i]) state_.moved_points.push_back({points_[i], mesh_.points[i]});
     for (std::size_t t = 0; t < after.size(); ++t) {
       if (after[t] == surface_.tri_to_vert[t]) continue;
       const auto& [a, b, c] = after[t];
@@ -158,7 +156,7 @@ class Improvement {
 }  // namespace
 
 bool wants_improvement(const SharedInput& input, double least_cubed) {
-  return input.filling.freedom && least_cubed < tets::poor_quality(input.filling.goals);
+  return input.filling.freedom && least_cubed < tets::poor_quality(input.filling.options.goals);
 }
 
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {

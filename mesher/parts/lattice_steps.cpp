@@ -64,10 +64,10 @@ std::vector<SentSites> find_sent_sites(const SharedInput& input, const LevelPoin
 void send_sites(const SharedInput& input, const PartState& state, double reach, PartTask& task) {
   const auto neighbors = input.decomposition.neighbors(task.part());
   std::vector<MessageWriter> writers(neighbors.size());
-  for (std::size_t l = 0; l < state.levels.size(); ++l) {
-    const LevelPoints& level = state.levels[l];
+  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
+    const LevelPoints& level = state.shell.levels[l];
     const double margin = reach * cube_of(input, level);
-    const auto sent = find_sent_sites(input, level, state.own_first[l], margin, task.part());
+    const auto sent = find_sent_sites(input, level, state.shell.own_first[l], margin, task.part());
     for (std::size_t n = 0; n < neighbors.size(); ++n) {
       writers[n].put_array<SentSite>(sent[n].sites);
       writers[n].put_array<char>(sent[n].near);
@@ -77,9 +77,9 @@ void send_sites(const SharedInput& input, const PartState& state, double reach, 
 }
 
 void number_own(PartState& state) {
-  state.own_first.assign(1, 0);
-  for (const LevelPoints& level : state.levels)
-    state.own_first.push_back(state.own_first.back() + static_cast<std::uint32_t>(level.sites.size()));
+  state.shell.own_first.assign(1, 0);
+  for (const LevelPoints& level : state.shell.levels)
+    state.shell.own_first.push_back(state.shell.own_first.back() + static_cast<std::uint32_t>(level.sites.size()));
 }
 
 // Appends what others sent, level by level, to lists of the same levels.
@@ -115,10 +115,10 @@ void send_shell_points(const SharedInput& input, const PartState& state, PartTas
   for (const std::uint32_t vert : state.core.shell_verts) {
     while (vert >= state.core.level_to_vert[l + 1]) ++l;
     const Vec3& x = state.mesh.points[vert];
-    const double reach = kShellReach * state.levels[l].lattice.size();
+    const double reach = kShellReach * state.shell.levels[l].lattice.size();
     if (depth_inside(x, input.decomposition.box(task.part())) > reach) continue;
     const auto index = static_cast<std::uint32_t>(state.keys[vert]);
-    border.push_back({x, reach, {x, index, state.pure_around[vert] != 0}});
+    border.push_back({x, reach, {x, index, state.shell.pure_around[vert] != 0}});
   }
   const auto neighbors = input.decomposition.neighbors(task.part());
   const auto near = near_neighbors(border, input.decomposition, task.part());
@@ -135,7 +135,7 @@ void send_shell_points(const SharedInput& input, const PartState& state, PartTas
 void find_points(const SharedInput& input, PartState& state, PartTask& task) {
   Stopwatch watch;
   const Box3& box = input.decomposition.box(task.part());
-  state.levels = empty_levels(input);
+  state.shell.levels = empty_levels(input);
   lattice::CellSites working;
   for (const std::uint32_t index : input.decomposition.cells_of(task.part())) {
     task.check_cancelled();
@@ -148,8 +148,8 @@ void find_points(const SharedInput& input, PartState& state, PartTask& task) {
     const auto level_to_sites = input.cells.find_sites(cell, piece, working);
     for (std::size_t l = 0; l < level_to_sites.size(); ++l) {
       for (const lattice::KeptSite& kept : level_to_sites[l]) {
-        state.levels[l].sites.push_back(kept.site);
-        state.levels[l].near_surface.push_back(kept.near_surface);
+        state.shell.levels[l].sites.push_back(kept.site);
+        state.shell.levels[l].near_surface.push_back(kept.near_surface);
       }
     }
   }
@@ -163,12 +163,12 @@ void drop_near_finer(const SharedInput& input, PartState& state, PartTask& task)
   std::vector<LevelPoints> others = empty_levels(input);
   std::vector<std::vector<VertKey>> keys;
   take_sites(task, others, keys);
-  std::vector<std::vector<Vec3>> points(state.levels.size());
-  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+  std::vector<std::vector<Vec3>> points(state.shell.levels.size());
+  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
     const std::size_t first = l < lattice::kLevelsThatReach ? 0 : l - lattice::kLevelsThatReach;
     const std::vector<std::span<const Vec3>> finer(points.begin() + static_cast<std::ptrdiff_t>(first),
                                                    points.begin() + static_cast<std::ptrdiff_t>(l));
-    for (LevelPoints* level : {&state.levels[l], &others[l]}) {
+    for (LevelPoints* level : {&state.shell.levels[l], &others[l]}) {
       if (l > 0) lattice::drop_near_finer(*level, finer, task.runner());
       append_points(*level, points[l]);
     }
@@ -181,7 +181,7 @@ void drop_near_finer(const SharedInput& input, PartState& state, PartTask& task)
 void make_core(const SharedInput& input, PartState& state, PartTask& task) {
   Stopwatch watch;
   std::vector<std::vector<VertKey>> foreign;
-  take_sites(task, state.levels, foreign);
+  take_sites(task, state.shell.levels, foreign);
   const auto known = input.surface.points_of(task.part());
   state.surface.assign(known.begin(), known.end());
   state.keys.reserve(known.size());
@@ -189,17 +189,17 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
     state.mesh.points.push_back(input.filling.complex.points[point]);
     state.keys.push_back(point);
   }
-  for (std::size_t l = 0; l < state.levels.size(); ++l) {
-    state.levels[l].foreign = foreign[l].size();
-    for (std::uint32_t i = state.own_first[l]; i < state.own_first[l + 1]; ++i)
+  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
+    state.shell.levels[l].foreign = foreign[l].size();
+    for (std::uint32_t i = state.shell.own_first[l]; i < state.shell.own_first[l + 1]; ++i)
       state.keys.push_back(key_of(task.part(), i));
     state.keys.append(foreign[l]);
   }
-  state.next_index = state.own_first.back();
-  state.core = emit_core(state.mesh, state.levels, task.runner());
-  state.pure_around.assign(state.mesh.points.size(), 0);
+  state.next_index = state.shell.own_first.back();
+  state.core = emit_core(state.mesh, state.shell.levels, task.runner());
+  state.shell.pure_around.assign(state.mesh.points.size(), 0);
   for (std::size_t i = 0; i < state.core.shell_verts.size(); ++i)
-    state.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
+    state.shell.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
   state.figures.core_tets = state.mesh.size();
   send_shell_points(input, state, task);
   state.figures.seconds.core += watch.lap();
@@ -208,15 +208,15 @@ void make_core(const SharedInput& input, PartState& state, PartTask& task) {
 void take_shell_points(PartState& state, PartTask& task) {
   // Those of the neighbourhood that the core knows are not taken twice.
   std::vector<std::pair<VertKey, std::uint32_t>> known;
-  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
     const std::uint32_t end = state.core.level_to_vert[l + 1];
-    for (auto v = end - static_cast<std::uint32_t>(state.levels[l].foreign); v < end; ++v)
+    for (auto v = end - static_cast<std::uint32_t>(state.shell.levels[l].foreign); v < end; ++v)
       known.emplace_back(state.keys[v], v);
   }
   std::sort(known.begin(), known.end());
-  state.shell_verts.resize(state.surface.size());
-  for (std::uint32_t v = 0; v < state.shell_verts.size(); ++v) state.shell_verts[v] = v;
-  state.shell_verts.insert(state.shell_verts.end(), state.core.shell_verts.begin(), state.core.shell_verts.end());
+  state.shell.verts.resize(state.surface.size());
+  for (std::uint32_t v = 0; v < state.shell.verts.size(); ++v) state.shell.verts[v] = v;
+  state.shell.verts.insert(state.shell.verts.end(), state.core.shell_verts.begin(), state.core.shell_verts.end());
   for (Message& message : task.inbox()) {
     MessageReader reader(message.bytes);
     for (const SentShellPoint& sent : reader.get_view<SentShellPoint>()) {
@@ -229,10 +229,10 @@ void take_shell_points(PartState& state, PartTask& task) {
         vert = static_cast<std::uint32_t>(state.mesh.points.size());
         state.mesh.points.push_back(sent.point);
         state.keys.push_back(key);
-        state.pure_around.push_back(0);
+        state.shell.pure_around.push_back(0);
       }
-      state.pure_around[vert] = sent.has_pure != 0;
-      state.shell_verts.push_back(vert);
+      state.shell.pure_around[vert] = sent.has_pure != 0;
+      state.shell.verts.push_back(vert);
     }
   }
 }

@@ -21,8 +21,8 @@ std::vector<std::uint32_t> gather_missing(const AllParts& parts) {
   std::vector<std::uint32_t> own;
   for (const PartId part : parts.states.local()) {
     PartState& state = parts.states.at(part);
-    state.figures.missing_triangles = state.missing.size();
-    own.insert(own.end(), state.missing.begin(), state.missing.end());
+    state.figures.missing_triangles = state.shell.missing.size();
+    own.insert(own.end(), state.shell.missing.begin(), state.shell.missing.end());
   }
   std::vector<std::uint32_t> all = gather_lists<std::uint32_t>(parts.communicator, own);
   std::sort(all.begin(), all.end());

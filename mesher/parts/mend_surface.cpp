@@ -235,7 +235,7 @@ std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std
 NearPoints find_near_points(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
   NearPoints found;
   for_each_own_vert(input, state, part, [&](std::uint32_t v) {
-    if (!cluster.box.contains(state.shell.points[v])) return;
+    if (!cluster.box.contains(state.shell.mesh.points[v])) return;
     found.points.push_back(shell_point(state, v));
     if (v < state.surface_count()) return;
     any_pure_around(state, v, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {

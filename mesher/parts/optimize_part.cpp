@@ -43,7 +43,7 @@ void optimize_inside(const SharedInput& input, PartState& state, PartId part, co
   Stopwatch watch;
   tets::OptimizeOptions options = options_of(input, state.surface_count());
   options.open_faces = state.core.open_faces;
-  if (input.filling.lattice == LatticeKind::Bcc)
+  if (input.filling.options.lattice == LatticeKind::Bcc)
     options.lattice_tets = static_cast<std::uint32_t>(state.figures.core_tets);
   options.qualities = &state.qualities;
   state.figures.optimizer = optimize(state.mesh, options, runner);
@@ -72,7 +72,7 @@ void finish_part(const SharedInput& input, PartState& state, PartId part, const 
       state.has_dead ? find_dead(state.qualities.span()) : std::vector<std::uint32_t>();
   {
     tets::WorkingMesh working(state.mesh, std::move(state.qualities));
-    tets::summarize_result(working, input.filling.goals, state.known_least_angle, report);
+    tets::summarize_result(working, input.filling.options.goals, state.known_least_angle, report);
   }
   compact(state.mesh, dead);
   report.tets = state.mesh.size();

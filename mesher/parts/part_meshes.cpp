@@ -1,9 +1,7 @@
 #include "mesher/parts/part_meshes.hpp"
 
 #include <algorithm>
-#include <new>
 
-#include "core/base/page_size.hpp"
 #include "core/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
@@ -20,11 +18,9 @@ constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
 // What is kept of a part's state: all of them are numbered before any of them is handed on.
 struct FinishedPart {
-  GrowingArray<Vec3> points;
+  PartMesh part;  // by vertices of the state
   GrowingArray<VertKey> keys;
-  GrowingArray<std::uint32_t> to_vert, to_region;
   std::uint32_t next_index = 0;
-  VolumePart part;  // its triangles, by vertices of the state
 };
 
 // The vertices of a part that tets use, and their numbers in the complex.
@@ -81,7 +77,7 @@ class Numberer {
     const FinishedPart& finished = parts_.at(part);
     Numbering& numbering = numberings_.at(part);
     numbering.to_number.assign(finished.keys.size(), kUnused);
-    for (const std::uint32_t v : finished.to_vert) numbering.to_number[v] = 0;
+    for (const std::uint32_t v : finished.part.block(CellKind::Tet).to_vert) numbering.to_number[v] = 0;
     numbering.made.assign(finished.next_index, kUnused);
     std::vector<VertKey> foreign;
     for (std::size_t v = 0; v < finished.keys.size(); ++v) {
@@ -181,7 +177,7 @@ class TriangleFinder {
   }
 
   // With vertices of the state.
-  void find(VolumePart& part) const {
+  void find(BoundaryBlock& triangles) const {
     std::vector<std::pair<std::uint32_t, TriangleVerts>> found;
     for (FaceCode face = 0; face < state_.mesh.to_neighbor.size(); ++face) {
       const FaceCode behind = state_.mesh.to_neighbor[face];
@@ -189,9 +185,9 @@ class TriangleFinder {
     }
     std::sort(found.begin(), found.end());
     for (const auto& [triangle, verts] : found) {
-      if (!part.triangles.empty() && part.triangles.back() == triangle) continue;  // seen from both sides
-      part.triangles.push_back(triangle);
-      part.tri_to_vert.push_back(verts);
+      if (!triangles.to_entity.empty() && triangles.to_entity.back() == triangle) continue;  // seen from both sides
+      triangles.to_entity.push_back(triangle);
+      triangles.to_vert.append(verts);
     }
   }
 
@@ -226,14 +222,13 @@ class TriangleFinder {
   std::vector<std::pair<TriangleVerts, const ChangedTriangle*>> changed_;
 };
 
-enum class Keep { Tets, TetsAndTriangles };
-
 // The state with all that is not needed any more is gone.
-FinishedPart take_finished(const SharedInput& input, PartState& state, Keep what) {
+FinishedPart take_finished(const SharedInput& input, PartState& state) {
   FinishedPart finished;
-  if (what == Keep::TetsAndTriangles) TriangleFinder(input, state).find(finished.part);
-  finished.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
-  finished.to_vert = std::move(state.mesh.to_vert), finished.to_region = std::move(state.mesh.to_region);
+  TriangleFinder(input, state).find(finished.part.block(BoundaryKind::Triangle));
+  CellBlock& tets = finished.part.block(CellKind::Tet);
+  finished.part.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
+  tets.to_vert = std::move(state.mesh.to_vert), tets.to_region = std::move(state.mesh.to_region);
   finished.next_index = state.next_index;
   state = PartState();
   return finished;
@@ -254,8 +249,8 @@ std::vector<std::uint32_t> find_duplicates(const FinishedPart& finished, const N
   return to_first;
 }
 
-VolumePart hand_on(FinishedPart& finished, Numbering& numbering) {
-  VolumePart part = std::move(finished.part);
+PartMesh hand_on(FinishedPart& finished, Numbering& numbering) {
+  PartMesh part = std::move(finished.part);
   std::vector<std::uint32_t> to_new = find_duplicates(finished, numbering);
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
     if (numbering.to_number[v] == kUnused) continue;
@@ -263,133 +258,44 @@ VolumePart hand_on(FinishedPart& finished, Numbering& numbering) {
       to_new[v] = to_new[to_new[v]];
       continue;
     }
-    to_new[v] = static_cast<std::uint32_t>(part.points.size());
-    part.points.push_back(finished.points[v]);
-    part.vert_to_number.push_back(numbering.to_number[v]);
+    to_new[v] = static_cast<std::uint32_t>(part.vert_to_global.size());
+    part.points[to_new[v]] = part.points[v];
+    part.vert_to_global.push_back(numbering.to_number[v]);
   }
-  part.tet_to_vert = std::move(finished.to_vert);
-  part.tet_to_region = std::move(finished.to_region);
-  for (std::uint32_t& v : part.tet_to_vert) v = to_new[v];
-  for (TriangleVerts& verts : part.tri_to_vert)
-    for (std::uint32_t& v : verts) v = to_new[v];
+  part.points.resize_for_overwrite(part.vert_to_global.size());
+  part.points.shrink_to_fit();
+  for (GrowingArray<std::uint32_t>* verts :
+       {&part.block(CellKind::Tet).to_vert, &part.block(BoundaryKind::Triangle).to_vert})
+    for (std::uint32_t& v : *verts) v = to_new[v];
   numbering = Numbering();
   finished = FinishedPart();
   return part;
 }
 
-PerPart<FinishedPart> finish_all(const AllParts& all, Keep what) {
+PerPart<FinishedPart> finish_all(const AllParts& all) {
   const auto local = all.states.local();
   PerPart<FinishedPart> finished(all.states.part_count(), local);
   run_on_all(all.communicator, [&] {
-    all.for_each_local("finish", [&](std::size_t i) {
-      finished.at(local[i]) = take_finished(all.input, all.states.at(local[i]), what);
-    });
+    all.for_each_local(
+        "finish", [&](std::size_t i) { finished.at(local[i]) = take_finished(all.input, all.states.at(local[i])); });
   });
   return finished;
 }
 
-// All parts in one place. A part writes the points that it made itself; then come those that others have, and the
-// surface's.
-class Whole {
- public:
-  Whole(const AllParts& all, PerPart<FinishedPart>& parts, Numberer& numberer)
-      : all_(all), parts_(parts), numberer_(numberer), first_tet_(1, 0) {
-    for (std::size_t p = 0; p < parts.part_count(); ++p)
-      first_tet_.push_back(first_tet_.back() + parts.at(PartId(p)).to_region.size());
-  }
-
-  volume::Filling run() {
-    const std::span<const Vec3> given = all_.input.filling.complex.points;
-    if (given.size() + numberer_.new_points() >= kNone) throw std::bad_alloc();
-    make_room(filling_.points, given.size() + numberer_.new_points());
-    std::copy(given.begin(), given.end(), filling_.points.begin());
-    write_points();
-    all_.for_each_local("drop points", [&](std::size_t p) {
-      parts_.at(PartId(p)).points.release();
-      parts_.at(PartId(p)).keys.release();
-    });
-    make_room(filling_.tet_to_vert, first_tet_.back());
-    make_room(filling_.tet_to_region, first_tet_.back());
-    all_.for_each_local("put together", [&](std::size_t p) { write_tets(PartId(p)); });
-    return std::move(filling_);
-  }
-
- private:
-  template <class T>
-  void make_room(std::vector<T>& items, std::size_t count) {
-    {
-      const std::size_t pieces = touched_blocks(count * sizeof(T));
-      const TraceSpan span(all_.trace, "make room", all_.runner.threads(), pieces);
-      reserve_touched(items, count, all_.runner);
-    }
-    const TraceSpan span(all_.trace, "clear room");
-    items.resize(count);
-  }
-
-  void write_points() {
-    std::vector<std::vector<std::uint32_t>> part_to_others(parts_.part_count());
-    all_.for_each_local("write points", [&](std::size_t p) {
-      const PartId part(p);
-      const FinishedPart& finished = parts_.at(part);
-      const std::vector<std::uint64_t>& to_number = numberer_.of(part).to_number;
-      for (std::uint32_t v = 0; v < to_number.size(); ++v) {
-        if (to_number[v] == kUnused) continue;
-        if (is_of_surface(finished.keys[v]) || maker_of(finished.keys[v]) != part) {
-          part_to_others[p].push_back(v);
-        } else {
-          filling_.points[to_number[v]] = finished.points[v];
-        }
-      }
-    });
-    const TraceSpan span(all_.trace, "write points of several");
-    for (std::size_t p = 0; p < part_to_others.size(); ++p)
-      for (const std::uint32_t v : part_to_others[p])
-        filling_.points[numberer_.of(PartId(p)).to_number[v]] = parts_.at(PartId(p)).points[v];
-  }
-
-  void write_tets(PartId part) {
-    FinishedPart& finished = parts_.at(part);
-    Numbering& numbering = numberer_.of(part);
-    const std::size_t first = first_tet_[part.value];
-    for (std::size_t tet = 0; tet < finished.to_region.size(); ++tet) {
-      for (std::size_t i = 0; i < 4; ++i)
-        filling_.tet_to_vert[first + tet][i] =
-            static_cast<std::uint32_t>(numbering.to_number[finished.to_vert[4 * tet + i]]);
-      filling_.tet_to_region[first + tet] = finished.to_region[tet];
-    }
-    finished = FinishedPart();
-    numbering = Numbering();
-  }
-
-  const AllParts& all_;
-  PerPart<FinishedPart>& parts_;
-  Numberer& numberer_;
-  std::vector<std::size_t> first_tet_;  // per part, and one past the last
-  volume::Filling filling_;
-};
-
 }  // namespace
 
-HandedOn hand_on_parts(const AllParts& all) {
+void hand_on_parts(const AllParts& all, VolumeParts& volume) {
   const auto local = all.states.local();
-  PerPart<FinishedPart> finished = finish_all(all, Keep::TetsAndTriangles);
+  PerPart<FinishedPart> finished = finish_all(all);
   Numberer numberer(all, finished);
   numberer.run();
-  HandedOn result;
-  result.new_points = numberer.new_points();
-  result.parts.resize(local.size());
+  volume.new_points = numberer.new_points();
+  volume.part_count = all.states.part_count();
+  volume.parts.resize(local.size());
   run_on_all(all.communicator, [&] {
     all.for_each_local("hand on",
-                       [&](std::size_t i) { result.parts[i] = hand_on(finished.at(local[i]), numberer.of(local[i])); });
+                       [&](std::size_t i) { volume.parts[i] = hand_on(finished.at(local[i]), numberer.of(local[i])); });
   });
-  return result;
-}
-
-volume::Filling put_together(const AllParts& all) {
-  PerPart<FinishedPart> finished = finish_all(all, Keep::Tets);
-  Numberer numberer(all, finished);
-  numberer.run();
-  return Whole(all, finished, numberer).run();
 }
 
 }  // namespace tetloom::parts

@@ -30,36 +30,63 @@ struct OpenBall {
   double radius = 0;  ///< infinite where it has no finite number
 };
 
+struct ChangedTriangle {
+  std::uint32_t triangle = 0;  ///< of the complex; its face and its sides are as before
+  std::array<std::uint32_t, 3> verts{};
+};
+
 /// The vertices of a tet, ascending.
 using TetKeys = std::array<VertKey, 4>;
 
 inline constexpr std::size_t kStripRounds = std::tuple_size_v<decltype(FillingPartsFigures::strips)>;
 
-/// Everything that one part has.
-struct PartState {
-  // Before there are tets.
+/// What serves to make the core and the shell of a part, until they are joined.
+struct PartShell {
   std::vector<lattice::LevelPoints> levels;    ///< own sites, then those of other parts
   std::vector<std::uint32_t> own_first;        ///< per level: the number of its first own site; and one past the last
-  std::vector<std::uint32_t> surface;          ///< points of the complex that the part knows, ascending
-  std::vector<std::uint32_t> triangles;        ///< triangles of the complex between these
-  std::vector<tets::TriangleVerts> tri_verts;  ///< their vertices here
+  std::vector<tets::TriangleVerts> tri_verts;  ///< vertices here of the triangles that the part knows
+  std::vector<std::uint16_t> pure_around;      ///< per point: see LatticeCore; foreign ones: any
+  std::vector<std::uint32_t> verts;            ///< own and foreign
+  tets::TetMesh mesh;
+  std::size_t size = 0;                ///< how many of `verts` are in it
+  std::uint32_t first_outer = 0;       ///< see DelaunayResult
+  std::vector<std::uint32_t> kept;     ///< own tets, ascending
+  std::vector<OpenBall> open_balls;    ///< of tets that reach beyond what the part knows
+  std::vector<TetKeys> asked_tets;     ///< whose balls have ever been open, ascending
+  std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
+};
+
+struct BorderVert {
+  std::uint32_t vert;
+  tets::FaceCode face;  ///< the first open one that has it
+};
+
+struct ToldVert {
+  std::uint32_t vert;
+  double reach;  ///< parts farther away are not told of it
+};
+
+/// What open faces tell of a part's border.
+struct PartBorder {
+  std::vector<BorderVert> verts;  ///< of open faces
+  std::vector<ToldVert> told;     ///< those of `poor` and `astray`, ascending
+  std::vector<VertKey> poor;      ///< of `verts`, those that wait and have poor tets, ascending
+  std::vector<VertKey> astray;    ///< of `verts`, those far outside of the part's box, ascending
+};
+
+/// Everything that one part has.
+struct PartState {
+  std::vector<std::uint32_t> surface;    ///< points of the complex that the part knows, ascending
+  std::vector<std::uint32_t> triangles;  ///< triangles of the complex between these
 
   // From the core on: points of the surface first.
   tets::TetMesh mesh;
   GrowingArray<VertKey> keys;
   lattice::LatticeCore core;
-  std::vector<std::uint16_t> pure_around;  ///< per point, while the shell is made: see LatticeCore; foreign ones: any
-  std::vector<std::uint32_t> shell_verts;  ///< own and foreign
-  tets::TetMesh shell;
-  std::size_t shell_size = 0;          ///< how many of shell_verts are in it
-  std::uint32_t first_outer = 0;       ///< see DelaunayResult
-  std::vector<std::uint32_t> kept;     ///< own tets of the shell, ascending
-  std::vector<OpenBall> open_balls;    ///< of tets that reach beyond what the part knows
-  std::vector<TetKeys> asked_tets;     ///< whose balls have ever been open, ascending
-  std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
-  std::uint32_t next_index = 0;        ///< of the next point made here
-  std::size_t seen_sides = 0;          ///< of surface triangles, by tets of this part
-  GrowingArray<std::uint8_t> waits;    ///< per point: 1 where it could not move or lose edges, being between parts
+  PartShell shell;                   ///< until it is joined to the core
+  std::uint32_t next_index = 0;      ///< of the next point made here
+  std::size_t seen_sides = 0;        ///< of surface triangles, by tets of this part
+  GrowingArray<std::uint8_t> waits;  ///< per point: 1 where it could not move or lose edges, being between parts
 
   std::vector<std::uint32_t> recovered;  ///< of tets where triangles have been recovered, those that this part has
 
@@ -75,19 +102,8 @@ struct PartState {
     bool is_poor;  // waits, and tets at it are poor
   };
   std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
-  bool open_faces_changed = true;          ///< since what follows was found
-  struct BorderVert {
-    std::uint32_t vert;
-    tets::FaceCode face;  // the first open one that has it
-  };
-  std::vector<BorderVert> border;  ///< the vertices of open faces
-  struct ToldVert {
-    std::uint32_t vert;
-    double reach;  // parts farther away are not told of it
-  };
-  std::vector<ToldVert> told_verts;        ///< those of `poor` and `astray`, ascending
-  std::vector<VertKey> poor;               ///< of their vertices, those that wait and have poor tets, ascending
-  std::vector<VertKey> astray;             ///< of their vertices, those far outside of the part's box, ascending
+  bool open_faces_changed = true;          ///< since `border` was found
+  PartBorder border;                       ///< of these open faces
   std::vector<SharedVert> shared;          ///< those at which any part's tets are poor, ascending
   std::vector<std::uint64_t> open_names;   ///< of the open faces in the end
   std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of
@@ -95,7 +111,6 @@ struct PartState {
   std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 
   std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have
-  std::vector<MovedPoint> moved_points;            ///< of the complex
   std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
   FillingFigures figures;
   tets::Fault fault;

@@ -46,19 +46,19 @@ class Shell {
         state_(state),
         part_(part),
         runner_(runner),
-        mesh_(state.shell),
+        mesh_(state.shell.mesh),
         box_(input.decomposition.box(part)),
         surface_count_(state.surface_count()) {}
 
   void make() {
     const tets::DelaunayFrame frame{input_.box, state_.keys.span()};
-    const auto verts = std::span(state_.shell_verts).subspan(state_.shell_size);
+    const auto verts = std::span(state_.shell.verts).subspan(state_.shell.size);
     if (mesh_.points.empty()) mesh_.points = std::move(state_.mesh.points);
-    const tets::DelaunayResult delaunay = state_.shell_size == 0
+    const tets::DelaunayResult delaunay = state_.shell.size == 0
                                               ? make_delaunay(mesh_, verts, runner_, frame)
-                                              : extend_delaunay(mesh_, state_.first_outer, verts, runner_, frame);
-    state_.shell_size = state_.shell_verts.size();
-    state_.first_outer = first_outer_ = delaunay.first_outer;
+                                              : extend_delaunay(mesh_, state_.shell.first_outer, verts, runner_, frame);
+    state_.shell.size = state_.shell.verts.size();
+    state_.shell.first_outer = first_outer_ = delaunay.first_outer;
     if (delaunay.duplicates.empty()) {
       find_kept();
     } else {
@@ -70,7 +70,7 @@ class Shell {
  private:
   void find_kept() {
     fix_surface();
-    state_.kept.clear(), state_.open_balls.clear();
+    state_.shell.kept.clear(), state_.shell.open_balls.clear();
     std::vector<TetKeys> asked_tets;
     find_own_verts();
     sides_.emplace(
@@ -78,27 +78,27 @@ class Shell {
         ShellView{mesh_, surface_count_, first_outer_, is_own_vert_, {*index_, state_.triangles}, missing_boxes_});
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (!has_own_vert(tet) || !is_kept(tet)) continue;
-      if (is_own(tet)) state_.kept.push_back(tet);
+      if (is_own(tet)) state_.shell.kept.push_back(tet);
       note_open_ball(tet, asked_tets);
     }
     std::sort(asked_tets.begin(), asked_tets.end());
     std::vector<TetKeys> all;
-    std::set_union(state_.asked_tets.begin(), state_.asked_tets.end(), asked_tets.begin(), asked_tets.end(),
+    std::set_union(state_.shell.asked_tets.begin(), state_.shell.asked_tets.end(), asked_tets.begin(), asked_tets.end(),
                    std::back_inserter(all));
-    state_.asked_tets = std::move(all);
+    state_.shell.asked_tets = std::move(all);
   }
 
   void fix_surface() {
-    if (state_.tri_verts.empty()) number_triangles();
-    index_.emplace(state_.tri_verts, surface_count_);
-    state_.missing.clear();
-    for (const std::uint32_t t : fix_triangles(mesh_, state_.tri_verts, *index_, runner_)) {
+    if (state_.shell.tri_verts.empty()) number_triangles();
+    index_.emplace(state_.shell.tri_verts, surface_count_);
+    state_.shell.missing.clear();
+    for (const std::uint32_t t : fix_triangles(mesh_, state_.shell.tri_verts, *index_, runner_)) {
       Box3& box = missing_boxes_.emplace_back();
-      for (const std::uint32_t v : state_.tri_verts[t]) box.add(mesh_.points[v]);
+      for (const std::uint32_t v : state_.shell.tri_verts[t]) box.add(mesh_.points[v]);
       const std::uint32_t triangle = state_.triangles[t];
       const auto& verts = input_.filling.complex.tri_to_vert[triangle];
       if (input_.surface.owner_of(*std::min_element(verts.begin(), verts.end())) == part_)
-        state_.missing.push_back(triangle);
+        state_.shell.missing.push_back(triangle);
     }
   }
 
@@ -113,7 +113,7 @@ class Shell {
     };
     for (const std::uint32_t triangle : state_.triangles) {
       const auto& [a, b, c] = input_.filling.complex.tri_to_vert[triangle];
-      state_.tri_verts.push_back({local(a), local(b), local(c)});
+      state_.shell.tri_verts.push_back({local(a), local(b), local(c)});
     }
   }
 
@@ -152,7 +152,7 @@ class Shell {
   bool is_in_core(std::uint32_t tet) const {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
-      if (state_.pure_around[v[i]] == 0) return false;
+      if (state_.shell.pure_around[v[i]] == 0) return false;
     const TetBall ball(mesh_, tet);
     return any_pure_around(state_, own_, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
       return ball.holds(lattice, site);
@@ -172,8 +172,8 @@ class Shell {
         input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
     if (outside <= kShellReach * least) return;
     const TetKeys keys = keys_of(tet);
-    if (std::binary_search(state_.asked_tets.begin(), state_.asked_tets.end(), keys)) return;
-    state_.open_balls.push_back(ball);
+    if (std::binary_search(state_.shell.asked_tets.begin(), state_.shell.asked_tets.end(), keys)) return;
+    state_.shell.open_balls.push_back(ball);
     asked_tets.push_back(keys);
   }
 
@@ -219,21 +219,21 @@ void add_surface_points(const SharedInput& input, PartState& state, std::span<co
     }
   }
   state.surface = std::move(surface);
-  points.append(state.shell.points.span().subspan(before));
+  points.append(state.shell.mesh.points.span().subspan(before));
   keys.append(state.keys.span().subspan(before));
-  state.shell.points = std::move(points);
+  state.shell.mesh.points = std::move(points);
   state.keys = std::move(keys);
-  state.pure_around.insert(state.pure_around.begin(), shift, 0);
+  state.shell.pure_around.insert(state.shell.pure_around.begin(), shift, 0);
   const auto renumber = [&](std::uint32_t& v) { v = v < before ? to_new[v] : v + shift; };
-  for (auto* verts : {&state.mesh.to_vert, &state.shell.to_vert})
+  for (auto* verts : {&state.mesh.to_vert, &state.shell.mesh.to_vert})
     for (std::uint32_t& v : *verts) renumber(v);
-  for (auto* verts : {&state.core.shell_verts, &state.core.level_to_vert, &state.shell_verts})
+  for (auto* verts : {&state.core.shell_verts, &state.core.level_to_vert, &state.shell.verts})
     for (std::uint32_t& v : *verts) renumber(v);
   state.core.first_own_end += shift;
-  state.first_outer += shift;
-  state.shell_verts.insert(state.shell_verts.end(), added.begin(), added.end());
+  state.shell.first_outer += shift;
+  state.shell.verts.insert(state.shell.verts.end(), added.begin(), added.end());
   const auto& triangles = input.filling.complex.tri_to_vert;
-  state.triangles.clear(), state.tri_verts.clear();
+  state.triangles.clear(), state.shell.tri_verts.clear();
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     if (knows[triangles[t][0]] && knows[triangles[t][1]] && knows[triangles[t][2]]) state.triangles.push_back(t);
 }
@@ -260,7 +260,7 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
   for (std::uint32_t v = state.surface_count(); v < state.keys.size(); ++v) known.emplace_back(state.keys[v], v);
   std::sort(known.begin(), known.end());
   std::vector<char> in_shell(state.keys.size(), 0);
-  for (const std::uint32_t v : state.shell_verts) in_shell[v] = 1;
+  for (const std::uint32_t v : state.shell.verts) in_shell[v] = 1;
   bool any = !surface.empty();
   for (const ShellPoint& sent : points) {
     if (is_of_surface(sent.key)) continue;
@@ -272,14 +272,14 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
     } else {
       vert = static_cast<std::uint32_t>(state.keys.size());
       known.insert(at, {sent.key, vert});
-      state.shell.points.push_back(sent.point);
+      state.shell.mesh.points.push_back(sent.point);
       state.keys.push_back(sent.key);
-      state.pure_around.push_back(0);
+      state.shell.pure_around.push_back(0);
       in_shell.push_back(0);
     }
     in_shell[vert] = 1;
-    state.shell_verts.push_back(vert);
-    state.pure_around[vert] = static_cast<std::uint16_t>(sent.has_pure);
+    state.shell.verts.push_back(vert);
+    state.shell.pure_around[vert] = static_cast<std::uint16_t>(sent.has_pure);
     any = true;
   }
   return any;

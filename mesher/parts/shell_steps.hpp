@@ -26,11 +26,11 @@ template <class Predicate>
 bool any_pure_around(const PartState& state, std::uint32_t vert, Predicate&& holds) {
   std::size_t l = 0;
   while (vert >= state.core.level_to_vert[l + 1]) ++l;
-  const lattice::LevelPoints& level = state.levels[l];
+  const lattice::LevelPoints& level = state.shell.levels[l];
   const lattice::Site& site = level.sites[vert - state.core.level_to_vert[l]];
   const auto& around = level.lattice.shape().around(level.lattice.shape().kind_of(site));
   for (std::size_t i = 0; i < around.size(); ++i) {
-    if (!(state.pure_around[vert] >> i & 1)) continue;
+    if (!(state.shell.pure_around[vert] >> i & 1)) continue;
     if (holds(level.lattice, {site.i + around[i].i, site.j + around[i].j, site.k + around[i].k})) return true;
   }
   return false;
@@ -46,7 +46,7 @@ void for_each_own_vert(const SharedInput& input, const PartState& state, PartId 
 
 /// A vertex of the shell as other parts are told of it.
 inline ShellPoint shell_point(const PartState& state, std::uint32_t vert) {
-  return {state.shell.points[vert], state.keys[vert], state.pure_around[vert] != 0};
+  return {state.shell.mesh.points[vert], state.keys[vert], state.shell.pure_around[vert] != 0};
 }
 
 /// Makes the shell anew from `shell_verts`: kept tets, open balls, missing triangles, the fault.

@@ -44,11 +44,9 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   return open;
 }
 
-using ToldVert = PartState::ToldVert;
-
 // The vertices of open faces.
-std::vector<PartState::BorderVert> find_border(const PartState& state) {
-  std::vector<PartState::BorderVert> border;
+std::vector<BorderVert> find_border(const PartState& state) {
+  std::vector<BorderVert> border;
   std::vector<char> seen(state.mesh.points.size(), 0);
   for (const FaceCode face : state.open_faces)
     for (const std::uint32_t v : verts_of(state.mesh, face))
@@ -89,9 +87,9 @@ std::vector<ToldVert> find_poor(const PartState& state) {
 }
 
 // Whether any vertex lies so far outside of the box as others do not look for the part at any open face.
-bool may_be_astray(const PartState& state, const Box3& own_box) {
+bool may_be_astray(const PartState& state, std::span<const BorderVert> border, const Box3& own_box) {
   double outside = 0, least = HUGE_VAL;
-  for (const auto& [v, face] : state.border)
+  for (const auto& [v, face] : border)
     if (state.waits[v]) outside = std::max(outside, distance_outside(state.mesh.points[v], own_box));
   if (outside <= 0) return false;
   for (const FaceCode open : state.open_faces) least = std::min(least, least_reach_of(state.mesh, open));
@@ -100,10 +98,10 @@ bool may_be_astray(const PartState& state, const Box3& own_box) {
 
 // Vertices of open faces so far outside of the part's box that others do not look for the part there: a patch may reach
 // that far. In the same form.
-std::vector<ToldVert> find_astray(const PartState& state, const Box3& own_box) {
+std::vector<ToldVert> find_astray(const PartState& state, std::span<const BorderVert> border, const Box3& own_box) {
   const TetMesh& mesh = state.mesh;
   std::vector<ToldVert> astray;
-  if (!may_be_astray(state, own_box)) return astray;
+  if (!may_be_astray(state, border, own_box)) return astray;
   for (const FaceCode open : state.open_faces) {
     for (const std::uint32_t v : verts_of(mesh, open)) {
       const double outside = state.waits[v] ? distance_outside(mesh.points[v], own_box) : 0;
@@ -122,16 +120,16 @@ std::vector<VertKey> keys_of(const PartState& state, std::span<const ToldVert> v
   return keys;
 }
 
-// After a round, open faces are often as they were.
-void look_at_border(const SharedInput& input, PartState& state, PartId part) {
-  if (!std::exchange(state.open_faces_changed, false)) return;
-  state.border = find_border(state);
-  state.told_verts = find_poor(state);
-  state.poor = keys_of(state, state.told_verts);
-  const std::vector<ToldVert> astray = find_astray(state, input.decomposition.box(part));
-  state.astray = keys_of(state, astray);
-  state.told_verts.insert(state.told_verts.end(), astray.begin(), astray.end());
-  keep_farthest(state.told_verts);
+PartBorder look_at_border(const PartState& state, const Box3& own_box) {
+  PartBorder border;
+  border.verts = find_border(state);
+  border.told = find_poor(state);
+  border.poor = keys_of(state, border.told);
+  const std::vector<ToldVert> astray = find_astray(state, border.verts, own_box);
+  border.astray = keys_of(state, astray);
+  border.told.insert(border.told.end(), astray.begin(), astray.end());
+  keep_farthest(border.told);
+  return border;
 }
 
 // What each neighbour is told, if anything.
@@ -154,10 +152,10 @@ std::vector<std::pair<PartState::SharedVert, double>> find_shared(const PartStat
                                                                   std::span<const VertKey> wanted) {
   const KeyFilter filter(wanted);
   std::vector<std::pair<PartState::SharedVert, double>> shared;
-  for (const auto& [v, face] : state.border) {
+  for (const auto& [v, face] : state.border.verts) {
     const VertKey key = state.keys[v];
     if (!filter.may_hold(key) || !std::binary_search(wanted.begin(), wanted.end(), key)) continue;
-    const bool is_poor = std::binary_search(state.poor.begin(), state.poor.end(), key);
+    const bool is_poor = std::binary_search(state.border.poor.begin(), state.border.poor.end(), key);
     shared.push_back({{key, v, is_poor}, reach_of(state.mesh, face)});
   }
   std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
@@ -179,15 +177,17 @@ void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
     for (const FaceCode face : state.open_faces)
       for (const std::uint32_t v : verts_of(mesh, face)) state.waits[v] = 1;
   }
-  look_at_border(input, state, task.part());
+  // After a round, open faces are often as they were.
+  if (std::exchange(state.open_faces_changed, false))
+    state.border = look_at_border(state, input.decomposition.box(task.part()));
   std::vector<Placed<VertKey>> told;
-  for (const auto& [v, reach] : state.told_verts) told.push_back({mesh.points[v], reach, state.keys[v]});
+  for (const auto& [v, reach] : state.border.told) told.push_back({mesh.points[v], reach, state.keys[v]});
   send_lists(input, task, near_neighbors(told, input.decomposition, task.part()));
 }
 
 void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
-  std::vector<VertKey> wanted = state.poor;
-  wanted.insert(wanted.end(), state.astray.begin(), state.astray.end());
+  std::vector<VertKey> wanted = state.border.poor;
+  wanted.insert(wanted.end(), state.border.astray.begin(), state.border.astray.end());
   Tellers tellers;
   for (const Message& message : task.inbox()) {
     for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>()) {

@@ -1,6 +1,7 @@
 #include "mesher/volume/complex_filling.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
@@ -20,7 +21,7 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
   Stopwatch watch;
   FillingFigures& figures = filled.figures;
   tets::OptimizeOptions options = optimize_options(input);
-  if (input.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
+  if (input.options.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(figures.core_tets);
   figures.optimizer = optimize(filled.mesh, options, runner);
   figures.seconds.optimize += watch.lap();
   input.progress.reach(FillingStep::Optimized, runner);
@@ -36,7 +37,7 @@ void optimise(FilledMesh& filled, const FillingInput& input, const TaskRunner& r
 tets::OptimizeOptions optimize_options(const FillingInput& input) {
   tets::OptimizeOptions options;
   options.fixed_points = static_cast<std::uint32_t>(input.complex.points.size());
-  options.goals = input.goals;
+  options.goals = input.options.goals;
   if (input.sizes.gradation() > kStrongGradation) options.sizes = &input.sizes;
   return options;
 }
@@ -60,29 +61,37 @@ void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRun
   filled.fault = check_volumes(filled.mesh, runner);
 }
 
-Filling to_filling(TetMesh&& mesh, std::size_t given, const TaskRunner& runner) {
-  Filling filling;
+PartMesh to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner) {
+  PartMesh part;
+  TetMesh& mesh = filled.mesh;
   mesh.to_neighbor.release();
   mesh.to_fixed.release();
   std::vector<std::uint32_t> to_new(mesh.points.size(), tets::kNone);
   for (const std::uint32_t v : mesh.to_vert) to_new[v] = 0;
   runner.check_cancelled();
+  std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < to_new.size(); ++v) {
-    if (v >= given && to_new[v] == tets::kNone) continue;
-    to_new[v] = static_cast<std::uint32_t>(filling.points.size());
-    filling.points.push_back(mesh.points[v]);
+    if (v >= complex.points.size() && to_new[v] == tets::kNone) continue;
+    mesh.points[count] = mesh.points[v];
+    to_new[v] = count++;
   }
-  mesh.points.release();
-  filling.tet_to_vert.resize(mesh.to_region.size());
-  runner.for_blocks(filling.tet_to_vert.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      for (std::size_t i = 0; i < 4; ++i) filling.tet_to_vert[tet][i] = to_new[mesh.to_vert[tet * 4 + i]];
-    }
+  mesh.points.resize_for_overwrite(count);
+  mesh.points.shrink_to_fit();
+  runner.for_blocks(mesh.to_vert.size(), 4 * kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) mesh.to_vert[i] = to_new[mesh.to_vert[i]];
   });
-  mesh.to_vert.release();
-  filling.tet_to_region.assign(mesh.to_region.begin(), mesh.to_region.end());
-  mesh.to_region.release();
-  return filling;
+  part.points = std::move(mesh.points);
+  part.vert_to_global.resize_for_overwrite(count);
+  std::iota(part.vert_to_global.begin(), part.vert_to_global.end(), std::uint64_t{0});
+  CellBlock& tets = part.block(CellKind::Tet);
+  tets.to_vert = std::move(mesh.to_vert), tets.to_region = std::move(mesh.to_region);
+  BoundaryBlock& triangles = part.block(BoundaryKind::Triangle);
+  triangles.to_vert.reserve(3 * complex.tri_to_vert.size());
+  for (const auto& verts : filled.tri_to_vert.empty() ? complex.tri_to_vert : filled.tri_to_vert)
+    triangles.to_vert.append(verts);
+  triangles.to_entity.resize_for_overwrite(complex.tri_to_vert.size());
+  std::iota(triangles.to_entity.begin(), triangles.to_entity.end(), 0u);
+  return part;
 }
 
 }  // namespace tetloom::volume

@@ -14,19 +14,15 @@
 
 namespace tetloom::volume {
 
-/// A tet by its four points.
-using TetVertices = std::array<std::uint32_t, 4>;
-
-/// The complex that is filled, with the sizes and the goals.
+/// The complex that is filled, and how.
 struct FillingInput {
   const Complex& complex;
   const intersection::TriangleTree& tree;  ///< of the complex
   const SizeField& sizes;
   FillingProgress& progress;
+  const VolumeOptions& options;
   const SurfaceFreedom* freedom = nullptr;  ///< null: the surface stays
-  QualityGoals goals = {};
-  LatticeKind lattice = LatticeKind::Bcc;
-  int attempt = 0;  ///< another one has another place of the lattice
+  int attempt = 0;                          ///< another one has another place of the lattice
 };
 
 /// The tets of a complex, or why there are none.
@@ -47,15 +43,8 @@ tets::Fault check_volumes(const tets::TetMesh& mesh, const TaskRunner& runner);
 /// volume of every tet once more. Errors: Cancelled.
 void finish_filling(FilledMesh& filled, const FillingInput& input, const TaskRunner& runner);
 
-/// Tets over the complex's points followed by new ones.
-struct Filling {
-  std::vector<Vec3> points;
-  std::vector<TetVertices> tet_to_vert;
-  std::vector<std::uint32_t> tet_to_region;
-};
-
-/// The tets and the points that they use; the first `given` points are kept in any case. `mesh` is emptied on the way,
-/// so that the two are never there at once. Errors: Cancelled.
-Filling to_filling(tets::TetMesh&& mesh, std::size_t given, const TaskRunner& runner);
+/// The tets as the only part of the complex, the points that no tet has left out. `filled` is emptied on the way, so
+/// that the two are never there at once. Pre: no fault. Errors: Cancelled.
+PartMesh to_part(FilledMesh&& filled, const Complex& complex, const TaskRunner& runner);
 
 }  // namespace tetloom::volume

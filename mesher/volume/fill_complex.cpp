@@ -49,18 +49,17 @@ struct Failure {
 
 class ComplexFiller {
  public:
-  ComplexFiller(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                FillingProgress& progress, const TaskRunner& runner)
-      : input_(input),
+  ComplexFiller(const FillingPlan& plan, const Complex& complex, FillingProgress& progress, const TaskRunner& runner)
+      : plan_(plan),
+        input_(plan.input),
         complex_(complex),
-        options_(options),
         progress_(progress),
         runner_(runner),
         tree_(complex.points, complex.tri_to_vert, runner) {}
 
-  FilledComplex run() {
-    if (!options_.worker_only) fill_by_own_means();
-    if (result_.filling || !result_.parts.empty()) return std::move(result_);
+  VolumeParts run(bool may_be_parted) {
+    if (!plan_.options.worker_only) fill_by_own_means(may_be_parted);
+    if (is_filled()) return std::move(result_);
     if (failure_ && failure_->code == ErrorCode::SelfIntersection) {
       result_.errors.push_back(describe_failure());
       return std::move(result_);
@@ -68,7 +67,7 @@ class ComplexFiller {
     if (!result_.errors.empty() || (!knows_crossings_ && surface_crosses_itself(result_.errors)))
       return std::move(result_);
     ask_worker();
-    if (!result_.filling) {
+    if (!is_filled()) {
       result_.errors.push_back(describe_failure());
     } else if (failure_) {
       result_.warnings.push_back(describe_fallback());
@@ -76,15 +75,17 @@ class ComplexFiller {
     return std::move(result_);
   }
 
-  FilledComplex run_in_parts() {
-    fill_in_parts();
+  VolumeParts run_in_parts(Communicator& communicator) {
+    fill_in_parts(communicator);
     return std::move(result_);
   }
 
  private:
+  bool is_filled() const { return result_.part_count > 0; }
+
   // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
-  void fill_by_own_means() {
-    if (fill_in_parts()) return;
+  void fill_by_own_means(bool may_be_parted) {
+    if (may_be_parted && fill_in_parts(*make_thread_communicator())) return;
     for (int attempt = 0; attempt < kOwnAttempts; ++attempt) {
       FillingInput input = filling_input();
       input.attempt = attempt;
@@ -102,28 +103,21 @@ class ComplexFiller {
   }
 
   // False when there is one part only, or where the parts' tets do not fit together.
-  bool fill_in_parts() {
-    const parts::PartsRequest request{options_.tets_per_part, options_.trace, options_.keep_parts,
-                                      options_.communicator};
-    auto filled = parts::fill_in_parts(filling_input(), request, runner_);
+  bool fill_in_parts(Communicator& communicator) {
+    auto filled = parts::fill_in_parts(filling_input(), communicator, runner_);
     if (!filled) return false;
     if (filled->fault.any()) {
       result_.figures.parts.given_up = 1;
       result_.figures.parts.given_up_why = filled->fault.message;
       return false;
     }
-    name_causes(input_, complex_, filled->tri_to_vert, filled->figures.optimizer.acute_tets);
-    result_.figures.add(filled->figures);
-    result_.tri_to_vert = std::move(filled->tri_to_vert);
-    result_.filling = std::move(filled->filling);
-    result_.parts = std::move(filled->parts);
-    result_.new_points = filled->new_points;
-    result_.part_count = filled->figures.parts.parts;
+    name_causes(input_, complex_, filled->tri_to_vert, filled->volume.figures.optimizer.acute_tets);
+    result_ = std::move(filled->volume);
     return true;
   }
 
   FillingInput filling_input() const {
-    return {complex_, tree_, *input_.sizes, progress_, options_.freedom, options_.goals, options_.lattice};
+    return {complex_, tree_, *input_.sizes, progress_, plan_.options, plan_.freedom};
   }
 
   void accept(FilledMesh&& filled) {
@@ -132,23 +126,24 @@ class ComplexFiller {
     result_.figures.add(filled.figures);
     if (filled.fault.any())
       return note({filled.fault.code, filled.fault.message, filled.fault.triangles, filled.fault.point});
-    result_.tri_to_vert = std::move(filled.tri_to_vert);
-    result_.filling = to_filling(std::move(filled.mesh), complex_.points.size(), runner_);
+    result_.parts.push_back(to_part(std::move(filled), complex_, runner_));
+    result_.new_points = result_.parts.back().points.size() - complex_.points.size();
+    result_.part_count = 1;
   }
 
   void ask_worker() {
-    if (options_.worker.empty()) return;
+    if (plan_.worker.empty()) return;
     make_interior();
     const std::size_t most = std::max(kLeastAttempts, kTrianglesOfAttempts / complex_.tri_to_vert.size());
     for (const Attempt& attempt : std::span(kAttempts).first(std::min(most, kAttempts.size()))) {
       try_once(attempt);
       has_interior_ = attempt.interior_points;
-      if (result_.filling || hopeless_) return;
+      if (is_filled() || hopeless_) return;
     }
   }
 
   void make_interior() {
-    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes, options_.lattice};
+    lattice::LatticeRequest request{&tree_, complex_.tri_to_sides, {}, input_.sizes, plan_.options.lattice};
     for (const Vec3& p : complex_.points) request.box.add(p);
     for (const lattice::LevelPoints& level : make_lattice_points(request, runner_)) {
       for (const lattice::Site& site : level.sites) interior_.push_back(level.lattice.point(site));
@@ -168,7 +163,7 @@ class ComplexFiller {
   // The worker's answer, when it says that it has filled the complex.
   std::optional<WorkerResponse> ask(const WorkerRequest& request) {
     try {
-      const WorkerRun run = run_worker(options_.worker, encode(request), runner_);
+      const WorkerRun run = run_worker(plan_.worker, encode(request), runner_);
       if (run.response.empty()) {
         note({ErrorCode::WorkerFailed, run.failure, {}, {}});
         hopeless_ = !run.crashed;
@@ -260,13 +255,13 @@ class ComplexFiller {
     return diagnostic;
   }
 
+  const FillingPlan& plan_;
   const VolumeInput& input_;
   const Complex& complex_;
-  const ComplexOptions& options_;
   FillingProgress& progress_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
-  FilledComplex result_;
+  VolumeParts result_;
   std::vector<Vec3> interior_;
   std::optional<Failure> failure_;
   bool hopeless_ = false;      // other attempts would end like this one
@@ -276,20 +271,20 @@ class ComplexFiller {
 
 }  // namespace
 
-FilledComplex fill_complex(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                           FillingProgress& progress, const TaskRunner& runner) {
-  std::optional<TraceSpan> span(std::in_place, options.trace, "tree of triangles", runner.threads(),
+VolumeParts fill_complex(const FillingPlan& plan, const Complex& complex, FillingProgress& progress, bool may_be_parted,
+                         const TaskRunner& runner) {
+  std::optional<TraceSpan> span(std::in_place, plan.options.trace, "tree of triangles", runner.threads(),
                                 intersection::TriangleTree::pieces(complex.tri_to_vert.size()));
-  ComplexFiller filler(input, complex, options, progress, runner);
+  ComplexFiller filler(plan, complex, progress, runner);
   span.reset();
-  return filler.run();
+  return filler.run(may_be_parted);
 }
 
-FilledComplex fill_complex_in_parts(const VolumeInput& input, const Complex& complex, const ComplexOptions& options,
-                                    FillingProgress& progress, const TaskRunner& runner) {
+VolumeParts fill_complex_in_parts(const FillingPlan& plan, const Complex& complex, FillingProgress& progress,
+                                  Communicator& communicator, const TaskRunner& runner) {
   std::optional<ComplexFiller> filler;
-  run_on_all(*options.communicator, [&] { filler.emplace(input, complex, options, progress, runner); });
-  return filler->run_in_parts();
+  run_on_all(communicator, [&] { filler.emplace(plan, complex, progress, runner); });
+  return filler->run_in_parts(communicator);
 }
 
 }  // namespace tetloom::volume

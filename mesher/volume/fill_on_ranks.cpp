@@ -1,12 +1,10 @@
 #include "mesher/volume/fill_on_ranks.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
-#include "mesher/volume/volume_parts_detail.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/codec.hpp"
 #include "threading/comm/collectives.hpp"
@@ -31,7 +29,7 @@ std::vector<int> deal_to_ranks(std::span<const std::size_t> complexes, std::span
   return owner;
 }
 
-void share_results(Communicator& communicator, std::span<const std::size_t> own, std::vector<FilledComplex>& filled) {
+void share_results(Communicator& communicator, std::span<const std::size_t> own, std::vector<VolumeParts>& filled) {
   const auto put = [&](MessageWriter& writer) {
     for (const std::size_t i : own) {
       writer.put(static_cast<std::uint64_t>(i));
@@ -44,7 +42,7 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
   };
   const auto take = [&](MessageReader& reader) {
     while (!reader.at_end()) {
-      FilledComplex& complex = filled[reader.get<std::uint64_t>()];
+      VolumeParts& complex = filled[reader.get<std::uint64_t>()];
       complex.new_points = reader.get<std::uint64_t>();
       complex.part_count = reader.get<std::uint64_t>();
       complex.errors = get_diagnostics(reader);
@@ -57,33 +55,31 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
 
 }  // namespace
 
-std::vector<FilledComplex> fill_on_ranks(const VolumeInput& input, std::span<const Complex> complexes,
-                                         const ComplexOptions& options, std::span<FillingProgress> progress,
-                                         const TaskRunner& runner) {
-  Communicator& communicator = *options.communicator;
-  std::vector<FilledComplex> filled(complexes.size());
-  std::vector<std::size_t> whole, own;
+std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
+                                       std::span<FillingProgress> progress, Communicator& communicator,
+                                       const TaskRunner& runner) {
+  const bool is_alone = communicator.rank_count() == 1;
+  std::vector<VolumeParts> filled(complexes.size());
+  std::vector<std::size_t> left, own;
   for (std::size_t i = 0; i < complexes.size(); ++i) {
-    if (!options.worker_only) filled[i] = fill_complex_in_parts(input, complexes[i], options, progress[i], runner);
-    if (filled[i].part_count == 0) whole.push_back(i);
+    if (!is_alone && !plan.options.worker_only)
+      filled[i] = fill_complex_in_parts(plan, complexes[i], progress[i], communicator, runner);
+    if (filled[i].part_count == 0) left.push_back(i);
   }
-  const std::vector<int> owner = deal_to_ranks(whole, progress, communicator.rank_count());
+  const std::vector<int> owner = deal_to_ranks(left, progress, communicator.rank_count());
   std::vector<double> work;
-  for (const std::size_t i : whole) {
+  for (const std::size_t i : left) {
     if (owner[i] != communicator.rank()) continue;
     own.push_back(i);
     work.push_back(static_cast<double>(progress[i].whole()));
   }
-  ComplexOptions in_one = options;
-  in_one.tets_per_part = std::numeric_limits<double>::infinity();
-  in_one.communicator = nullptr;
   run_on_all(communicator, [&] {
     runner.for_each_largest_first(work, [&](std::size_t k) {
       const std::size_t i = own[k];
       const FillingFigures before = std::move(filled[i].figures);
-      filled[i] = fill_complex(input, complexes[i], in_one, progress[i], runner);
+      filled[i] = fill_complex(plan, complexes[i], progress[i], is_alone, runner);
       filled[i].figures.add(before);
-      keep_as_parts(complexes[i], filled[i]);
+      progress[i].reach(FillingStep::Done, runner);
     });
     for (FillingProgress& one : progress) one.reach(FillingStep::Done, runner);
   });
@@ -91,8 +87,7 @@ std::vector<FilledComplex> fill_on_ranks(const VolumeInput& input, std::span<con
   return filled;
 }
 
-std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
-                                  Communicator& communicator) {
+std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator) {
   const auto rank_of = [&](PartId part) { return communicator.rank_of(part, part_count); };
   const auto pack = [&] {
     std::vector<Message> messages;
@@ -110,7 +105,7 @@ std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t
     parts.push_back({message.to, get_part(reader)});
   }
   std::ranges::sort(parts, {}, &NumberedPart::number);
-  std::vector<VolumePart> own;
+  std::vector<PartMesh> own;
   for (NumberedPart& part : parts) own.push_back(std::move(part.part));
   return own;
 }

@@ -6,21 +6,21 @@
 
 namespace tetloom::volume {
 
-/// Large complexes are filled in parts, one complex after the other, by all ranks; those that are filled in one part
-/// are dealt to the ranks. All ranks know errors, warnings, figures and numbers of all complexes in the end, and have
-/// the parts that they made. A collective call; all ranks give the same.
-std::vector<FilledComplex> fill_on_ranks(const VolumeInput& input, std::span<const Complex> complexes,
-                                         const ComplexOptions& options, std::span<FillingProgress> progress,
-                                         const TaskRunner& runner);
+/// On several ranks, large complexes are filled in parts, one complex after the other, by all of them; those that are
+/// filled in one part are dealt to the ranks. A single rank fills the complexes side by side. All ranks know errors,
+/// warnings, figures and numbers of all complexes in the end, and have the parts that they made. A collective call; all
+/// ranks give the same.
+std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
+                                       std::span<FillingProgress> progress, Communicator& communicator,
+                                       const TaskRunner& runner);
 
 /// A part of the whole volume.
 struct NumberedPart {
   PartId number;
-  VolumePart part;
+  PartMesh part;
 };
 
 /// Sends parts to the ranks that host them, of `part_count`; returns those of this rank, ascending. A collective call.
-std::vector<VolumePart> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count,
-                                  Communicator& communicator);
+std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator);
 
 }  // namespace tetloom::volume

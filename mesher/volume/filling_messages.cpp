@@ -65,11 +65,6 @@ AcuteTet get_acute_tet(MessageReader& reader) {
   return tet;
 }
 
-template <class T>
-GrowingArray<T> get_growing(MessageReader& reader) {
-  return GrowingArray<T>(reader.get_view<T>());
-}
-
 }  // namespace
 
 void put_figures(MessageWriter& writer, const FillingFigures& figures) {
@@ -98,43 +93,43 @@ FillingFigures get_figures(MessageReader& reader) {
   return figures;
 }
 
-void put_part(MessageWriter& writer, const VolumePart& part) {
+void put_part(MessageWriter& writer, const PartMesh& part) {
   constexpr std::size_t kLengthsAndGaps = 6 * 16;  // of the arrays below
-  writer.reserve(part.points.span().size_bytes() + part.vert_to_number.span().size_bytes() +
-                 part.tet_to_vert.span().size_bytes() + part.tet_to_region.span().size_bytes() +
-                 std::span(part.triangles).size_bytes() + std::span(part.tri_to_vert).size_bytes() + kLengthsAndGaps);
-  writer.put_array(part.points.span());
-  writer.put_array(part.vert_to_number.span());
-  writer.put_array(part.tet_to_vert.span());
-  writer.put_array(part.tet_to_region.span());
-  put_list(writer, part.triangles);
-  put_list(writer, part.tri_to_vert);
+  const PartView view = view_of(part);
+  writer.reserve(view.points.size_bytes() + view.vert_to_global.size_bytes() + view.tet_to_vert.size_bytes() +
+                 view.tet_to_region.size_bytes() + view.tri_to_vert.size_bytes() + view.triangles.size_bytes() +
+                 kLengthsAndGaps);
+  writer.put_array(view.points);
+  writer.put_array(view.vert_to_global);
+  for (const auto list : {view.tet_to_vert, view.tet_to_region, view.tri_to_vert, view.triangles})
+    writer.put_array(list);
 }
 
-VolumePart get_part(MessageReader& reader) {
-  VolumePart part;
-  part.points = get_growing<Vec3>(reader);
-  part.vert_to_number = get_growing<std::uint64_t>(reader);
-  part.tet_to_vert = get_growing<std::uint32_t>(reader);
-  part.tet_to_region = get_growing<std::uint32_t>(reader);
-  part.triangles = reader.get_array<std::uint32_t>();
-  part.tri_to_vert = reader.get_array<std::array<std::uint32_t, 3>>();
+PartMesh get_part(MessageReader& reader) {
+  const PartView view = get_view(reader);
+  PartMesh part;
+  part.points.append(view.points);
+  part.vert_to_global.append(view.vert_to_global);
+  part.block(CellKind::Tet).to_vert.append(view.tet_to_vert);
+  part.block(CellKind::Tet).to_region.append(view.tet_to_region);
+  part.block(BoundaryKind::Triangle).to_vert.append(view.tri_to_vert);
+  part.block(BoundaryKind::Triangle).to_entity.append(view.triangles);
   return part;
 }
 
-VolumePartView view_of(const VolumePart& part) {
-  return {part.points, part.vert_to_number, part.tet_to_vert, part.tet_to_region, part.triangles, part.tri_to_vert};
+PartView view_of(const PartMesh& part) {
+  const CellBlock& tets = part.block(CellKind::Tet);
+  const BoundaryBlock& triangles = part.block(BoundaryKind::Triangle);
+  return {part.points, part.vert_to_global, tets.to_vert, tets.to_region, triangles.to_vert, triangles.to_entity};
 }
 
-VolumePartView get_view(const Bytes& bytes) {
-  MessageReader reader(bytes);
-  VolumePartView part;
+PartView get_view(MessageReader& reader) {
+  PartView part;
   part.points = reader.get_view<Vec3>();
-  part.vert_to_number = reader.get_view<std::uint64_t>();
-  part.tet_to_vert = reader.get_view<std::uint32_t>();
-  part.tet_to_region = reader.get_view<std::uint32_t>();
-  part.triangles = reader.get_view<std::uint32_t>();
-  part.tri_to_vert = reader.get_view<std::array<std::uint32_t, 3>>();
+  part.vert_to_global = reader.get_view<std::uint64_t>();
+  for (const auto list :
+       {&PartView::tet_to_vert, &PartView::tet_to_region, &PartView::tri_to_vert, &PartView::triangles})
+    part.*list = reader.get_view<std::uint32_t>();
   return part;
 }
 

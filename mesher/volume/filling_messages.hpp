@@ -8,19 +8,19 @@ namespace tetloom::volume {
 void put_figures(MessageWriter& writer, const FillingFigures& figures);
 FillingFigures get_figures(MessageReader& reader);
 
-void put_part(MessageWriter& writer, const VolumePart& part);
-VolumePart get_part(MessageReader& reader);
+/// Parts as of VolumeParts.
+void put_part(MessageWriter& writer, const PartMesh& part);
+PartMesh get_part(MessageReader& reader);
 
 /// A part where it lies, in memory or in a message.
-struct VolumePartView {
+struct PartView {
   std::span<const Vec3> points;
-  std::span<const std::uint64_t> vert_to_number;
-  std::span<const std::uint32_t> tet_to_vert, tet_to_region, triangles;
-  std::span<const std::array<std::uint32_t, 3>> tri_to_vert;
+  std::span<const std::uint64_t> vert_to_global;
+  std::span<const std::uint32_t> tet_to_vert, tet_to_region, tri_to_vert, triangles;
 };
 
-VolumePartView view_of(const VolumePart& part);
+PartView view_of(const PartMesh& part);
 /// Of a message in which put_part was all; valid as long as the bytes are.
-VolumePartView get_view(const Bytes& bytes);
+PartView get_view(MessageReader& reader);
 
 }  // namespace tetloom::volume

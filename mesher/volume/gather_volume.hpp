@@ -1,15 +1,16 @@
 #pragma once
-// A volume that ranks have filled in parts, put together on the first of them.
-#include "mesher/volume/volume_mesher.hpp"
+// A volume that was filled in parts, put together on the first rank.
 #include "mesher/volume/volume_parts.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/mesh_data.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
 
-/// On the first rank what fill_over_given gives there, in the same order; on the others no points and no tets. Errors,
-/// warnings and figures are those of `parts` on all ranks. Pre: `input` is what was filled. A collective call. Errors:
-/// Cancelled, OutOfMemory, on all ranks alike.
-VolumeMesh gather_volume(const VolumeInput& input, VolumeParts&& parts, Communicator& communicator,
-                         const TaskRunner& runner);
+/// On the first rank, appends the tets of all parts to `mesh`, in the order of the parts, with their new points, which
+/// are classified on their regions; points and triangles of the surface become what they are in the parts. Pre: `mesh`
+/// holds the surface that was filled, and no tets. A collective call. `volume` is emptied. Errors: Cancelled,
+/// OutOfMemory, on all ranks alike; `mesh` is of no use on the first one then.
+void gather_volume(VolumeParts&& volume, Mesh& mesh, Communicator& communicator, const TaskRunner& runner);
 
 }  // namespace tetloom

@@ -38,8 +38,8 @@ class LatticeFiller {
 
  private:
   lattice::LatticeCore make_core(TetMesh& mesh) {
-    lattice::LatticeRequest request{&input_.tree,  complex_.tri_to_sides, {},
-                                    &input_.sizes, input_.lattice,        input_.attempt};
+    lattice::LatticeRequest request{&input_.tree,  complex_.tri_to_sides,  {},
+                                    &input_.sizes, input_.options.lattice, input_.attempt};
     for (const Vec3& x : complex_.points) request.box.add(x);
     const std::vector<lattice::LevelPoints> levels = make_lattice_points(request, runner_);
     figures_.seconds.points = watch_.lap();

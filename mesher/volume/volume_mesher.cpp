@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 #include <optional>
 #include <utility>
 
@@ -12,9 +11,6 @@
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/fill_complex.hpp"
 #include "mesher/volume/fill_on_ranks.hpp"
-#include "mesher/volume/fill_over_given.hpp"
-#include "mesher/volume/volume_parts.hpp"
-#include "mesher/volume/volume_parts_detail.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
@@ -24,9 +20,8 @@ namespace tetloom {
 namespace {
 
 using volume::Complex;
-using volume::FilledComplex;
 
-constexpr std::size_t kTetsPerTask = 1 << 16, kTrianglesPerTask = 1 << 14;
+constexpr std::size_t kTrianglesPerTask = 1 << 14;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
@@ -102,109 +97,68 @@ Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, cons
   return diagnostic;
 }
 
-// What has become of the complex's surface.
-void append_changes(const Complex& complex, const FilledComplex& filled, VolumeMesh& mesh) {
-  for (std::size_t v = 0; v < complex.points.size(); ++v) {
-    const Vec3& now = filled.filling->points[v];
-    if (now != complex.points[v]) mesh.moved_points.push_back({complex.to_input_vert[v], now});
-  }
-  for (std::size_t t = 0; t < filled.tri_to_vert.size(); ++t) {
-    const auto& [a, b, c] = filled.tri_to_vert[t];
-    if (filled.tri_to_vert[t] == complex.tri_to_vert[t]) continue;
-    const auto& to_input = complex.to_input_vert;
-    mesh.changed_triangles.push_back({complex.to_input_tri[t], {to_input[a], to_input[b], to_input[c]}});
-  }
-}
-
-// Here `mesh.new_points` begins with the given ones.
-void append(const VolumeInput& input, const Complex& complex, volume::Filling&& filling, VolumeMesh& mesh,
-            const TaskRunner& runner) {
-  const std::size_t given = complex.points.size(), first = mesh.tet_to_vert.size();
-  if (first == 0 && given == input.points.size()) {  // all numbers are the input's
-    if (filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
-    mesh.new_points = std::move(filling.points);
-    mesh.tet_to_vert = std::move(filling.tet_to_vert);
-    mesh.tet_to_region = std::move(filling.tet_to_region);
-    return;
-  }
-  if (mesh.new_points.empty()) mesh.new_points.assign(input.points.begin(), input.points.end());
-  const std::size_t offset = mesh.new_points.size();
-  if (offset + filling.points.size() >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
-  mesh.new_points.insert(mesh.new_points.end(), filling.points.begin() + static_cast<std::ptrdiff_t>(given),
-                         filling.points.end());
-  mesh.tet_to_vert.resize(first + filling.tet_to_vert.size());
-  runner.for_blocks(filling.tet_to_vert.size(), kTetsPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::uint32_t v = filling.tet_to_vert[tet][i];
-        mesh.tet_to_vert[first + tet][i] =
-            v < given ? complex.to_input_vert[v] : static_cast<std::uint32_t>(v - given + offset);
-      }
-    }
-  });
-  mesh.tet_to_region.insert(mesh.tet_to_region.end(), filling.tet_to_region.begin(), filling.tet_to_region.end());
-}
-
-// What is to be filled, and how.
-struct Plan {
+// What is to be filled.
+struct Work {
   std::vector<Complex> complexes;
   std::vector<volume::FillingProgress> progress;
-  volume::ComplexOptions how;
   std::optional<volume::SurfaceFreedom> freedom;
 };
 
-template <class Result>
-void make_plan(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner, Plan& plan,
-               Result& result) {
+void find_work(volume::FillingPlan& plan, const TaskRunner& runner, Work& work, VolumeParts& result) {
+  const VolumeInput& input = plan.input;
+  const VolumeOptions& options = plan.options;
   std::optional<TraceSpan> span(std::in_place, options.trace, "shells", runner.threads(),
                                 volume::open_region_pieces(input));
   volume::OpenRegions open = volume::find_open_regions(input, runner);
   span.emplace(options.trace, "plan");
   result.errors = std::move(open.diagnostics);
-  plan.complexes = volume::split_complexes(input, open.regions);
+  work.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
-  for (const Complex& complex : plan.complexes) whole += plan.progress.emplace_back(input, complex).whole();
+  for (const Complex& complex : work.complexes) whole += work.progress.emplace_back(input, complex).whole();
   runner.begin_stage(Stage::Volume, whole);
-  plan.how.worker_only = options.worker_only;
-  plan.how.goals = options.goals;
-  plan.how.lattice = options.lattice;
-  plan.how.trace = options.trace;
-  plan.how.tets_per_part = options.tets_per_part;
-  if (plan.complexes.empty()) return;
+  if (work.complexes.empty()) return;
   try {
-    plan.how.worker = volume::find_worker(options.worker);
+    plan.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : plan.complexes) result.errors.push_back(worker_missing(input, complex, error));
-      return plan.complexes.clear();
+      for (const Complex& complex : work.complexes) result.errors.push_back(worker_missing(input, complex, error));
+      return work.complexes.clear();
     }
   }
-  if (options.improve_surface) plan.how.freedom = &plan.freedom.emplace(input, plan.complexes);
+  if (options.improve_surface) plan.freedom = &work.freedom.emplace(input, work.complexes);
 }
 
-std::vector<FilledComplex> fill_here(const VolumeInput& input, Plan& plan, const TaskRunner& runner) {
-  std::vector<FilledComplex> filled(plan.complexes.size());
-  std::vector<double> work;
-  for (std::size_t i = 0; i < filled.size(); ++i) work.push_back(static_cast<double>(plan.progress[i].whole()));
-  runner.for_each_largest_first(work, [&](std::size_t i) {
-    filled[i] = volume::fill_complex(input, plan.complexes[i], plan.how, plan.progress[i], runner);
-    if (plan.how.keep_parts) volume::keep_as_parts(plan.complexes[i], filled[i]);
-    plan.progress[i].reach(volume::FillingStep::Done, runner);
+// From numbers of the complex to those of the input; new points from `first_new` on. Both lists of the complex ascend,
+// so that triangles stay in order.
+void to_numbers_of_input(const Complex& complex, std::uint64_t first_new, std::span<PartMesh> parts,
+                         const TaskRunner& runner) {
+  const std::uint64_t given = complex.points.size();
+  runner.for_each(parts.size(), [&](std::size_t i) {
+    for (std::uint64_t& number : parts[i].vert_to_global)
+      number = number < given ? complex.to_input_vert[number] : number - given + first_new;
+    for (std::uint32_t& triangle : parts[i].block(BoundaryKind::Triangle).to_entity)
+      triangle = complex.to_input_tri[triangle];
   });
-  return filled;
 }
 
-// Gives the complexes one after the other to `take`, and adds up what there is to be said.
-template <class Result, class Take>
-void take_filled(std::span<const Complex> complexes, std::vector<FilledComplex>&& filled, Result& result,
-                 const Take& take) {
+// The complexes one after the other, on the ranks that host their parts.
+void join_complexes(const VolumeInput& input, std::span<const Complex> complexes, std::vector<VolumeParts>&& filled,
+                    Communicator& communicator, const TaskRunner& runner, VolumeParts& result) {
+  std::vector<volume::NumberedPart> parts;
   for (std::size_t i = 0; i < complexes.size(); ++i) {
-    take(complexes[i], filled[i]);
-    std::ranges::move(filled[i].errors, std::back_inserter(result.errors));
-    std::ranges::move(filled[i].warnings, std::back_inserter(result.warnings));
-    result.figures.add(filled[i].figures);
-    filled[i] = {};
+    VolumeParts& of = filled[i];
+    to_numbers_of_input(complexes[i], input.points.size() + result.new_points, of.parts, runner.uninterruptible());
+    result.new_points += of.new_points;
+    // One part lies where it was made.
+    const auto own = of.part_count > 1 ? communicator.parts_of_rank(of.part_count) : std::vector{PartId(0)};
+    for (std::size_t p = 0; p < of.parts.size(); ++p)
+      parts.push_back({PartId(result.part_count + own[p].value), std::move(of.parts[p])});
+    result.part_count += of.part_count;
+    std::ranges::move(of.errors, std::back_inserter(result.errors));
+    std::ranges::move(of.warnings, std::back_inserter(result.warnings));
+    result.figures.add(of.figures);
   }
+  if (result.part_count > 0) result.parts = volume::send_home(std::move(parts), result.part_count, communicator);
 }
 
 void check(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
@@ -245,65 +199,18 @@ void FillingFigures::add(const FillingFigures& other) {
     seconds.*member += other.seconds.*member;
 }
 
-VolumeMesh fill_over_given(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
-  check(input, options, runner);
-  VolumeMesh mesh;
-  try {
-    Plan plan;
-    make_plan(input, options, runner, plan, mesh);
-    take_filled(plan.complexes, fill_here(input, plan, runner), mesh,
-                [&](const Complex& complex, FilledComplex& filled) {
-                  if (!filled.filling) return;
-                  const TraceSpan span(options.trace, "numbers of the whole");
-                  append_changes(complex, filled, mesh);
-                  append(input, complex, std::move(*filled.filling), mesh, runner);
-                });
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::OutOfMemory, "not enough memory to fill the volume");
-  }
-  if (mesh.new_points.empty()) mesh.new_points.assign(input.points.begin(), input.points.end());
-  std::ranges::sort(mesh.moved_points, {}, &MovedPoint::point);
-  std::ranges::sort(mesh.changed_triangles, {}, &ChangedTriangle::triangle);
-  return mesh;
-}
-
-VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
-  VolumeMesh mesh = fill_over_given(input, options, runner);
-  const auto begin = mesh.new_points.begin();
-  mesh.new_points.erase(begin, begin + static_cast<std::ptrdiff_t>(input.points.size()));
-  return mesh;
-}
-
-VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
-                                 const TaskRunner& runner) {
+VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
+                        const TaskRunner& runner) {
   VolumeParts result;
-  Plan plan;
-  std::vector<FilledComplex> filled;
-  const bool is_alone = communicator.rank_count() == 1;
+  volume::FillingPlan plan{input, options, {}};
+  Work work;
   run_on_all(communicator, [&] {
     check(input, options, runner);
-    make_plan(input, options, runner, plan, result);
-    plan.how.keep_parts = true;
-    if (is_alone) filled = fill_here(input, plan, runner);
+    find_work(plan, runner, work, result);
   });
-  if (!is_alone) {
-    plan.how.communicator = &communicator;
-    filled = volume::fill_on_ranks(input, plan.complexes, plan.how, plan.progress, runner);
-  }
-  std::vector<volume::NumberedPart> parts;
-  std::uint64_t next_point = input.points.size();
-  take_filled(plan.complexes, std::move(filled), result, [&](const Complex& complex, FilledComplex& of) {
-    volume::to_numbers_of_input(complex, next_point, of.parts, runner.uninterruptible());
-    next_point += of.new_points;
-    // One part lies where it was made.
-    const auto own = of.part_count > 1 ? communicator.parts_of_rank(of.part_count) : std::vector{PartId(0)};
-    for (std::size_t i = 0; i < of.parts.size(); ++i)
-      parts.push_back({PartId(result.part_count + own[i].value), std::move(of.parts[i])});
-    result.part_count += of.part_count;
-  });
-  if (!result.errors.empty() || result.part_count == 0) return result;
-  result.new_points = next_point - input.points.size();
-  result.parts = volume::send_home(std::move(parts), result.part_count, communicator);
+  join_complexes(input, work.complexes,
+                 volume::fill_on_ranks(plan, work.complexes, work.progress, communicator, runner), communicator, runner,
+                 result);
   return result;
 }
 

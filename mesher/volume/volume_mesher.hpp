@@ -10,8 +10,8 @@
 
 #include "core/sizing/memory_check.hpp"
 #include "mesher/tets/optimizer.hpp"
-#include "tetloom/error.hpp"
-#include "tetloom/filling.hpp"
+#include "mesher/volume/volume_parts.hpp"
+#include "tetloom/communicator.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/tasks.hpp"
@@ -29,29 +29,6 @@ struct VolumeInput {
   const SizeField* sizes = nullptr;                   ///< never null
   std::span<const ModelEntity> point_to_entity = {};  ///< one per point, or empty: then no point may slide
   std::span<const std::array<std::uint32_t, 2>> edge_to_vert = {};  ///< pieces of model edges: they stay edges
-};
-
-struct MovedPoint {
-  std::uint32_t point = 0;  ///< of the input
-  Vec3 to;
-};
-
-struct ChangedTriangle {
-  std::uint32_t triangle = 0;  ///< of the input; its face and its sides are as before
-  std::array<std::uint32_t, 3> verts{};
-};
-
-/// New points follow the given ones: vertex ids below `input.points.size()` are the given points, the others index
-/// `new_points` after subtracting that.
-struct VolumeMesh {
-  std::vector<Vec3> new_points;
-  std::vector<std::array<std::uint32_t, 4>> tet_to_vert;  ///< positive volume
-  std::vector<std::uint32_t> tet_to_region;
-  std::vector<MovedPoint> moved_points;            ///< ascending; none unless the surface may change
-  std::vector<ChangedTriangle> changed_triangles;  ///< ascending; none unless the surface may change
-  std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
-  std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
-  FillingFigures figures;
 };
 
 struct VolumeOptions {
@@ -73,15 +50,18 @@ struct VolumeOptions {
 MeshEstimate estimate_filling(const VolumeInput& input);
 
 /// Fills every region of `input`: each triangle that bounds a filled region is a face of the result. The given surface
-/// is kept exactly, unless the options allow to improve it: then it is the surface with the result's moved points and
-/// changed triangles that is kept. Regions that share no triangle are filled independently and in parallel, also where
-/// they touch, and the result does not depend on how many threads do it. Guaranteed for the result, checked after the
-/// fact: all tetrahedra have positive volume in exact arithmetic, each lies in the region that all triangles around it
-/// name, and every side of a triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal
-/// length. Coordinates must be finite and no larger than 1e45, the surface no smaller than 1e-40. Errors:
-/// InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory (also when the estimate does not fit) are thrown. In
-/// the result: OpenShell for a region whose boundary does not close, SelfIntersection, VolumeFailed and WorkerFailed
-/// for what cannot be filled. Thread safety: may be called from any thread, several calls at once.
-VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner);
+/// is kept exactly, unless the options allow to improve it: then it is the surface with the places of points and the
+/// triangles that the parts have. Regions that share no triangle are filled independently and in parallel, also where
+/// they touch, each complex of them in one part or several. The result does not depend on how many threads or ranks do
+/// it, but for which rank has which part. Guaranteed for the result, checked after the fact: all tetrahedra have
+/// positive volume in exact arithmetic, each lies in the region that all triangles around it name, and every side of a
+/// triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal length. Coordinates must be
+/// finite and no larger than 1e45, the surface no smaller than 1e-40. A collective call, for which all ranks give the
+/// same; errors are the same on all of them. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory
+/// (also when the estimate does not fit) are thrown. In the result: OpenShell for a region whose boundary does not
+/// close, SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: one call for each
+/// communicator.
+VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
+                        const TaskRunner& runner);
 
 }  // namespace tetloom

@@ -1,39 +1,26 @@
 #pragma once
-// A filled volume as the parts in which it was filled, never put together.
-#include <array>
+// A filled volume: the parts in which it was filled.
 #include <cstdint>
 #include <vector>
 
-#include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/communicator.hpp"
-#include "tetloom/growing_array.hpp"
-#include "tetloom/tasks.hpp"
+#include "tetloom/error.hpp"
+#include "tetloom/filling.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom {
 
-/// Tets with vertices of their own. Numbers of points: those of the input below its number of points; then the new
-/// ones, without gaps over all parts, the same in all parts that have them.
-struct VolumePart {
-  GrowingArray<Vec3> points;  ///< each in a tet; those of the input where they have become
-  GrowingArray<std::uint64_t> vert_to_number;
-  GrowingArray<std::uint32_t> tet_to_vert;  ///< 4 · tet; positive volume
-  GrowingArray<std::uint32_t> tet_to_region;
-  std::vector<std::uint32_t> triangles;                   ///< of the input that are faces of these tets, ascending
-  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< vertices here of each, as they have become
-};
-
-/// All parts of a volume that this rank has.
+/// All parts of a volume, or of one complex of it. A part is lean: points, each in a tet, with their global ids, tets
+/// of positive volume with their regions, and the triangles of the input that are faces of these tets, ascending;
+/// nothing is connected or classified yet. Points of the input are where they have become, and have their numbers there
+/// as global ids; new ones follow, without gaps over all parts. The entity of a triangle is its number in the input,
+/// and its vertices are in the order that they have there, or as the triangle has become.
 struct VolumeParts {
-  std::vector<VolumePart> parts;  ///< those of each complex together, in the order of the complexes; of this rank
-  std::size_t part_count = 0;     ///< on all ranks
-  std::uint64_t new_points = 0;   ///< of the parts of all ranks
-  std::vector<Diagnostic> errors, warnings;  ///< as of VolumeMesh
+  std::vector<PartMesh> parts;       ///< those of each complex together, in the order of the complexes; of this rank
+  std::size_t part_count = 0;        ///< on all ranks
+  std::uint64_t new_points = 0;      ///< of the parts of all ranks
+  std::vector<Diagnostic> errors;    ///< regions that could not be filled, with faces and a point; others are filled
+  std::vector<Diagnostic> warnings;  ///< regions that were filled, but not as well as asked
   FillingFigures figures;
 };
-
-/// As fill_volume, the same tets in parts: a complex that was filled in one part is one, and the numbers of all points
-/// are those of fill_volume. A collective call, for which all ranks give the same; errors are the same on all of them.
-VolumeParts fill_volume_in_parts(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
-                                 const TaskRunner& runner);
 
 }  // namespace tetloom

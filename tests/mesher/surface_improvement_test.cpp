@@ -262,6 +262,8 @@ TEST_CASE("without a model no vertex moves and what lies in a plane is swapped")
   CHECK(std::equal(points.begin(), points.end(), grid.mesh.points.begin()));
 }
 
+using volume_tests::VolumeMesh;
+
 // A ball whose surface points are shaken on the sphere.
 struct ShakenBall {
   volume_tests::Surface surface = volume_tests::ball_surface(3, {}, 0, [](const Vec3&) { return 1.0; });
@@ -279,7 +281,7 @@ struct ShakenBall {
     VolumeInput input = surface.input(sizes);
     input.model = model.get();
     input.point_to_entity = point_to_entity;
-    return fill_volume(input, {.worker = {}, .improve_surface = improve}, TaskRunner(threads));
+    return volume_tests::fill_volume(input, {.worker = {}, .improve_surface = improve}, TaskRunner(threads));
   }
 };
 
@@ -289,12 +291,11 @@ TEST_CASE("a volume hands back how its surface has changed, true to the model") 
   REQUIRE(mesh.errors.empty());
   REQUIRE(mesh.moved_points.size() > 0);
   volume_tests::Surface changed = ball.surface;
-  for (const MovedPoint& moved : mesh.moved_points) {
+  for (const auto& moved : mesh.moved_points) {
     changed.points[moved.point] = moved.to;
     CHECK(norm(moved.to) == Approx(1).epsilon(1e-12));
   }
-  for (const ChangedTriangle& triangle : mesh.changed_triangles)
-    changed.tri_to_vert[triangle.triangle] = triangle.verts;
+  for (const auto& triangle : mesh.changed_triangles) changed.tri_to_vert[triangle.triangle] = triangle.verts;
   CHECK(volume_tests::check_filling(changed, mesh)[0] == Approx(4.18879).epsilon(0.03));
   CHECK(find_self_intersections({changed.points, changed.tri_to_vert, {}}, TaskRunner(1)).empty());
   const VolumeMesh kept = ball.fill(false);

@@ -59,10 +59,8 @@ std::unique_ptr<GeometricModel> three_bodies() {
 /// A surface alone, by all ranks; nothing is filled.
 MeshResult mesh_together(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                          const Host& host = {}) {
-  const auto no_filling = [](const VolumeInput&, const VolumeOptions&, const SharedWork&, Mesh&) {
-    return FillingReport{};
-  };
-  return run_mesh(model, options, host, no_filling, &communicator);
+  const auto nothing = [](VolumeParts&&, Mesh&, const SharedWork&) {};
+  return run_mesh(model, options, host, nothing, &communicator);
 }
 
 MeshOptions of_surface(const SizeOptions& sizes, int threads = 2) {

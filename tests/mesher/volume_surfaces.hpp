@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/predicates/predicates.hpp"
+#include "mesher/volume/gather_volume.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 
 namespace tetloom::volume_tests {
@@ -137,6 +138,48 @@ inline SizeField growing_sizes(double low, double high) {
     tree.corner_ratios.push_back(ratios);
   }
   return SizeField::from_octree(tree);
+}
+
+struct MovedPoint {
+  std::uint32_t point = 0;  ///< of the surface
+  Vec3 to;
+};
+
+struct ChangedTriangle {
+  std::uint32_t triangle = 0;  ///< of the surface
+  std::array<std::uint32_t, 3> verts{};
+};
+
+/// A filled volume in one piece. Vertices below the number of the surface's points are these, the others index
+/// `new_points` after subtracting that.
+struct VolumeMesh {
+  std::vector<Vec3> new_points;
+  std::vector<std::array<std::uint32_t, 4>> tet_to_vert;
+  std::vector<std::uint32_t> tet_to_region;
+  std::vector<MovedPoint> moved_points;            ///< ascending
+  std::vector<ChangedTriangle> changed_triangles;  ///< ascending
+  std::vector<Diagnostic> errors, warnings;
+  FillingFigures figures;
+};
+
+/// The volume filled by this process and put together, with what has become of the surface.
+inline VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+  const auto communicator = make_thread_communicator();
+  VolumeParts parts = tetloom::fill_volume(input, options, *communicator, runner);
+  VolumeMesh result;
+  result.errors = std::move(parts.errors), result.warnings = std::move(parts.warnings);
+  result.figures = std::move(parts.figures);
+  Mesh mesh;
+  mesh.points.assign(input.points.begin(), input.points.end());
+  mesh.tri_to_vert.assign(input.tri_to_vert.begin(), input.tri_to_vert.end());
+  gather_volume(std::move(parts), mesh, *communicator, runner);
+  for (std::uint32_t v = 0; v < input.points.size(); ++v)
+    if (mesh.points[v] != input.points[v]) result.moved_points.push_back({v, mesh.points[v]});
+  for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t)
+    if (mesh.tri_to_vert[t] != input.tri_to_vert[t]) result.changed_triangles.push_back({t, mesh.tri_to_vert[t]});
+  result.new_points.assign(mesh.points.begin() + static_cast<std::ptrdiff_t>(input.points.size()), mesh.points.end());
+  result.tet_to_vert = std::move(mesh.tet_to_vert), result.tet_to_region = std::move(mesh.tet_to_entity);
+  return result;
 }
 
 inline std::vector<Vec3> all_points(const Surface& surface, const VolumeMesh& mesh) {

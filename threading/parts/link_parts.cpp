@@ -5,12 +5,10 @@
 #include "core/part/adjacency.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/parts/residence_detail.hpp"
+#include "threading/parts/residence.hpp"
 
 namespace tetloom {
 namespace {
-
-using detail::Residence;
 
 using EdgeVerts = std::array<std::uint32_t, 2>;
 
@@ -276,7 +274,7 @@ Links links_of_neighbors(const PartitionedMesh& mesh) {
 
 void link_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trace* trace) {
   const TaskRunner deaf_runner = runner.uninterruptible();
-  PerPart<Residence> residence = detail::find_residence(mesh, deaf_runner);
+  PerPart<Residence> residence = find_residence(mesh, deaf_runner);
   PerPart<PartLinker> linkers(mesh.part_count(), mesh.local());
   deaf_runner.for_each(mesh.local().size(), [&](std::size_t i) {
     const PartId part = mesh.local()[i];

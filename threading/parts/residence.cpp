@@ -4,18 +4,14 @@
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
-#include "threading/parts/residence_detail.hpp"
+#include "threading/parts/residence.hpp"
 
-namespace tetloom::detail {
+namespace tetloom {
 namespace {
 
-constexpr std::size_t kBucketsPerRank = 64;
+using OpenVerts = PerPart<std::vector<OpenVertex>>;
 
-struct OpenVertex {
-  std::uint64_t global;
-  std::uint32_t vert;
-  std::uint32_t padding = 0;
-};
+constexpr std::size_t kBucketsPerRank = 64;
 
 struct Resident {
   std::uint64_t global;
@@ -53,11 +49,11 @@ std::vector<OpenVertex> find_open_vertices(const PartMesh& part) {
 // The range of ids is cut into equal buckets, and these are dealt to ranks in blocks.
 class Homes {
  public:
-  Homes(Communicator& communicator, const PartitionedMesh& mesh, const PerPart<std::vector<OpenVertex>>& open_vertices)
+  Homes(Communicator& communicator, const OpenVerts& open_verts)
       : count_(kBucketsPerRank * static_cast<std::size_t>(communicator.rank_count())) {
     std::uint64_t highest = 0;
-    for (const PartId part : mesh.local())
-      if (!open_vertices.at(part).empty()) highest = std::max(highest, open_vertices.at(part).back().global);
+    for (const PartId part : open_verts.local())
+      if (!open_verts.at(part).empty()) highest = std::max(highest, open_verts.at(part).back().global);
     gather(
         communicator, [&](MessageWriter& writer) { writer.put(highest); },
         [&](MessageReader& reader) { highest = std::max(highest, reader.get<std::uint64_t>()); });
@@ -74,13 +70,12 @@ class Homes {
 
 using Residents = std::vector<std::vector<Resident>>;  // by bucket
 
-Residents collect_residents(const PartitionedMesh& mesh, const PerPart<std::vector<OpenVertex>>& open_vertices,
-                            const Homes& homes, const TaskRunner& runner) {
+Residents collect_residents(const OpenVerts& open_verts, const Homes& homes, const TaskRunner& runner) {
   Residents residents(homes.count());
   runner.for_each(residents.size(), [&](std::size_t bucket) {
     const auto before = [](const OpenVertex& a, std::uint64_t global) { return a.global < global; };
-    for (const PartId part : mesh.local()) {
-      const std::vector<OpenVertex>& own = open_vertices.at(part);
+    for (const PartId part : open_verts.local()) {
+      const std::vector<OpenVertex>& own = open_verts.at(part);
       auto it = std::lower_bound(own.begin(), own.end(), homes.begin_of(bucket), before);
       const auto end = std::lower_bound(it, own.end(), homes.begin_of(bucket + 1), before);
       for (; it != end; ++it) residents[bucket].push_back({it->global, part});
@@ -129,8 +124,7 @@ std::vector<RemoteCopy> find_remote_copies(std::vector<Resident> residents) {
 using RemoteCopies = std::vector<std::vector<RemoteCopy>>;  // by bucket, each sorted by part and global id
 
 // Brings the copies for parts of other ranks there, and those for this rank's parts here.
-void send_copies_back(const PartitionedMesh& mesh, RemoteCopies& copies) {
-  Communicator& communicator = *mesh.communicator;
+void send_copies_back(Communicator& communicator, std::size_t part_count, RemoteCopies& copies) {
   const auto self = PartId(static_cast<std::size_t>(communicator.rank()));
   const auto rank_of = [](PartId rank) { return static_cast<int>(rank.value); };
   const auto pack = [&] {
@@ -138,7 +132,7 @@ void send_copies_back(const PartitionedMesh& mesh, RemoteCopies& copies) {
     for (std::size_t bucket = 0; bucket < copies.size(); ++bucket) {
       std::vector<std::vector<RemoteCopy>> by_rank(static_cast<std::size_t>(communicator.rank_count()));
       for (const RemoteCopy& copy : copies[bucket])
-        by_rank[static_cast<std::size_t>(communicator.rank_of(copy.to, mesh.part_count()))].push_back(copy);
+        by_rank[static_cast<std::size_t>(communicator.rank_of(copy.to, part_count))].push_back(copy);
       for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
         if (rank == self.value || by_rank[rank].empty()) continue;
         MessageWriter writer;
@@ -166,36 +160,39 @@ Residence read_residence(PartId part, std::span<const OpenVertex> open_vertices,
       if (vertex == open_vertices.end() || residence.verts.empty() || vertex->global != it->global) {
         while (vertex->global != it->global) ++vertex;
         residence.verts.push_back(vertex->vert);
-        residence.first.push_back(static_cast<std::uint32_t>(residence.parts.size()));
+        residence.first.push_back(residence.first.back());
       }
       residence.parts.push_back(it->with);
+      ++residence.first.back();
     }
   }
-  residence.first.push_back(static_cast<std::uint32_t>(residence.parts.size()));
   return residence;
 }
 
 }  // namespace
 
-PerPart<Residence> find_residence(const PartitionedMesh& mesh, const TaskRunner& runner) {
-  Communicator& communicator = *mesh.communicator;
-  const std::span<const PartId> local = mesh.local();
-  PerPart<std::vector<OpenVertex>> open_vertices(mesh.part_count(), local);
-  runner.for_each(local.size(), [&](std::size_t i) {
-    open_vertices.at(local[i]) = find_open_vertices(mesh.parts.at(local[i]).mesh);
-  });
-  const Homes homes(communicator, mesh, open_vertices);
-  Residents residents = collect_residents(mesh, open_vertices, homes, runner);
+PerPart<Residence> find_residence(const OpenVerts& open_verts, Communicator& communicator, const TaskRunner& runner) {
+  const std::span<const PartId> local = open_verts.local();
+  const Homes homes(communicator, open_verts);
+  Residents residents = collect_residents(open_verts, homes, runner);
   if (communicator.rank_count() > 1) send_home(communicator, homes, residents);
   RemoteCopies copies(residents.size());
   runner.for_each(residents.size(),
                   [&](std::size_t b) { copies[b] = find_remote_copies(std::exchange(residents[b], {})); });
-  if (communicator.rank_count() > 1) send_copies_back(mesh, copies);
-  PerPart<Residence> residence(mesh.part_count(), local);
+  if (communicator.rank_count() > 1) send_copies_back(communicator, open_verts.part_count(), copies);
+  PerPart<Residence> residence(open_verts.part_count(), local);
   runner.for_each(local.size(), [&](std::size_t i) {
-    residence.at(local[i]) = read_residence(local[i], open_vertices.at(local[i]), copies);
+    residence.at(local[i]) = read_residence(local[i], open_verts.at(local[i]), copies);
   });
   return residence;
 }
 
-}  // namespace tetloom::detail
+PerPart<Residence> find_residence(const PartitionedMesh& mesh, const TaskRunner& runner) {
+  const std::span<const PartId> local = mesh.local();
+  OpenVerts open_verts(mesh.part_count(), local);
+  runner.for_each(local.size(),
+                  [&](std::size_t i) { open_verts.at(local[i]) = find_open_vertices(mesh.parts.at(local[i]).mesh); });
+  return find_residence(open_verts, *mesh.communicator, runner);
+}
+
+}  // namespace tetloom

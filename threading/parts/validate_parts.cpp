@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <unordered_set>
 
-#include "threading/parts/residence_detail.hpp"
+#include "threading/parts/residence.hpp"
 
 namespace tetloom {
 namespace {
@@ -94,7 +94,7 @@ class PartValidator {
   }
 
   // Pre: check_arrays.
-  void check_residence(const detail::Residence& residence) {
+  void check_residence(const Residence& residence) {
     const auto& shared = part_.boundary.vertices;
     std::vector<std::uint32_t> slot(mesh_.vertex_count(), kNone);
     for (std::uint32_t i = 0; i < shared.size(); ++i) slot[shared.entities[i]] = i;
@@ -283,7 +283,7 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
 
   if (sums[1] == 0) {
     const TaskRunner deaf_runner = runner.uninterruptible();  // no rank may leave before the others
-    const PerPart<detail::Residence> residence = detail::find_residence(mesh, deaf_runner);
+    const PerPart<Residence> residence = find_residence(mesh, deaf_runner);
     deaf_runner.for_each(local.size(), [&](std::size_t i) {
       validators[i].check_globals();
       validators[i].check_adjacency();
