@@ -48,6 +48,7 @@ void put_acute_tet(MessageWriter& writer, const AcuteTet& tet) {
   writer.put(tet.point);
   writer.put(tet.cause);
   writer.put(tet.cause_angle);
+  writer.put(tet.cause_length);
   put_list(writer, tet.triangles);
   put_list(writer, tet.points);
   put_entities(writer, tet.entities);
@@ -59,6 +60,7 @@ AcuteTet get_acute_tet(MessageReader& reader) {
   tet.point = reader.get<Vec3>();
   tet.cause = reader.get<AngleCause>();
   tet.cause_angle = reader.get<double>();
+  tet.cause_length = reader.get<double>();
   tet.triangles = reader.get_array<std::array<std::uint32_t, 3>>();
   tet.points = reader.get_array<std::uint32_t>();
   tet.entities = get_entities(reader);

@@ -28,6 +28,16 @@ Mesh named_box() {
   return mesh;
 }
 
+/// The same with one face turned over: its region lies in front.
+Mesh with_turned_face() {
+  Mesh mesh = named_box();
+  const std::uint32_t turned = mesh.tri_to_entity[0];
+  std::swap(mesh.face_to_sides[turned].front, mesh.face_to_sides[turned].back);
+  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+    if (mesh.tri_to_entity[t] == turned) std::swap(mesh.tri_to_vert[t][1], mesh.tri_to_vert[t][2]);
+  return mesh;
+}
+
 std::string written(const Mesh& mesh, const std::string& extension, const WriteOptions& options = {}) {
   const TemporaryFolder folder;
   write_mesh(mesh, folder / test::joined("mesh", extension), options);
@@ -229,13 +239,23 @@ TEST_CASE("polyMesh: what is not ours stays, and boundary faces without triangle
   CHECK_FALSE(std::filesystem::exists(folder / "b.foam"));
 }
 
+TEST_CASE(".msh 2.2: triangles of a face with one region point out of it") {
+  const TemporaryFolder folder;
+  const Mesh mesh = with_turned_face();
+  write_mesh(mesh, folder / "a.msh", WriteOptions{.msh_2_2 = true, .text = true});
+  const Mesh read = read_mesh(folder / "a.msh");
+  double volume = 0;
+  for (std::size_t t = 0; t < read.tri_to_vert.size(); ++t) {
+    const auto& [a, b, c] = read.tri_to_vert[t];
+    const FaceSides& sides = mesh.face_to_sides[read.tri_to_entity[t]];
+    if (sides.front.valid() && sides.back.valid()) continue;
+    volume += signed_volume({read.points[a], read.points[b], read.points[c]}, {});
+  }
+  CHECK(volume == Approx(24));
+}
+
 TEST_CASE(".su2 has cells, points and markers that point outwards") {
-  Mesh mesh = named_box();
-  // A face that is turned over has its region in front.
-  const std::uint32_t turned = mesh.tri_to_entity[0];
-  std::swap(mesh.face_to_sides[turned].front, mesh.face_to_sides[turned].back);
-  for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
-    if (mesh.tri_to_entity[t] == turned) std::swap(mesh.tri_to_vert[t][1], mesh.tri_to_vert[t][2]);
+  const Mesh mesh = with_turned_face();
   const std::string text = written(mesh, ".su2");
   CHECK(text.find("NDIME= 3\nNELEM= " + std::to_string(mesh.tet_to_vert.size())) != std::string::npos);
   const std::size_t markers = text.find("NMARK= ");

@@ -32,7 +32,7 @@ char* put_word(char* out, std::string_view word) {
 }
 
 template <class Element>
-char* put_card(char* out, Block block, std::uint64_t id, std::uint64_t property, const Element& verts, bool turned) {
+char* put_card(char* out, Block block, std::uint64_t id, std::uint64_t property, const Element& verts) {
   out = put_word(out, kCards[static_cast<std::size_t>(block)]);
   out = put_field(out, id);
   out = put_field(out, property);
@@ -41,7 +41,7 @@ char* put_card(char* out, Block block, std::uint64_t id, std::uint64_t property,
       *out++ = '\n';
       out = put_word(out, "+");
     }
-    out = put_field(out, std::uint64_t{verts[turned && i > 0 ? verts.size() - i : i]} + 1);
+    out = put_field(out, std::uint64_t{verts[i]} + 1);
   }
   *out++ = '\n';
   return out;
@@ -104,8 +104,8 @@ class BdfWriter {
       const std::uint64_t first = element_count_ + 1;
       const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
         for (std::size_t e = begin; e < end; ++e)
-          out = put_card(out, block, first + e, properties[tag_of_index(entities[e])], elements[e],
-                         dim == 2 && points_inwards(mesh_, entities[e]));
+          out = put_card(out, block, first + e, properties[tag_of_index(entities[e])],
+                         turned_outwards(mesh_, block, elements[e], entities[e]));
         return out;
       };
       file_.write_lines(elements.size(), 2 * (kFieldsPerLine + 2) * kField, print_block, loop_);

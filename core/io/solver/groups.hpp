@@ -1,10 +1,12 @@
 #pragma once
 // The elements of each model entity, under the names that solvers' files give them.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/io/formats_detail.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
@@ -36,6 +38,13 @@ inline bool points_inwards(const Mesh& mesh, std::uint32_t face) {
   if (face >= mesh.face_to_sides.size()) return false;
   const FaceSides& sides = mesh.face_to_sides[face];
   return sides.front.valid() && !sides.back.valid();
+}
+
+/// The vertices of an element; of a triangle or quadrilateral such that it points out of the one region at its face.
+template <class Element>
+Element turned_outwards(const Mesh& mesh, Block block, Element verts, std::uint32_t entity) {
+  if (dimension_of(block) == 2 && points_inwards(mesh, entity)) std::reverse(verts.begin() + 1, verts.end());
+  return verts;
 }
 
 }  // namespace tetloom::detail

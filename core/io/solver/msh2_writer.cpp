@@ -46,22 +46,13 @@ void write_points(const Mesh& mesh, bool is_text, AtomicFile& file, const BlockL
   file.write("$EndNodes\n");
 }
 
-template <class Element>
-Element turned(const Element& verts) {
-  Element result = verts;
-  std::reverse(result.begin() + 1, result.end());
-  return result;
-}
-
 /// Writes the elements of one block, whose numbers begin at `first`.
 template <class Element>
 void write_block(const Mesh& mesh, Block block, const std::vector<Element>& elements,
                  const std::vector<std::uint32_t>& entities, std::size_t first, bool is_text, AtomicFile& file,
                  const BlockLoop& loop) {
   const std::int32_t type = kMshTypes[static_cast<std::size_t>(block)];
-  const auto verts_of = [&](std::size_t e) {
-    return dimension_of(block) == 2 && points_inwards(mesh, entities[e]) ? turned(elements[e]) : elements[e];
-  };
+  const auto verts_of = [&](std::size_t e) { return turned_outwards(mesh, block, elements[e], entities[e]); };
   if (!is_text) {
     for (const std::int32_t value : {type, static_cast<std::int32_t>(elements.size()), std::int32_t{2}})
       file.put(value);

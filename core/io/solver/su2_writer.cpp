@@ -19,10 +19,9 @@ bool is_internal(const Mesh& mesh, std::uint32_t face) {
 
 // In a file, a line: the type, then the vertices.
 template <class Element>
-char* print_element(char* out, Block block, const Element& verts, bool turned) {
+char* print_element(char* out, Block block, const Element& verts) {
   out = print(out, kVtkTypes[static_cast<std::size_t>(block)], ' ');
-  for (std::size_t i = 0; i < verts.size(); ++i)
-    out = print(out, verts[turned && i > 0 ? verts.size() - i : i], i + 1 < verts.size() ? ' ' : '\n');
+  for (std::size_t i = 0; i < verts.size(); ++i) out = print(out, verts[i], i + 1 < verts.size() ? ' ' : '\n');
   return out;
 }
 
@@ -30,7 +29,7 @@ void write_cells(const Mesh& mesh, int dim, AtomicFile& file, const BlockLoop& l
   for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
     if (dimension_of(block) != dim || elements.empty()) return;
     const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
-      for (std::size_t e = begin; e < end; ++e) out = print_element(out, block, elements[e], false);
+      for (std::size_t e = begin; e < end; ++e) out = print_element(out, block, elements[e]);
       return out;
     };
     file.write_lines(elements.size(), (elements[0].size() + 1) * kIntegerBytes, print_block, loop);
@@ -39,7 +38,6 @@ void write_cells(const Mesh& mesh, int dim, AtomicFile& file, const BlockLoop& l
 
 void write_marker(const Mesh& mesh, int dim, const Group& group, AtomicFile& file, const BlockLoop& loop) {
   file.write("MARKER_TAG= " + group.name + "\nMARKER_ELEMS= " + std::to_string(group.elements.size()) + "\n");
-  const bool turned = dim == 2 && group.tag > 0 && points_inwards(mesh, group.tag - 1);
   std::size_t first = 0;
   for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
     if (dimension_of(block) != dim) return;
@@ -47,7 +45,9 @@ void write_marker(const Mesh& mesh, int dim, const Group& group, AtomicFile& fil
     const auto end = std::ranges::lower_bound(group.elements, first + elements.size());
     const auto print_block = [&](std::size_t from, std::size_t to, char* out) {
       for (std::size_t i = from; i < to; ++i)
-        out = print_element(out, block, elements[begin[static_cast<std::ptrdiff_t>(i)] - first], turned);
+        out = print_element(out, block,
+                            turned_outwards(mesh, block, elements[begin[static_cast<std::ptrdiff_t>(i)] - first],
+                                            index_of_tag(group.tag)));
       return out;
     };
     if (begin != end)
