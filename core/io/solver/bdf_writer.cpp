@@ -105,7 +105,7 @@ class BdfWriter {
       const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
         for (std::size_t e = begin; e < end; ++e)
           out = put_card(out, block, first + e, properties[tag_of_index(entities[e])],
-                         turned_outwards(mesh_, block, elements[e], entities[e]));
+                         turned_outwards(mesh_, dim, elements[e], entities[e]));
         return out;
       };
       file_.write_lines(elements.size(), 2 * (kFieldsPerLine + 2) * kField, print_block, loop_);

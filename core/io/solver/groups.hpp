@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/io/formats_detail.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
@@ -40,10 +39,10 @@ inline bool points_inwards(const Mesh& mesh, std::uint32_t face) {
   return sides.front.valid() && !sides.back.valid();
 }
 
-/// The vertices of an element; of a triangle or quadrilateral such that it points out of the one region at its face.
+/// The vertices of an element; of one of dimension 2 such that it points out of the one region at its face.
 template <class Element>
-Element turned_outwards(const Mesh& mesh, Block block, Element verts, std::uint32_t entity) {
-  if (dimension_of(block) == 2 && points_inwards(mesh, entity)) std::reverse(verts.begin() + 1, verts.end());
+Element turned_outwards(const Mesh& mesh, int dim, Element verts, std::uint32_t entity) {
+  if (dim == 2 && points_inwards(mesh, entity)) std::reverse(verts.begin() + 1, verts.end());
   return verts;
 }
 

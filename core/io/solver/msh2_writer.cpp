@@ -52,7 +52,9 @@ void write_block(const Mesh& mesh, Block block, const std::vector<Element>& elem
                  const std::vector<std::uint32_t>& entities, std::size_t first, bool is_text, AtomicFile& file,
                  const BlockLoop& loop) {
   const std::int32_t type = kMshTypes[static_cast<std::size_t>(block)];
-  const auto verts_of = [&](std::size_t e) { return turned_outwards(mesh, block, elements[e], entities[e]); };
+  const auto verts_of = [&](std::size_t e) {
+    return turned_outwards(mesh, dimension_of(block), elements[e], entities[e]);
+  };
   if (!is_text) {
     for (const std::int32_t value : {type, static_cast<std::int32_t>(elements.size()), std::int32_t{2}})
       file.put(value);

@@ -46,7 +46,7 @@ void write_marker(const Mesh& mesh, int dim, const Group& group, AtomicFile& fil
     const auto print_block = [&](std::size_t from, std::size_t to, char* out) {
       for (std::size_t i = from; i < to; ++i)
         out = print_element(out, block,
-                            turned_outwards(mesh, block, elements[begin[static_cast<std::ptrdiff_t>(i)] - first],
+                            turned_outwards(mesh, dim, elements[begin[static_cast<std::ptrdiff_t>(i)] - first],
                                             index_of_tag(group.tag)));
       return out;
     };
