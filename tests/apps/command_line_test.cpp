@@ -126,6 +126,18 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.quiet);
 }
 
+TEST_CASE("the unit and the form of the output reach their places, or are refused where they make no sense") {
+  CHECK(parse_mesh({"--unit", "in"}).metres_per_unit == 0.0254);
+  CHECK(parse_mesh({}).metres_per_unit == 0);
+  CHECK_THROWS_AS(parse_mesh({"--unit", "furlong"}), UsageError);
+  CHECK_THROWS_AS(parse_mesh({"--msh-version", "2.2"}), UsageError);  // the output is no .msh
+  CHECK_THROWS_AS(parse_mesh({"--ascii"}), UsageError);
+  CHECK_THROWS_AS(parse({"mesh", "a.step", "-o", "b.pvtu", "--unit", "m"}), UsageError);
+  const auto msh = std::get<MeshCommand>(parse({"mesh", "a.step", "-o", "b.msh", "--msh-version", "2.2", "--ascii"}));
+  CHECK(msh.write.msh_2_2);
+  CHECK(msh.write.text);
+}
+
 TEST_CASE("an STL output asks for the surface alone") {
   CHECK(std::get<MeshCommand>(parse({"mesh", "in.step", "-o", "out.STL"})).options.surface_only);
   CHECK_FALSE(std::get<MeshCommand>(parse({"mesh", "in.step", "-o", "out.msh"})).options.surface_only);

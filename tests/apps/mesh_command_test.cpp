@@ -53,6 +53,36 @@ TEST_CASE("a CAD model becomes a valid mesh, with a summary and a report") {
   CHECK(run_tetloom({"check", folder / "part.vtu"}).status == 0);
 }
 
+TEST_CASE("--unit scales what is written, and the report says by how much") {
+  const TestFolder folder;
+  const std::string input = demo_model("part");
+  const auto given = mesh_with_report(folder, input, "given.vtu", {"--relative-size", "0.1"});
+  CHECK_FALSE(given.contains("unit"));
+  const auto metres = mesh_with_report(folder, input, "metres.vtu", {"--relative-size", "0.1", "--unit", "m"});
+  CHECK(metres["unit"]["scale"].get<double>() == Approx(1e-3));
+  CHECK(metres["volume"] == given["volume"]);
+  const tetloom::Mesh a = tetloom::read_mesh(folder / "given.vtu"), b = tetloom::read_mesh(folder / "metres.vtu");
+  REQUIRE(a.points.size() == b.points.size());
+  for (std::size_t v = 0; v < a.points.size(); ++v)
+    CHECK(tetloom::distance(1e-3 * a.points[v], b.points[v]) <= 1e-15 * tetloom::norm(a.points[v]));
+
+  tetloom::write_mesh(a, folder / "facets.stl");  // says no unit
+  const ProcessResult refused = run_tetloom({"mesh", folder / "facets.stl", "-o", folder / "c.vtu", "--unit", "mm"});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Catch::Contains("--unit") && Catch::Contains("unit of its lengths"));
+  CHECK_FALSE(std::filesystem::exists(folder / "c.vtu"));
+}
+
+TEST_CASE("files for solvers are written by their extension") {
+  const TestFolder folder;
+  const std::string input = demo_model("assembly");
+  for (const char* output : {"a.inp", "a.su2", "a.bdf", "a.foam"})
+    mesh_with_report(folder, input, output, {"--relative-size", "0.1"});
+  CHECK(std::filesystem::exists(std::filesystem::path(folder / "a.foam") / "constant" / "polyMesh" / "owner"));
+  mesh_with_report(folder, input, "a.msh", {"--relative-size", "0.1", "--msh-version", "2.2", "--ascii"});
+  CHECK(read_text(folder / "a.msh").starts_with("$MeshFormat\n2.2 0 8\n"));
+}
+
 TEST_CASE("the mesh does not depend on the number of threads") {
   const TestFolder folder;
   const std::string input = demo_model("assembly");
