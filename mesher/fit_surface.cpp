@@ -330,6 +330,7 @@ bool SurfaceFitter::judge_crossings(Candidate&& candidate) {
 }
 
 void SurfaceFitter::take(Candidate&& candidate) {
+  features_.reset();  // what it remembers of zones takes memory that the volume needs
   result_.mesh = std::move(candidate.surface.mesh);
   result_.sizes = candidate.sizes;
   result_.absorbed = std::move(candidate.absorbed);

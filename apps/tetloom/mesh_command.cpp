@@ -107,12 +107,17 @@ double scale_of(const MeshCommand& command, const GeometricModel& model) {
 }
 
 void write(const MeshCommand& command, double scale, Mesh& mesh, const TaskRunner& runner, Run& run) {
-  for (Vec3& x : mesh.points) x = scale * x;
-  if (scale != 1) run.report().extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
-  nlohmann::ordered_json names = nlohmann::ordered_json::object();
-  for (const NamedGroup& group : solver_names(mesh))
-    if (!group.original.empty()) names[group.original] = group.sanitised;
-  if (!names.empty()) run.report().extra["names"] = std::move(names);
+  if (scale != 1) {
+    for (Vec3& x : mesh.points) x = scale * x;
+    run.report().extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
+  }
+  // Formats that are written only, and that one, are those with groups.
+  if (!is_mesh_extension(command.output) || command.write.msh_2_2) {
+    nlohmann::ordered_json names = nlohmann::ordered_json::object();
+    for (const NamedGroup& group : solver_names(mesh))
+      if (!group.original.empty()) names[group.original] = group.sanitised;
+    run.report().extra["names"] = std::move(names);
+  }
   write_mesh(mesh, command.output, command.write, &run.cancel(), runner);
 }
 

@@ -29,15 +29,16 @@ TEST_CASE("a child whose time is up is asked to end, and killed where it does no
 }
 
 TEST_CASE("the peak memory of a child is its own, however large its parent has been") {
+  // The kernel counts resident pages per core and adds them up late: tens of megabytes on machines with many cores.
   constexpr std::uint64_t kMegabyte = 1 << 20;
   { const std::vector<char> large(300 * kMegabyte, 1); }
-  REQUIRE(peak_resident_bytes() > 300 * kMegabyte);
+  REQUIRE(peak_resident_bytes() > 200 * kMegabyte);
   const ChildResult small = run_child({"sleep", "0.2"});
   CHECK(small.peak_bytes > 0);
   CHECK(small.peak_bytes < 100 * kMegabyte);
-  const ChildResult large = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=400000000", "count=1", "status=none"});
+  const ChildResult large = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=500000000", "count=1", "status=none"});
   CHECK(large.output.empty());
-  CHECK(large.peak_bytes > 380 * kMegabyte);
+  CHECK(large.peak_bytes > 350 * kMegabyte);
 }
 
 TEST_CASE("the memory of a process is read from its status") {

@@ -1,10 +1,10 @@
 // Bulk data of Nastran in fields of fixed width: GRID with 16 characters a field, elements with a property for every
 // region and every face of the model, whose names stand in comments. Shells point out of the one region at their face.
 #include <cstdio>
+#include <string_view>
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/groups.hpp"
-#include "core/io/solver/number_text.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::detail {

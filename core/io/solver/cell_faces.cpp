@@ -104,4 +104,9 @@ std::uint32_t CellFaces::find(std::span<const std::uint32_t> verts) const {
   return kNone;
 }
 
+std::uint32_t CellFaces::find_surface(std::uint32_t element) const {
+  const std::size_t tris = mesh_.tri_to_vert.size();
+  return element < tris ? find(mesh_.tri_to_vert[element]) : find(mesh_.quad_to_vert[element - tris]);
+}
+
 }  // namespace tetloom::detail

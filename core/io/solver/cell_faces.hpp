@@ -30,6 +30,8 @@ class CellFaces {
   std::span<const std::uint32_t> vertices(std::uint32_t face, std::span<std::uint32_t, 4> out) const;
   /// The lowest face of a cell with these vertices, in any order; kNone where there is none.
   std::uint32_t find(std::span<const std::uint32_t> verts) const;
+  /// The same of a triangle or quadrilateral of the mesh, by its number among them, triangles first.
+  std::uint32_t find_surface(std::uint32_t element) const;
 
  private:
   std::size_t kind_of_face(std::uint32_t face) const;

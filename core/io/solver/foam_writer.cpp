@@ -44,8 +44,8 @@ struct FoamFaces {
 
 class FaceOrder {
  public:
-  FaceOrder(const Mesh& mesh, const CellFaces& faces, const Groups& groups)
-      : mesh_(mesh), faces_(faces), groups_(groups), place_(faces.size(), kNone) {}
+  FaceOrder(const CellFaces& faces, const Groups& groups)
+      : faces_(faces), groups_(groups), place_(faces.size(), kNone) {}
 
   FoamFaces run() {
     put_internal();
@@ -80,9 +80,7 @@ class FaceOrder {
     const std::size_t begin = result_.faces.size();
     std::vector<std::uint32_t> between;
     for (const std::uint32_t element : group.elements) {
-      const std::size_t tris = mesh_.tri_to_vert.size();
-      const std::uint32_t face =
-          element < tris ? faces_.find(mesh_.tri_to_vert[element]) : faces_.find(mesh_.quad_to_vert[element - tris]);
+      const std::uint32_t face = faces_.find_surface(element);
       if (face == kNone) continue;
       if (place_[face] != kNone)
         between.push_back(place_[face]);
@@ -100,7 +98,6 @@ class FaceOrder {
     if (result_.faces.size() > begin) result_.patches.push_back({"no_face", begin, result_.faces.size() - begin});
   }
 
-  const Mesh& mesh_;
   const CellFaces& faces_;
   const Groups& groups_;
   std::vector<std::uint32_t> place_;  // of a face of a cell among the result's
@@ -116,7 +113,7 @@ class FoamWriter {
         loop_(loop),
         cell_faces_(mesh, loop),
         groups_(make_groups(mesh)),
-        faces_(FaceOrder(mesh, cell_faces_, groups_).run()) {}
+        faces_(FaceOrder(cell_faces_, groups_).run()) {}
 
   void write() {
     write_points();

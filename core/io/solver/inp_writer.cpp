@@ -94,9 +94,7 @@ class InpWriter {
     for (const Group& group : groups_[2]) {
       std::string lines;
       for (const std::uint32_t element : group.elements) {
-        const std::size_t tri_count = mesh_.tri_to_vert.size();
-        const std::uint32_t face = element < tri_count ? faces.find(mesh_.tri_to_vert[element])
-                                                       : faces.find(mesh_.quad_to_vert[element - tri_count]);
+        const std::uint32_t face = faces.find_surface(element);
         if (face == kNone) continue;
         const std::uint32_t cell = faces.cell(face);
         const int number = kFaceNumbers[static_cast<std::size_t>(faces.kind_of_cell(cell))][faces.local(face)];

@@ -2,8 +2,6 @@
 // Numbers as text, for the lines of files that are written in parallel.
 #include <charconv>
 #include <cstddef>
-#include <cstring>
-#include <string_view>
 #include <type_traits>
 
 namespace tetloom::detail {
@@ -17,11 +15,6 @@ char* print(char* out, Number number, char behind) {
   out = std::to_chars(out, out + most - 1, number).ptr;
   *out = behind;
   return out + 1;
-}
-
-inline char* print(char* out, std::string_view text) {
-  std::memcpy(out, text.data(), text.size());
-  return out + text.size();
 }
 
 }  // namespace tetloom::detail
