@@ -11,6 +11,7 @@
 #include "mesher/check_solids.hpp"
 #include "mesher/failed_complexes.hpp"
 #include "mesher/fit_surface.hpp"
+#include "mesher/second_order/make_second_order.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/tets/quality_goals.hpp"
@@ -51,6 +52,7 @@ class MeshRun {
     if (!SurfaceFitter(model_, options_, work_, failed_, result_).run()) return;
     if (fills) check_solids();
     if (fills && !mesh_volume()) return;
+    if (options_.order == 2) make_second_order();
     result_.status = MeshStatus::Ok;
     if (!failed_.empty()) finish_partial();
   }
@@ -132,6 +134,15 @@ class MeshRun {
     return errors;
   }
 
+  // The first rank has the mesh.
+  void make_second_order() {
+    if (work_.rank() > 0) return;
+    Stopwatch watch;
+    result_.second_order = second_order::make_second_order(model_, options_.min_scaled_jacobian, result_.mesh,
+                                                           work_.runner_for_one());
+    result_.seconds.second_order = watch.lap();
+  }
+
   const GeometricModel& model_;
   const MeshOptions& options_;
   const SharedWork work_;
@@ -158,6 +169,7 @@ void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
   seconds.surface = std::max(
       seconds.surface, clock.seconds(Stage::Edges) + clock.seconds(Stage::Faces) + clock.seconds(Stage::Intersections));
   seconds.volume = std::max(seconds.volume, clock.seconds(Stage::Volume));
+  seconds.second_order = std::max(seconds.second_order, clock.seconds(Stage::SecondOrder));
 }
 
 }  // namespace
@@ -170,6 +182,9 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
     throw Error(ErrorCode::InvalidArgument, "the tets of a part must not be fewer than none");
   if (!(options.small_feature >= 0 && std::isfinite(options.small_feature)))
     throw Error(ErrorCode::InvalidArgument, "small_feature must be positive and finite (or 0 to leave it unset)");
+  if (options.order != 1 && options.order != 2) throw Error(ErrorCode::InvalidArgument, "the order must be 1 or 2");
+  if (!(options.min_scaled_jacobian >= 0 && options.min_scaled_jacobian <= 0.9))
+    throw Error(ErrorCode::InvalidArgument, "min_scaled_jacobian must lie between 0 and .9");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   StageClock clock;
   MeshResult result = MeshRun(model, options, with_clock(host, clock), take, ranks).run();

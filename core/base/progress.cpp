@@ -10,6 +10,7 @@ std::string_view to_string(Stage stage) {
     case Stage::Faces: return "faces";
     case Stage::Intersections: return "intersections";
     case Stage::Volume: return "volume";
+    case Stage::SecondOrder: return "second order";
     case Stage::Partition: return "partition";
     case Stage::Adapt: return "adapt";
     case Stage::Check: return "check";

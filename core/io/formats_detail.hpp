@@ -113,6 +113,7 @@ inline MeshField* find_field(std::vector<MeshField>& fields, std::string_view na
 
 /// Gmsh's types of elements, by Block, and that of points.
 inline constexpr std::array<std::int32_t, kBlocks> kMshTypes{1, 2, 3, 4, 7, 6, 5};
+inline constexpr std::array<std::int32_t, kBlocks> kMshTypes2{8, 9, 16, 11, 19, 18, 17};  ///< of second order
 inline constexpr std::int32_t kMshPoint = 15;
 
 /// Model vertices that a file names.

@@ -18,16 +18,17 @@ struct Format {
   const char* extension;
   void (*write)(const Mesh&, AtomicFile&, const BlockLoop&);
   Mesh (*read)(const detail::InputFile&);  ///< null: the format is written only
+  bool has_second_order = false;
 };
 
-constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr},
-                                          {".inp", detail::write_inp, nullptr},
+constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr, true},
+                                          {".inp", detail::write_inp, nullptr, true},
                                           {".mesh", detail::write_medit_text, detail::read_medit_text},
                                           {".meshb", detail::write_medit_binary, detail::read_medit_binary},
-                                          {".msh", detail::write_msh, detail::read_msh},
+                                          {".msh", detail::write_msh, detail::read_msh, true},
                                           {".stl", detail::write_stl, detail::read_stl},
                                           {".su2", detail::write_su2, nullptr},
-                                          {".vtu", detail::write_vtu, detail::read_vtu}}};
+                                          {".vtu", detail::write_vtu, detail::read_vtu, true}}};
 
 const Format* find_format(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -76,6 +77,11 @@ bool is_writable_mesh_format(const std::filesystem::path& path) {
   return find_format(path) != nullptr || detail::is_foam_folder(path);
 }
 
+bool holds_second_order(const std::filesystem::path& path) {
+  const Format* format = find_format(path);
+  return format != nullptr && format->has_second_order;
+}
+
 std::string known_mesh_extensions() { return extensions(true); }
 
 std::string writable_mesh_extensions() { return extensions(false) + ", .foam (a folder), /polyMesh (a folder)"; }
@@ -104,6 +110,8 @@ void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const Write
   require_consistent(mesh, loop);
   require_names(mesh.point_fields);
   require_names(mesh.cell_fields);
+  if (!mesh.mid_to_vert.empty() && !holds_second_order(path))
+    throw Error(ErrorCode::InvalidArgument, "'" + path.string() + "': this format holds no mesh of second order");
   if (is_foam) return detail::write_foam(mesh, path, cancel, loop);
   if (write == detail::write_stl && mesh.tri_to_vert.empty())
     throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to write to '" + path.string() + "'");

@@ -9,9 +9,28 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/element_nodes.hpp"
 #include "core/io/formats_detail.hpp"
 
 namespace tetloom::detail {
+
+/// The edges of elements in the order in which MSH files list the mid nodes on them.
+inline constexpr std::array<LocalEdge, 6> kMshTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
+inline constexpr std::array<LocalEdge, 8> kMshPyramidEdges{
+    {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}};
+inline constexpr std::array<LocalEdge, 9> kMshPrismEdges{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}}};
+inline constexpr std::array<LocalEdge, 12> kMshHexEdges{
+    {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}}};
+constexpr std::span<const LocalEdge> msh_edges_of(Block block) {
+  switch (block) {
+    case Block::Tet: return kMshTetEdges;
+    case Block::Pyramid: return kMshPyramidEdges;
+    case Block::Prism: return kMshPrismEdges;
+    case Block::Hex: return kMshHexEdges;
+    default: return edges_of(block);
+  }
+}
 
 /// The numbers of a section, which look the same in both forms of the format.
 class MshNumbers {

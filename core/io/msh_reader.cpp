@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/mid_node_reader.hpp"
 #include "core/io/msh_detail.hpp"
 
 namespace tetloom::detail {
@@ -21,18 +22,30 @@ constexpr std::size_t kLargestRatio = 64;
 
 /// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
 std::string describe_type(std::int32_t type) {
-  static const std::map<std::int32_t, const char*> names{{8, "second-order line"},
-                                                         {9, "second-order triangle"},
-                                                         {10, "second-order quadrangle"},
-                                                         {11, "second-order tetrahedron"}};
+  static const std::map<std::int32_t, const char*> names{{10, "quadrangle with 9 nodes"},
+                                                         {12, "hexahedron with 27 nodes"},
+                                                         {13, "prism with 18 nodes"},
+                                                         {14, "pyramid with 14 nodes"},
+                                                         {21, "third-order triangle"},
+                                                         {29, "third-order tetrahedron"}};
   const auto found = names.find(type);
   return found == names.end() ? "Gmsh type " + std::to_string(type)
                               : std::string(found->second) + " (Gmsh type " + std::to_string(type) + ")";
 }
 
-std::optional<Block> block_of(std::int32_t type) {
-  const auto* found = std::find(kMshTypes.begin(), kMshTypes.end(), type);
-  return found == kMshTypes.end() ? std::nullopt : std::optional(static_cast<Block>(found - kMshTypes.begin()));
+/// What elements of a type are, and how many mid nodes they have.
+struct MshType {
+  Block block;
+  std::size_t mid_nodes = 0;
+};
+
+std::optional<MshType> find_type(std::int32_t type) {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    const auto block = static_cast<Block>(b);
+    if (type == kMshTypes[b]) return MshType{block};
+    if (type == kMshTypes2[b]) return MshType{block, edges_of(block).size()};
+  }
+  return {};
 }
 
 class MshReader {
@@ -194,18 +207,28 @@ class MshReader {
   }
 
   template <class Element>
-  void read_block(MshNumbers& numbers, std::uint64_t count, std::uint32_t index, std::vector<Element>& elements,
-                  std::vector<std::uint32_t>& entities, std::vector<std::uint64_t>& tags) {
+  void read_block(MshNumbers& numbers, std::uint64_t count, MshType type, std::uint32_t index,
+                  std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
     Element element;
-    numbers.expect(count, 0, element.size() + 1);
+    std::vector<std::uint64_t>& tags = element_tags_[static_cast<std::size_t>(type.block)];
+    numbers.expect(count, 0, element.size() + type.mid_nodes + 1);
     reserve_more(elements, count);
     entities.resize(entities.size() + count, index);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
       tags.push_back(numbers.size());
-      for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
-      elements.push_back(element);
+      elements.push_back(read_nodes_of<Element>(numbers, type));
     }
+  }
+
+  template <class Element>
+  Element read_nodes_of(MshNumbers& numbers, MshType type) {
+    Element element;
+    for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
+    std::array<std::uint32_t, kMostNodes> mids;
+    for (std::size_t i = 0; i < type.mid_nodes; ++i) mids[i] = nodes_.find(numbers.size());
+    if (type.mid_nodes > 0) mids_.add(element, msh_edges_of(type.block), std::span(mids).first(type.mid_nodes));
+    return element;
   }
 
   void read_elements() {
@@ -218,14 +241,13 @@ class MshReader {
       const std::uint32_t index = index_of_tag(tag);
       const std::int32_t type = numbers.integer();
       const std::uint64_t count = numbers.size();
-      const std::optional<Block> of_type = block_of(type);
+      const std::optional<MshType> of_type = find_type(type);
       const MshPartitions::Entity* of_part = partitions_.find(dim, tag);
       if (of_type && of_part != nullptr && of_part->parent_dim != dim)
-        visit_block(mesh_, *of_type,
-                    [&](const auto& elements, const auto&) { pass_over(numbers, count, 1 + elements_size(elements)); });
+        pass_over(numbers, count, 1 + vertices_of(of_type->block) + of_type->mid_nodes);
       else if (of_type)
-        visit_block(mesh_, *of_type, [&](auto& elements, auto& entities) {
-          read_block(numbers, count, index, elements, entities, element_tags_[static_cast<std::size_t>(*of_type)]);
+        visit_block(mesh_, of_type->block, [&](auto& elements, auto& entities) {
+          read_block(numbers, count, *of_type, index, elements, entities);
         });
       else if (type == kMshPoint)
         for (std::uint64_t i = 0; i < count; ++i) numbers.size(), numbers.size();
@@ -235,10 +257,6 @@ class MshReader {
     has_elements_ = true;
   }
 
-  template <class Element>
-  static constexpr std::size_t elements_size(const std::vector<Element>&) {
-    return Element{}.size();
-  }
   /// Elements between parts, inside of a model entity of a higher dimension.
   void pass_over(MshNumbers& numbers, std::uint64_t count, std::size_t numbers_each) {
     numbers.expect(count, 0, numbers_each);
@@ -279,18 +297,17 @@ class MshReader {
       if (i == 0) group = value;
       if (i == 1) tag = value;
     }
-    const std::optional<Block> block = block_of(type);
+    const std::optional<MshType> of_type = find_type(type);
     const auto add = [&](auto& elements, auto& entities) {
-      typename std::remove_reference_t<decltype(elements)>::value_type element;
-      for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
-      elements.push_back(element);
+      using Element = typename std::remove_reference_t<decltype(elements)>::value_type;
+      elements.push_back(read_nodes_of<Element>(numbers, *of_type));
       entities.push_back(index_of_tag(tag));
-      element_tags_[static_cast<std::size_t>(*block)].push_back(id);
-      const int dim = dimension_of(*block);
+      element_tags_[static_cast<std::size_t>(of_type->block)].push_back(id);
+      const int dim = dimension_of(of_type->block);
       add_to_group(dim, tag, group);
       largest_tag_[dim] = std::max(largest_tag_[dim], tag);
     };
-    if (block) return visit_block(mesh_, *block, add);
+    if (of_type) return visit_block(mesh_, of_type->block, add);
     if (type != kMshPoint) refuse_elements(file_, describe_type(type));
     corners_.push_back({nodes_.find(numbers.size()), index_of_tag(tag)});
     add_to_group(0, tag, group);
@@ -350,6 +367,7 @@ class MshReader {
     });
     if (!partitions_.empty()) replace_partitioned();
     views_.add_fields(mesh_, nodes_, element_tags_);
+    mids_.finish(file_, mesh_, old_);
     set_names();
     set_sides();
     return std::move(mesh_);
@@ -367,6 +385,7 @@ class MshReader {
   std::array<std::vector<std::uint64_t>, kBlocks> element_tags_;
   MshViews views_{file_};
   std::vector<Corner> corners_;
+  MidNodeReader mids_;
   std::map<std::pair<int, std::int32_t>, std::string> group_names_, entity_names_;
   std::array<std::int32_t, 4> largest_tag_{};
   std::vector<std::pair<std::int32_t, std::int32_t>> region_bounds_;  // region tag, signed face tag

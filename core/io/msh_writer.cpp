@@ -30,7 +30,8 @@ std::int32_t checked_tag(std::uint32_t index) {
 
 class MshWriter {
  public:
-  MshWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) : mesh_(mesh), file_(file), loop_(loop) {
+  MshWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop)
+      : mesh_(mesh), file_(file), loop_(loop), nodes_(mesh) {
     top_dimension_ = cell_count(mesh) > 0 ? 3 : surface_count(mesh) > 0 ? 2 : 1;
     for (int dim = 0; dim < 4; ++dim)
       points_[dim] = make_tag_blocks(mesh.points.size(), loop, [&](std::size_t i) { return point_tag(i, dim); });
@@ -259,22 +260,28 @@ class MshWriter {
     file_.write("\n$EndNodes\n");
   }
 
-  /// Elements of one type, numbered from `first_tag` on in the order of the mesh.
+  /// Elements of one kind, numbered from `first_tag` on in the order of the mesh.
   template <class Element>
-  void write_blocks(const TagBlocks& blocks, std::int32_t dim, std::int32_t type, std::uint64_t first_tag,
-                    const std::vector<Element>& elements) {
+  void write_blocks(Block block, std::uint64_t first_tag, const std::vector<Element>& elements) {
+    const auto index = static_cast<std::size_t>(block);
+    const std::int32_t type = (nodes_.are_second_order() ? kMshTypes2 : kMshTypes)[index];
+    const TagBlocks& blocks = elements_[index];
     for (std::size_t b = 0; b < blocks.tags.size(); ++b) {
-      for (const std::int32_t x : {dim, blocks.tags[b], type}) file_.put(x);
+      for (const std::int32_t x : {std::int32_t{dimension_of(block)}, blocks.tags[b], type}) file_.put(x);
       const std::span<const std::uint32_t> items = blocks.items(b);
       file_.put(std::uint64_t{items.size()});
-      const auto record_of = [&](std::size_t i) {
-        const Element& vertices = elements[items[i]];
-        std::array<std::uint64_t, std::tuple_size_v<Element> + 1> record;
-        record[0] = first_tag + items[i];
-        for (std::size_t v = 0; v < vertices.size(); ++v) record[v + 1] = std::uint64_t{vertices[v]} + 1;
-        return record;
+      const auto encode = [&](std::size_t begin, std::size_t end, char* out) {
+        const auto put = [&out](std::uint64_t number) {
+          std::memcpy(out, &number, sizeof number);
+          out += sizeof number;
+        };
+        for (std::size_t i = begin; i < end; ++i) {
+          put(first_tag + items[i]);
+          for (const std::uint32_t node : nodes_.of(elements[items[i]], msh_edges_of(block)))
+            put(std::uint64_t{node} + 1);
+        }
       };
-      file_.put_each(items.size(), record_of, loop_);
+      file_.write_records(items.size(), (1 + nodes_.count(block)) * sizeof(std::uint64_t), encode, loop_);
     }
   }
 
@@ -301,8 +308,7 @@ class MshWriter {
     write_points(1 + elements);
     std::uint64_t first_tag = 1;
     for_each_block(mesh_, [&](Block block, const auto& of_type, const auto&) {
-      const auto index = static_cast<std::size_t>(block);
-      write_blocks(elements_[index], dimension_of(block), kMshTypes[index], first_tag, of_type);
+      write_blocks(block, first_tag, of_type);
       first_tag += of_type.size();
     });
     file_.write("\n$EndElements\n");
@@ -330,6 +336,7 @@ class MshWriter {
   const Mesh& mesh_;
   AtomicFile& file_;
   const BlockLoop& loop_;
+  ElementNodes nodes_;
   int top_dimension_;
   std::array<TagBlocks, 4> points_;
   std::array<TagBlocks, kBlocks> elements_;

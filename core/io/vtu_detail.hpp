@@ -15,7 +15,8 @@ namespace tetloom::detail {
 
 /// VTK's numbers for the types of cells.
 inline constexpr std::uint8_t kVtkVertex = 1;
-inline constexpr std::array<std::uint8_t, kBlocks> kVtkTypes{3, 5, 9, 10, 14, 13, 12};  ///< by Block
+inline constexpr std::array<std::uint8_t, kBlocks> kVtkTypes{3, 5, 9, 10, 14, 13, 12};      ///< by Block
+inline constexpr std::array<std::uint8_t, kBlocks> kVtkTypes2{21, 22, 23, 24, 27, 26, 25};  ///< of second order
 
 /// VTK_WEDGE turns the other way than the prism of a Mesh. Goes both ways.
 template <std::size_t N>

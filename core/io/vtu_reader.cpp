@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/mid_node_reader.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -17,10 +18,6 @@ std::string describe_cell(std::int64_t type) {
                                                          {7, "polygon"},
                                                          {8, "pixel"},
                                                          {11, "voxel"},
-                                                         {21, "quadratic edge"},
-                                                         {22, "quadratic triangle"},
-                                                         {24, "quadratic tetrahedron"},
-                                                         {25, "quadratic hexahedron"},
                                                          {42, "polyhedron"}};
   const auto found = names.find(type);
   const std::string number = "VTK cell type " + std::to_string(type);
@@ -31,11 +28,17 @@ std::string describe_cell(std::int64_t type) {
 constexpr std::array<std::string_view, 7> kTagNames{kEntityTag, "gmsh:geometrical", "medit:ref",  "CellEntityIds",
                                                     "region",   "material",         "MaterialIDs"};
 
-constexpr std::array<std::int64_t, kBlocks> kCorners{2, 3, 4, 4, 5, 6, 8};  // by Block
+/// What cells of a type are, and whether they have mid nodes.
+struct CellType {
+  Block block;
+  bool is_second_order = false;
+  std::size_t nodes() const { return vertices_of(block) + (is_second_order ? edges_of(block).size() : 0); }
+};
 
-std::optional<Block> block_of(std::int64_t type) {
-  const auto* found = std::find(kVtkTypes.begin(), kVtkTypes.end(), type);
-  return found == kVtkTypes.end() ? std::nullopt : std::optional(static_cast<Block>(found - kVtkTypes.begin()));
+std::optional<CellType> find_type(std::int64_t type) {
+  for (std::size_t b = 0; b < kBlocks; ++b)
+    if (type == kVtkTypes[b] || type == kVtkTypes2[b]) return CellType{static_cast<Block>(b), type == kVtkTypes2[b]};
+  return {};
 }
 
 /// A field as it grows piece by piece. Cells may come in any order of their kinds, so each kind has its own values.
@@ -63,9 +66,10 @@ class VtuReader {
     for (const std::size_t index : grid->children)
       if (document_[index].name == "Piece") read_piece(document_[index]);
     finish_fields();
-    if (points_are_classified_ || (global_ids_ != nullptr && mesh_.points.empty())) return std::move(mesh_);
+    if (global_ids_ != nullptr && mesh_.points.empty()) return std::move(mesh_);
     check_read_mesh(file_, mesh_);
-    classify_points(mesh_, corners_);
+    if (!points_are_classified_) classify_points(mesh_, corners_);
+    mids_.finish(file_, mesh_, !points_are_classified_);
     return std::move(mesh_);
   }
 
@@ -141,9 +145,9 @@ class VtuReader {
       begin_fields(data, false, content.tags ? content.tag_name : std::string_view(), cell_fields_);
     has_cell_fields_ = true;
     grow_fields(data, cells, cell_fields_, [&](std::size_t i) -> std::optional<std::size_t> {
-      const std::optional<Block> block = block_of(content.types.integer(i));
-      if (!block || dimension_of(*block) < 3) return {};
-      return cell_kind_of(*block);
+      const std::optional<CellType> type = find_type(content.types.integer(i));
+      if (!type || dimension_of(type->block) < 3) return {};
+      return cell_kind_of(type->block);
     });
   }
 
@@ -194,15 +198,18 @@ class VtuReader {
     for (std::size_t i = 0; i < cells; ++i) {
       const std::int64_t end = piece.offsets.integer(i);
       const std::int64_t type = piece.types.integer(i);
-      const std::optional<Block> block = block_of(type);
-      if (!block && type != kVtkVertex) refuse_elements(file_, describe_cell(type));
-      const std::int64_t corners = block ? kCorners[static_cast<std::size_t>(*block)] : 1;
-      if (end < begin || static_cast<std::uint64_t>(end) > piece.connectivity.size() || end - begin != corners)
+      const std::optional<CellType> of_cell = find_type(type);
+      const bool is_refused = of_cell ? of_cell->is_second_order && global_ids_ != nullptr : type != kVtkVertex;
+      if (is_refused) refuse_elements(file_, describe_cell(type));
+      const std::size_t nodes = of_cell ? of_cell->nodes() : 1;
+      if (end < begin || static_cast<std::uint64_t>(end) > piece.connectivity.size() ||
+          static_cast<std::uint64_t>(end - begin) != nodes)
         file_.fail(ErrorCode::InputUnreadable, "cell " + std::to_string(i) + " has the wrong number of points");
       const std::uint32_t index = piece.tags ? index_of_tag(piece.tags->integer(i)) : ModelFaceId::kNone;
       const auto at = static_cast<std::size_t>(begin);
-      if (block)
-        visit_block(mesh_, *block, [&](auto& elements, auto& entities) { add(piece, at, index, elements, entities); });
+      if (of_cell)
+        visit_block(mesh_, of_cell->block,
+                    [&](auto& elements, auto& entities) { add(piece, at, *of_cell, index, elements, entities); });
       else
         corners_.push_back({vertex(piece, at), index});
       begin = end;
@@ -214,7 +221,8 @@ class VtuReader {
     std::array<std::size_t, 256> counts{};
     for (std::size_t i = 0; i < cells; ++i) ++counts[static_cast<std::uint8_t>(piece.types.integer(i))];
     for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
-      const std::size_t count = counts[kVtkTypes[static_cast<std::size_t>(block)]];
+      const auto b = static_cast<std::size_t>(block);
+      const std::size_t count = counts[kVtkTypes[b]] + counts[kVtkTypes2[b]];
       reserve_more(elements, count);
       reserve_more(entities, count);
     });
@@ -295,10 +303,16 @@ class VtuReader {
   }
 
   template <class Element>
-  void add(const Piece& piece, std::size_t at, std::uint32_t index, std::vector<Element>& elements,
+  void add(const Piece& piece, std::size_t at, CellType type, std::uint32_t index, std::vector<Element>& elements,
            std::vector<std::uint32_t>& entities) {
     Element element;
     for (std::size_t i = 0; i < element.size(); ++i) element[i] = vertex(piece, at + i);
+    if (type.is_second_order) {
+      std::array<std::uint32_t, kMostNodes> mids;
+      const std::size_t count = type.nodes() - element.size();
+      for (std::size_t i = 0; i < count; ++i) mids[i] = vertex(piece, at + element.size() + i);
+      mids_.add(element, edges_of(type.block), std::span(mids).first(count));
+    }
     elements.push_back(turned_for_vtk(element));
     entities.push_back(index);
   }
@@ -352,6 +366,7 @@ class VtuReader {
   std::vector<std::uint64_t>* global_ids_;  // null: they are not asked for
   Mesh mesh_;
   std::vector<Corner> corners_;
+  MidNodeReader mids_;
   std::vector<GrowingField> point_fields_, cell_fields_;
   bool points_are_classified_ = false, has_cell_fields_ = false;
 };

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/io/element_nodes.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
@@ -27,10 +28,10 @@ class VtuWriter {
  public:
   VtuWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop,
             const std::span<const std::uint64_t>* global_ids = nullptr)
-      : mesh_(mesh), file_(file), loop_(loop) {
-    for_each_block(mesh, [&](Block, const auto& elements, const auto&) {
+      : mesh_(mesh), file_(file), loop_(loop), nodes_(mesh) {
+    for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
       cells_ += elements.size();
-      if (!elements.empty()) corners_ += elements.size() * elements[0].size();
+      connected_ += elements.size() * nodes_.count(block);
     });
     add_attributes();
     add_point_data();
@@ -42,7 +43,7 @@ class VtuWriter {
     add("Points", "Points", "Float64", 3, mesh.points.size(), 8,
         [this] { file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(Vec3)); });
     constexpr std::size_t kLargest32 = std::numeric_limits<std::int32_t>::max();
-    if (corners_ <= kLargest32 && mesh.points.size() <= kLargest32)
+    if (connected_ <= kLargest32 && mesh.points.size() <= kLargest32)
       add_cells<std::int32_t>("Int32");
     else
       add_cells<std::int64_t>("Int64");
@@ -164,30 +165,31 @@ class VtuWriter {
 
   template <class Index>
   void add_cells(const char* type) {
-    add("Cells", "connectivity", type, 1, corners_, sizeof(Index), [this] {
-      for_each_block(mesh_, [this](Block, const auto& elements, const auto&) {
-        const auto vertices_of = [&](std::size_t e) {
-          const auto vertices = turned_for_vtk(elements[e]);
-          std::array<Index, vertices.size()> indices;
-          std::transform(vertices.begin(), vertices.end(), indices.begin(),
-                         [](std::uint32_t v) { return static_cast<Index>(v); });
-          return indices;
+    add("Cells", "connectivity", type, 1, connected_, sizeof(Index), [this] {
+      for_each_block(mesh_, [this](Block block, const auto& elements, const auto&) {
+        const auto encode = [&](std::size_t begin, std::size_t end, char* out) {
+          for (std::size_t e = begin; e < end; ++e)
+            for (const std::uint32_t node : nodes_.of(turned_for_vtk(elements[e]), block)) {
+              const auto index = static_cast<Index>(node);
+              std::memcpy(out, &index, sizeof(Index));
+              out += sizeof(Index);
+            }
         };
-        file_.put_each(elements.size(), vertices_of, loop_);
+        file_.write_records(elements.size(), nodes_.count(block) * sizeof(Index), encode, loop_);
       });
     });
     add("Cells", "offsets", type, 1, cells_, sizeof(Index), [this] {
       std::size_t first = 0;
-      for_each_block(mesh_, [&](Block, const auto& elements, const auto&) {
-        if (elements.empty()) return;
-        const std::size_t size = elements[0].size();
+      for_each_block(mesh_, [&](Block block, const auto& elements, const auto&) {
+        const std::size_t size = nodes_.count(block);
         file_.put_each(
             elements.size(), [&](std::size_t e) { return static_cast<Index>(first + (e + 1) * size); }, loop_);
         first += elements.size() * size;
       });
     });
     add("Cells", "types", "UInt8", 1, cells_, 1, [this] {
-      put_per_cell([](Block block, std::uint32_t) { return kVtkTypes[static_cast<std::size_t>(block)]; });
+      const auto& types = nodes_.are_second_order() ? kVtkTypes2 : kVtkTypes;
+      put_per_cell([&](Block block, std::uint32_t) { return types[static_cast<std::size_t>(block)]; });
     });
   }
 
@@ -220,7 +222,8 @@ class VtuWriter {
   const Mesh& mesh_;
   AtomicFile& file_;
   const BlockLoop& loop_;
-  std::size_t cells_ = 0, corners_ = 0;
+  ElementNodes nodes_;
+  std::size_t cells_ = 0, connected_ = 0;
   std::vector<DataArray> arrays_;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/siphash_detail.hpp"
 
 namespace tetloom {
@@ -16,7 +17,7 @@ using detail::siphash128;
 
 // The key names the scheme, so that a later version cannot be taken for this one; its second half keeps kinds apart.
 constexpr std::uint64_t kScheme = 0x317473656769646d;  // "mdigest1"
-enum class Kind : std::uint64_t { Point, Edge, Triangle, Tet, Whole, Quad, Pyramid, Prism, Hex };
+enum class Kind : std::uint64_t { Point, Edge, Triangle, Tet, Whole, Quad, Pyramid, Prism, Hex, MidNode };
 constexpr std::uint64_t key_of(Kind kind) { return static_cast<std::uint64_t>(kind); }
 
 std::uint64_t coordinate_bits(double x) { return std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x); }
@@ -119,6 +120,15 @@ Hash128 sum_of(std::size_t count, const BlockLoop& loop, const Hash& hash) {
   return total;
 }
 
+/// Which mid node lies on which edge.
+Hash128 sum_mid_nodes(const Mesh& mesh, const PointHashes& hashes, const BlockLoop& loop) {
+  const std::size_t first = vertex_count(mesh);
+  return sum_of(mesh.mid_to_vert.size(), loop, [&](std::size_t i) {
+    const auto [low, high] = std::minmax(hashes[mesh.mid_to_vert[i][0]], hashes[mesh.mid_to_vert[i][1]]);
+    return siphash128(std::array<std::uint64_t, 3>{low, high, hashes[first + i]}, kScheme, key_of(Kind::MidNode));
+  });
+}
+
 std::string to_hex(const Hash128& hash) {
   static constexpr char kDigits[] = "0123456789abcdef";
   std::string text;
@@ -213,6 +223,10 @@ std::string mesh_digest(const Mesh& mesh, const BlockLoop& loop) {
     words.insert(words.end(), {mesh.quad_to_vert.size(), mesh.pyramid_to_vert.size(), mesh.prism_to_vert.size(),
                                mesh.hex_to_vert.size()});
     for (const Hash128& sum : {quad_sum, cell_sums[1], cell_sums[2], cell_sums[3]}) add(sum);
+  }
+  if (!mesh.mid_to_vert.empty()) {
+    words.push_back(mesh.mid_to_vert.size());
+    add(sum_mid_nodes(mesh, hashes, loop));
   }
   return to_hex(siphash128(words, kScheme, key_of(Kind::Whole)));
 }

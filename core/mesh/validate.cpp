@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/validate_detail.hpp"
 #include "core/predicates/predicates.hpp"
 
@@ -127,6 +128,8 @@ bool arrays_fit(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log
   for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
     check_indices(mesh, elements, kind, loop, log);
   });
+  if (!log.empty()) return false;
+  if (const auto fault = find_mid_node_fault(mesh, loop)) log.add_array(*fault);
   return log.empty();
 }
 
@@ -219,7 +222,7 @@ void mark_vertices(const std::vector<Element>& elements, const BlockLoop& loop, 
 
 /// Marks the points of the elements; counts the points that nothing uses.
 detail::PointMarks mark_points(const Mesh& mesh, const BlockLoop& loop, ValidationReport& report) {
-  const std::size_t count = mesh.points.size();
+  const std::size_t count = vertex_count(mesh);
   detail::PointMarks marks{detail::PointSet(count), detail::PointSet(count), detail::PointSet(count)};
   for_each_element_kind(mesh, [&](ElementKind kind, const auto& elements, const auto&) {
     const bool is_surface = kind == ElementKind::Triangle || kind == ElementKind::Quad;

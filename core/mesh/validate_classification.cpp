@@ -3,6 +3,7 @@
 
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/validate_detail.hpp"
 
 namespace tetloom::detail {
@@ -73,7 +74,7 @@ void check_point(const Mesh& mesh, const PointMarks& marks, std::size_t i, Probl
 }  // namespace
 
 void validate_classification(const Mesh& mesh, const PointMarks& marks, const BlockLoop& loop, ProblemLog& log) {
-  log_blocks(mesh, mesh.points.size(), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
+  log_blocks(mesh, vertex_count(mesh), loop, log, [&](std::size_t begin, std::size_t end, ProblemLog& of_block) {
     for (std::size_t i = begin; i < end; ++i) check_point(mesh, marks, i, of_block);
   });
   const auto check = [&](const auto& elements, const auto& entities, int dim, ElementKind kind) {

@@ -41,43 +41,33 @@ bool solve(std::array<Vec4, 4> m, Vec4& b) {
   return true;
 }
 
-struct Plane {
-  Vec3 normal;    // of length 1, inwards
-  double offset;  // of the plane from the origin
-};
-
 constexpr std::size_t kMostFaces = 2 * WorkingMesh::kMostTets;
 
 class DepthSearch {
  public:
-  // Lengths in units of the largest distance.
-  explicit DepthSearch(std::span<const StarTet> star) {
-    constexpr double kNoArea = 1e-12;  // of the squared edges: such a face has no plane
-    for (const StarTet& tet : star) {
-      const double length = norm(tet.normal);
-      if (length > kNoArea * tet.squares) room_[count_++] = {tet.normal / length, tet.volume / length};
-    }
-    for (const Plane& plane : planes()) scale_ = std::max(scale_, std::abs(plane.offset));
-    for (Plane& plane : std::span(room_).first(count_)) {
-      plane.offset /= scale_;
-      depth_ = std::min(depth_, plane.offset - 1);
+  // Values in units of the largest one at the origin.
+  explicit DepthSearch(std::span<AffineFunction> functions) : functions_(functions) {
+    for (const AffineFunction& f : functions_) scale_ = std::max(scale_, std::abs(f.offset));
+    for (AffineFunction& f : functions_) {
+      f.offset /= scale_;
+      depth_ = std::min(depth_, f.offset - 1);
     }
   }
 
   std::optional<DeepPoint> run() {
-    if (count_ < 4 || !(scale_ > 0)) return std::nullopt;
+    if (functions_.size() < 4 || !(scale_ > 0)) return std::nullopt;
     for (int i = 0; i < kMostSteps; ++i) {
       const double decrement = step();
       if (!(decrement >= 0)) break;
       if (decrement > kNear) continue;
       // The least distance is at most the depth here and, near the path's point, the weight per plane.
-      const double slack = 2 * weight_ * static_cast<double>(count_);
+      const double slack = 2 * weight_ * static_cast<double>(functions_.size());
       if (depth_ > 0 ? slack < kPrecision * depth_ : depth_ + slack < 0) break;
       if (weight_ < kLeastWeight) break;
       weight_ *= kShrink;
     }
     double depth = HUGE_VAL;
-    for (const auto& [normal, offset] : planes()) depth = std::min(depth, offset + dot(normal, at_));
+    for (const auto& [normal, offset] : functions_) depth = std::min(depth, offset + dot(normal, at_));
     return DeepPoint{scale_ * at_, scale_ * depth};
   }
 
@@ -87,7 +77,7 @@ class DepthSearch {
   double step() {
     std::array<Vec4, 4> hessian{};
     Vec4 gradient{0, 0, 0, -1 / weight_};
-    for (const auto& [n, offset] : planes()) {
+    for (const auto& [n, offset] : functions_) {
       const double inverse = 1 / (offset + dot(n, at_) - depth_);
       const Vec4 v{n.x * inverse, n.y * inverse, n.z * inverse, -inverse};
       for (std::size_t i = 0; i < 4; ++i) {
@@ -101,7 +91,7 @@ class DepthSearch {
     for (std::size_t i = 0; i < 4; ++i) decrement2 -= gradient[i] * d[i];
     const Vec3 move{d[0], d[1], d[2]};
     double share = 1;
-    for (const auto& [n, offset] : planes()) {
+    for (const auto& [n, offset] : functions_) {
       const double room = offset + dot(n, at_) - depth_, change = dot(n, move) - d[3];
       if (room + share / kShareOfWay * change < 0) share = -kShareOfWay * room / change;
     }
@@ -110,16 +100,24 @@ class DepthSearch {
     return share < 1 ? HUGE_VAL : std::sqrt(std::max(0.0, decrement2));
   }
 
-  std::span<const Plane> planes() const { return {room_.data(), count_}; }
-
-  std::array<Plane, kMostFaces> room_;
-  std::size_t count_ = 0;
+  std::span<AffineFunction> functions_;
   double scale_ = 0, depth_ = HUGE_VAL, weight_ = 1;
   Vec3 at_;
 };
 
 }  // namespace
 
-std::optional<DeepPoint> find_deep_point(std::span<const StarTet> star) { return DepthSearch(star).run(); }
+std::optional<DeepPoint> maximize_least(std::span<AffineFunction> functions) { return DepthSearch(functions).run(); }
+
+std::optional<DeepPoint> find_deep_point(std::span<const StarTet> star) {
+  constexpr double kNoArea = 1e-12;  // of the squared edges: such a face has no plane
+  std::array<AffineFunction, kMostFaces> planes;
+  std::size_t count = 0;
+  for (const StarTet& tet : star) {
+    const double length = norm(tet.normal);
+    if (length > kNoArea * tet.squares) planes[count++] = {tet.normal / length, tet.volume / length};
+  }
+  return maximize_least(std::span(planes).first(count));
+}
 
 }  // namespace tetloom::tets

@@ -171,7 +171,7 @@ QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes = nullptr
 /// Laws: unchanged when points or elements are renumbered, and when the vertices of an element are permuted as a
 /// rotation does it (evenly, for triangles and tets); one that turns the element over changes the digest. Any other
 /// change of a coordinate, a connection or a classification changes it. Names, colours, face sides and fields do not
-/// count. A mesh of edges, triangles and tets alone has the digest that it had before there were other elements.
+/// count. A mesh of edges, triangles and tets of first order has the digest that it had before there were others.
 /// Not guaranteed: two points that agree in coordinates and in classification are not told apart by the elements that
 /// use them, and the digest resists accidents, not attackers.
 ///

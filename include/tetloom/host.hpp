@@ -14,7 +14,7 @@
 
 namespace tetloom {
 
-enum class Stage { Read, SizeField, Edges, Faces, Intersections, Volume, Partition, Adapt, Check, Write };
+enum class Stage { Read, SizeField, Edges, Faces, Intersections, Volume, SecondOrder, Partition, Adapt, Check, Write };
 
 std::string_view to_string(Stage stage);
 

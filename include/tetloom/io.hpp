@@ -27,6 +27,8 @@
 //   .bdf           Nastran: a property for every region and face, named in comments
 //   .msh           in version 2.2, see WriteOptions: a physical group for every edge, face and region
 //
+// Meshes of second order are held by .vtu, .msh of both versions, .inp and .bdf.
+//
 // Their groups have the names of the model entities, as far as these formats take them: see `solver_names`. Triangles
 // of faces with a region on one side point out of it in these formats.
 //
@@ -44,6 +46,9 @@ bool is_mesh_extension(const std::filesystem::path& path);
 
 /// Whether `path` ends in an extension that `write_mesh` knows.
 bool is_writable_mesh_format(const std::filesystem::path& path);
+
+/// Whether `path` ends in an extension of a format that holds meshes of second order.
+bool holds_second_order(const std::filesystem::path& path);
 
 /// ".mesh, .meshb, .msh, .stl, .vtu", for messages: those that are read.
 std::string known_mesh_extensions();

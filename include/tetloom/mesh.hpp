@@ -87,6 +87,9 @@ struct MeshOptions {
                                           ///< known to cross in the model itself, for hosts that rebuild_solids then
   bool keep_going = false;  ///< solids and sheets in which something fails are left out, with those that share
                             ///< faces with them, and the others are meshed; by default the whole run fails
+  int order = 1;            ///< 2: elements have mid nodes, on the curves and faces of the model
+  double min_scaled_jacobian = 0.1;  ///< of tets of second order: their Jacobian over that of the straight tet, at
+                                     ///< every place; mid nodes leave the model where it would be less. 0 to .9
   QualityGoals goals;       ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
@@ -101,7 +104,25 @@ struct MeshOptions {
 enum class MeshStatus { Ok, Failed, Cancelled };
 
 struct StageSeconds {
-  double size_field = 0, surface = 0, volume = 0;
+  double size_field = 0, surface = 0, volume = 0, second_order = 0;
+};
+
+/// A mid node that is classified on an edge or face of the model without lying on it.
+struct OffModelNode {
+  ModelEntity entity;
+  double distance = 0;  ///< from its place on the entity; infinite where none was found
+  Vec3 point;
+};
+
+/// What became of the mid nodes of a mesh of second order.
+struct SecondOrderFigures {
+  std::size_t mid_nodes = 0;
+  std::size_t curved = 0;          ///< on curves and faces of the model, beside the middle of their edges
+  std::size_t moved = 0;           ///< inside of regions, away from the middle for the sake of the tets around them
+  double min_scaled_jacobian = 1;  ///< a lower bound over all tets; the least possible one is 1 where all are straight
+  std::size_t invalid = 0;         ///< tets whose Jacobian is not proven positive; always 0
+  std::vector<OffModelNode> off_model;
+  double seconds = 0;
 };
 
 /// Where the sizes asked for did not fit; a warning of code SizeReduced tells faces and a place.
@@ -129,6 +150,7 @@ struct MeshResult {
   std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
   double model_volume = 0;               ///< sum over the regions, but those left out; model length³
   FillingFigures filling;                ///< how the volume came to be filled
+  SecondOrderFigures second_order;       ///< with MeshOptions::order 2
 };
 
 /// The regions whose own boundary crosses itself, as the errors of a result say, ascending: rebuild_solids may help.
@@ -143,7 +165,7 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
 
 /// As make_mesh, by the ranks of `communicator` together. The first rank has the mesh that make_mesh makes, element for
 /// element; the meshes of the others are the surface alone, as it was before the volume was filled. All else in the
-/// result is the same on all ranks. A collective call, for which all ranks give the same. Errors and thread safety: as
+/// result but `second_order`, which the first rank has, is the same on all ranks. A collective call, for which all ranks give the same. Errors and thread safety: as
 /// make_mesh; one call for each communicator.
 MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                               const Host& host = {});
@@ -160,7 +182,7 @@ struct MeshInPartsResult {
 /// filled, which are complexes (regions connected through faces) and the parts of large ones. Global ids of vertices
 /// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it.
 ///
-/// Errors: InvalidArgument is thrown, for options out of range and for surface_only. In the result: what make_mesh
+/// Errors: InvalidArgument is thrown, for options out of range, for surface_only and for order 2. In the result: what make_mesh
 /// says, and InputUnsuitable, before any work is done, for a model without regions and for one with faces or edges that
 /// bound none. Thread safety: one call for each communicator.
 MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,

@@ -131,12 +131,19 @@ struct MeshField {
 ///   hex      0 1 2 3 turn counter-clockwise seen from 4 5 6 7;
 /// and, exactly, that the tets of `corners_of` are positive. That suffices for tets and is necessary, but not
 /// sufficient, for the Jacobian of the others to be positive all over.
+///
+/// A mesh is of first or of second order. One of second order has a mid node for every edge of every element, as the
+/// serendipity elements of 10 (tet), 13, 15 and 20 nodes have them. Mid nodes are the last of the points; elements name
+/// their vertices alone.
 struct Mesh {
-  std::vector<Vec3> points;
+  std::vector<Vec3> points;  ///< vertices, then mid nodes
   std::vector<ModelEntity> point_to_entity;  ///< the lowest-dimension model entity that the point lies on; may be
                                              ///< invalid for meshes from elsewhere. Where small features were
                                              ///< eliminated a point may lie on several model edges, pieces of which
                                              ///< end there: it is classified on one of them
+  std::vector<std::array<std::uint32_t, 2>> mid_to_vert;   ///< the ends, lower one first, of the edge of mid node i,
+                                                           ///< which is point points.size() - mid_to_vert.size() + i;
+                                                           ///< ascending. Empty: first order
   std::vector<std::array<std::uint32_t, 2>> edge_to_vert;  ///< pieces of model edges
   std::vector<std::uint32_t> edge_to_entity;               ///< index of the model edge
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;   ///< counter-clockwise seen from the tip of the face's normal
@@ -151,7 +158,7 @@ struct Mesh {
   std::vector<std::uint32_t> prism_to_entity;
   std::vector<std::array<std::uint32_t, 8>> hex_to_vert;
   std::vector<std::uint32_t> hex_to_entity;
-  std::vector<MeshField> point_fields;   ///< one tuple per point
+  std::vector<MeshField> point_fields;   ///< one tuple per point, mid nodes as well
   std::vector<MeshField> cell_fields;    ///< one tuple per cell: all tets, then pyramids, prisms, hexahedra
   std::vector<FaceSides> face_to_sides;  ///< per model face; empty when unknown
   EntityTable entities;

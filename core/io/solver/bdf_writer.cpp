@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "core/io/element_nodes.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "tetloom/error.hpp"
@@ -11,6 +12,19 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::array<const char*, kBlocks> kCards{"CROD", "CTRIA3", "CQUAD4", "CTETRA", "CPYRAM", "CPENTA", "CHEXA"};
+/// Of second order, and the edges in their order: those of the base, those up from it, those of the top.
+constexpr std::array<const char*, kBlocks> kCards2{"",       "CTRIA6", "CQUAD8", "CTETRA",
+                                                   "CPYRAM", "CPENTA", "CHEXA"};
+constexpr std::array<LocalEdge, 9> kPrismEdges{
+    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
+constexpr std::array<LocalEdge, 12> kHexEdges{
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}}};
+constexpr std::span<const LocalEdge> bdf_edges_of(Block block) {
+  if (block == Block::Prism) return kPrismEdges;
+  if (block == Block::Hex) return kHexEdges;
+  return edges_of(block);
+}
+
 constexpr std::size_t kField = 8, kFieldsPerLine = 8;
 constexpr std::uint64_t kMostId = 99'999'999;  // what a field holds
 
@@ -31,17 +45,16 @@ char* put_word(char* out, std::string_view word) {
   return out + kField;
 }
 
-template <class Element>
-char* put_card(char* out, Block block, std::uint64_t id, std::uint64_t property, const Element& verts) {
-  out = put_word(out, kCards[static_cast<std::size_t>(block)]);
+char* put_card(char* out, const char* card, std::uint64_t id, std::uint64_t property, const NodeList& nodes) {
+  out = put_word(out, card);
   out = put_field(out, id);
   out = put_field(out, property);
-  for (std::size_t i = 0; i < verts.size(); ++i) {
-    if (i + 2 == kFieldsPerLine) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if ((i + 2) % kFieldsPerLine == 0) {
       *out++ = '\n';
       out = put_word(out, "+");
     }
-    out = put_field(out, std::uint64_t{verts[i]} + 1);
+    out = put_field(out, std::uint64_t{nodes[i]} + 1);
   }
   *out++ = '\n';
   return out;
@@ -50,7 +63,7 @@ char* put_card(char* out, Block block, std::uint64_t id, std::uint64_t property,
 class BdfWriter {
  public:
   BdfWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop)
-      : mesh_(mesh), file_(file), loop_(loop), groups_(make_groups(mesh)) {}
+      : mesh_(mesh), file_(file), loop_(loop), nodes_(mesh), groups_(make_groups(mesh)) {}
 
   void write() {
     if (std::max<std::size_t>(mesh_.points.size(), cell_count(mesh_) + surface_count(mesh_)) > kMostId)
@@ -102,13 +115,15 @@ class BdfWriter {
     for_each_block(mesh_, [&](Block block, const auto& elements, const auto& entities) {
       if (dimension_of(block) != dim || elements.empty()) return;
       const std::uint64_t first = element_count_ + 1;
+      const char* card = (nodes_.are_second_order() ? kCards2 : kCards)[static_cast<std::size_t>(block)];
       const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
         for (std::size_t e = begin; e < end; ++e)
-          out = put_card(out, block, first + e, properties[tag_of_index(entities[e])],
-                         turned_outwards(mesh_, dim, elements[e], entities[e]));
+          out = put_card(
+              out, card, first + e, properties[tag_of_index(entities[e])],
+              nodes_.of(turned_outwards(mesh_, dim, elements[e], entities[e]), bdf_edges_of(block)));
         return out;
       };
-      file_.write_lines(elements.size(), 2 * (kFieldsPerLine + 2) * kField, print_block, loop_);
+      file_.write_lines(elements.size(), (nodes_.count(block) / kFieldsPerLine + 2) * (kFieldsPerLine + 2) * kField, print_block, loop_);
       element_count_ += elements.size();
     });
   }
@@ -116,6 +131,7 @@ class BdfWriter {
   const Mesh& mesh_;
   AtomicFile& file_;
   const BlockLoop& loop_;
+  ElementNodes nodes_;
   Groups groups_;
   std::array<std::vector<std::uint64_t>, 4> properties_;  // by dimension and tag
   std::uint64_t property_count_ = 0, element_count_ = 0;

@@ -81,15 +81,17 @@ Groups make_groups(const Mesh& mesh) {
   return groups;
 }
 
-std::vector<std::uint32_t> points_of(const Mesh& mesh, int dim, const Group& group) {
+std::vector<std::uint32_t> points_of(const Mesh& mesh, const ElementNodes& nodes, int dim, const Group& group) {
   if (dim == 0) return group.elements;
   std::vector<std::uint32_t> points;
   std::size_t first = 0;  // of the block, among all elements of the dimension
   for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
     if (dimension_of(block) != dim) return;
     auto at = std::ranges::lower_bound(group.elements, first);
-    for (; at != group.elements.end() && *at < first + elements.size(); ++at)
-      points.insert(points.end(), elements[*at - first].begin(), elements[*at - first].end());
+    for (; at != group.elements.end() && *at < first + elements.size(); ++at) {
+      const NodeList own = nodes.of(elements[*at - first], block);
+      points.insert(points.end(), own.begin(), own.end());
+    }
     first += elements.size();
   });
   std::ranges::sort(points);

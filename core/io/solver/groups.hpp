@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/element_nodes.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
@@ -29,8 +30,8 @@ Groups make_groups(const Mesh& mesh);
 /// letter, at most 64 of them. Every run of other bytes becomes one underscore.
 std::string solver_name(const std::string& name);
 
-/// The points of a group of edges, triangles and quadrilaterals, or cells, ascending.
-std::vector<std::uint32_t> points_of(const Mesh& mesh, int dim, const Group& group);
+/// The points of a group of edges, triangles and quadrilaterals, or cells, mid nodes as well, ascending.
+std::vector<std::uint32_t> points_of(const Mesh& mesh, const ElementNodes& nodes, int dim, const Group& group);
 
 /// Whether the triangles and quadrilaterals of a face have to be turned over to point out of the one region at it.
 inline bool points_inwards(const Mesh& mesh, std::uint32_t face) {

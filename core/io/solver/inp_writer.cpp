@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/io/element_nodes.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/cell_faces.hpp"
 #include "core/io/solver/groups.hpp"
@@ -13,24 +14,28 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::array<const char*, kBlocks> kTypes{"T3D2", "S3", "S4", "C3D4", "C3D5", "C3D6", "C3D8"};
+constexpr std::array<const char*, kBlocks> kTypes2{"T3D3", "S6", "S8", "C3D10", nullptr, "C3D15", "C3D20"};
 /// Numbers of element faces, by kind and by face in kCellShapes.
 constexpr std::array<std::array<int, 6>, kCellKinds> kFaceNumbers{
     {{3, 4, 2, 1, 0, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 6}}};
-constexpr std::size_t kPerLine = 8;  // numbers in a line of a set; readers take at most 16
+constexpr std::size_t kPerLine = 8;        // numbers in a line of a set; readers take at most 16
+constexpr std::size_t kNodesPerLine = 15;  // behind the number of the element
 
 class InpWriter {
  public:
   InpWriter(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop)
-      : mesh_(mesh), file_(file), loop_(loop), groups_(make_groups(mesh)) {}
+      : mesh_(mesh), file_(file), loop_(loop), nodes_(mesh), groups_(make_groups(mesh)) {}
 
   void write() {
+    if (nodes_.are_second_order() && !mesh_.pyramid_to_vert.empty())
+      throw Error(ErrorCode::InvalidArgument, "Abaqus has no pyramids of second order, but the mesh has");
     file_.write("*HEADING\ntetloom\n");
     write_nodes();
     const int dim = cell_count(mesh_) > 0 ? 3 : 2;
     write_elements(dim);
     for (const int below : {0, 1, 2})
       for (const Group& group : groups_[static_cast<std::size_t>(below)])
-        if (below < dim) write_set("*NSET, NSET=", group.name, points_of(mesh_, below, group));
+        if (below < dim) write_set("*NSET, NSET=", group.name, points_of(mesh_, nodes_, below, group));
     if (dim == 3) write_surfaces();
   }
 
@@ -56,23 +61,31 @@ class InpWriter {
         const auto begin = std::ranges::lower_bound(group.elements, first);
         const auto end = std::ranges::lower_bound(group.elements, first + elements.size());
         if (begin == end) continue;
-        file_.write(std::string("*ELEMENT, TYPE=") + kTypes[static_cast<std::size_t>(block)] + ", ELSET=" + group.name +
+        const auto& types = nodes_.are_second_order() ? kTypes2 : kTypes;
+        file_.write(std::string("*ELEMENT, TYPE=") + types[static_cast<std::size_t>(block)] + ", ELSET=" + group.name +
                     "\n");
         const auto print_block = [&](std::size_t from, std::size_t to, char* out) {
           for (std::size_t i = from; i < to; ++i) {
             const std::size_t element = begin[static_cast<std::ptrdiff_t>(i)];
             out = print(out, element + 1, ',');
-            const auto& verts = elements[element - first];
-            for (std::size_t k = 0; k < verts.size(); ++k)
-              out = print(out, std::uint64_t{verts[k]} + 1, k + 1 < verts.size() ? ',' : '\n');
+            out = print_nodes(out, nodes_.of(elements[element - first], block));
           }
           return out;
         };
-        file_.write_lines(static_cast<std::size_t>(end - begin), (elements[0].size() + 1) * kIntegerBytes, print_block,
+        file_.write_lines(static_cast<std::size_t>(end - begin), (nodes_.count(block) + 2) * kIntegerBytes, print_block,
                           loop_);
       }
       first += elements.size();
     });
+  }
+
+  static char* print_nodes(char* out, const NodeList& nodes) {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const bool is_last = k + 1 == nodes.size();
+      out = print(out, std::uint64_t{nodes[k]} + 1, is_last ? '\n' : ',');
+      if (!is_last && k + 1 == kNodesPerLine) *out++ = '\n';
+    }
+    return out;
   }
 
   void write_set(const char* keyword, const std::string& name, const std::vector<std::uint32_t>& items) {
@@ -109,6 +122,7 @@ class InpWriter {
   const Mesh& mesh_;
   AtomicFile& file_;
   const BlockLoop& loop_;
+  ElementNodes nodes_;
   Groups groups_;
 };
 

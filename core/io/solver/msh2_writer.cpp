@@ -1,6 +1,7 @@
 // MSH 2.2 of Gmsh, as text or binary, which more programs read than read 4.1: a physical group of its name for every
 // edge, face and region. Triangles and quadrilaterals point out of the one region at their face. Fields are left out.
 #include "core/io/formats_detail.hpp"
+#include "core/io/msh_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "core/io/solver/number_text.hpp"
 
@@ -48,38 +49,42 @@ void write_points(const Mesh& mesh, bool is_text, AtomicFile& file, const BlockL
 
 /// Writes the elements of one block, whose numbers begin at `first`.
 template <class Element>
-void write_block(const Mesh& mesh, Block block, const std::vector<Element>& elements,
+void write_block(const Mesh& mesh, const ElementNodes& nodes, Block block, const std::vector<Element>& elements,
                  const std::vector<std::uint32_t>& entities, std::size_t first, bool is_text, AtomicFile& file,
                  const BlockLoop& loop) {
-  const std::int32_t type = kMshTypes[static_cast<std::size_t>(block)];
-  const auto verts_of = [&](std::size_t e) {
-    return turned_outwards(mesh, dimension_of(block), elements[e], entities[e]);
+  const std::int32_t type = (nodes.are_second_order() ? kMshTypes2 : kMshTypes)[static_cast<std::size_t>(block)];
+  const auto nodes_of = [&](std::size_t e) {
+    return nodes.of(turned_outwards(mesh, dimension_of(block), elements[e], entities[e]), msh_edges_of(block));
   };
   if (!is_text) {
     for (const std::int32_t value : {type, static_cast<std::int32_t>(elements.size()), std::int32_t{2}})
       file.put(value);
-    const auto record_of = [&](std::size_t e) {
-      std::array<std::int32_t, std::tuple_size_v<Element> + 3> record;
-      record[0] = static_cast<std::int32_t>(first + e);
-      record[1] = record[2] = static_cast<std::int32_t>(tag_of_index(entities[e]));
-      const Element verts = verts_of(e);
-      for (std::size_t i = 0; i < verts.size(); ++i) record[3 + i] = static_cast<std::int32_t>(verts[i] + 1);
-      return record;
+    const auto encode = [&](std::size_t begin, std::size_t end, char* out) {
+      const auto put = [&out](std::size_t number) {
+        const auto value = static_cast<std::int32_t>(number);
+        std::memcpy(out, &value, sizeof value);
+        out += sizeof value;
+      };
+      for (std::size_t e = begin; e < end; ++e) {
+        put(first + e);
+        for (int i = 0; i < 2; ++i) put(tag_of_index(entities[e]));
+        for (const std::uint32_t node : nodes_of(e)) put(node + std::size_t{1});
+      }
     };
-    return file.put_each(elements.size(), record_of, loop);
+    return file.write_records(elements.size(), (3 + nodes.count(block)) * sizeof(std::int32_t), encode, loop);
   }
   const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
     for (std::size_t e = begin; e < end; ++e) {
       out = print(out, first + e, ' ');
       out = print(print(out, type, ' '), 2, ' ');
       for (int i = 0; i < 2; ++i) out = print(out, tag_of_index(entities[e]), ' ');
-      const Element verts = verts_of(e);
-      for (std::size_t i = 0; i < verts.size(); ++i)
-        out = print(out, std::uint64_t{verts[i]} + 1, i + 1 < verts.size() ? ' ' : '\n');
+      const NodeList own = nodes_of(e);
+      for (std::size_t i = 0; i < own.size(); ++i)
+        out = print(out, std::uint64_t{own[i]} + 1, i + 1 < own.size() ? ' ' : '\n');
     }
     return out;
   };
-  file.write_lines(elements.size(), (std::tuple_size_v<Element> + 5) * kIntegerBytes, print_block, loop);
+  file.write_lines(elements.size(), (nodes.count(block) + 5) * kIntegerBytes, print_block, loop);
 }
 
 void write_msh2(const Mesh& mesh, bool is_text, AtomicFile& file, const BlockLoop& loop) {
@@ -93,10 +98,11 @@ void write_msh2(const Mesh& mesh, bool is_text, AtomicFile& file, const BlockLoo
   write_names(make_groups(mesh), file);
   write_points(mesh, is_text, file, loop);
   file.write("$Elements\n" + std::to_string(count) + "\n");
+  const ElementNodes nodes(mesh);
   std::size_t first = 1;
   for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
     if (elements.empty()) return;
-    write_block(mesh, block, elements, entities, first, is_text, file, loop);
+    write_block(mesh, nodes, block, elements, entities, first, is_text, file, loop);
     first += elements.size();
   });
   file.write(is_text ? "$EndElements\n" : "\n$EndElements\n");

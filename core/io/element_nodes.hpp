@@ -1,0 +1,71 @@
+#pragma once
+// Private to core/io: the nodes of elements as files list them, vertices first, then mid nodes.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/io/formats_detail.hpp"
+#include "core/mesh/mid_nodes.hpp"
+
+namespace tetloom::detail {
+
+inline constexpr std::size_t kMostNodes = 20;  // of a hexahedron of second order
+
+/// The edges of the elements of a block, in the order of kCellShapes, which is also that of VTK, Abaqus and CGNS.
+constexpr std::span<const LocalEdge> edges_of(Block block) {
+  switch (block) {
+    case Block::Edge: return kLineEdges;
+    case Block::Triangle: return kTriangleEdges;
+    case Block::Quad: return kQuadEdges;
+    default: return kCellShapes[cell_kind_of(block)].edges();
+  }
+}
+
+constexpr std::size_t vertices_of(Block block) {
+  constexpr std::array<std::size_t, kBlocks> counts{2, 3, 4, 4, 5, 6, 8};
+  return counts[static_cast<std::size_t>(block)];
+}
+
+class NodeList {
+ public:
+  std::size_t size() const { return count_; }
+  std::uint32_t operator[](std::size_t i) const { return nodes_[i]; }
+  const std::uint32_t* begin() const { return nodes_.data(); }
+  const std::uint32_t* end() const { return nodes_.data() + count_; }
+  void add(std::uint32_t node) { nodes_[count_++] = node; }
+
+ private:
+  std::array<std::uint32_t, kMostNodes> nodes_;
+  std::size_t count_ = 0;
+};
+
+class ElementNodes {
+ public:
+  /// `mesh` outlives the object.
+  explicit ElementNodes(const Mesh& mesh) : mids_(mesh) {}
+
+  bool are_second_order() const { return !mids_.empty(); }
+  /// How many nodes each element of a block has.
+  std::size_t count(Block block) const {
+    return vertices_of(block) + (are_second_order() ? edges_of(block).size() : 0);
+  }
+  /// Of an element with the vertices `verts`, which may be turned: mid nodes in the order of `edges`.
+  template <class Element>
+  NodeList of(const Element& verts, std::span<const LocalEdge> edges) const {
+    NodeList nodes;
+    for (const std::uint32_t v : verts) nodes.add(v);
+    if (are_second_order())
+      for (const auto& [a, b] : edges) nodes.add(mids_.point(verts[a], verts[b]));
+    return nodes;
+  }
+  template <class Element>
+  NodeList of(const Element& verts, Block block) const {
+    return of(verts, edges_of(block));
+  }
+
+ private:
+  MidNodes mids_;
+};
+
+}  // namespace tetloom::detail

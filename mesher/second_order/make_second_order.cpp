@@ -1,0 +1,31 @@
+#include "mesher/second_order/make_second_order.hpp"
+
+#include "core/base/stopwatch.hpp"
+#include "core/mesh/mid_nodes.hpp"
+#include "mesher/second_order/mid_node_places.hpp"
+#include "mesher/second_order/straighten.hpp"
+
+namespace tetloom::second_order {
+
+SecondOrderFigures make_second_order(const GeometricModel& model, double min_scaled_jacobian, Mesh& mesh,
+                                     const TaskRunner& runner) {
+  Stopwatch watch;
+  SecondOrderFigures figures;
+  MidNodePlaces places = place_mid_nodes(model, mesh, runner);
+  const Straightening straightening = straighten(places.curved, min_scaled_jacobian, mesh, runner);
+  figures.mid_nodes = mesh.mid_to_vert.size();
+  figures.curved = places.curved.size() - straightening.off_model.size();
+  figures.moved = straightening.moved.size();
+  figures.min_scaled_jacobian = straightening.min_scaled_jacobian;
+  figures.invalid = straightening.not_positive;
+  figures.off_model = std::move(places.off_model);
+  for (const CurvedNode& node : straightening.off_model) {
+    const std::size_t p = vertex_count(mesh) + node.mid;
+    figures.off_model.push_back(
+        {mesh.point_to_entity[p], distance(mesh.points[p], node.on_model), mesh.points[p]});
+  }
+  figures.seconds = watch.lap();
+  return figures;
+}
+
+}  // namespace tetloom::second_order

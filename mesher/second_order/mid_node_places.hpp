@@ -1,0 +1,31 @@
+#pragma once
+// Mid nodes on the curves and faces of the model.
+#include <vector>
+
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::second_order {
+
+/// A mid node that does not lie in the middle between the ends of its edge.
+struct CurvedNode {
+  std::uint32_t mid = 0;  ///< its place in `Mesh::mid_to_vert`
+  Vec3 on_model;          ///< its place on the model
+};
+
+/// What became of mid nodes on the surface.
+struct MidNodePlaces {
+  std::vector<CurvedNode> curved;       ///< ascending
+  std::vector<OffModelNode> off_model;  ///< those that stay in the middle although the model is elsewhere
+};
+
+/// The middle between the ends of an edge, by its place in `Mesh::mid_to_vert`.
+Vec3 middle_of(const Mesh& mesh, std::size_t mid);
+
+/// Makes a mesh of first order one of second order: a mid node for every edge, classified on the model entity of lowest
+/// dimension that the edge lies on; those on edges and faces of the model at the place of it that is nearest to the
+/// middle of the chord. Where there is none within half the length of the chord they stay in the middle. The result
+/// does not depend on the number of threads. Errors: what the runner throws. Pre: require_consistent(mesh).
+MidNodePlaces place_mid_nodes(const GeometricModel& model, Mesh& mesh, const TaskRunner& runner);
+
+}  // namespace tetloom::second_order

@@ -1,0 +1,30 @@
+#pragma once
+// Mid nodes are moved until every tet of second order is proven valid.
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "mesher/second_order/mid_node_places.hpp"
+#include "tetloom/mesh_data.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::second_order {
+
+struct Straightening {
+  std::vector<std::uint32_t> moved;      ///< mid nodes inside of regions that are not in the middle, ascending
+  std::vector<CurvedNode> off_model;     ///< those of `curved` that had to leave the model, ascending
+  double min_scaled_jacobian = 1;        ///< a lower bound over all tets; at most 1
+  std::size_t not_positive = 0;          ///< tets whose bound is not positive
+};
+
+/// Puts the nodes of `curved` on the model. Where the Jacobian of a tet is then less than `least` times that of the
+/// straight tet somewhere, mid nodes inside of the region move to where the least Jacobian of the tets around their
+/// edge is largest, as far as it takes; where that does not suffice, mid nodes of the tet are pulled towards the middle
+/// of their edges, as little as it takes. Ends always: a tet whose mid nodes are all in the middle has the Jacobian 1.
+/// The result does not depend on the number of threads.
+///
+/// Pre: mesh.mid_to_vert is there, all its nodes are in the middle, tets are positive, 0 <= least < 1.
+/// Errors: what the runner throws.
+Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner);
+
+}  // namespace tetloom::second_order
