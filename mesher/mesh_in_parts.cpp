@@ -54,6 +54,8 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
                                      Communicator& communicator, const Host& host) {
   if (options.surface_only)
     throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
+  if (options.order != 1)
+    throw Error(ErrorCode::InvalidArgument, "a mesh in parts is of first order, so order must be 1");
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
   const auto take = [&](VolumeParts&& volume, Mesh& surface, const SharedWork& work) {

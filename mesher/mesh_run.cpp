@@ -138,8 +138,8 @@ class MeshRun {
   void make_second_order() {
     if (work_.rank() > 0) return;
     Stopwatch watch;
-    result_.second_order = second_order::make_second_order(model_, options_.min_scaled_jacobian, result_.mesh,
-                                                           work_.runner_for_one());
+    result_.second_order =
+        second_order::make_second_order(model_, options_.min_scaled_jacobian, result_.mesh, work_.runner_for_one());
     result_.seconds.second_order = watch.lap();
   }
 

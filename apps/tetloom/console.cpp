@@ -63,7 +63,8 @@ std::string size_row(const EdgeConformity& edges) {
 }
 
 std::string volume_row(const RunReport& report) {
-  const double mesh = report.quality->cells.volume;
+  const CurvedQuality& curved = report.quality->curved;
+  const double mesh = curved.count > 0 ? curved.volume : report.quality->cells.volume;
   if (!report.model_volume || !(*report.model_volume > 0)) return row("volume", format_number(mesh));
   const double off = (mesh - *report.model_volume) / *report.model_volume;
   return row("volume", format_number(mesh) + ", the model's is " + format_number(*report.model_volume) + " (" +
@@ -76,6 +77,7 @@ std::string time_row(const RunReport& report) {
                      ", size field " + format_seconds(seconds.size_field) + ", surface " +
                      format_seconds(seconds.surface);
   if (seconds.volume > 0) text += ", volume " + format_seconds(seconds.volume);
+  if (seconds.second_order > 0) text += ", second order " + format_seconds(seconds.second_order);
   return row("time", text + ", write " + format_seconds(seconds.write));
 }
 
@@ -130,8 +132,22 @@ std::string render_quality(const RunReport& report) {
   if (cells.inverted > quality.tets.inverted)
     text +=
         row("", plural(cells.inverted - quality.tets.inverted, "other cell") + " with a corner of no positive volume");
+  if (quality.curved.count > 0)
+    text += row("curved", plural(quality.curved.count, "tet") + ", the least Jacobian is " +
+                              format_number(std::round(1e3 * quality.curved.min_scaled_jacobian) / 1e3) +
+                              " of the straight tet's");
   if (cells.count > 0) text += volume_row(report);
   return text;
+}
+
+// Mid nodes beside the model, where there are any.
+std::string off_model_row(const RunReport& report) {
+  if (!report.extra.contains("second_order")) return {};
+  const auto& second_order = report.extra["second_order"];
+  const auto count = second_order["off_model_count"].get<std::uint64_t>();
+  if (count == 0) return {};
+  return row("", plural(count, "mid node") + " of " + format_count(second_order["mid_nodes"].get<std::uint64_t>()) +
+                     " do not lie on the model, so that all tets are valid");
 }
 
 // What was too small for the mesh, where anything was.
@@ -150,8 +166,8 @@ std::string render_summary(const RunReport& report, const std::string& output, c
   if (report.counts.tets > 0) {
     text += ", " + plural(report.counts.tets, "tet") + " in " + plural(report.counts.regions, "region");
   }
-  text += "\n" + render_quality(report) + small_features_row(report) + acute_row(report.goals, report.optimizer) +
-          time_row(report);
+  text += "\n" + render_quality(report) + off_model_row(report) + small_features_row(report) +
+          acute_row(report.goals, report.optimizer) + time_row(report);
   text += row("memory", format_bytes(static_cast<double>(peak_bytes())) + " at most, " +
                             plural(static_cast<std::uint64_t>(report.threads), "thread"));
   if (!report.warnings.empty()) text += row("warnings", std::to_string(report.warnings.size()) + ", see above");

@@ -66,6 +66,7 @@ void add(const StageSeconds& more, StageSeconds& seconds) {
   seconds.size_field += more.size_field;
   seconds.surface += more.surface;
   seconds.volume += more.volume;
+  seconds.second_order += more.second_order;
 }
 
 // Solids whose boundary crosses itself are made anew, and the model is meshed again; the seconds are those of all

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "tetloom/check.hpp"
 #include "tetloom/tasks.hpp"
@@ -90,16 +91,35 @@ nlohmann::ordered_json small_features_json(const MeshResult& result, const Geome
           {"absorbed", absorbed}};
 }
 
+// "off_model" lists at most this many mid nodes.
+constexpr std::size_t kMostOffModel = 1000;
+
+nlohmann::ordered_json second_order_json(const SecondOrderFigures& figures, const GeometricModel& model) {
+  nlohmann::ordered_json off_model = nlohmann::ordered_json::array();
+  for (const OffModelNode& node : figures.off_model) {
+    if (off_model.size() == kMostOffModel) break;
+    off_model.push_back({{"entity", entity_json(node.entity, model)},
+                         {"distance", std::isfinite(node.distance) ? nlohmann::ordered_json(node.distance) : nullptr},
+                         {"point", {node.point.x, node.point.y, node.point.z}}});
+  }
+  return {{"mid_nodes", figures.mid_nodes}, {"curved", figures.curved},
+          {"moved", figures.moved},         {"min_scaled_jacobian", figures.min_scaled_jacobian},
+          {"invalid", figures.invalid},     {"off_model_count", figures.off_model.size()},
+          {"off_model", off_model},         {"seconds", figures.seconds}};
+}
+
 }  // namespace
 
 void note_run(const MeshResult& result, const GeometricModel& model, const MeshOptions& options, RunReport& report) {
   report.seconds.size_field = result.seconds.size_field;
   report.seconds.surface = result.seconds.surface;
   report.seconds.volume = result.seconds.volume;
+  report.seconds.second_order = result.seconds.second_order;
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = result.mesh.entities;
   report.extra["refinement"] = refinement_json(result.refinement);
   report.extra["small_features"] = small_features_json(result, model);
+  if (options.order == 2) report.extra["second_order"] = second_order_json(result.second_order, model);
   report.goals = options.goals;
   report.optimizer = result.filling.optimizer;
   if (!options.surface_only && model.topology().region_count() > 0) report.model_volume = result.model_volume;

@@ -48,8 +48,8 @@ Examples:
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
-  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature;
-  std::optional<int> threads, parts, rounds;
+  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian;
+  std::optional<int> threads, parts, rounds, order;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version;
   bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
        keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false, ascii = false;
@@ -98,6 +98,18 @@ WriteOptions make_write_options(const RawMeshOptions& raw) {
   require(!options.msh_2_2 || std::filesystem::path(raw.output).extension() == ".msh",
           "--msh-version needs an output that ends in .msh");
   return options;
+}
+
+void set_order(const RawMeshOptions& raw, MeshCommand& command) {
+  MeshOptions& options = command.options;
+  options.order = raw.order.value_or(1);
+  options.min_scaled_jacobian = raw.min_scaled_jacobian.value_or(options.min_scaled_jacobian);
+  require(options.min_scaled_jacobian >= 0 && options.min_scaled_jacobian <= 0.9,
+          "--min-scaled-jacobian must lie between 0 and 0.9, not be " + format_number(options.min_scaled_jacobian));
+  require(!raw.min_scaled_jacobian || options.order == 2, "--min-scaled-jacobian needs --order 2");
+  require(options.order == 1 || !command.in_parts, "--order 2 is for meshes in one file, not in parts");
+  require(options.order == 1 || holds_second_order(command.output),
+          "the format of '" + command.output.string() + "' holds no mesh of second order");
 }
 
 double angle_from_degrees(std::optional<double> degrees) {
@@ -178,6 +190,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   require(!command.in_parts || !command.options.surface_only,
           "only meshes of volumes can be dealt to parts, and --surface-only makes none");
   require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
+  set_order(raw, command);
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
@@ -301,6 +314,15 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
           "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: about 2.5e5. The mesh "
           "depends on it, where parts meet")
       ->type_name("N")
+      ->group(kRun);
+  mesh->add_option("--order", raw.order, "2: elements have mid nodes, on the curves and faces of the model; default: 1")
+      ->check(CLI::IsMember({1, 2}))
+      ->type_name("P")
+      ->group(kRun);
+  mesh->add_option("--min-scaled-jacobian", raw.min_scaled_jacobian,
+                   "With --order 2: the least Jacobian of a tet over that of the straight one; mid nodes leave the "
+                   "model where it would be less; 0 to 0.9, default: 0.1")
+      ->type_name("Q")
       ->group(kRun);
   mesh->add_option("--unit", raw.unit,
                    "The unit of the output's lengths; default: the model's. Sizes are in the model's unit")

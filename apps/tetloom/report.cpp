@@ -89,6 +89,11 @@ Json quality_json(const RunReport& report) {
     json["mean_ratio_mean"] = tets.mean_ratio_mean;
   }
   json["edges_in_band"] = tets.count > 0 ? tets.edges.in_band : report.quality->triangles.edges.in_band;
+  if (const CurvedQuality& curved = report.quality->curved; curved.count > 0)
+    json["second_order"] = {{"curved_tets", curved.count},
+                            {"not_positive", curved.not_positive},
+                            {"min_scaled_jacobian", curved.min_scaled_jacobian},
+                            {"volume", curved.volume}};
   if (report.quality->triangles.count > 0) json["surface"] = surface_quality_json(report);
   return json;
 }
@@ -103,8 +108,8 @@ Json volume_json(const RunReport& report) {
 Json seconds_json(const RunReport& report) {
   const RunSeconds& seconds = report.seconds;
   return {{"total", report.total_seconds()}, {"read", seconds.read},     {"size_field", seconds.size_field},
-          {"surface", seconds.surface},      {"volume", seconds.volume}, {"check", seconds.check},
-          {"write", seconds.write}};
+          {"surface", seconds.surface},      {"volume", seconds.volume}, {"second_order", seconds.second_order},
+          {"check", seconds.check},          {"write", seconds.write}};
 }
 
 Json counts_json(const RunCounts& counts) {

@@ -84,6 +84,7 @@ void Run::note_seconds(RunSeconds& seconds) const {
   note(seconds.size_field, {Stage::SizeField});
   note(seconds.surface, {Stage::Edges, Stage::Faces, Stage::Intersections});
   note(seconds.volume, {Stage::Volume});
+  note(seconds.second_order, {Stage::SecondOrder});
   note(seconds.check, {Stage::Check});
   note(seconds.write, {Stage::Write});
 }

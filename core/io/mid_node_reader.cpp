@@ -25,8 +25,7 @@ void permute(std::vector<Item>& items, std::span<const std::uint32_t> number, st
 void permute_points(Mesh& mesh, std::span<const std::uint32_t> number) {
   permute(mesh.points, number, 1);
   if (!mesh.point_to_entity.empty()) permute(mesh.point_to_entity, number, 1);
-  for (MeshField& field : mesh.point_fields)
-    permute(field.values, number, static_cast<std::size_t>(field.components));
+  for (MeshField& field : mesh.point_fields) permute(field.values, number, static_cast<std::size_t>(field.components));
   for_each_block(mesh, [&](Block, auto& elements, const auto&) {
     for (auto& element : elements)
       for (std::uint32_t& v : element) v = number[v];
@@ -64,7 +63,8 @@ void MidNodeReader::finish(const InputFile& file, Mesh& mesh, bool classify) {
   const std::vector<std::uint32_t> number = renumber(mesh.points.size(), mids);
   permute_points(mesh, number);
   for (const Found& found : found_) mesh.mid_to_vert.push_back({number[found.low], number[found.high]});
-  if (find_mid_node_fault(mesh)) file.fail(ErrorCode::InputUnsuitable, "the file has elements of first and second order");
+  if (find_mid_node_fault(mesh))
+    file.fail(ErrorCode::InputUnsuitable, "the file has elements of first and second order");
   if (classify) classify_mid_nodes(mesh);
 }
 

@@ -22,12 +22,9 @@ constexpr std::size_t kLargestRatio = 64;
 
 /// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
 std::string describe_type(std::int32_t type) {
-  static const std::map<std::int32_t, const char*> names{{10, "quadrangle with 9 nodes"},
-                                                         {12, "hexahedron with 27 nodes"},
-                                                         {13, "prism with 18 nodes"},
-                                                         {14, "pyramid with 14 nodes"},
-                                                         {21, "third-order triangle"},
-                                                         {29, "third-order tetrahedron"}};
+  static const std::map<std::int32_t, const char*> names{
+      {10, "quadrangle with 9 nodes"}, {12, "hexahedron with 27 nodes"}, {13, "prism with 18 nodes"},
+      {14, "pyramid with 14 nodes"},   {21, "third-order triangle"},     {29, "third-order tetrahedron"}};
   const auto found = names.find(type);
   return found == names.end() ? "Gmsh type " + std::to_string(type)
                               : std::string(found->second) + " (Gmsh type " + std::to_string(type) + ")";

@@ -12,12 +12,8 @@ namespace tetloom::detail {
 namespace {
 
 std::string describe_cell(std::int64_t type) {
-  static const std::map<std::int64_t, const char*> names{{2, "poly-vertex"},
-                                                         {4, "poly-line"},
-                                                         {6, "triangle strip"},
-                                                         {7, "polygon"},
-                                                         {8, "pixel"},
-                                                         {11, "voxel"},
+  static const std::map<std::int64_t, const char*> names{{2, "poly-vertex"}, {4, "poly-line"}, {6, "triangle strip"},
+                                                         {7, "polygon"},     {8, "pixel"},     {11, "voxel"},
                                                          {42, "polyhedron"}};
   const auto found = names.find(type);
   const std::string number = "VTK cell type " + std::to_string(type);

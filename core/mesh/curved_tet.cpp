@@ -144,8 +144,19 @@ std::array<std::uint32_t, 6> mids_of_tet(const Mesh& mesh, const MidNodes& mids,
   return own;
 }
 
-// With control points b_ii = x_i and b_ij = 2 m_ij - (x_i + x_j) / 2 the derivative along the edge from vertex 0 to k is
-// twice the sum of l_i (b_ik - b_i0) over the barycentric coordinates l_i.
+bool is_straight_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t) {
+  const std::array<std::uint32_t, 6> own = mids_of_tet(mesh, mids, t);
+  return std::ranges::all_of(
+      own, [&](std::uint32_t m) { return mesh.points[vertex_count(mesh) + m] == middle_of_edge(mesh, m); });
+}
+
+bool has_positive_jacobian(const Mesh& mesh, const MidNodes& mids, std::size_t t) {
+  constexpr double kEnough = 1e-9;
+  return least_jacobian(tet_jacobian(nodes_of_tet(mesh, mids, t)), kEnough) > 0;
+}
+
+// With control points b_ii = x_i and b_ij = 2 m_ij - (x_i + x_j) / 2 the derivative along the edge from vertex 0 to k
+// is twice the sum of l_i (b_ik - b_i0) over the barycentric coordinates l_i.
 TetJacobian tet_jacobian(const TetNodes& nodes) {
   std::array<std::array<Vec3, 4>, 4> control;
   for (std::size_t i = 0; i < 4; ++i) {

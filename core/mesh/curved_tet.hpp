@@ -23,6 +23,9 @@ TetNodes nodes_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 /// The mid nodes of tet `t` as places in `mid_to_vert`, in the order of its edges. Pre: the mesh is of second order.
 std::array<std::uint32_t, 6> mids_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 
+/// Whether all mid nodes of tet `t` lie in the middle of their edges, to the last bit.
+bool is_straight_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
+
 /// Exact but for rounding (Johnen, Remacle & Geuzaine 2013, whose coefficients come from sampled values; these are sums
 /// of products of control points). Not finite where the straight tet is flat.
 TetJacobian tet_jacobian(const TetNodes& nodes);
@@ -30,6 +33,9 @@ TetJacobian tet_jacobian(const TetNodes& nodes);
 /// A lower bound of the polynomial on the tet: at least `enough`, or within .001 of the least value that was found
 /// there, which then is less. Halves the tet where the bound of the coefficients is not sharp enough.
 double least_jacobian(const TetJacobian& jacobian, double enough);
+
+/// Whether the Jacobian of tet `t` is proven to be positive everywhere.
+bool has_positive_jacobian(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 
 /// The mean of the polynomial over the tet: the volume in units of that of the straight tet.
 double mean_jacobian(const TetJacobian& jacobian);

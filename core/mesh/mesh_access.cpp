@@ -101,7 +101,8 @@ void require_consistent(const Mesh& mesh, const BlockLoop& loop) {
   require_indices(mesh.pyramid_to_vert, mesh.pyramid_to_entity.size(), points, "pyramids", loop);
   require_indices(mesh.prism_to_vert, mesh.prism_to_entity.size(), points, "prisms", loop);
   require_indices(mesh.hex_to_vert, mesh.hex_to_entity.size(), points, "hexahedra", loop);
-  if (const auto fault = find_mid_node_fault(mesh, loop)) throw Error(ErrorCode::InvalidArgument, "the mesh: " + *fault);
+  if (const auto fault = find_mid_node_fault(mesh, loop))
+    throw Error(ErrorCode::InvalidArgument, "the mesh: " + *fault);
   require_lengths(mesh.point_fields, points, "points");
   require_lengths(mesh.cell_fields, cell_count(mesh), "cells");
 }

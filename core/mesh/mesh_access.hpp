@@ -10,7 +10,8 @@
 namespace tetloom {
 
 /// Throws Error(InvalidArgument) when an array has the wrong length, an index is out of range, or the length of a field
-/// does not fit, or mid nodes are not as `Mesh` says. `point_to_entity` may be empty, which stands for "all unknown". Linear.
+/// does not fit, or mid nodes are not as `Mesh` says. `point_to_entity` may be empty, which stands for "all unknown".
+/// Linear.
 void require_consistent(const Mesh& mesh, const BlockLoop& loop = serial_loop());
 
 /// Throws Error(InputUnsuitable), with the first element and its tag, unless the indices of all entities that points

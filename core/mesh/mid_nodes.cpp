@@ -68,8 +68,7 @@ class EdgesByVertex {
 void lower_to(std::uint32_t& value, std::uint32_t other) {
   const std::atomic_ref shared(value);
   std::uint32_t known = shared.load(std::memory_order_relaxed);
-  while (other < known && !shared.compare_exchange_weak(known, other, std::memory_order_relaxed)) {
-  }
+  while (other < known && !shared.compare_exchange_weak(known, other, std::memory_order_relaxed)) {}
 }
 
 bool is_ascending(std::span<const Edge> edges, std::size_t vertices) {

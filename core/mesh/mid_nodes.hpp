@@ -34,6 +34,12 @@ void for_each_edge_owner(const Mesh& mesh, const Visit& visit) {
 /// How many of the points are vertices. Pre: there are no more mid nodes than points.
 inline std::size_t vertex_count(const Mesh& mesh) { return mesh.points.size() - mesh.mid_to_vert.size(); }
 
+/// The middle between the ends of the edge at a place in `mid_to_vert`.
+inline Vec3 middle_of_edge(const Mesh& mesh, std::size_t mid) {
+  const auto [a, b] = mesh.mid_to_vert[mid];
+  return 0.5 * (mesh.points[a] + mesh.points[b]);
+}
+
 /// All edges of all elements once, the lower end first, ascending: the `mid_to_vert` of a mesh of second order.
 /// Pre: require_consistent(mesh). Linear but for sorting around each vertex; 4 bytes per edge of each element.
 std::vector<std::array<std::uint32_t, 2>> edges_of_elements(const Mesh& mesh, const BlockLoop& loop = serial_loop());

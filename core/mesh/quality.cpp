@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "core/mesh/curved_tet.hpp"
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/statistics_detail.hpp"
@@ -106,7 +107,7 @@ EdgeConformity measure_edges(const std::vector<Element>& elements, const std::ve
 std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
   std::vector<double> point_size;
   if (sizes == nullptr) return point_size;
-  point_size.resize(mesh.points.size());
+  point_size.resize(vertex_count(mesh));
   loop.for_blocks(point_size.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) point_size[i] = sizes->size_at(mesh.points[i]);
   });
@@ -364,6 +365,40 @@ TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& p
   return result;
 }
 
+struct CurvedSums {
+  std::size_t count = 0, not_positive = 0;
+  double least = 1;
+  Sum volume;
+
+  void add(const CurvedSums& other) {
+    count += other.count, not_positive += other.not_positive;
+    least = std::min(least, other.least);
+    volume.add(other.volume);
+  }
+};
+
+CurvedQuality measure_curved_tets(const Mesh& mesh, double straight_volume, const BlockLoop& loop) {
+  if (mesh.mid_to_vert.empty()) return {0, 0, 1, straight_volume};
+  const MidNodes mids(mesh);
+  const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& [a, b, c, d] = mesh.tet_to_vert[t];
+      const double volume = tet_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
+      const bool is_straight = is_straight_tet(mesh, mids, t);
+      const TetJacobian jacobian = is_straight ? TetJacobian{} : tet_jacobian(nodes_of_tet(mesh, mids, t));
+      sums.volume.add(is_straight ? volume : volume * mean_jacobian(jacobian));
+      if (is_straight) continue;
+      ++sums.count;
+      sums.least = std::min(sums.least, least_jacobian(jacobian, sums.least));
+      if (!has_positive_jacobian(mesh, mids, t)) ++sums.not_positive;
+    }
+  };
+  CurvedSums total;
+  for (const CurvedSums& sums : map_blocks(loop, mesh.tet_to_vert.size(), kGrain, CurvedSums{}, measure))
+    total.add(sums);
+  return {total.count, total.not_positive, total.least, total.volume.value()};
+}
+
 }  // namespace
 
 QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
@@ -371,7 +406,8 @@ QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const Bl
   const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
   CellSums of_tets;
   const TetQuality tets = measure_tets(mesh, point_size, loop, of_tets);
-  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop)};
+  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop),
+          measure_curved_tets(mesh, tets.volume, loop)};
 }
 
 }  // namespace tetloom

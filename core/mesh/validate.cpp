@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "core/mesh/curved_tet.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/validate_detail.hpp"
@@ -33,6 +34,7 @@ std::string_view to_string(ProblemKind kind) {
     case ProblemKind::ClassificationConflict: return "classification_conflict";
     case ProblemKind::EntityOutOfRange: return "entity_out_of_range";
     case ProblemKind::PartlyClassified: return "partly_classified";
+    case ProblemKind::NonPositiveJacobian: return "non_positive_jacobian";
     case ProblemKind::FacesDoNotFit: return "faces_do_not_fit";
   }
   return "unknown";
@@ -70,6 +72,7 @@ std::string_view phrase(ProblemKind kind) {
     case ProblemKind::ClassificationConflict: return "% that contradict the classification of points";
     case ProblemKind::EntityOutOfRange: return "% on model entities that are not there";
     case ProblemKind::PartlyClassified: return "% without a model entity while others have one";
+    case ProblemKind::NonPositiveJacobian: return "% of second order that are inverted somewhere";
     case ProblemKind::FacesDoNotFit: return "faces of % with four points against triangles";
   }
   return "%";
@@ -196,6 +199,17 @@ void validate_shapes(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog
   });
 }
 
+void validate_curved_tets(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
+  if (mesh.mid_to_vert.empty()) return;
+  const MidNodes mids(mesh);
+  detail::log_blocks(mesh, mesh.tet_to_vert.size(), loop, log,
+                     [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                       for (std::size_t t = begin; t < end; ++t)
+                         if (!is_straight_tet(mesh, mids, t) && !has_positive_jacobian(mesh, mids, t))
+                           of_block.add(ProblemKind::NonPositiveJacobian, ElementKind::Tet, t);
+                     });
+}
+
 template <class Element>
 void insert_vertices(std::span<const Element> elements, detail::PointSet& set) {
   for (const Element& element : elements)
@@ -315,6 +329,7 @@ ValidationReport validate_mesh(const Mesh& mesh, const BlockLoop& loop) {
   detail::ProblemLog log(mesh);
   if (arrays_fit(mesh, loop, log)) {
     validate_shapes(mesh, loop, log);
+    validate_curved_tets(mesh, loop, log);
     const detail::PointMarks marks = mark_points(mesh, loop, report);
     detail::validate_faces(mesh, loop, log, report);
     detail::validate_surface_edges(mesh, marks, loop, log, report);

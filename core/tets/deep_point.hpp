@@ -29,7 +29,8 @@ std::optional<DeepPoint> maximize_least(std::span<AffineFunction> functions);
 
 /// Where that distance is nearly as large as it gets (within a tenth), for the faces opposite to the star's vertex; a
 /// place where it is not positive when there is none where it is. Faces without area do not count; nothing where fewer
-/// than four have some. The tets may be flat or inverted. By `maximize_least`. Pre: the faces bound a closed polyhedron, and are no more than twice WorkingMesh::kMostTets.
+/// than four have some. The tets may be flat or inverted. By `maximize_least`. Pre: the faces bound a closed
+/// polyhedron, and are no more than twice WorkingMesh::kMostTets.
 std::optional<DeepPoint> find_deep_point(std::span<const StarTet> star);
 
 }  // namespace tetloom::tets

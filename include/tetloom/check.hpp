@@ -38,6 +38,7 @@ enum class ProblemKind {
   ClassificationConflict,    ///< a point cannot lie on the entity that it is classified on
   EntityOutOfRange,          ///< an entity index beyond the mesh's own table of entities
   PartlyClassified,          ///< some elements of a kind are classified, others are not
+  NonPositiveJacobian,       ///< a tet of second order whose Jacobian is not proven to be positive everywhere
   FacesDoNotFit              ///< a face of four points lies against a triangular face of another cell
 };
 
@@ -76,13 +77,13 @@ struct ValidationReport {
 /// on them are left out.
 ///
 /// Checked: array lengths, those of fields too; index ranges; finite coordinates; repeated vertices; duplicate
-/// elements; exact positive volumes at all corners (`CellShape::corners`); every face of a cell in one or two cells
-/// that lie on different sides of it, quadrilaterals in the same cycle and not against triangles; a watertight
-/// boundary; surface elements, where there are any, on exactly the faces that bound a region, agreeing with
-/// `face_to_sides`; those of a face turned alike; mesh edges, where there are any, wherever model faces meet; points
-/// classified on the closure of what their elements lie on. A surface without cells may be open: that is reported in
-/// `open_edges`, not as a problem. Meshes without classification (invalid entities throughout) pass; the checks that
-/// need it do not apply.
+/// elements; exact positive volumes at all corners (`CellShape::corners`); positive Jacobians of tets of second order;
+/// every face of a cell in one or two cells that lie on different sides of it, quadrilaterals in the same cycle and not
+/// against triangles; a watertight boundary; surface elements, where there are any, on exactly the faces that bound a
+/// region, agreeing with `face_to_sides`; those of a face turned alike; mesh edges, where there are any, wherever model
+/// faces meet; points classified on the closure of what their elements lie on. A surface without cells may be open:
+/// that is reported in `open_edges`, not as a problem. Meshes without classification (invalid entities throughout)
+/// pass; the checks that need it do not apply.
 ///
 /// Complexity: linear but for sorting around each vertex; 128 MiB of working memory, 5 bytes per point and some 130
 /// bytes per triangle or quadrilateral of the surface. `loop` carries out the work; the report does not depend on it.
@@ -147,11 +148,21 @@ struct TriangleQuality {
   std::vector<FaceQuality> faces;  ///< ascending by face
 };
 
+/// Tets of second order. Those of a mesh of first order are straight.
+struct CurvedQuality {
+  std::size_t count = 0;           ///< tets with a mid node beside the middle of its edge
+  std::size_t not_positive = 0;    ///< those whose Jacobian is not proven to be positive everywhere
+  double min_scaled_jacobian = 1;  ///< the least Jacobian of all tets, over that of the straight tet; a lower bound
+                                   ///< within .001, by Bézier coefficients (Johnen, Remacle & Geuzaine 2013)
+  double volume = 0;               ///< of all tets, the straight ones as well; exact but for rounding
+};
+
 /// All fields of a kind of element that the mesh does not have are zero.
 struct QualityReport {
   CellQuality cells;
   TetQuality tets;
   TriangleQuality triangles;
+  CurvedQuality curved;
 };
 
 /// Measures `mesh`: shapes and edges of tets and triangles, and how many cells of any kind there are and how much space

@@ -85,12 +85,12 @@ struct MeshOptions {
                                 ///< keeps the surface mesh exactly
   bool stop_where_model_crosses = false;  ///< the run ends with SelfIntersection as soon as faces of one region are
                                           ///< known to cross in the model itself, for hosts that rebuild_solids then
-  bool keep_going = false;  ///< solids and sheets in which something fails are left out, with those that share
-                            ///< faces with them, and the others are meshed; by default the whole run fails
-  int order = 1;            ///< 2: elements have mid nodes, on the curves and faces of the model
+  bool keep_going = false;           ///< solids and sheets in which something fails are left out, with those that share
+                                     ///< faces with them, and the others are meshed; by default the whole run fails
+  int order = 1;                     ///< 2: elements have mid nodes, on the curves and faces of the model
   double min_scaled_jacobian = 0.1;  ///< of tets of second order: their Jacobian over that of the straight tet, at
                                      ///< every place; mid nodes leave the model where it would be less. 0 to .9
-  QualityGoals goals;       ///< of the tets
+  QualityGoals goals;                ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
   int parts = 0;  ///< of make_mesh_in_parts: the result is dealt to so many; 0: those in which it was made
@@ -165,8 +165,8 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
 
 /// As make_mesh, by the ranks of `communicator` together. The first rank has the mesh that make_mesh makes, element for
 /// element; the meshes of the others are the surface alone, as it was before the volume was filled. All else in the
-/// result but `second_order`, which the first rank has, is the same on all ranks. A collective call, for which all ranks give the same. Errors and thread safety: as
-/// make_mesh; one call for each communicator.
+/// result but `second_order`, which the first rank has, is the same on all ranks. A collective call, for which all
+/// ranks give the same. Errors and thread safety: as make_mesh; one call for each communicator.
 MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                               const Host& host = {});
 
@@ -182,9 +182,9 @@ struct MeshInPartsResult {
 /// filled, which are complexes (regions connected through faces) and the parts of large ones. Global ids of vertices
 /// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it.
 ///
-/// Errors: InvalidArgument is thrown, for options out of range, for surface_only and for order 2. In the result: what make_mesh
-/// says, and InputUnsuitable, before any work is done, for a model without regions and for one with faces or edges that
-/// bound none. Thread safety: one call for each communicator.
+/// Errors: InvalidArgument is thrown, for options out of range, for surface_only and for order 2. In the result: what
+/// make_mesh says, and InputUnsuitable, before any work is done, for a model without regions and for one with faces or
+/// edges that bound none. Thread safety: one call for each communicator.
 MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,
                                      Communicator& communicator, const Host& host = {});
 

@@ -136,7 +136,7 @@ struct MeshField {
 /// serendipity elements of 10 (tet), 13, 15 and 20 nodes have them. Mid nodes are the last of the points; elements name
 /// their vertices alone.
 struct Mesh {
-  std::vector<Vec3> points;  ///< vertices, then mid nodes
+  std::vector<Vec3> points;                  ///< vertices, then mid nodes
   std::vector<ModelEntity> point_to_entity;  ///< the lowest-dimension model entity that the point lies on; may be
                                              ///< invalid for meshes from elsewhere. Where small features were
                                              ///< eliminated a point may lie on several model edges, pieces of which

@@ -21,8 +21,7 @@ SecondOrderFigures make_second_order(const GeometricModel& model, double min_sca
   figures.off_model = std::move(places.off_model);
   for (const CurvedNode& node : straightening.off_model) {
     const std::size_t p = vertex_count(mesh) + node.mid;
-    figures.off_model.push_back(
-        {mesh.point_to_entity[p], distance(mesh.points[p], node.on_model), mesh.points[p]});
+    figures.off_model.push_back({mesh.point_to_entity[p], distance(mesh.points[p], node.on_model), mesh.points[p]});
   }
   figures.seconds = watch.lap();
   return figures;

@@ -25,7 +25,7 @@ void add_mid_nodes(Mesh& mesh, const TaskRunner& runner) {
   mesh.point_to_entity.resize(vertices + edges.size());
   mesh.mid_to_vert = std::move(edges);
   runner.for_blocks(mesh.mid_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) mesh.points[vertices + m] = middle_of(mesh, m);
+    for (std::size_t m = begin; m < end; ++m) mesh.points[vertices + m] = middle_of_edge(mesh, m);
   });
   classify_mid_nodes(mesh, runner);
 }
@@ -62,7 +62,7 @@ MidNodePlaces project(const GeometricModel& model, const Mesh& mesh, ModelEntity
   for (const std::uint32_t mid : mids) {
     const auto [a, b] = mesh.mid_to_vert[mid];
     const double chord = distance(mesh.points[a], mesh.points[b]);
-    const Vec3 middle = middle_of(mesh, mid);
+    const Vec3 middle = middle_of_edge(mesh, mid);
     const std::optional<SurfaceSpot> spot = projector(entity, middle);
     const double away = spot ? distance(spot->point, middle) : HUGE_VAL;
     if (!(away <= kMostDisplacement * chord))
@@ -79,11 +79,6 @@ void append(std::vector<Item>& all, const std::vector<Item>& more) {
 }
 
 }  // namespace
-
-Vec3 middle_of(const Mesh& mesh, std::size_t mid) {
-  const auto [a, b] = mesh.mid_to_vert[mid];
-  return 0.5 * (mesh.points[a] + mesh.points[b]);
-}
 
 MidNodePlaces place_mid_nodes(const GeometricModel& model, Mesh& mesh, const TaskRunner& runner) {
   add_mid_nodes(mesh, runner);

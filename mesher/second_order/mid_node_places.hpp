@@ -19,9 +19,6 @@ struct MidNodePlaces {
   std::vector<OffModelNode> off_model;  ///< those that stay in the middle although the model is elsewhere
 };
 
-/// The middle between the ends of an edge, by its place in `Mesh::mid_to_vert`.
-Vec3 middle_of(const Mesh& mesh, std::size_t mid);
-
 /// Makes a mesh of first order one of second order: a mid node for every edge, classified on the model entity of lowest
 /// dimension that the edge lies on; those on edges and faces of the model at the place of it that is nearest to the
 /// middle of the chord. Where there is none within half the length of the chord they stay in the middle. The result

@@ -11,9 +11,9 @@ namespace tetloom::second_order {
 namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 13;
-constexpr int kRoundsOfMoving = 4;      // then mid nodes inside are pulled as well
-constexpr int kHalvings = 8;            // of the interval in which the share of a displacement is sought
-constexpr double kMostKept = 0.9;       // of a displacement, where pulling has not been enough before
+constexpr int kRoundsOfMoving = 4;       // then mid nodes inside are pulled as well
+constexpr int kHalvings = 8;             // of the interval in which the share of a displacement is sought
+constexpr double kMostKept = 0.9;        // of a displacement, where pulling has not been enough before
 constexpr double kLeastKept = 1.0 / 16;  // of the first displacement; less becomes none
 
 struct Displaced {
@@ -45,7 +45,7 @@ class Straightener {
   Straightener(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner)
       : least_(least), mesh_(mesh), mids_(mesh), first_mid_(vertex_count(mesh)), runner_(runner) {
     for (const CurvedNode& node : curved) {
-      const Vec3 away = node.on_model - middle_of(mesh, node.mid);
+      const Vec3 away = node.on_model - middle_of_edge(mesh, node.mid);
       displaced_.push_back({node.mid, true, away, away});
       point(node.mid) = node.on_model;
     }
@@ -75,11 +75,7 @@ class Straightener {
   bool is_good(std::uint32_t tet) const {
     return is_straight(tet) || least_jacobian(jacobian_of(tet), least_) >= least_;
   }
-  bool is_straight(std::uint32_t tet) const {
-    return std::ranges::all_of(mids_of(tet), [&](std::uint32_t m) {
-      return mesh_.points[first_mid_ + m] == middle_of(mesh_, m);
-    });
-  }
+  bool is_straight(std::uint32_t tet) const { return is_straight_tet(mesh_, mids_, tet); }
 
   // Tets with a curved edge: those with both ends of one among their vertices.
   void find_curved_tets() {
@@ -197,7 +193,7 @@ class Straightener {
 
   void remember(std::uint32_t mid) {
     const auto at = std::ranges::lower_bound(displaced_, mid, {}, &Displaced::mid);
-    const Vec3 now = point(mid) - middle_of(mesh_, mid);
+    const Vec3 now = point(mid) - middle_of_edge(mesh_, mid);
     if (at != displaced_.end() && at->mid == mid) {
       at->first = at->now = now;
     } else {
@@ -230,7 +226,7 @@ class Straightener {
   }
 
   void put(const Displaced& node, double share) {
-    const Vec3 middle = middle_of(mesh_, node.mid);
+    const Vec3 middle = middle_of_edge(mesh_, node.mid);
     point(node.mid) = share * norm2(node.now) > 0 ? middle + share * node.now : middle;
   }
 
@@ -257,7 +253,7 @@ class Straightener {
     for (const Displaced& node : displaced_) {
       if (!node.is_on_model && node.now != Vec3{}) result.moved.push_back(node.mid);
       if (node.is_on_model && node.now != node.first)
-        result.off_model.push_back({node.mid, middle_of(mesh_, node.mid) + node.first});
+        result.off_model.push_back({node.mid, middle_of_edge(mesh_, node.mid) + node.first});
     }
     struct Bounds {
       double least = 1;

@@ -11,10 +11,10 @@
 namespace tetloom::second_order {
 
 struct Straightening {
-  std::vector<std::uint32_t> moved;      ///< mid nodes inside of regions that are not in the middle, ascending
-  std::vector<CurvedNode> off_model;     ///< those of `curved` that had to leave the model, ascending
-  double min_scaled_jacobian = 1;        ///< a lower bound over all tets; at most 1
-  std::size_t not_positive = 0;          ///< tets whose bound is not positive
+  std::vector<std::uint32_t> moved;   ///< mid nodes inside of regions that are not in the middle, ascending
+  std::vector<CurvedNode> off_model;  ///< those of `curved` that had to leave the model, ascending
+  double min_scaled_jacobian = 1;     ///< a lower bound over all tets; at most 1
+  std::size_t not_positive = 0;       ///< tets whose bound is not positive
 };
 
 /// Puts the nodes of `curved` on the model. Where the Jacobian of a tet is then less than `least` times that of the

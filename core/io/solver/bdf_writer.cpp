@@ -13,8 +13,7 @@ namespace {
 
 constexpr std::array<const char*, kBlocks> kCards{"CROD", "CTRIA3", "CQUAD4", "CTETRA", "CPYRAM", "CPENTA", "CHEXA"};
 /// Of second order, and the edges in their order: those of the base, those up from it, those of the top.
-constexpr std::array<const char*, kBlocks> kCards2{"",       "CTRIA6", "CQUAD8", "CTETRA",
-                                                   "CPYRAM", "CPENTA", "CHEXA"};
+constexpr std::array<const char*, kBlocks> kCards2{"", "CTRIA6", "CQUAD8", "CTETRA", "CPYRAM", "CPENTA", "CHEXA"};
 constexpr std::array<LocalEdge, 9> kPrismEdges{
     {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
 constexpr std::array<LocalEdge, 12> kHexEdges{
@@ -118,12 +117,12 @@ class BdfWriter {
       const char* card = (nodes_.are_second_order() ? kCards2 : kCards)[static_cast<std::size_t>(block)];
       const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
         for (std::size_t e = begin; e < end; ++e)
-          out = put_card(
-              out, card, first + e, properties[tag_of_index(entities[e])],
-              nodes_.of(turned_outwards(mesh_, dim, elements[e], entities[e]), bdf_edges_of(block)));
+          out = put_card(out, card, first + e, properties[tag_of_index(entities[e])],
+                         nodes_.of(turned_outwards(mesh_, dim, elements[e], entities[e]), bdf_edges_of(block)));
         return out;
       };
-      file_.write_lines(elements.size(), (nodes_.count(block) / kFieldsPerLine + 2) * (kFieldsPerLine + 2) * kField, print_block, loop_);
+      file_.write_lines(elements.size(), (nodes_.count(block) / kFieldsPerLine + 2) * (kFieldsPerLine + 2) * kField,
+                        print_block, loop_);
       element_count_ += elements.size();
     });
   }
