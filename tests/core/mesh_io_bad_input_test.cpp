@@ -224,8 +224,8 @@ TEST_CASE("elements that a mesh cannot hold are refused by name") {
   refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nHexahedraQ2\n1\n1 2 3 4 5 6 7 8 0\nEnd\n"),
          "HexahedraQ2");
   refuse(error_for(".mesh", "MeshVersionFormatted 2\nDimension 3\nTetrahedraP2\n1\n1 2 3\nEnd\n"), "TetrahedraP2");
-  refuse(error_for(".msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Elements\n1 1 1 1\n3 1 11 1\n1 2\n$EndElements\n"),
-         "second-order tetrahedron");
+  refuse(error_for(".msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Elements\n1 1 1 1\n3 1 29 1\n1 2\n$EndElements\n"),
+         "third-order tetrahedron");
   refuse(error_for(".msh", "$MeshFormat\n4.0 0 8\n$EndMeshFormat\n"), "version 4.0");
   refuse(
       error_for(".vtu",
