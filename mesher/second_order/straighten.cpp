@@ -16,6 +16,8 @@ constexpr int kHalvings = 8;             // of the interval in which the share o
 constexpr double kMostKept = 0.9;        // of a displacement, where pulling has not been enough before
 constexpr double kLeastKept = 1.0 / 16;  // of the first displacement; less becomes none
 
+constexpr double kNoChange = 1e-9;       // of a coefficient, by a motion as long as the edge
+
 struct Displaced {
   std::uint32_t mid = 0;
   bool is_on_model = false;  // else inside of a region
@@ -170,7 +172,8 @@ class Straightener {
     remember(mid);
   }
 
-  // All coefficients of the tets at a mid node as functions of its displacement from where it is.
+  // The coefficients of the tets at a mid node that depend on its place, as functions of its displacement from where it
+  // is.
   std::vector<tets::AffineFunction> coefficients_at(std::uint32_t mid) {
     const Vec3 here = point(mid);
     const auto [a, b] = mesh_.mid_to_vert[mid];
@@ -184,9 +187,10 @@ class Straightener {
         moved[static_cast<std::size_t>(axis)] = jacobian_of(tet);
         point(mid) = here;
       }
-      for (std::size_t c = 0; c < base.size(); ++c)
-        functions.push_back(
-            {Vec3{moved[0][c] - base[c], moved[1][c] - base[c], moved[2][c] - base[c]} / step, base[c]});
+      for (std::size_t c = 0; c < base.size(); ++c) {
+        const Vec3 change{moved[0][c] - base[c], moved[1][c] - base[c], moved[2][c] - base[c]};
+        if (norm(change) > kNoChange) functions.push_back({change / step, base[c]});
+      }
     });
     return functions;
   }
