@@ -98,7 +98,7 @@ def draw_floors():
 
 
 def draw_model():
-    d = Drawing(900, 812, "What happens to a model")
+    d = Drawing(900, 880, "What happens to a model")
     x, width = 250, 400
     steps = [
         ("STEP, IGES, BREP, STL or OBJ file", [], PLAIN),
@@ -109,8 +109,9 @@ def draw_model():
         ("5 Self-intersections", ["mesher/intersection: exact, within each complex"], GREEN),
         ("6 Check of solids", ["mesher/check_solids: volume, orientation, overlaps"], GREEN),
         ("7 Volume", ["mesher/volume: every closed complex of faces", "→ tets, in parts where there are many"], GREEN),
-        ("8 Measure", ["core/mesh: quality, edges against sizes, digest"], VIOLET),
-        ("9 Write", ["core/io; parts: threading", "→ .vtu .msh .mesh .meshb .stl · .pvtu and .msh in parts"], BLUE),
+        ("8 Second order", ["mesher/second_order: mid nodes on the model, where wanted"], GREEN),
+        ("9 Measure", ["core/mesh: quality, edges against sizes, digest"], VIOLET),
+        ("10 Write", ["core/io; parts: threading", "→ .vtu .msh .mesh .meshb .stl · .pvtu and .msh in parts"], BLUE),
     ]
     y, boxes = 20, []
     for title, lines, fill in steps:

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that tetloom needs. This is the one list of them: every other script calls this one.
 #
-# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [tsan]
+# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [calculix] [tsan]
 #   build    what configures, compiles and tests tetloom (the default)
 #   check    what .ci/run needs beside: formatter, naming checks
 #   oracles  libraries that tests compare tetloom with, where they are installed
 #   picture  what scripts/draw_mesh.py needs
 #   peers    other meshers, run beside tetloom by the benches where they are installed
 #   freefem  what examples/adaptive_loop needs: a solver
+#   calculix what examples/calculix needs: a solver
 #   tsan     what scripts/build_tsan_tbb.sh needs beside
 # Installed packages are left as they are; without missing ones neither the network nor root is needed.
 set -euo pipefail
@@ -24,6 +25,7 @@ declare -A packages=(
   [picture]="python3 python3-numpy python3-meshio python3-pil"
   [peers]="gmsh netgen tetgen"
   [freefem]="freefem++ python3 python3-numpy"
+  [calculix]="calculix-ccx python3 python3-numpy"
   [tsan]="dpkg-dev"
 )
 

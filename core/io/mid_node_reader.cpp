@@ -1,4 +1,4 @@
-#include "core/io/mid_node_reader.hpp"
+#include "core/io/mid_node_reader_detail.hpp"
 
 namespace tetloom::detail {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/element_nodes.hpp"
+#include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 
 namespace tetloom::detail {

@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "core/io/formats_detail.hpp"
-#include "core/io/mid_node_reader.hpp"
+#include "core/io/mid_node_reader_detail.hpp"
 #include "core/io/msh_detail.hpp"
 
 namespace tetloom::detail {

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/io/formats_detail.hpp"
-#include "core/io/mid_node_reader.hpp"
+#include "core/io/mid_node_reader_detail.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/io/element_nodes.hpp"
+#include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"

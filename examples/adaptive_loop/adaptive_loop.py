@@ -13,9 +13,10 @@ import sys
 
 import numpy
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from error_plot import draw_errors
 from layer import Layer, error, volumes
 from medit import read_mesh, read_solution, write_mesh_for_solver, write_solution
-from plot import draw_errors
 
 TURN = math.radians(9)  # of the layer in one cycle
 START_SIZE = 8.0  # millimetres
@@ -145,7 +146,8 @@ def main():
               f"{uniform_off / off:6.1f}")
     if options.plot:
         draw_errors(options.plot, [("adapted", [(row[1], row[2]) for row in rows]),
-                                   ("uniform", [(row[4], row[5]) for row in rows])])
+                                   ("uniform", [(row[4], row[5]) for row in rows])],
+                    "tetrahedra", "root of the mean square error, mean of all cycles")
     # What the loop is to show: a run that does not is a failure.
     if any(abs(row[3]) > 1e-12 for row in rows):
         sys.exit("adaptive_loop.py: the integral of the tracer has changed")

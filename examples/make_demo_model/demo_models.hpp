@@ -42,6 +42,10 @@ std::vector<DemoPart> make_spline_body(int sides, int levels);
 /// A ball about the origin, of one face. Throws std::runtime_error unless 1 <= radius <= 10000.
 std::vector<DemoPart> make_ball(int radius);
 
+/// An eighth of a hollow ball about the origin, where x, y and z are positive. Its faces are called inner, outer, x=0,
+/// y=0 and z=0. Throws std::runtime_error unless 1 <= inner < outer <= 10000.
+std::vector<DemoPart> make_hollow_sphere(int inner, int outer);
+
 /// Throws std::runtime_error unless every shape passes BRepCheck_Analyzer and has a positive volume.
 void check_parts(const std::vector<DemoPart>& parts);
 

@@ -79,9 +79,12 @@ std::vector<DemoPart> make_machined_part() {
   part.shape = single_solid(drilled(with_boss(base_plate())));
   for (TopExp_Explorer face(part.shape, TopAbs_FACE); face.More(); face.Next()) {
     const BRepAdaptor_Surface surface(TopoDS::Face(face.Current()));
-    const bool is_bore = surface.GetType() == GeomAbs_Cylinder && std::abs(surface.Cylinder().Radius() - 11) < 1e-6;
+    const double radius = surface.GetType() == GeomAbs_Cylinder ? surface.Cylinder().Radius() : 0;
+    const bool is_bore = std::abs(radius - 11) < 1e-6, is_bolt_hole = std::abs(radius - 4) < 1e-6;
     if (surface.GetType() == GeomAbs_BSplineSurface) {
       part.faces.push_back({"spline top", Quantity_Color(0.85, 0.45, 0.25, Quantity_TOC_sRGB), face.Current()});
+    } else if (is_bolt_hole) {
+      part.faces.push_back({"bolt hole", part.color, face.Current()});
     } else if (is_bore) {
       part.faces.push_back({"bore", Quantity_Color(0.30, 0.60, 0.45, Quantity_TOC_sRGB), face.Current()});
     }

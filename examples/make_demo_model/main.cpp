@@ -24,8 +24,8 @@ struct Recipe {
   std::vector<DemoPart> (*make)(std::span<const int> numbers);
 };
 
-const std::array<Recipe, 5>& recipes() {
-  static const std::array<Recipe, 5> all = {{
+const std::array<Recipe, 6>& recipes() {
+  static const std::array<Recipe, 6> all = {{
       {"machined-part",
        "part",
        "a bracket with fillets, holes, a pocket and a B-spline top face",
@@ -56,6 +56,12 @@ const std::array<Recipe, 5>& recipes() {
        "RADIUS",
        {50},
        [](std::span<const int> n) { return make_ball(n[0]); }},
+      {"hollow-sphere",
+       "shell",
+       "an eighth of a hollow ball, with names (10 20: 5 faces)",
+       "INNER OUTER",
+       {10, 20},
+       [](std::span<const int> n) { return make_hollow_sphere(n[0], n[1]); }},
   }};
   return all;
 }

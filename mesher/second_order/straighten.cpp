@@ -16,7 +16,7 @@ constexpr int kHalvings = 8;             // of the interval in which the share o
 constexpr double kMostKept = 0.9;        // of a displacement, where pulling has not been enough before
 constexpr double kLeastKept = 1.0 / 16;  // of the first displacement; less becomes none
 
-constexpr double kNoChange = 1e-9;       // of a coefficient, by a motion as long as the edge
+constexpr double kNoChange = 1e-9;  // of a coefficient, by a motion as long as the edge
 
 struct Displaced {
   std::uint32_t mid = 0;

@@ -87,6 +87,22 @@ double signed_volume(const std::vector<Vec3>& polygon, const Vec3& origin) {
 
 }  // namespace
 
+TEST_CASE("numbers of Abaqus files are short enough for CalculiX, which reads 20 characters of them") {
+  Mesh mesh = named_box();
+  const std::vector<double> hard{6.1232339957367663e-16, -1.2345678901234567e-105, -0.035355339059327373,
+                                 -1.7976931348623157e+308, 12345.678901234567};
+  for (std::size_t i = 0; i < hard.size(); ++i) mesh.points[i].y = hard[i];
+  const std::string text = written(mesh, ".inp");
+  std::istringstream lines(text.substr(text.find("*NODE")));
+  std::string line;
+  std::getline(lines, line);
+  for (std::size_t i = 0; i < mesh.points.size() && std::getline(lines, line); ++i) {
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) CHECK(field.size() <= 20);
+    CHECK(numbers_in(line).at(2) == Approx(mesh.points[i].y).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("names for solvers are words that begin with a letter") {
   CHECK(solver_name("inlet") == "inlet");
   CHECK(solver_name("inlet left/1") == "inlet_left_1");

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "core/io/element_nodes.hpp"
+#include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "tetloom/error.hpp"

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 
 namespace tetloom::detail {

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "core/io/element_nodes.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
+
+class ElementNodes;
 
 /// Elements of one dimension that lie on one model entity.
 struct Group {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/io/element_nodes.hpp"
+#include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/cell_faces.hpp"
 #include "core/io/solver/groups.hpp"
@@ -20,6 +20,17 @@ constexpr std::array<std::array<int, 6>, kCellKinds> kFaceNumbers{
     {{3, 4, 2, 1, 0, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 6}}};
 constexpr std::size_t kPerLine = 8;        // numbers in a line of a set; readers take at most 16
 constexpr std::size_t kNodesPerLine = 15;  // behind the number of the element
+
+constexpr std::size_t kMostCharacters = 20;  // of a number, for CalculiX, which reads no further
+
+// The shortest form that reads back as the same number where that is short enough, else the nearest that is.
+char* print_short(char* out, double number, char behind) {
+  char* end = std::to_chars(out, out + kRealBytes, number).ptr;
+  for (int digits = 14; end > out + kMostCharacters; --digits)
+    end = std::to_chars(out, out + kRealBytes, number, std::chars_format::scientific, digits).ptr;
+  *end = behind;
+  return end + 1;
+}
 
 class InpWriter {
  public:
@@ -45,7 +56,7 @@ class InpWriter {
     const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
       for (std::size_t v = begin; v < end; ++v) {
         out = print(out, v + 1, ',');
-        for (int axis = 0; axis < 3; ++axis) out = print(out, mesh_.points[v][axis], axis < 2 ? ',' : '\n');
+        for (int axis = 0; axis < 3; ++axis) out = print_short(out, mesh_.points[v][axis], axis < 2 ? ',' : '\n');
       }
       return out;
     };

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/io/element_nodes.hpp"
+#include "core/io/element_nodes_detail.hpp"
 
 namespace tetloom::detail {
 
