@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that tetloom needs. This is the one list of them: every other script calls this one.
 #
-# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [calculix] [tsan]
+# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [calculix] [openfoam] [tsan]
 #   build    what configures, compiles and tests tetloom (the default)
 #   check    what .ci/run needs beside: formatter, naming checks
 #   oracles  libraries that tests compare tetloom with, where they are installed
@@ -9,6 +9,7 @@
 #   peers    other meshers, run beside tetloom by the benches where they are installed
 #   freefem  what examples/adaptive_loop needs: a solver
 #   calculix what examples/calculix needs: a solver
+#   openfoam what examples/openfoam needs: a solver
 #   tsan     what scripts/build_tsan_tbb.sh needs beside
 # Installed packages are left as they are; without missing ones neither the network nor root is needed.
 set -euo pipefail
@@ -26,6 +27,7 @@ declare -A packages=(
   [peers]="gmsh netgen tetgen"
   [freefem]="freefem++ python3 python3-numpy"
   [calculix]="calculix-ccx python3 python3-numpy"
+  [openfoam]="openfoam python3 python3-numpy"
   [tsan]="dpkg-dev"
 )
 

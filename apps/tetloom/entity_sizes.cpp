@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <fstream>
-#include <initializer_list>
-#include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string_view>
 
+#include "apps/tetloom/json_entry.hpp"
 #include "apps/tetloom/quantities.hpp"
 
 namespace tetloom::app {
@@ -18,93 +14,22 @@ namespace {
 
 using Json = nlohmann::json;
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
-
-/// Reads the members of one JSON object, and knows how to name it in messages.
-class Entry {
- public:
-  Entry(const Json& json, std::string place, std::initializer_list<std::string_view> known)
-      : json_(json), place_(std::move(place)) {
-    if (!json.is_object()) refuse(place_ + " must be an object");
-    for (const auto& [key, value] : json.items()) {
-      if (std::find(known.begin(), known.end(), key) == known.end())
-        refuse(place_ + " has an unknown key '" + key + "'");
-    }
-  }
-
-  double size() const {
-    const double value = number("size");
-    if (value <= 0) refuse(place_ + ": 'size' must be positive, not " + format_number(value));
-    return value;
-  }
-
-  double number(const char* key) const {
-    if (!json_.contains(key)) refuse(place_ + " has no '" + key + "'");
-    return finite(json_[key], key);
-  }
-
-  std::optional<std::int64_t> integer(const char* key, std::int64_t low, std::int64_t high) const {
-    if (!json_.contains(key)) return std::nullopt;
-    const Json& value = json_[key];
-    if (value.is_number_integer() && value >= low && value <= high) return value.get<std::int64_t>();
-    refuse(place_ + ": '" + key + "' must be a whole number from " + std::to_string(low) + " to " +
-           std::to_string(high));
-  }
-
-  std::string text(const char* key) const {
-    if (!json_.contains(key)) return {};
-    if (!json_[key].is_string() || json_[key].get_ref<const std::string&>().empty()) {
-      refuse(place_ + ": '" + key + "' must be a text that is not empty");
-    }
-    return json_[key].get<std::string>();
-  }
-
-  Vec3 point(const char* key) const {
-    if (!json_.contains(key) || !json_[key].is_array() || json_[key].size() != 3) {
-      refuse(place_ + ": '" + key + "' must be three numbers");
-    }
-    return {finite(json_[key][0], key), finite(json_[key][1], key), finite(json_[key][2], key)};
-  }
-
-  const std::string& place() const { return place_; }
-
- private:
-  double finite(const Json& value, const char* key) const {
-    if (!value.is_number() || !std::isfinite(value.get<double>())) {
-      refuse(place_ + ": '" + key + "' must be a number");
-    }
-    return value.get<double>();
-  }
-
-  const Json& json_;
-  std::string place_;
-};
-
 EntitySizeWish parse_entity(const Json& json, const std::string& place) {
-  const Entry entry(json, place, {"dim", "tag", "name", "size"});
+  const JsonEntry entry(json, place, {"dim", "tag", "name", "size"});
   EntitySizeWish wish;
   if (const auto dim = entry.integer("dim", 0, 3)) wish.dim = static_cast<int>(*dim);
   if (const auto tag = entry.integer("tag", 1, 0xfffffffe)) wish.tag = static_cast<std::uint32_t>(*tag);
   wish.name = entry.text("name");
   wish.size = entry.size();
-  if (wish.tag.has_value() == !wish.name.empty()) refuse(place + " must have either a 'tag' or a 'name'");
-  if (wish.tag && !wish.dim) refuse(place + " has a 'tag' and so needs a 'dim': 0 vertex, 1 edge, 2 face, 3 region");
+  if (wish.tag.has_value() == !wish.name.empty()) refuse_json(place + " must have either a 'tag' or a 'name'");
+  if (wish.tag && !wish.dim)
+    refuse_json(place + " has a 'tag' and so needs a 'dim': 0 vertex, 1 edge, 2 face, 3 region");
   return wish;
 }
 
 PointSize parse_point(const Json& json, const std::string& place) {
-  const Entry entry(json, place, {"point", "size"});
+  const JsonEntry entry(json, place, {"point", "size"});
   return {entry.point("point"), entry.size()};
-}
-
-/// Calls `parse` for each item of the list `key`, which may be missing.
-template <class Parse>
-void for_each_item(const Json& root, const std::string& path, const char* key, const Parse& parse) {
-  if (!root.contains(key)) return;
-  if (!root[key].is_array()) refuse("'" + path + "': \"" + key + "\" must be a list");
-  for (std::size_t i = 0; i < root[key].size(); ++i) {
-    parse(root[key][i], "'" + path + "': " + key + "[" + std::to_string(i) + "]");
-  }
 }
 
 /// How many letters one has to change, add or leave out to get from `a` to `b` (Levenshtein).
@@ -172,16 +97,8 @@ std::string describe_missing(const EntitySizeWish& wish, const GeometricModel& m
 }  // namespace
 
 SizesFile parse_sizes(const std::string& text, const std::string& path) {
-  Json root;
-  try {
-    root = Json::parse(text);
-  } catch (const Json::exception& error) {
-    // "[json.exception.parse_error.101] parse error at line 3, column 5: …": the bracket is for programmers.
-    const std::string message = error.what();
-    const std::size_t bracket = message.find("] ");
-    refuse("'" + path + "': " + (bracket == std::string::npos ? message : message.substr(bracket + 2)));
-  }
-  const Entry whole(root, "'" + path + "'", {"entities", "points"});
+  const Json root = parse_json(text, path);
+  const JsonEntry whole(root, "'" + path + "'", {"entities", "points"});
   SizesFile sizes;
   for_each_item(root, path, "entities", [&](const Json& json, const std::string& place) {
     sizes.entities.push_back(parse_entity(json, place));
@@ -192,13 +109,7 @@ SizesFile parse_sizes(const std::string& text, const std::string& path) {
 }
 
 SizesFile read_sizes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code error;
-  if (!file || !std::filesystem::is_regular_file(path, error)) {
-    refuse("cannot read the file of --sizes, '" + path.string() + "'");
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return parse_sizes(text, path.string());
+  return parse_sizes(read_text(path, "--sizes"), path.string());
 }
 
 void apply_sizes(const SizesFile& file, const GeometricModel& model, SizeOptions& options) {
@@ -209,7 +120,7 @@ void apply_sizes(const SizesFile& file, const GeometricModel& model, SizeOptions
   if (!missing.empty()) {
     std::string message = "the file of --sizes asks for what the model does not have: " + missing[0];
     for (std::size_t i = 1; i < missing.size(); ++i) message += ", " + missing[i];
-    refuse(message);
+    refuse_json(message);
   }
   options.point_sizes.insert(options.point_sizes.end(), file.points.begin(), file.points.end());
 }

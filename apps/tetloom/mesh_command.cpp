@@ -21,6 +21,7 @@ namespace {
 struct Sized {
   ModelDocument document;
   MeshOptions options;
+  std::vector<GroupMember> groups;
 };
 
 // The model of a run, as `read` gives it, with the sizes asked for its entities.
@@ -28,11 +29,14 @@ Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocu
   RunReport& report = run.report();
   SizesFile sizes;
   if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
+  std::vector<GroupWish> groups = command.groups;
+  if (!command.groups_file.empty()) std::ranges::copy(read_groups(command.groups_file), std::back_inserter(groups));
   run.begin(Stage::Read);
-  Sized sized{{}, command.options};
+  Sized sized{{}, command.options, {}};
   report.seconds.read += timed([&] { sized.document = read_input(read); });
   report.warnings = sized.document.warnings;
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
+  sized.groups = find_members(groups, *sized.document.model);
   return sized;
 }
 
@@ -98,6 +102,15 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   }
 }
 
+void note_groups(const std::vector<GroupMember>& members, RunReport& report) {
+  nlohmann::ordered_json groups = nlohmann::ordered_json::object();
+  for (const auto& [entity, group] : members) {
+    groups[group]["dim"] = entity.dim;
+    groups[group]["ids"].push_back(entity.tag());
+  }
+  if (!members.empty()) report.extra["groups"] = std::move(groups);
+}
+
 // What the lengths of the model are multiplied by for the output.
 double scale_of(const MeshCommand& command, const GeometricModel& model) {
   if (command.metres_per_unit == 0) return 1;
@@ -124,7 +137,7 @@ void write(const MeshCommand& command, double scale, Mesh& mesh, const TaskRunne
 
 // The first rank has the whole mesh, and the threads of those that wait for it.
 void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
-  const auto& [document, options] = sized;
+  const auto& [document, options, groups] = sized;
   RunReport& report = run.report();
   const double scale = scale_of(command, *document.model);
   MeshResult result = make_or_repair(command, sized, communicator, run);
@@ -136,6 +149,8 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
     check(result, runner, run);
     if (result.status != MeshStatus::Ok && !result.is_partial) return;
 
+    apply_groups(groups, *document.model, result.mesh.entities);
+    note_groups(groups, report);
     run.begin(Stage::Write);
     report.seconds.write = timed([&] { write(command, scale, result.mesh, runner, run); });
     run.set_text(render_summary(report, command.output.string(), command.report.string()));
@@ -143,7 +158,7 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
 }
 
 void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
-  const auto& [document, options] = sized;
+  const auto& [document, options, groups] = sized;
   RunReport& report = run.report();
   const MeshInPartsResult result = make_mesh_in_parts(*document.model, options, communicator, run.host());
   note_run(result.run, *document.model, options, report);

@@ -50,7 +50,9 @@ struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian;
   std::optional<int> threads, parts, rounds, order;
-  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version;
+  std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version,
+                                                                     groups_file;
+  std::vector<std::string> groups;
   bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
        keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false, ascii = false;
 };
@@ -98,6 +100,17 @@ WriteOptions make_write_options(const RawMeshOptions& raw) {
   require(!options.msh_2_2 || std::filesystem::path(raw.output).extension() == ".msh",
           "--msh-version needs an output that ends in .msh");
   return options;
+}
+
+void set_groups(const RawMeshOptions& raw, MeshCommand& command) {
+  try {
+    for (const std::string& text : raw.groups) command.groups.push_back(parse_group(text));
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+  command.groups_file = raw.groups_file;
+  require(!command.in_parts || (raw.groups.empty() && raw.groups_file.empty()),
+          "--group and --groups are for meshes in one file, not in parts");
 }
 
 void set_order(const RawMeshOptions& raw, MeshCommand& command) {
@@ -191,6 +204,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
           "only meshes of volumes can be dealt to parts, and --surface-only makes none");
   require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
   set_order(raw, command);
+  set_groups(raw, command);
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
@@ -328,6 +342,16 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
                    "The unit of the output's lengths; default: the model's. Sizes are in the model's unit")
       ->check(CLI::IsMember({"m", "cm", "mm", "um", "km", "in", "ft"}))
       ->type_name("U")
+      ->group(kRun);
+  mesh->add_option("--group", raw.groups,
+                   "Model entities that files have under one NAME: regions, faces, edges or vertices, by tags (3,7-9), "
+                   "names with * and ?, #rrggbb or, of faces, the direction of normals (+z); several times")
+      ->type_name("NAME=faces:ITEMS")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(kRun);
+  mesh->add_option("--groups", raw.groups_file, "The same in a file (see the reference)")
+      ->type_name("FILE.json")
       ->group(kRun);
   mesh->add_option("--msh-version", raw.msh_version, "Of .msh: 4.1 (the default), or 2.2, which more programs read")
       ->check(CLI::IsMember({"4.1", "2.2"}))

@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "apps/tetloom/entity_groups.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
@@ -24,7 +25,9 @@ struct MeshCommand {
   ReadOptions read;
   MeshOptions options;
   WriteOptions write;
-  double metres_per_unit = 0;  ///< of the output; 0: the model's unit
+  std::vector<GroupWish> groups;
+  std::filesystem::path groups_file;  ///< empty: none
+  double metres_per_unit = 0;         ///< of the output; 0: the model's unit
   bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the volume was filled in
   bool quiet = false;
 };

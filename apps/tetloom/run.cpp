@@ -7,6 +7,7 @@
 
 #include "apps/tetloom/console.hpp"
 #include "core/io/atomic_file.hpp"
+#include "tetloom/io.hpp"
 #include "threading/comm/shared_work.hpp"
 
 namespace tetloom::app {
@@ -57,7 +58,10 @@ ExitStatus Run::execute(const std::function<void(Run&)>& body) {
 
 // A place where nothing can be written is found before the work, not after it.
 void Run::probe_outputs() const {
-  if (!setup_.output.empty()) AtomicFile probe(setup_.output);
+  std::error_code ignored;
+  const bool is_folder =
+      std::filesystem::is_directory(setup_.output, ignored) && is_writable_mesh_format(setup_.output);
+  if (!setup_.output.empty()) AtomicFile probe(is_folder ? setup_.output / "probe" : setup_.output);
   if (!setup_.report.empty()) AtomicFile probe(setup_.report);
 }
 

@@ -35,8 +35,8 @@ void require_replaceable(const std::filesystem::path& target,
   if (!std::filesystem::is_directory(status)) fail("make", target, EEXIST);
   std::filesystem::directory_iterator entry(target, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (entry->is_directory() || !is_replaceable(name))
+    const std::string name = entry->path().filename().string() + (entry->is_directory() ? "/" : "");
+    if (!is_replaceable(name))
       throw Error(ErrorCode::OutputFailed, "the folder '" + target.string() + "' would be replaced, but holds '" +
                                                name + "', which is no piece of a mesh");
   }

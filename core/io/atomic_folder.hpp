@@ -11,7 +11,7 @@ namespace tetloom {
 /// destructor removes whatever has the temporary name then.
 ///
 /// A target that is there already is replaced only if all its files are ones that `is_replaceable` accepts by name, so
-/// that nobody's other files are lost.
+/// that nobody's other files are lost. Names of folders end in a slash.
 ///
 /// Errors: Error(OutputFailed) with the system's reason. A process that is killed leaves its temporary behind.
 class AtomicFolder {

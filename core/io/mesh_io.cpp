@@ -90,12 +90,14 @@ std::vector<NamedGroup> solver_names(const Mesh& mesh) {
   std::vector<NamedGroup> names;
   const detail::Groups groups = detail::make_groups(mesh);
   for (std::size_t dim = 0; dim < groups.size(); ++dim)
-    for (const detail::Group& group : groups[dim]) {
-      if (group.tag == 0) continue;
-      const ModelEntity entity{static_cast<int>(dim), group.tag - 1};
-      const auto& known = mesh.entities[dim];
-      names.push_back({entity, entity.index < known.size() ? known[entity.index].name : std::string(), group.name});
-    }
+    for (const detail::Group& group : groups[dim])
+      for (const std::uint32_t tag : group.tags) {
+        if (tag == 0) continue;
+        const ModelEntity entity{static_cast<int>(dim), tag - 1};
+        const auto& known = mesh.entities[dim];
+        names.push_back({entity, entity.index < known.size() ? known[entity.index].name : std::string(), group.name});
+      }
+  std::ranges::sort(names, {}, [](const NamedGroup& name) { return std::pair(name.entity.dim, name.entity.index); });
   return names;
 }
 

@@ -39,6 +39,7 @@ class MshWriter {
       elements_[static_cast<std::size_t>(block)] = element_blocks(entities);
     });
     find_entities();
+    number_groups();
   }
 
   /// From here on points and elements lie on entities of their parts.
@@ -185,8 +186,40 @@ class MshWriter {
         ++count;
         lines += std::to_string(dim) + " " + std::to_string(tag) + " \"" + name + "\"\n";
       }
+    for (int dim = 0; dim < 4; ++dim)
+      for (const auto& [name, tag] : group_tags_[dim]) {
+        ++count;
+        lines += std::to_string(dim) + " " + std::to_string(tag) + " \"" + name + "\"\n";
+      }
     if (count == 0) return;
     file_.write("$PhysicalNames\n" + std::to_string(count) + "\n" + lines + "$EndPhysicalNames\n");
+  }
+
+  std::string group_of(int dim, std::int32_t tag) const {
+    const std::vector<EntityAttributes>& table = mesh_.entities[dim];
+    if (tag == 0 || static_cast<std::size_t>(tag) > table.size()) return {};
+    return printable(table[static_cast<std::size_t>(tag) - 1].group);
+  }
+
+  /// Physical groups of several entities have tags behind those of the entities.
+  void number_groups() {
+    for (int dim = 0; dim < 4; ++dim) {
+      std::int64_t next = entities_[dim].empty() ? 0 : entities_[dim].rbegin()->first;
+      for (const auto& [tag, entity] : entities_[dim]) {
+        const std::string name = group_of(dim, tag);
+        if (name.empty() || !group_tags_[dim].try_emplace(name, static_cast<std::int32_t>(next + 1)).second) continue;
+        if (++next > std::numeric_limits<std::int32_t>::max())
+          throw Error(ErrorCode::InvalidArgument, "the groups of model entities are too many for an MSH file");
+      }
+    }
+  }
+
+  /// The physical groups of an entity: that of its own, and the one that it is in with others.
+  void put_groups(int dim, std::int32_t tag) {
+    const std::string group = group_of(dim, tag);
+    file_.put(std::uint64_t{tag != 0} + std::uint64_t{!group.empty()});
+    if (tag != 0) file_.put(tag);
+    if (!group.empty()) file_.put(group_tags_[dim].at(group));
   }
 
   void write_entities() {
@@ -198,8 +231,7 @@ class MshWriter {
         const Box3 box = entity.box.empty() ? Box3{{0, 0, 0}, {0, 0, 0}} : entity.box;
         file_.put(box.lo);
         if (dim > 0) file_.put(box.hi);
-        file_.put(std::uint64_t{tag != 0});
-        if (tag != 0) file_.put(tag);
+        put_groups(dim, tag);
         if (dim == 0) continue;
         file_.put(std::uint64_t{entity.boundary.size()});
         for (const std::int32_t face : entity.boundary) file_.put(face);
@@ -231,8 +263,7 @@ class MshWriter {
         const Box3& box = entities_[dim].at(parent).box;
         file_.put(box.lo);
         if (dim > 0) file_.put(box.hi);
-        file_.put(std::uint64_t{parent != 0});
-        if (parent != 0) file_.put(parent);
+        put_groups(dim, parent);
         if (dim > 0) file_.put(std::uint64_t{0});  // bounding entities
       }
     file_.write("\n$EndPartitionedEntities\n");
@@ -341,6 +372,7 @@ class MshWriter {
   std::array<TagBlocks, 4> points_;
   std::array<TagBlocks, kBlocks> elements_;
   std::array<std::map<std::int32_t, Entity>, 4> entities_;
+  std::array<std::map<std::string, std::int32_t>, 4> group_tags_;
   std::uint32_t part_count_ = 0;  // 0: in no parts
   std::array<Pieces, 4> pieces_;
 };

@@ -333,10 +333,14 @@ class VtuReader {
       const std::optional<VtuArray> names = find(&fields, kind + "_names");
       if (!names || !names->is_integer()) continue;
       for (std::string& name : strings_of(*names)) table.emplace_back().name = std::move(name);
-      if (const auto layers = find(&fields, kind + "_layers"); layers && layers->is_integer()) {
-        std::vector<std::string> texts = strings_of(*layers);
-        for (std::size_t i = 0; i < std::min(texts.size(), table.size()); ++i) table[i].layer = std::move(texts[i]);
-      }
+      const auto read_texts = [&](const char* what, std::string EntityAttributes::*member) {
+        const auto bytes = find(&fields, kind + what);
+        if (!bytes || !bytes->is_integer()) return;
+        std::vector<std::string> texts = strings_of(*bytes);
+        for (std::size_t i = 0; i < std::min(texts.size(), table.size()); ++i) table[i].*member = std::move(texts[i]);
+      };
+      read_texts("_layers", &EntityAttributes::layer);
+      read_texts("_groups", &EntityAttributes::group);
       if (const auto colors = find(&fields, kind + "_colors"); colors && colors->size() == 4 * table.size())
         for (std::size_t i = 0; i < table.size(); ++i) table[i].color = color_at(*colors, 4 * i);
       if (const auto tolerances = find(&fields, kind + "_tolerances"); tolerances && tolerances->size() == table.size())

@@ -87,10 +87,15 @@ class VtuWriter {
       const std::vector<EntityAttributes>& table = mesh_.entities[dim];
       if (table.empty()) continue;
       const std::string kind(kEntityKinds[dim]);
-      std::vector<std::string> names, layers;
-      for (const EntityAttributes& entity : table) names.push_back(entity.name), layers.push_back(entity.layer);
-      add_strings(kind + "_names", std::move(names));
-      add_strings(kind + "_layers", std::move(layers));
+      const auto add_texts = [&](const char* what, std::string EntityAttributes::*member) {
+        std::vector<std::string> texts;
+        for (const EntityAttributes& entity : table) texts.push_back(entity.*member);
+        add_strings(kind + what, std::move(texts));
+      };
+      add_texts("_names", &EntityAttributes::name);
+      add_texts("_layers", &EntityAttributes::layer);
+      if (std::ranges::any_of(table, [](const EntityAttributes& entity) { return !entity.group.empty(); }))
+        add_texts("_groups", &EntityAttributes::group);
       add("FieldData", kind + "_colors", "Float32", 4, table.size(), 4, [this, &table] {
         for (const EntityAttributes& entity : table) {
           const Color color = entity.color.value_or(Color{});

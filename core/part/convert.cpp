@@ -178,8 +178,9 @@ void drop_unknown_entities(PartMesh& part) {
   std::sort(used.begin(), used.end());
   std::erase_if(part.entities, [&](const PartEntity& entity) {
     const EntityAttributes& attributes = entity.attributes;
-    const bool blank = attributes.name.empty() && attributes.layer.empty() && !attributes.color &&
-                       attributes.tolerance == 0 && !entity.sides.front.valid() && !entity.sides.back.valid();
+    const bool blank = attributes.name.empty() && attributes.layer.empty() && attributes.group.empty() &&
+                       !attributes.color && attributes.tolerance == 0 && !entity.sides.front.valid() &&
+                       !entity.sides.back.valid();
     return blank && !std::binary_search(used.begin(), used.end(), entity.entity);
   });
 }

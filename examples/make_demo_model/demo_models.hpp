@@ -46,6 +46,11 @@ std::vector<DemoPart> make_ball(int radius);
 /// y=0 and z=0. Throws std::runtime_error unless 1 <= inner < outer <= 10000.
 std::vector<DemoPart> make_hollow_sphere(int inner, int outer);
 
+/// The space inside a pipe along z with `branches` pipes along x, whose ends are called inlet, and outlet 1, outlet 2
+/// …; with no branches the other end of the pipe is called outlet. Throws std::runtime_error unless 0 <= branches
+/// <= 50.
+std::vector<DemoPart> make_manifold(int branches);
+
 /// Throws std::runtime_error unless every shape passes BRepCheck_Analyzer and has a positive volume.
 void check_parts(const std::vector<DemoPart>& parts);
 

@@ -24,8 +24,8 @@ struct Recipe {
   std::vector<DemoPart> (*make)(std::span<const int> numbers);
 };
 
-const std::array<Recipe, 6>& recipes() {
-  static const std::array<Recipe, 6> all = {{
+const std::array<Recipe, 7>& recipes() {
+  static const std::array<Recipe, 7> all = {{
       {"machined-part",
        "part",
        "a bracket with fillets, holes, a pocket and a B-spline top face",
@@ -62,6 +62,12 @@ const std::array<Recipe, 6>& recipes() {
        "INNER OUTER",
        {10, 20},
        [](std::span<const int> n) { return make_hollow_sphere(n[0], n[1]); }},
+      {"manifold",
+       "pipe",
+       "the inside of a pipe with BRANCHES branches, ends named (3; 0: a pipe)",
+       "BRANCHES",
+       {3},
+       [](std::span<const int> n) { return make_manifold(n[0]); }},
   }};
   return all;
 }

@@ -36,6 +36,7 @@ struct EntityAttributes {
   std::string name;
   std::optional<Color> color;
   std::string layer;
+  std::string group;     ///< a name for several entities of one dimension in files for solvers; empty: each its own
   double tolerance = 0;  ///< how far neighbouring geometry may lie from this entity's own (model length)
 };
 

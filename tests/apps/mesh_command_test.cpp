@@ -76,11 +76,55 @@ TEST_CASE("--unit scales what is written, and the report says by how much") {
 TEST_CASE("files for solvers are written by their extension") {
   const TestFolder folder;
   const std::string input = demo_model("assembly");
-  for (const char* output : {"a.inp", "a.su2", "a.bdf", "a.foam"})
+  for (const char* output : {"a.inp", "a.su2", "a.bdf", "a.foam", "a.foam"})  // the second time it is there
     mesh_with_report(folder, input, output, {"--relative-size", "0.1"});
   CHECK(std::filesystem::exists(std::filesystem::path(folder / "a.foam") / "constant" / "polyMesh" / "owner"));
   mesh_with_report(folder, input, "a.msh", {"--relative-size", "0.1", "--msh-version", "2.2", "--ascii"});
   CHECK(read_text(folder / "a.msh").starts_with("$MeshFormat\n2.2 0 8\n"));
+}
+
+TEST_CASE("second order is reported, checked and read back") {
+  const TestFolder folder;
+  const std::string input = demo_model("sphere");
+  const auto report = mesh_with_report(folder, input, "a.vtu", {"--size", "20", "--order", "2"});
+  const auto& second_order = report["second_order"];
+  CHECK(second_order["mid_nodes"].get<int>() > 100);
+  CHECK(second_order["curved"].get<int>() > 100);
+  CHECK(second_order["invalid"] == 0);
+  CHECK(second_order["off_model"].empty());
+  CHECK(report["quality"]["second_order"]["min_scaled_jacobian"].get<double>() > 0.1);
+  CHECK(report["seconds"]["second_order"].get<double>() >= 0);
+  const ProcessResult check = run_tetloom({"check", folder / "a.vtu", "--report", folder / "check.json"});
+  CHECK(check.status == 0);
+  CHECK_THAT(check.out, Catch::Contains("curved"));
+  CHECK(read_json(folder / "check.json")["digest"] == report["digest"]);
+
+  // Adaptation and parts are of first order.
+  const ProcessResult parts = run_tetloom({"partition", folder / "a.vtu", "--parts", "2", "-o", folder / "p.pvtu"});
+  CHECK(parts.status == 0);
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"--order", "2", "-o", folder / "a.su2"},
+                                             {"--order", "3", "-o", folder / "a.vtu"},
+                                             {"--order", "2", "-o", folder / "a.pvtu"},
+                                             {"--min-scaled-jacobian", "0.2", "-o", folder / "a.vtu"},
+                                             {"--order", "2", "--min-scaled-jacobian", "1", "-o", folder / "a.vtu"}}) {
+    std::vector<std::string> words{"mesh", input};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    CHECK(run_tetloom(words).status == 2);
+  }
+}
+
+TEST_CASE("groups of faces get to files for solvers and into the report") {
+  const TestFolder folder;
+  const std::string input = demo_model("part");
+  const auto report =
+      mesh_with_report(folder, input, "a.inp",
+                       {"--relative-size", "0.1", "--group", "support=faces:bolt*", "--group", "top=faces:spline top"});
+  CHECK(report["groups"]["support"]["ids"].size() == 4);
+  CHECK_THAT(read_text(folder / "a.inp"), Catch::Contains("*SURFACE, NAME=support,") && Catch::Contains("NSET=top\n"));
+  const ProcessResult refused = run_tetloom({"mesh", input, "-o", folder / "b.inp", "--group", "load=faces:nothing"});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Catch::Contains("'nothing'"));
 }
 
 TEST_CASE("the mesh does not depend on the number of threads") {

@@ -39,7 +39,9 @@ inline bool same_attributes(const Mesh& a, const Mesh& b) {
     if (a.entities[dim].size() != b.entities[dim].size()) return false;
     for (std::size_t i = 0; i < a.entities[dim].size(); ++i) {
       const EntityAttributes &x = a.entities[dim][i], &y = b.entities[dim][i];
-      if (x.name != y.name || x.color != y.color || x.layer != y.layer || x.tolerance != y.tolerance) return false;
+      if (x.name != y.name || x.color != y.color || x.layer != y.layer || x.group != y.group ||
+          x.tolerance != y.tolerance)
+        return false;
     }
   }
   return true;

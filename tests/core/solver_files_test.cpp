@@ -87,6 +87,46 @@ double signed_volume(const std::vector<Vec3>& polygon, const Vec3& origin) {
 
 }  // namespace
 
+TEST_CASE("entities of one group are one set, patch, marker, property and physical group") {
+  Mesh mesh = named_box();
+  mesh.entities[2].resize(mesh.face_to_sides.size());
+  mesh.entities[2][1].group = mesh.entities[2][3].group = "the load";
+  mesh.entities[2][4].name = "the load";
+  const Groups groups = make_groups(mesh);
+  const auto found = std::ranges::find(groups[2], "the_load", &Group::name);
+  REQUIRE(found != groups[2].end());
+  CHECK(found->tags == std::vector<std::uint32_t>{2, 4});
+  CHECK(std::ranges::is_sorted(found->elements));
+  CHECK(std::ranges::count(groups[2], "the_load_2", &Group::name) == 1);
+  std::size_t elements = 0;
+  for (const Group& group : groups[2]) elements += group.elements.size();
+  CHECK(elements == mesh.tri_to_vert.size());
+
+  const auto sections = sections_of(written(mesh, ".inp"));
+  CHECK(sections.at("*SURFACE, NAME=the_load, TYPE=ELEMENT").size() == found->elements.size());
+  const std::string su2 = written(mesh, ".su2"), bdf = written(mesh, ".bdf");
+  CHECK_THAT(su2,
+             Catch::Contains("MARKER_TAG= the_load\nMARKER_ELEMS= " + std::to_string(found->elements.size()) + "\n"));
+  CHECK_THAT(bdf, Catch::Contains("$ face the_load\n"));
+  CHECK_THAT(written(mesh, ".msh", {.msh_2_2 = true, .text = true}), Catch::Contains("2 2 \"the_load\""));
+  const auto names = solver_names(mesh);
+  CHECK(std::ranges::count(names, "the_load", &NamedGroup::sanitised) == 2);
+}
+
+TEST_CASE("groups come back from VTU files, and name entities without a name in MSH files") {
+  Mesh mesh = named_box();
+  mesh.entities[2].assign(mesh.face_to_sides.size(), {});
+  mesh.entities[2][1].group = mesh.entities[2][3].group = "load";
+  mesh.entities[2][3].name = "top";
+  const TemporaryFolder folder;
+  write_mesh(mesh, folder / "a.vtu");
+  CHECK(test::same_attributes(read_mesh(folder / "a.vtu"), mesh));
+  write_mesh(mesh, folder / "a.msh");
+  const Mesh read = read_mesh(folder / "a.msh");
+  CHECK(read.entities[2].at(1).name == "load");
+  CHECK(read.entities[2].at(3).name == "top");
+}
+
 TEST_CASE("numbers of Abaqus files are short enough for CalculiX, which reads 20 characters of them") {
   Mesh mesh = named_box();
   const std::vector<double> hard{6.1232339957367663e-16, -1.2345678901234567e-105, -0.035355339059327373,
@@ -194,7 +234,8 @@ TEST_CASE("polyMesh: cells are closed, their volumes those of the mesh, and face
     const Mesh mesh = mixed ? test::make_mixed_box(4, 3, 5, 7, true) : named_box();
     const TemporaryFolder folder;
     write_mesh(mesh, folder / "case.foam");
-    write_mesh(mesh, folder / "case.foam");  // its own files are replaced
+    std::filesystem::create_directories(folder / "case.foam/constant/polyMesh/sets");
+    write_mesh(mesh, folder / "case.foam");  // its own files are replaced, and what checkMesh left
     const std::filesystem::path poly = folder / "case.foam" / "constant" / "polyMesh";
     CHECK(std::filesystem::exists(folder / "case.foam" / "system" / "controlDict"));
     const auto points = foam_list(poly / "points"), faces = foam_list(poly / "faces"),

@@ -46,8 +46,11 @@ void add_names(Mesh& mesh) {
   for (int dim = 0; dim < 4; ++dim) {
     for (std::size_t i = 0; i < mesh.entities[static_cast<std::size_t>(dim)].size(); i += 2) {
       EntityAttributes& attributes = mesh.entities[static_cast<std::size_t>(dim)][i];
-      attributes = {
-          "entity " + std::to_string(dim) + "/" + std::to_string(i), {}, "layer", 1e-3 * static_cast<double>(i)};
+      attributes = {"entity " + std::to_string(dim) + "/" + std::to_string(i),
+                    {},
+                    "layer",
+                    "group",
+                    1e-3 * static_cast<double>(i)};
       if (i % 4 == 0) attributes.color = Color{0.25F, 0.5F, 1};
     }
   }

@@ -31,6 +31,7 @@ PartEntity get_entity(MessageReader& reader) {
   const Color color = reader.get<Color>();
   if (has_color) entity.attributes.color = color;
   entity.attributes.layer = get_text(reader);
+  entity.attributes.group = get_text(reader);
   entity.attributes.tolerance = reader.get<double>();
   entity.sides = reader.get<FaceSides>();
   return entity;

@@ -15,6 +15,7 @@ void put_entity(MessageWriter& writer, const PartEntity& entity) {
   writer.put(entity.attributes.color.has_value());
   writer.put(entity.attributes.color.value_or(Color{}));
   put_text(writer, entity.attributes.layer);
+  put_text(writer, entity.attributes.group);
   writer.put(entity.attributes.tolerance);
   writer.put(entity.sides);
 }

@@ -82,10 +82,11 @@ class BdfWriter {
     file_.write("MAT1           1     1.0             0.3\n");
     for (const std::size_t dim : {std::size_t{3}, std::size_t{2}}) {
       std::size_t largest = 0;
-      for (const Group& group : groups_[dim]) largest = std::max<std::size_t>(largest, group.tag);
+      for (const Group& group : groups_[dim]) largest = std::max<std::size_t>(largest, group.tags.back());
       properties_[dim].assign(largest + 1, 0);
       for (const Group& group : groups_[dim]) {
-        const std::uint64_t property = properties_[dim][group.tag] = ++property_count_;
+        const std::uint64_t property = ++property_count_;
+        for (const std::uint32_t tag : group.tags) properties_[dim][tag] = property;
         std::array<char, 80> line;
         char* end = put_field(put_word(line.data(), dim == 3 ? "PSOLID" : "PSHELL"), property);
         end = put_field(end, 1);

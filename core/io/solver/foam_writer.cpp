@@ -238,6 +238,9 @@ void make_folders(const std::filesystem::path& folder) {
     throw Error(ErrorCode::OutputFailed, "cannot make the folder '" + folder.string() + "': " + error.message());
 }
 
+// What checkMesh and others note of the mesh that is replaced.
+constexpr std::string_view kSets = "sets/";
+
 struct Dictionary {
   const char* name;
   const char* text;
@@ -287,7 +290,7 @@ void write_foam(const Mesh& mesh, const std::filesystem::path& path, const Cance
     make_folders(folder.parent_path());
   }
   AtomicFolder made(is_case ? folder / "constant" / "polyMesh" : folder, "polyMesh",
-                    [](const std::string& name) { return kFiles.contains(name); });
+                    [](const std::string& name) { return kFiles.contains(name) || name == kSets; });
   FoamWriter(mesh, made.temporary(), cancel, loop).write();
   made.swap_in();
 }

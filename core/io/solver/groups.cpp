@@ -21,9 +21,18 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+const EntityAttributes* attributes_of(const Mesh& mesh, std::size_t dim, std::uint32_t tag) {
+  return tag > 0 && tag <= mesh.entities[dim].size() ? &mesh.entities[dim][tag - 1] : nullptr;
+}
+
+std::string group_of(const Mesh& mesh, std::size_t dim, std::uint32_t tag) {
+  const EntityAttributes* attributes = attributes_of(mesh, dim, tag);
+  return attributes ? solver_name(attributes->group) : std::string();
+}
+
 std::string name_of(const Mesh& mesh, std::size_t dim, std::uint32_t tag) {
-  const std::vector<EntityAttributes>& entities = mesh.entities[dim];
-  const std::string given = tag > 0 && tag <= entities.size() ? solver_name(entities[tag - 1].name) : std::string();
+  const EntityAttributes* attributes = attributes_of(mesh, dim, tag);
+  const std::string given = attributes ? solver_name(attributes->name) : std::string();
   return given.empty() ? std::string(kKinds[dim]) + "_" + std::to_string(tag) : given;
 }
 
@@ -59,6 +68,24 @@ std::array<ElementsByTag, 4> collect(const Mesh& mesh) {
   return all;
 }
 
+// Makes the elements of each entity a group, those of one EntityAttributes::group together.
+void join_entities(const Mesh& mesh, std::size_t dim, ElementsByTag& elements, std::vector<Group>& groups) {
+  std::map<std::string, std::size_t> place;
+  for (auto& [tag, list] : elements) {
+    const std::string name = group_of(mesh, dim, tag);
+    const auto known = name.empty() ? place.end() : place.find(lower_case(name));
+    if (known == place.end()) {
+      if (!name.empty()) place.emplace(lower_case(name), groups.size());
+      groups.push_back({{}, {tag}, std::move(list)});
+      continue;
+    }
+    Group& group = groups[known->second];
+    group.tags.push_back(tag);
+    group.elements.insert(group.elements.end(), list.begin(), list.end());
+    std::ranges::sort(group.elements);
+  }
+}
+
 }  // namespace
 
 std::string solver_name(const std::string& name) {
@@ -76,9 +103,16 @@ Groups make_groups(const Mesh& mesh) {
   Groups groups;
   std::array<ElementsByTag, 4> elements = collect(mesh);
   std::set<std::string> taken;
-  for (const std::size_t dim : {std::size_t{3}, std::size_t{2}, std::size_t{1}, std::size_t{0}})
-    for (auto& [tag, list] : elements[dim])
-      groups[dim].push_back({own_name(name_of(mesh, dim, tag), taken), tag, std::move(list)});
+  constexpr std::array<std::size_t, 4> kOrder{3, 2, 1, 0};
+  for (const std::size_t dim : kOrder) join_entities(mesh, dim, elements[dim], groups[dim]);
+  // Names that were asked for come first: another entity of that name gets a number.
+  for (const bool is_asked : {true, false})
+    for (const std::size_t dim : kOrder)
+      for (Group& group : groups[dim]) {
+        const std::string asked = group_of(mesh, dim, group.tags[0]);
+        if (asked.empty() != is_asked)
+          group.name = own_name(is_asked ? asked : name_of(mesh, dim, group.tags[0]), taken);
+      }
   return groups;
 }
 

@@ -12,19 +12,19 @@ namespace tetloom::detail {
 
 class ElementNodes;
 
-/// Elements of one dimension that lie on one model entity.
+/// Elements of one dimension that lie on one model entity, or on several that `EntityAttributes::group` makes one.
 struct Group {
   std::string name;                     ///< see `solver_name`; no other group has it, whatever the case of its letters
-  std::uint32_t tag = 0;                ///< of the entity; 0 of those without one
+  std::vector<std::uint32_t> tags;      ///< of the entities, ascending; 0 for elements without one
   std::vector<std::uint32_t> elements;  ///< ascending; numbers among all elements of the dimension
 };
 
 /// By dimension: points on model vertices; edges; triangles, then quadrilaterals; tets, pyramids, prisms, hexahedra.
-/// Entities that have elements, ascending by tag.
+/// Entities that have elements, ascending by their lowest tag.
 using Groups = std::array<std::vector<Group>, 4>;
 
-/// Names are those of the entities, or "vertex_1", "edge_7", "face_12", "region_3" by their tags. Where several have
-/// the same, the later ones get a number behind.
+/// Names are those that `EntityAttributes::group` gives, then those of the entities, or "vertex_1", "edge_7",
+/// "face_12", "region_3" by their tags. Where several have the same, the later ones get a number behind.
 Groups make_groups(const Mesh& mesh);
 
 /// A name that Abaqus, CalculiX, OpenFOAM, SU2, Gmsh and Nastran take: letters, digits and underscores, the first one a

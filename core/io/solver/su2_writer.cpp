@@ -17,6 +17,13 @@ bool is_internal(const Mesh& mesh, std::uint32_t face) {
          mesh.face_to_sides[face].back.valid();
 }
 
+void drop_internal(const Mesh& mesh, Group& group) {
+  const std::size_t triangles = mesh.tri_to_entity.size();
+  std::erase_if(group.elements, [&](std::uint32_t e) {
+    return is_internal(mesh, e < triangles ? mesh.tri_to_entity[e] : mesh.quad_to_entity[e - triangles]);
+  });
+}
+
 // In a file, a line: the type, then the vertices.
 template <class Element>
 char* print_element(char* out, Block block, const Element& verts) {
@@ -39,15 +46,15 @@ void write_cells(const Mesh& mesh, int dim, AtomicFile& file, const BlockLoop& l
 void write_marker(const Mesh& mesh, int dim, const Group& group, AtomicFile& file, const BlockLoop& loop) {
   file.write("MARKER_TAG= " + group.name + "\nMARKER_ELEMS= " + std::to_string(group.elements.size()) + "\n");
   std::size_t first = 0;
-  for_each_block(mesh, [&](Block block, const auto& elements, const auto&) {
+  for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
     if (dimension_of(block) != dim) return;
     const auto begin = std::ranges::lower_bound(group.elements, first);
     const auto end = std::ranges::lower_bound(group.elements, first + elements.size());
     const auto print_block = [&](std::size_t from, std::size_t to, char* out) {
-      for (std::size_t i = from; i < to; ++i)
-        out = print_element(out, block,
-                            turned_outwards(mesh, dim, elements[begin[static_cast<std::ptrdiff_t>(i)] - first],
-                                            index_of_tag(group.tag)));
+      for (std::size_t i = from; i < to; ++i) {
+        const std::size_t e = begin[static_cast<std::ptrdiff_t>(i)] - first;
+        out = print_element(out, block, turned_outwards(mesh, dim, elements[e], entities[e]));
+      }
       return out;
     };
     if (begin != end)
@@ -70,12 +77,14 @@ void write_su2(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop) {
     return out;
   };
   file.write_lines(mesh.points.size(), 3 * kRealBytes, print_points, loop);
-  const Groups groups = make_groups(mesh);
-  std::vector<const Group*> markers;
-  for (const Group& group : groups[static_cast<std::size_t>(dim - 1)])
-    if (dim == 2 || group.tag == 0 || !is_internal(mesh, group.tag - 1)) markers.push_back(&group);
+  Groups groups = make_groups(mesh);
+  std::vector<Group> markers;
+  for (Group& group : groups[static_cast<std::size_t>(dim - 1)]) {
+    if (dim == 3) drop_internal(mesh, group);
+    if (!group.elements.empty()) markers.push_back(std::move(group));
+  }
   file.write("NMARK= " + std::to_string(markers.size()) + "\n");
-  for (const Group* group : markers) write_marker(mesh, dim - 1, *group, file, loop);
+  for (const Group& group : markers) write_marker(mesh, dim - 1, group, file, loop);
 }
 
 }  // namespace tetloom::detail

@@ -1,0 +1,170 @@
+#!/usr/bin/python3
+"""Flows by OpenFOAM on meshes that tetloom writes as cases: a pipe, of which the drop of pressure is known, and a manifold.
+
+usage: openfoam.py --tetloom PROGRAM --folder FOLDER [--quick]
+FOLDER holds pipe.step and manifold.step, and OpenFOAM's programs are in PATH. Start with run.sh.
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy
+
+RADIUS, LENGTH = 0.010, 0.160  # of the pipe, metres
+VISCOSITY, SPEED = 1e-5, 0.02  # m²/s, m/s: a Reynolds number of 40
+SCHEMES = """
+ddtSchemes {{ default steadyState; }}
+gradSchemes {{ default cellLimited leastSquares 1; }}
+divSchemes {{ default none; div(phi,U) bounded Gauss linearUpwind grad(U);
+             div((nuEff*dev2(T(grad(U))))) Gauss linear; }}
+laplacianSchemes {{ default Gauss linear limited 0.5; }}
+interpolationSchemes {{ default linear; }}
+snGradSchemes {{ default limited 0.5; }}
+"""
+SOLUTION = """
+solvers {{ p {{ solver GAMG; smoother GaussSeidel; tolerance 1e-9; relTol 0.01; }}
+          U {{ solver smoothSolver; smoother symGaussSeidel; tolerance 1e-10; relTol 0.05; }} }}
+SIMPLE {{ nNonOrthogonalCorrectors 1; consistent yes; residualControl {{ p 1e-5; U 1e-6; }} }}
+relaxationFactors {{ equations {{ U 0.9; }} fields {{ p 0.9; }} }}
+"""
+CONTROL = """
+application simpleFoam; startFrom startTime; startTime 0; stopAt endTime; endTime {steps}; deltaT 1;
+writeControl timeStep; writeInterval {steps}; purgeWrite 1; writeFormat ascii; writePrecision 10; runTimeModifiable no;
+functions {{ {functions} }}
+"""
+PATCH_FUNCTION = """{name}_{field} {{ type surfaceFieldValue; libs (fieldFunctionObjects); fields ({field});
+operation {operation}; regionType patch; name {name}; writeFields no; writeControl timeStep; writeInterval 1; log no; }}
+"""
+
+
+def header(name, kind="dictionary"):
+    return f"FoamFile {{ version 2.0; format ascii; class {kind}; object {name}; }}\n"
+
+
+class Case:
+    """A case in a folder, whose mesh is there."""
+
+    def __init__(self, options, model, size, groups=()):
+        self.folder = options.folder / (model + ".foam")
+        words = [options.tetloom, "mesh", f"{model}.step", "-o", self.folder.name, "--size", str(size), "--curvature", "24",
+                 "--unit", "m", "--quiet"]
+        for group in groups:
+            words += ["--group", group]
+        subprocess.run(words, cwd=options.folder, check=True)
+        text = (self.folder / "constant/polyMesh/boundary").read_text()
+        found = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);[^}]*startFace\s+(\d+);", text)
+        self.patches = {name: (int(start), int(count)) for name, count, start in found}
+
+    def run(self, program):
+        done = subprocess.run([program], cwd=self.folder, capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"openfoam.py: {program} failed in {self.folder}\n{done.stdout[-2000:]}{done.stderr}")
+        return done.stdout
+
+    def face_centres(self, patch):
+        """Means of the corners; all faces of a mesh of tets are triangles."""
+        def rows(name):
+            text = (self.folder / "constant/polyMesh" / name).read_text()
+            return text[text.index("\n(\n") + 3:text.rindex("\n)")].split("\n")
+        points = numpy.array([[float(x) for x in row.strip("()").split()] for row in rows("points")])
+        start, count = self.patches[patch]
+        faces = [[int(i) for i in row[row.index("(") + 1:-1].split()] for row in rows("faces")[start:start + count]]
+        return points[numpy.array(faces)].mean(axis=1)
+
+    def write(self, name, text, kind="dictionary"):
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(header(path.name, kind) + text)
+
+    def prepare(self, inlet, steps):
+        """`inlet`: the velocity at each of its faces. Outlets are the patches of that name, all others are walls."""
+        outlets = [name for name in self.patches if name.startswith("outlet")]
+        rows = "\n".join("({:.10g} {:.10g} {:.10g})".format(*row) for row in inlet)
+        speeds = f"nonuniform List<vector> {len(inlet)} (\n{rows}\n)"
+        wall = "{ type noSlip; }"
+        velocity = {name: "{ type zeroGradient; }" if name in outlets else wall for name in self.patches}
+        velocity["inlet"] = f"{{ type fixedValue; value {speeds}; }}"
+        pressure = {name: "{ type fixedValue; value uniform 0; }" if name in outlets else "{ type zeroGradient; }"
+                    for name in self.patches}
+        for name, fields, units, start, kind in (("U", velocity, "[0 1 -1 0 0 0 0]", "(0 0 0)", "volVectorField"),
+                                                 ("p", pressure, "[0 2 -2 0 0 0 0]", "0", "volScalarField")):
+            patches = "\n".join(f"{patch} {text}" for patch, text in fields.items())
+            self.write(f"0/{name}", f"dimensions {units};\ninternalField uniform {start};\nboundaryField {{\n{patches}\n}}\n", kind)
+        functions = PATCH_FUNCTION.format(name="inlet", field="p", operation="areaAverage")
+        for name in ["inlet", *outlets]:
+            functions += PATCH_FUNCTION.format(name=name, field="phi", operation="sum")
+        self.write("system/controlDict", CONTROL.format(steps=steps, functions=functions))
+        self.write("system/fvSchemes", SCHEMES.format())
+        self.write("system/fvSolution", SOLUTION.format())
+        self.write("constant/transportProperties", f"transportModel Newtonian; nu {VISCOSITY};\n")
+        self.write("constant/turbulenceProperties", "simulationType laminar;\n")
+        return outlets
+
+    def last_value(self, patch, field):
+        table = sorted(self.folder.glob(f"postProcessing/{patch}_{field}/*/surfaceFieldValue.dat"))[-1]
+        return float(table.read_text().strip().splitlines()[-1].split()[1])
+
+
+def check(case):
+    text = case.run("checkMesh")
+    figures = [re.search(pattern, text)[1] for pattern in (r"cells:\s+(\d+)", r"non-orthogonality Max: (\S+)",
+                                                            r"Max skewness = (\S+?)[, ]")]
+    verdict = "Mesh OK" in text
+    print("  {} cells, non-orthogonality at most {}°, skewness at most {}: {}".format(
+        *figures, "Mesh OK" if verdict else "checkMesh complains"))
+    return verdict
+
+
+def solve_pipe(options, size, steps):
+    """The drop of pressure over that of Poiseuille's flow with the same flux."""
+    print(f"pipe, edges of {size} mm")
+    case = Case(options, "pipe", size)
+    fine = check(case)
+    centres = case.face_centres("inlet")
+    profile = 2 * SPEED * (1 - (centres[:, 0]**2 + centres[:, 1]**2) / RADIUS**2).clip(0)
+    case.prepare(numpy.column_stack([0 * profile, 0 * profile, profile]), steps)
+    case.run("simpleFoam")
+    flux = -case.last_value("inlet", "phi")
+    exact = 8 * VISCOSITY * LENGTH * flux / (numpy.pi * RADIUS**4)
+    ratio = case.last_value("inlet", "p") / exact
+    print(f"  drop of pressure {100 * (ratio - 1):+.2f} % beside that of Poiseuille")
+    return fine, ratio
+
+
+def solve_manifold(options, size, steps):
+    print(f"manifold, edges of {size} mm")
+    case = Case(options, "manifold", size)
+    fine = check(case)
+    centres = case.face_centres("inlet")
+    profile = 2 * SPEED * (1 - (centres[:, 0]**2 + centres[:, 1]**2) / RADIUS**2).clip(0)
+    outlets = case.prepare(numpy.column_stack([0 * profile, 0 * profile, profile]), steps)
+    case.run("simpleFoam")
+    flux = -case.last_value("inlet", "phi")
+    shares = [case.last_value(name, "phi") / flux for name in outlets]
+    for name, share in zip(outlets, shares):
+        print(f"  {name}: {100 * share:.1f} % of the flux")
+    return fine, sum(shares)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("tetloom", "folder"):
+        parser.add_argument("--" + name, required=True)
+    parser.add_argument("--quick", action="store_true")
+    options = parser.parse_args()
+    options.folder = pathlib.Path(options.folder).resolve()
+    options.tetloom = str(pathlib.Path(options.tetloom).resolve())
+
+    pipe_is_fine, ratio = solve_pipe(options, 4 if options.quick else 1.5, 60 if options.quick else 400)
+    manifold_is_fine, share = solve_manifold(options, 5 if options.quick else 2.5, 60 if options.quick else 300)
+    expected = {"checkMesh": pipe_is_fine and manifold_is_fine, "flux": abs(share - 1) < 0.01,
+                "drop of pressure": abs(ratio - 1) < (0.5 if options.quick else 0.03)}
+    failed = [name for name, holds in expected.items() if not holds]
+    if failed:
+        sys.exit("openfoam.py: not as expected: " + ", ".join(failed))
+
+
+if __name__ == "__main__":
+    main()
