@@ -35,19 +35,19 @@ void permute_points(Mesh& mesh, std::span<const std::uint32_t> number) {
 }  // namespace
 
 void MidNodeReader::check(const InputFile& file, const Mesh& mesh) const {
-  enum : std::uint8_t { kFree, kVertex, kMid };
-  std::vector<std::uint8_t> role(mesh.points.size(), kFree);
+  enum class Role : std::uint8_t { Free, Vertex, Mid };
+  std::vector<Role> role(mesh.points.size(), Role::Free);
   for_each_block(mesh, [&](Block, const auto& elements, const auto&) {
     for (const auto& element : elements)
-      for (const std::uint32_t v : element) role[v] = kVertex;
+      for (const std::uint32_t v : element) role[v] = Role::Vertex;
   });
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const auto& [low, high, mid] = found_[i];
     if (mid >= role.size()) file.fail(ErrorCode::InputUnreadable, "an element has a mid node that is not there");
     const std::string node = "node " + std::to_string(mid + std::uint64_t{1});
-    if (role[mid] == kVertex) file.fail(ErrorCode::InputUnreadable, node + " is a vertex and a mid node");
-    if (role[mid] == kMid) file.fail(ErrorCode::InputUnreadable, node + " is the mid node of two edges");
-    role[mid] = kMid;
+    if (role[mid] == Role::Vertex) file.fail(ErrorCode::InputUnreadable, node + " is a vertex and a mid node");
+    if (role[mid] == Role::Mid) file.fail(ErrorCode::InputUnreadable, node + " is the mid node of two edges");
+    role[mid] = Role::Mid;
     if (i > 0 && found_[i - 1].low == low && found_[i - 1].high == high)
       file.fail(ErrorCode::InputUnsuitable, node + " is the second mid node of one edge");
   }

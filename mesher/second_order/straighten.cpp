@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <optional>
 
-#include "core/mesh/curved_tet.hpp"
 #include "core/tets/deep_point.hpp"
+#include "mesher/second_order/curved_mesh.hpp"
 
 namespace tetloom::second_order {
 namespace {
@@ -20,47 +22,28 @@ constexpr double kNoChange = 1e-9;  // of a coefficient, by a motion as long as 
 
 struct Displaced {
   std::uint32_t mid = 0;
-  bool is_on_model = false;  // else inside of a region
-  Vec3 first;                // displacement from the middle when it was put on the model
+  Vec3 first;  // displacement from the middle, when it was put on the model or moved
   Vec3 now;
-};
-
-// The mid nodes of tets that need care, and the tets at them.
-class TetsAtMids {
- public:
-  TetsAtMids(std::vector<std::pair<std::uint32_t, std::uint32_t>>&& pairs) : pairs_(std::move(pairs)) {
-    std::ranges::sort(pairs_);
-  }
-  // Calls body(tet), ascending.
-  template <class Body>
-  void for_tets(std::uint32_t mid, const Body& body) const {
-    auto at = std::ranges::lower_bound(pairs_, std::pair{mid, std::uint32_t{0}});
-    for (; at != pairs_.end() && at->first == mid; ++at) body(at->second);
-  }
-
- private:
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
 class Straightener {
  public:
   Straightener(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner)
-      : least_(least), mesh_(mesh), mids_(mesh), first_mid_(vertex_count(mesh)), runner_(runner) {
+      : mesh_(mesh, least, runner), curved_tets_(tets_of(mesh_.tets_at(mids_of(curved)))) {
     for (const CurvedNode& node : curved) {
-      const Vec3 away = node.on_model - middle_of_edge(mesh, node.mid);
-      displaced_.push_back({node.mid, true, away, away});
-      point(node.mid) = node.on_model;
+      const Vec3 away = node.on_model - mesh_.middle(node.mid);
+      on_model_.push_back({node.mid, away, away});
+      mesh_.point(node.mid) = node.on_model;
     }
   }
 
   Straightening run() {
-    find_curved_tets();
     for (int round = 0;; ++round) {
-      const std::vector<std::uint32_t> bad = find_bad_tets();
+      const std::vector<std::uint32_t> bad = mesh_.find_bad(curved_tets_);
       if (bad.empty()) break;
       collect_tets_at(bad);
       for (const std::uint32_t tet : bad) {
-        runner_.check_cancelled();
+        mesh_.runner().check_cancelled();
         mend(tet, round);
       }
     }
@@ -68,87 +51,42 @@ class Straightener {
   }
 
  private:
-  using Mids = std::array<std::uint32_t, 6>;
-
-  Vec3& point(std::uint32_t mid) { return mesh_.points[first_mid_ + mid]; }
-  bool is_inside(std::uint32_t mid) const { return mesh_.point_to_entity[first_mid_ + mid].dim == 3; }
-  Mids mids_of(std::uint32_t tet) const { return mids_of_tet(mesh_, mids_, tet); }
-  TetJacobian jacobian_of(std::uint32_t tet) const { return tet_jacobian(nodes_of_tet(mesh_, mids_, tet)); }
-  bool is_good(std::uint32_t tet) const {
-    return is_straight(tet) || least_jacobian(jacobian_of(tet), least_) >= least_;
-  }
-  bool is_straight(std::uint32_t tet) const { return is_straight_tet(mesh_, mids_, tet); }
-
-  // Tets with a curved edge: those with both ends of one among their vertices.
-  void find_curved_tets() {
-    std::vector<std::uint8_t> is_end(first_mid_, 0), is_curved(mesh_.mid_to_vert.size(), 0);
-    for (const Displaced& node : displaced_) {
-      is_curved[node.mid] = 1;
-      for (const std::uint32_t v : mesh_.mid_to_vert[node.mid]) is_end[v] = 1;
-    }
-    const auto find = [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) {
-      for (std::size_t t = begin; t < end; ++t) {
-        const auto& verts = mesh_.tet_to_vert[t];
-        if (std::ranges::count_if(verts, [&](std::uint32_t v) { return is_end[v] != 0; }) < 2) continue;
-        const auto tet = static_cast<std::uint32_t>(t);
-        if (std::ranges::any_of(mids_of(tet), [&](std::uint32_t m) { return is_curved[m] != 0; })) found.push_back(tet);
-      }
-    };
-    const std::vector<std::uint32_t> none;
-    for (const auto& found : map_blocks(runner_, mesh_.tet_to_vert.size(), kGrain, none, find))
-      curved_tets_.insert(curved_tets_.end(), found.begin(), found.end());
-  }
-
-  std::vector<std::uint32_t> find_bad_tets() const {
-    const auto find = [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (!is_good(curved_tets_[i])) found.push_back(curved_tets_[i]);
-    };
-    std::vector<std::uint32_t> bad;
-    const std::vector<std::uint32_t> none;
-    for (const auto& found : map_blocks(runner_, curved_tets_.size(), kGrain, none, find))
-      bad.insert(bad.end(), found.begin(), found.end());
-    return bad;
-  }
-
-  // The tets at all mid nodes of `bad`. Those at mid nodes inside become curved tets, as the nodes may move.
+  // The tets at all mid nodes of `bad`: they may be bad next, as nodes move.
   void collect_tets_at(const std::vector<std::uint32_t>& bad) {
-    std::vector<std::uint8_t> is_end(first_mid_, 0);
     std::vector<std::uint32_t> wanted;
-    for (const std::uint32_t tet : bad) {
-      for (const std::uint32_t v : mesh_.tet_to_vert[tet]) is_end[v] = 1;
-      std::ranges::copy(mids_of(tet), std::back_inserter(wanted));
-    }
+    for (const std::uint32_t tet : bad) std::ranges::copy(mesh_.mids_of(tet), std::back_inserter(wanted));
     std::ranges::sort(wanted);
-    using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-    const auto collect = [&](std::size_t begin, std::size_t end, Pairs& pairs) {
-      for (std::size_t t = begin; t < end; ++t) {
-        const auto& verts = mesh_.tet_to_vert[t];
-        if (std::ranges::count_if(verts, [&](std::uint32_t v) { return is_end[v] != 0; }) < 2) continue;
-        const auto tet = static_cast<std::uint32_t>(t);
-        for (const std::uint32_t mid : mids_of(tet))
-          if (std::ranges::binary_search(wanted, mid)) pairs.emplace_back(mid, tet);
-      }
-    };
-    Pairs all;
-    for (const Pairs& pairs : map_blocks(runner_, mesh_.tet_to_vert.size(), kGrain, Pairs{}, collect))
-      all.insert(all.end(), pairs.begin(), pairs.end());
-    for (const auto& [mid, tet] : all) curved_tets_.push_back(tet);
-    std::ranges::sort(curved_tets_);
-    curved_tets_.erase(std::unique(curved_tets_.begin(), curved_tets_.end()), curved_tets_.end());
-    at_mids_.emplace(std::move(all));
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    at_mids_ = mesh_.tets_at(wanted);
+    std::vector<std::uint32_t> all;
+    std::ranges::set_union(curved_tets_, tets_of(at_mids_), std::back_inserter(all));
+    curved_tets_ = std::move(all);
   }
 
   void mend(std::uint32_t tet, int round) {
-    if (is_good(tet)) return;
-    if (round < kRoundsOfMoving) {
-      for (const std::uint32_t mid : mids_of(tet)) {
-        if (!is_inside(mid)) continue;
+    if (mesh_.is_good(tet)) return;
+    if (round < kRoundsOfMoving && may_be_mended_inside(tet)) {
+      for (const std::uint32_t mid : mesh_.mids_of(tet)) {
+        if (!mesh_.is_inside(mid)) continue;
         move_inside(mid);
-        if (is_good(tet)) return;
+        if (mesh_.is_good(tet)) return;
       }
     }
     pull(tet, round);
+  }
+
+  // False where the Jacobian at a vertex is too small whose mid nodes are all on the surface, as between two faces on
+  // one smooth surface: the tangents of three edges lie in one plane there.
+  bool may_be_mended_inside(std::uint32_t tet) const {
+    const std::array<std::uint32_t, 6> mids = mesh_.mids_of(tet);
+    std::array<bool, 4> is_fixed{true, true, true, true};
+    for (std::size_t e = 0; e < mids.size(); ++e)
+      if (mesh_.is_inside(mids[e]))
+        for (const std::uint8_t v : shape_of(CellKind::Tet).edge[e]) is_fixed[v] = false;
+    const TetJacobian jacobian = mesh_.jacobian_of(tet);
+    for (std::size_t v = 0; v < is_fixed.size(); ++v)
+      if (is_fixed[v] && jacobian[v] < mesh_.least()) return false;
+    return true;
   }
 
   // Moves a mid node inside of a region to where the tets around have the largest least coefficient, or only as far on
@@ -166,53 +104,57 @@ class Straightener {
     };
     if (!(least_at(1) > least_at(0))) return;
     double enough = 1;
-    for (double step = 0.5; least_at(1) >= least_ && step > 1.0 / (1 << kHalvings); step /= 2)
-      if (least_at(enough - step) >= least_) enough -= step;
-    point(mid) += enough * best->point;
+    for (double step = 0.5; least_at(1) >= mesh_.least() && step > 1.0 / (1 << kHalvings); step /= 2)
+      if (least_at(enough - step) >= mesh_.least()) enough -= step;
+    mesh_.point(mid) += enough * best->point;
     remember(mid);
   }
 
   // The coefficients of the tets at a mid node that depend on its place, as functions of its displacement from where it
   // is.
   std::vector<tets::AffineFunction> coefficients_at(std::uint32_t mid) {
-    const Vec3 here = point(mid);
-    const auto [a, b] = mesh_.mid_to_vert[mid];
-    const double step = distance(mesh_.points[a], mesh_.points[b]);
+    const Vec3 here = mesh_.point(mid);
+    const auto [a, b] = mesh_.mesh().mid_to_vert[mid];
+    const double step = distance(mesh_.mesh().points[a], mesh_.mesh().points[b]);
     std::vector<tets::AffineFunction> functions;
-    at_mids_->for_tets(mid, [&](std::uint32_t tet) {
-      const TetJacobian base = jacobian_of(tet);
+    const auto first = std::ranges::lower_bound(at_mids_, MidAndTet{mid, 0});
+    for (auto at = first; at != at_mids_.end() && at->first == mid; ++at) {
+      const TetJacobian base = mesh_.jacobian_of(at->second);
       std::array<TetJacobian, 3> moved;
       for (int axis = 0; axis < 3; ++axis) {
-        point(mid)[axis] = here[axis] + step;
-        moved[static_cast<std::size_t>(axis)] = jacobian_of(tet);
-        point(mid) = here;
+        mesh_.point(mid)[axis] = here[axis] + step;
+        moved[static_cast<std::size_t>(axis)] = mesh_.jacobian_of(at->second);
+        mesh_.point(mid) = here;
       }
       for (std::size_t c = 0; c < base.size(); ++c) {
         const Vec3 change{moved[0][c] - base[c], moved[1][c] - base[c], moved[2][c] - base[c]};
         if (norm(change) > kNoChange) functions.push_back({change / step, base[c]});
       }
-    });
+    }
     return functions;
   }
 
   void remember(std::uint32_t mid) {
-    const auto at = std::ranges::lower_bound(displaced_, mid, {}, &Displaced::mid);
-    const Vec3 now = point(mid) - middle_of_edge(mesh_, mid);
-    if (at != displaced_.end() && at->mid == mid) {
-      at->first = at->now = now;
-    } else {
-      displaced_.insert(at, {mid, false, now, now});
+    const Vec3 now = mesh_.point(mid) - mesh_.middle(mid);
+    moved_.insert_or_assign(mid, Displaced{mid, now, now});
+  }
+
+  // Null where the mid node has always been in the middle.
+  Displaced* find_displaced(std::uint32_t mid) {
+    if (mesh_.is_inside(mid)) {
+      const auto at = moved_.find(mid);
+      return at == moved_.end() ? nullptr : &at->second;
     }
+    const auto at = std::ranges::lower_bound(on_model_, mid, {}, &Displaced::mid);
+    return at == on_model_.end() || at->mid != mid ? nullptr : &*at;
   }
 
   // Takes away from the displacements of a tet's mid nodes what it takes: that of a single one, if that suffices, the
   // least change of all; otherwise all by the same share.
   void pull(std::uint32_t tet, int round) {
     std::vector<Displaced*> nodes;
-    for (const std::uint32_t mid : mids_of(tet)) {
-      const auto at = std::ranges::lower_bound(displaced_, mid, {}, &Displaced::mid);
-      if (at != displaced_.end() && at->mid == mid && at->now != Vec3{}) nodes.push_back(&*at);
-    }
+    for (const std::uint32_t mid : mesh_.mids_of(tet))
+      if (Displaced* node = find_displaced(mid); node && node->now != Vec3{}) nodes.push_back(node);
     std::span<Displaced*> best = nodes;
     double best_share = 0, best_change = HUGE_VAL;
     for (Displaced*& node : nodes) {
@@ -230,8 +172,8 @@ class Straightener {
   }
 
   void put(const Displaced& node, double share) {
-    const Vec3 middle = middle_of_edge(mesh_, node.mid);
-    point(node.mid) = share * norm2(node.now) > 0 ? middle + share * node.now : middle;
+    const Vec3 middle = mesh_.middle(node.mid);
+    mesh_.point(node.mid) = share * norm2(node.now) > 0 ? middle + share * node.now : middle;
   }
 
   // The largest share of the displacements of `nodes` with which the tet is good; nothing where there is none. Leaves
@@ -239,7 +181,7 @@ class Straightener {
   std::optional<double> find_share(std::uint32_t tet, std::span<Displaced* const> nodes) {
     const auto is_good_with = [&](double share) {
       for (const Displaced* node : nodes) put(*node, share);
-      return is_good(tet);
+      return mesh_.is_good(tet);
     };
     std::optional<double> found;
     if (is_good_with(0)) {
@@ -254,38 +196,34 @@ class Straightener {
 
   Straightening conclude() const {
     Straightening result;
-    for (const Displaced& node : displaced_) {
-      if (!node.is_on_model && node.now != Vec3{}) result.moved.push_back(node.mid);
-      if (node.is_on_model && node.now != node.first)
-        result.off_model.push_back({node.mid, middle_of_edge(mesh_, node.mid) + node.first});
-    }
+    for (const auto& [mid, node] : moved_)
+      if (node.now != Vec3{}) result.moved.push_back(mid);
+    for (const Displaced& node : on_model_)
+      if (node.now != node.first) result.off_model.push_back({node.mid, mesh_.middle(node.mid) + node.first});
     struct Bounds {
       double least = 1;
       std::size_t not_positive = 0;
     };
     const auto bound = [&](std::size_t begin, std::size_t end, Bounds& bounds) {
       for (std::size_t i = begin; i < end; ++i) {
-        if (is_straight(curved_tets_[i])) continue;
-        const double least = least_jacobian(jacobian_of(curved_tets_[i]), least_);
+        if (mesh_.is_straight(curved_tets_[i])) continue;
+        const double least = least_jacobian(mesh_.jacobian_of(curved_tets_[i]), mesh_.least());
         bounds.least = std::min(bounds.least, least);
         bounds.not_positive += least > 0 ? 0 : 1;
       }
     };
-    for (const Bounds& bounds : map_blocks(runner_, curved_tets_.size(), kGrain, Bounds{}, bound)) {
+    for (const Bounds& bounds : map_blocks(mesh_.runner(), curved_tets_.size(), kGrain, Bounds{}, bound)) {
       result.min_scaled_jacobian = std::min(result.min_scaled_jacobian, bounds.least);
       result.not_positive += bounds.not_positive;
     }
     return result;
   }
 
-  double least_;
-  Mesh& mesh_;
-  MidNodes mids_;
-  std::size_t first_mid_;
-  const TaskRunner& runner_;
-  std::vector<Displaced> displaced_;  // ascending by mid
-  std::vector<std::uint32_t> curved_tets_;
-  std::optional<TetsAtMids> at_mids_;
+  CurvedMesh mesh_;
+  std::vector<Displaced> on_model_;           // ascending by mid; those put on the model at first
+  std::map<std::uint32_t, Displaced> moved_;  // by mid; inside of regions
+  std::vector<std::uint32_t> curved_tets_;    // ascending; those that may be bad
+  std::vector<MidAndTet> at_mids_;            // ascending; of the mid nodes of bad tets
 };
 
 }  // namespace
