@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/mesh/mid_nodes.hpp"
 #include "core/spatial/distances.hpp"
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
@@ -34,6 +35,32 @@ std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
   return {mesh.points[a], mesh.points[b], mesh.points[c]};
 }
 
+// A third of the integral of dot(x, dx/du × dx/dv) over a triangle with mid nodes: of degree 4, as is the quadrature
+// (Dunavant 1985).
+double volume_below(const std::array<Vec3, 6>& nodes) {
+  constexpr std::array<std::array<double, 2>, 2> kRings{
+      {{0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.109951743655322}}};  // coordinate, weight
+  double sum = 0;
+  for (const auto& [coordinate, weight] : kRings)
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      std::array<double, 3> l{coordinate, coordinate, coordinate};
+      l[corner] = 1 - 2 * coordinate;
+      Vec3 x, along_u, along_v;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        x += l[i] * (2 * l[i] - 1) * nodes[i] + 4 * l[i] * l[j] * nodes[3 + i];
+        const auto slope = [&](std::size_t k) {  // by coordinate k, of this vertex and of the mid node behind it
+          return (k == i ? 4 * l[i] - 1 : 0) * nodes[i] +
+                 4 * ((k == i ? l[j] : 0) + (k == j ? l[i] : 0)) * nodes[3 + i];
+        };
+        along_u += slope(1) - slope(0);
+        along_v += slope(2) - slope(0);
+      }
+      sum += weight * dot(x, cross(along_u, along_v));
+    }
+  return sum / 6;
+}
+
 // What the triangles of each region bound, measured from the middle of them all; NaN where there are none.
 std::vector<double> volumes_of(const MeshedModel& meshed) {
   const ModelTopology& topology = meshed.model.topology();
@@ -46,10 +73,19 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
   Box3 box;
   for (const Vec3& x : meshed.surface.points) box.add(x);
   const Vec3 middle = box.center();
+  const MidNodes mids(meshed.surface);
+  const auto volume_of = [&](std::size_t t) {
+    const auto& verts = meshed.surface.tri_to_vert[t];
+    std::array<Vec3, 6> nodes;
+    for (std::size_t i = 0; i < 3; ++i) nodes[i] = meshed.surface.points[verts[i]] - middle;
+    if (mids.empty()) return dot(nodes[0], cross(nodes[1], nodes[2])) / 6;
+    for (std::size_t i = 0; i < 3; ++i)
+      nodes[3 + i] = meshed.surface.points[mids.point(verts[i], verts[(i + 1) % 3])] - middle;
+    return volume_below(nodes);
+  };
   for (std::size_t t = 0; t < meshed.surface.tri_to_vert.size(); ++t) {
     const FaceSides& sides = topology.face_to_sides[meshed.surface.tri_to_entity[t]];
-    const auto [a, b, c] = corners_of(meshed.surface, t);
-    const double volume = dot(a - middle, cross(b - middle, c - middle)) / 6;
+    const double volume = volume_of(t);
     add(sides.back, volume);
     add(sides.front, -volume);
   }

@@ -21,7 +21,7 @@ struct MeshedModel {
 /// Warnings, ascending by region: RegionInsideOut where the surface mesh bounds a negative volume, VolumeDiffers where
 /// that volume is off by more than a hundredth of the model's (`model_volumes`, one per region, model length^3). With
 /// the region, its faces (those whose areas differ most first, ten at most) and a point on the first. Regions without
-/// any triangle were left out of the mesh and are not judged. Linear.
+/// any triangle were left out of the mesh and are not judged. Triangles of second order are curved. Linear.
 std::vector<Diagnostic> check_volumes(const MeshedModel& meshed, std::span<const double> model_volumes);
 
 /// Warnings of code RegionsOverlap, ascending by regions: pairs of regions that share no face, and of which one has a

@@ -125,8 +125,7 @@ void write(const MeshCommand& command, double scale, Mesh& mesh, const TaskRunne
     for (Vec3& x : mesh.points) x = scale * x;
     run.report().extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
   }
-  // Formats that are written only, and that one, are those with groups.
-  if (!is_mesh_extension(command.output) || command.write.msh_2_2) {
+  if (holds_solver_names(command.output, command.write)) {
     nlohmann::ordered_json names = nlohmann::ordered_json::object();
     for (const NamedGroup& group : solver_names(mesh))
       if (!group.original.empty()) names[group.original] = group.sanitised;

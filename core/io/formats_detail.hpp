@@ -43,6 +43,8 @@ Mesh read_partitioned_msh(const InputFile& file, MeshParts& parts);
 Mesh read_medit_text(const InputFile& file);
 Mesh read_medit_binary(const InputFile& file);
 Mesh read_stl(const InputFile& file);
+Mesh read_inp(const InputFile& file);
+Mesh read_su2(const InputFile& file);
 
 /// The index that a tag in a file stands for: none for 0 and for what no index can hold.
 inline std::uint32_t index_of_tag(std::int64_t tag) {

@@ -7,6 +7,7 @@
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/medit_detail.hpp"
+#include "core/io/solver/groups.hpp"
 #include "core/io/solver/number_text.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -72,14 +73,16 @@ void print_points(AtomicFile& file, const Mesh& mesh, const BlockLoop& loop) {
 }
 
 template <class Element>
-void print_elements(AtomicFile& file, const char* keyword, const std::vector<Element>& elements,
+void print_elements(AtomicFile& file, const Mesh& mesh, Block block, const std::vector<Element>& elements,
                     const std::vector<std::uint32_t>& entities, const BlockLoop& loop) {
   if (elements.empty()) return;
+  const char* keyword = kElementKeywords[static_cast<std::size_t>(block)].text;
   file.write(keyword);
   file.print(elements.size()), file.print('\n');
   const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
     for (std::size_t e = begin; e < end; ++e) {
-      for (const std::uint32_t v : elements[e]) out = print(out, std::uint64_t{v} + 1, ' ');
+      for (const std::uint32_t v : turned_outwards(mesh, dimension_of(block), elements[e], entities[e]))
+        out = print(out, std::uint64_t{v} + 1, ' ');
       out = print(out, tag_of_index(entities[e]), '\n');
     }
     return out;
@@ -131,13 +134,15 @@ class MeditRecords {
         all.size(), [&](std::size_t i) { return static_cast<Integer>(std::uint64_t{all[i]} + 1); }, loop_);
   }
   template <class Element>
-  void elements(MeditKeyword keyword, const std::vector<Element>& all, const std::vector<std::uint32_t>& entities) {
+  void elements(const Mesh& mesh, Block block, const std::vector<Element>& all,
+                const std::vector<std::uint32_t>& entities) {
     if (all.empty()) return;
     using Record = std::array<Integer, std::tuple_size_v<Element> + 1>;
-    section(keyword, all.size(), sizeof(Record));
+    section(kElementKeywords[static_cast<std::size_t>(block)].code, all.size(), sizeof(Record));
     const auto record_of = [&](std::size_t e) {
       Record record;
-      std::transform(all[e].begin(), all[e].end(), record.begin(),
+      const Element verts = turned_outwards(mesh, dimension_of(block), all[e], entities[e]);
+      std::transform(verts.begin(), verts.end(), record.begin(),
                      [](std::uint32_t v) { return static_cast<Integer>(std::uint64_t{v} + 1); });
       record.back() = tag_of_index(entities[e]);
       return record;
@@ -170,7 +175,7 @@ void write_binary(const Mesh& mesh, const std::vector<std::uint32_t>& corners, A
   records.corners(MeditKeyword::Corners, corners);
   records.corners(MeditKeyword::RequiredVertices, corners);
   for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
-    records.elements(kElementKeywords[static_cast<std::size_t>(block)].code, elements, entities);
+    records.elements(mesh, block, elements, entities);
   });
   file.put(MeditKeyword::End);
   records.position(0);
@@ -190,7 +195,7 @@ void write_medit_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop)
     for (const std::uint32_t corner : corners) file.print(std::uint64_t{corner} + 1), file.print('\n');
   }
   for_each_block(mesh, [&](Block block, const auto& elements, const auto& entities) {
-    print_elements(file, kElementKeywords[static_cast<std::size_t>(block)].text, elements, entities, loop);
+    print_elements(file, mesh, block, elements, entities, loop);
   });
   file.write("End\n");
 }

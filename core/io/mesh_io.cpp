@@ -19,15 +19,16 @@ struct Format {
   void (*write)(const Mesh&, AtomicFile&, const BlockLoop&);
   Mesh (*read)(const detail::InputFile&);  ///< null: the format is written only
   bool has_second_order = false;
+  bool has_groups = false;  ///< under the names of solver_names
 };
 
-constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr, true},
-                                          {".inp", detail::write_inp, nullptr, true},
+constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr, true, true},
+                                          {".inp", detail::write_inp, detail::read_inp, true, true},
                                           {".mesh", detail::write_medit_text, detail::read_medit_text},
                                           {".meshb", detail::write_medit_binary, detail::read_medit_binary},
                                           {".msh", detail::write_msh, detail::read_msh, true},
                                           {".stl", detail::write_stl, detail::read_stl},
-                                          {".su2", detail::write_su2, nullptr},
+                                          {".su2", detail::write_su2, detail::read_su2, false, true},
                                           {".vtu", detail::write_vtu, detail::read_vtu, true}}};
 
 const Format* find_format(const std::filesystem::path& path) {
@@ -80,6 +81,12 @@ bool is_writable_mesh_format(const std::filesystem::path& path) {
 bool holds_second_order(const std::filesystem::path& path) {
   const Format* format = find_format(path);
   return format != nullptr && format->has_second_order;
+}
+
+bool holds_solver_names(const std::filesystem::path& path, const WriteOptions& options) {
+  const Format* format = find_format(path);
+  if (format == nullptr) return detail::is_foam_folder(path);
+  return format->has_groups || (format->write == detail::write_msh && options.msh_2_2);
 }
 
 std::string known_mesh_extensions() { return extensions(true); }

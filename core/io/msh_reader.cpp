@@ -1,4 +1,4 @@
-// Gmsh 4.1 (text and binary) and 2.2 (text), by the Gmsh reference manual.
+// Gmsh 4.1 and 2.2, both as text and binary, by the Gmsh reference manual.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -109,7 +109,6 @@ class MshReader {
     if (!old_ && version != "4.1")
       file_.fail(ErrorCode::InputUnsuitable,
                  "MSH version " + std::string(version.substr(0, 10)) + " is not supported; save it as 4.1 or 2.2");
-    if (old_ && binary_) file_.fail(ErrorCode::InputUnsuitable, "binary MSH 2.2 is not supported; save it as 4.1");
     if (binary_ && size_bytes != 8)
       file_.fail(ErrorCode::InputUnsuitable, "binary MSH files with a size_t other than 8 bytes are not supported");
     if (binary_ && cursor_.read<std::int32_t>() != 1)
@@ -221,9 +220,9 @@ class MshReader {
   template <class Element>
   Element read_nodes_of(MshNumbers& numbers, MshType type) {
     Element element;
-    for (std::uint32_t& v : element) v = nodes_.find(numbers.size());
+    for (std::uint32_t& v : element) v = nodes_.find(number_of(numbers));
     std::array<std::uint32_t, kMostNodes> mids;
-    for (std::size_t i = 0; i < type.mid_nodes; ++i) mids[i] = nodes_.find(numbers.size());
+    for (std::size_t i = 0; i < type.mid_nodes; ++i) mids[i] = nodes_.find(number_of(numbers));
     if (type.mid_nodes > 0) mids_.add(element, msh_edges_of(type.block), std::span(mids).first(type.mid_nodes));
     return element;
   }
@@ -260,13 +259,26 @@ class MshReader {
     for (std::uint64_t i = 0; i < count * numbers_each; ++i) numbers.size();
   }
 
+  /// The number of a node or an element: binary files of version 2.2 have 32 bits for it.
+  std::uint64_t number_of(MshNumbers& numbers) const {
+    return old_ && binary_ ? static_cast<std::uint32_t>(numbers.integer()) : numbers.size();
+  }
+
+  /// How many items a section of version 2.2 has, which also stands as text in binary files, in a line of its own.
+  std::uint64_t old_count() {
+    const auto count = cursor_.parse<std::uint64_t>();
+    if (binary_) cursor_.line();
+    return count;
+  }
+
   void read_old_nodes() {
-    MshNumbers numbers(cursor_, false);
-    const std::uint64_t count = numbers.count(1, 3);
+    const std::uint64_t count = old_count();
+    MshNumbers numbers(cursor_, binary_);
+    numbers.expect(count, 1, 3);
     reserve_nodes(count);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
-      tags_.push_back(numbers.size());
+      tags_.push_back(number_of(numbers));
       mesh_.points.push_back(numbers.point());
     }
     mesh_.point_to_entity.resize(mesh_.points.size());
@@ -274,20 +286,40 @@ class MshReader {
   }
 
   void read_old_elements() {
-    MshNumbers numbers(cursor_, false);
-    const std::uint64_t count = numbers.count(4, 0);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
-      const std::uint64_t id = numbers.size();
-      read_old_element(numbers, id);
+    const std::uint64_t count = old_count();
+    MshNumbers numbers(cursor_, binary_);
+    numbers.expect(count, binary_ ? 2 : 4, 0);
+    for (std::uint64_t done = 0; done < count;) {
+      file_.check_cancelled();
+      done += binary_ ? read_old_block(numbers, count - done) : read_old_lines(numbers, count - done);
     }
     has_elements_ = true;
   }
 
-  /// id type number-of-tags physical geometrical … nodes
-  void read_old_element(MshNumbers& numbers, std::uint64_t id) {
-    const std::int32_t type = numbers.integer();
-    const std::uint64_t tag_count = numbers.count(1, 0);
+  /// Lines of id, type, number-of-tags, physical, geometrical, …, nodes; at most kItemsBetweenLooks of them.
+  std::uint64_t read_old_lines(MshNumbers& numbers, std::uint64_t most) {
+    const std::uint64_t count = std::min<std::uint64_t>(most, kItemsBetweenLooks);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::uint64_t id = numbers.size();
+      const std::int32_t type = numbers.integer();
+      read_old_element(numbers, id, type, numbers.count(1, 0));
+    }
+    return count;
+  }
+
+  /// The type, the number of elements and that of their tags, which a binary file has once for several elements.
+  std::uint64_t read_old_block(MshNumbers& numbers, std::uint64_t most) {
+    const std::int32_t type = numbers.integer(), count = numbers.integer(), tags = numbers.integer();
+    if (count < 1 || static_cast<std::uint64_t>(count) > most || tags < 0)
+      file_.fail("a block of elements with counts that make no sense", numbers.at());
+    numbers.expect(static_cast<std::uint64_t>(count), 2, 0);
+    numbers.expect(static_cast<std::uint64_t>(tags), 1, 0);
+    for (std::int32_t i = 0; i < count; ++i)
+      read_old_element(numbers, number_of(numbers), type, static_cast<std::uint64_t>(tags));
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void read_old_element(MshNumbers& numbers, std::uint64_t id, std::int32_t type, std::uint64_t tag_count) {
     std::int32_t group = 0, tag = 0;
     for (std::uint64_t i = 0; i < tag_count; ++i) {
       const std::int32_t value = numbers.integer();
@@ -306,7 +338,7 @@ class MshReader {
     };
     if (of_type) return visit_block(mesh_, of_type->block, add);
     if (type != kMshPoint) refuse_elements(file_, describe_type(type));
-    corners_.push_back({nodes_.find(numbers.size()), index_of_tag(tag)});
+    corners_.push_back({nodes_.find(number_of(numbers)), index_of_tag(tag)});
     add_to_group(0, tag, group);
     largest_tag_[0] = std::max(largest_tag_[0], tag);
   }

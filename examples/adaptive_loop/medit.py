@@ -25,25 +25,15 @@ def read_mesh(path):
     return Mesh(points, triangles, tets)
 
 
-def turned_outwards(mesh):
-    """The triangles of the boundary, counter-clockwise seen from outside, as FreeFEM wants them. tetloom's turn as the CAD
-    faces do that they lie on."""
-    sides = numpy.concatenate([mesh.tets[:, [1, 2, 3]], mesh.tets[:, [0, 3, 2]], mesh.tets[:, [0, 1, 3]],
-                               mesh.tets[:, [0, 2, 1]]])
-    _, first, uses = numpy.unique(numpy.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
-    return sides[numpy.sort(first[uses == 1])]
-
-
 def write_mesh_for_solver(path, mesh):
     """All of the boundary has the label 1."""
-    triangles = turned_outwards(mesh)
 
     def rows(items, label):
         return "\n".join(" ".join(map(str, item)) + f" {label}" for item in items.tolist())
 
     path.write_text(f"MeshVersionFormatted 2\nDimension 3\nVertices\n{len(mesh.points)}\n{rows(mesh.points, 0)}\n"
                     f"Tetrahedra\n{len(mesh.tets)}\n{rows(mesh.tets + 1, 1)}\n"
-                    f"Triangles\n{len(triangles)}\n{rows(triangles + 1, 1)}\nEnd\n")
+                    f"Triangles\n{len(mesh.triangles)}\n{rows(mesh.triangles + 1, 1)}\nEnd\n")
 
 
 def write_solution(path, at_points, at_tets=()):

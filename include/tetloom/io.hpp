@@ -13,10 +13,12 @@
 //   .msh           Gmsh 4.1, binary when written; holds classification, names (up to 255 bytes), face sides and fields
 //                  (as views; Gmsh itself shows those of 1, 3 and 9 components)
 //   .mesh, .meshb  MEDIT, text or binary; holds the entity of every element, but no fields; points are classified from
-//                  the elements
+//                  the elements. Triangles of a face with a region on one side point out of it, as FreeFEM wants
+//                  them
 //   .stl           triangles alone, in single precision
 //
-// These are written only, for solvers:
+// For solvers; of these, .inp, .su2 and .msh are read as well, names of sets, surfaces and markers as those of
+// entities:
 //
 //   .inp           Abaqus, CalculiX: an ELSET for every region, an NSET and a SURFACE for every face, NSETs for edges
 //   and
@@ -50,7 +52,7 @@ bool is_writable_mesh_format(const std::filesystem::path& path);
 /// Whether `path` ends in an extension of a format that holds meshes of second order.
 bool holds_second_order(const std::filesystem::path& path);
 
-/// ".mesh, .meshb, .msh, .stl, .vtu", for messages: those that are read.
+/// ".inp, .mesh, .meshb, .msh, .stl, .su2, .vtu", for messages: those that are read.
 std::string known_mesh_extensions();
 
 /// Those that are written.
@@ -74,6 +76,9 @@ struct NamedGroup {
 /// Ascending by dimension, then by tag. Linear.
 std::vector<NamedGroup> solver_names(const Mesh& mesh);
 
+/// Whether files of that format have groups under these names.
+bool holds_solver_names(const std::filesystem::path& path, const WriteOptions& options = {});
+
 /// Writes `mesh` to `path`, completely or not at all (see AtomicFile). What it writes, `read_mesh` reads back the same,
 /// as far as the format holds it; numbers are kept bit for bit in all formats but .stl.
 /// Errors: InvalidArgument (unknown extension; array lengths or indices of the mesh do not fit; fields without a name,
@@ -90,12 +95,12 @@ void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const Write
 
 /// Reads cells, quadrilaterals, triangles, edges, points and fields from `path`. Understands, beside what `write_mesh`
 /// makes: VTU as text, base64 or raw, compressed by zlib or not, of any byte order and number of pieces; MSH 4.1
-/// and 2.2 as text and 4.1 as binary; MEDIT text and binary versions 1 to 4 of either byte order, with any keywords;
-/// STL as text or binary. Elements without an entity get the index Id::kNone, points without one an invalid
-/// ModelEntity. Where a file has entities for elements only, points are classified on the lowest-dimensional elements
-/// that use them, as far as those agree. Of fields on elements those on cells are kept; where an .msh file has no value
-/// for a point or a cell, that is NaN, and of several time steps it is the first that counts. Vertices that an STL file
-/// repeats become one point.
+/// and 2.2 as text and binary; Abaqus files of one part; SU2 files of one zone; MEDIT text and binary versions 1 to 4
+/// of either byte order, with any keywords; STL as text or binary. Elements without an entity get the index Id::kNone,
+/// points without one an invalid ModelEntity. Where a file has entities for elements only, points are classified on the
+/// lowest-dimensional elements that use them, as far as those agree. Of fields on elements those on cells are kept;
+/// where an .msh file has no value for a point or a cell, that is NaN, and of several time steps it is the first that
+/// counts. Vertices that an STL file repeats become one point.
 ///
 /// Errors: InvalidArgument (unknown extension); InputUnreadable with the place in the file (missing, no regular file,
 /// empty, truncated, of another format, indices out of range, fields of another length than what they hang on);

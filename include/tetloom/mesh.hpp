@@ -165,8 +165,9 @@ MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, co
 
 /// As make_mesh, by the ranks of `communicator` together. The first rank has the mesh that make_mesh makes, element for
 /// element; the meshes of the others are the surface alone, as it was before the volume was filled. All else in the
-/// result but `second_order`, which the first rank has, is the same on all ranks. A collective call, for which all
-/// ranks give the same. Errors and thread safety: as make_mesh; one call for each communicator.
+/// result is the same on all ranks, but for `second_order` and warnings of volumes with it, which the first rank has. A
+/// collective call, for which all ranks give the same. Errors and thread safety: as make_mesh; one call for each
+/// communicator.
 MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                               const Host& host = {});
 

@@ -36,8 +36,8 @@ struct EntityAttributes {
   std::string name;
   std::optional<Color> color;
   std::string layer;
-  std::string group;     ///< a name for several entities of one dimension in files for solvers; empty: each its own
   double tolerance = 0;  ///< how far neighbouring geometry may lie from this entity's own (model length)
+  std::string group;     ///< a name for several entities of one dimension in files for solvers; empty: each its own
 };
 
 /// One appearance of an edge in a loop of a face. A seam appears twice in the same face, once on each side of the

@@ -127,6 +127,19 @@ TEST_CASE("groups come back from VTU files, and name entities without a name in 
   CHECK(read.entities[2].at(3).name == "top");
 }
 
+TEST_CASE("MEDIT's boundary triangles point out of their region, in both forms") {
+  const Mesh mesh = with_turned_face();
+  const TemporaryFolder folder;
+  for (const char* name : {"a.mesh", "a.meshb"}) {
+    INFO(name);
+    write_mesh(mesh, folder / name);
+    const Mesh read = read_mesh(folder / name);
+    REQUIRE(read.tri_to_vert.size() == mesh.tri_to_vert.size());
+    for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+      CHECK((read.tri_to_vert[t] == mesh.tri_to_vert[t]) != points_inwards(mesh, mesh.tri_to_entity[t]));
+  }
+}
+
 TEST_CASE("numbers of Abaqus files are short enough for CalculiX, which reads 20 characters of them") {
   Mesh mesh = named_box();
   const std::vector<double> hard{6.1232339957367663e-16, -1.2345678901234567e-105, -0.035355339059327373,
@@ -376,11 +389,14 @@ TEST_CASE(".msh 2.2 has a physical group for every entity, and records of known 
 }
 
 TEST_CASE("formats that are only written are not read, and those of solvers are known by their extension") {
-  for (const char* name : {"a.inp", "a.su2", "a.bdf", "a.foam", "case/polyMesh"}) {
+  for (const char* name : {"a.bdf", "a.foam", "case/polyMesh"}) {
     CHECK(is_writable_mesh_format(name));
     CHECK_FALSE(is_mesh_extension(name));
     CHECK(error_of([&] { static_cast<void>(read_mesh(name)); }).code == ErrorCode::InvalidArgument);
   }
   CHECK(writable_mesh_extensions().find(".foam") != std::string::npos);
-  CHECK(known_mesh_extensions().find(".inp") == std::string::npos);
+  CHECK(known_mesh_extensions().find(".bdf") == std::string::npos);
+  for (const char* name : {"a.bdf", "a.inp", "a.su2", "a.foam"}) CHECK(holds_solver_names(name));
+  for (const char* name : {"a.vtu", "a.mesh", "a.msh"}) CHECK_FALSE(holds_solver_names(name));
+  CHECK(holds_solver_names("a.msh", {.msh_2_2 = true}));
 }

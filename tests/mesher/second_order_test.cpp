@@ -74,6 +74,16 @@ TEST_CASE("the volume of a ball converges with the fourth power of the size") {
   CHECK(std::log2(coarse / fine) > 3.5);
 }
 
+TEST_CASE("volumes are compared with the model's as the curved triangles bound them") {
+  MeshOptions options = options_of_size(0.5);
+  const auto model = make_sphere({1, 2, 3}, 1);
+  CHECK(make_mesh(*model, options).warnings.empty());
+  options.order = 1;
+  const MeshResult straight = make_mesh(*model, options);
+  REQUIRE(straight.warnings.size() == 1);
+  CHECK(straight.warnings[0].code == ErrorCode::VolumeDiffers);
+}
+
 TEST_CASE("the mesh of second order does not depend on the number of threads") {
   const auto model = make_torus(3, 1);
   const std::string digest = mesh_digest(meshed(*model, options_of_size(0.5, 1)));

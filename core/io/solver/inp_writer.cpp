@@ -8,6 +8,7 @@
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/cell_faces.hpp"
 #include "core/io/solver/groups.hpp"
+#include "core/io/solver/inp_detail.hpp"
 #include "core/io/solver/number_text.hpp"
 
 namespace tetloom::detail {
@@ -15,9 +16,6 @@ namespace {
 
 constexpr std::array<const char*, kBlocks> kTypes{"T3D2", "S3", "S4", "C3D4", "C3D5", "C3D6", "C3D8"};
 constexpr std::array<const char*, kBlocks> kTypes2{"T3D3", "S6", "S8", "C3D10", nullptr, "C3D15", "C3D20"};
-/// Numbers of element faces, by kind and by face in kCellShapes.
-constexpr std::array<std::array<int, 6>, kCellKinds> kFaceNumbers{
-    {{3, 4, 2, 1, 0, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 0}, {1, 2, 3, 4, 5, 6}}};
 constexpr std::size_t kPerLine = 8;        // numbers in a line of a set; readers take at most 16
 constexpr std::size_t kNodesPerLine = 15;  // behind the number of the element
 
@@ -121,7 +119,7 @@ class InpWriter {
         const std::uint32_t face = faces.find_surface(element);
         if (face == kNone) continue;
         const std::uint32_t cell = faces.cell(face);
-        const int number = kFaceNumbers[static_cast<std::size_t>(faces.kind_of_cell(cell))][faces.local(face)];
+        const int number = kInpFaceNumbers[static_cast<std::size_t>(faces.kind_of_cell(cell))][faces.local(face)];
         lines += std::to_string(cell + 1) + ",S" + std::to_string(number) + "\n";
       }
       if (lines.empty()) continue;
