@@ -49,8 +49,8 @@ void add_names(Mesh& mesh) {
       attributes = {"entity " + std::to_string(dim) + "/" + std::to_string(i),
                     {},
                     "layer",
-                    "group",
-                    1e-3 * static_cast<double>(i)};
+                    1e-3 * static_cast<double>(i),
+                    "group"};
       if (i % 4 == 0) attributes.color = Color{0.25F, 0.5F, 1};
     }
   }
