@@ -30,6 +30,9 @@ void write_msh2_binary(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop
 void write_bdf(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_inp(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_su2(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_ugrid_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_lb8_ugrid(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_b8_ugrid(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 
 /// A comment in MSH files of our own, whose volumes have correctly oriented boundaries; those of others often have not.
@@ -45,6 +48,9 @@ Mesh read_medit_binary(const InputFile& file);
 Mesh read_stl(const InputFile& file);
 Mesh read_inp(const InputFile& file);
 Mesh read_su2(const InputFile& file);
+Mesh read_ugrid_text(const InputFile& file);
+Mesh read_lb8_ugrid(const InputFile& file);
+Mesh read_b8_ugrid(const InputFile& file);
 
 /// The index that a tag in a file stands for: none for 0 and for what no index can hold.
 inline std::uint32_t index_of_tag(std::int64_t tag) {

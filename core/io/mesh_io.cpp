@@ -4,10 +4,12 @@
 #include <array>
 #include <cctype>
 #include <new>
+#include <string_view>
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/foam_writer.hpp"
 #include "core/io/solver/groups.hpp"
+#include "core/io/solver/mapbc.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -20,22 +22,30 @@ struct Format {
   Mesh (*read)(const detail::InputFile&);  ///< null: the format is written only
   bool has_second_order = false;
   bool has_groups = false;  ///< under the names of solver_names
+  bool has_mapbc = false;   ///< names stand in a .mapbc file beside it
 };
 
-constexpr std::array<Format, 8> kFormats{{{".bdf", detail::write_bdf, nullptr, true, true},
-                                          {".inp", detail::write_inp, detail::read_inp, true, true},
-                                          {".mesh", detail::write_medit_text, detail::read_medit_text},
-                                          {".meshb", detail::write_medit_binary, detail::read_medit_binary},
-                                          {".msh", detail::write_msh, detail::read_msh, true},
-                                          {".stl", detail::write_stl, detail::read_stl},
-                                          {".su2", detail::write_su2, detail::read_su2, false, true},
-                                          {".vtu", detail::write_vtu, detail::read_vtu, true}}};
+// Ascending, so that ".lb8.ugrid" comes before ".ugrid".
+constexpr std::array<Format, 11> kFormats{
+    {{".b8.ugrid", detail::write_b8_ugrid, detail::read_b8_ugrid, false, true, true},
+     {".bdf", detail::write_bdf, nullptr, true, true},
+     {".inp", detail::write_inp, detail::read_inp, true, true},
+     {".lb8.ugrid", detail::write_lb8_ugrid, detail::read_lb8_ugrid, false, true, true},
+     {".mesh", detail::write_medit_text, detail::read_medit_text},
+     {".meshb", detail::write_medit_binary, detail::read_medit_binary},
+     {".msh", detail::write_msh, detail::read_msh, true},
+     {".stl", detail::write_stl, detail::read_stl},
+     {".su2", detail::write_su2, detail::read_su2, false, true},
+     {".ugrid", detail::write_ugrid_text, detail::read_ugrid_text, false, true, true},
+     {".vtu", detail::write_vtu, detail::read_vtu, true}}};
 
 const Format* find_format(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  for (const Format& format : kFormats)
-    if (extension == format.extension) return &format;
+  std::string name = path.filename().string();
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const Format& format : kFormats) {
+    const std::string_view extension = format.extension;
+    if (name.size() > extension.size() && name.ends_with(extension)) return &format;
+  }
   return nullptr;
 }
 
@@ -54,6 +64,15 @@ const Format& format_of(const std::filesystem::path& path, bool reads) {
   if (reads && !format->read)
     throw Error(ErrorCode::InvalidArgument, "'" + path.string() + "': files of this format are written, but not read");
   return *format;
+}
+
+// Fills the file of names before either takes its place.
+void commit_with_mapbc(const Mesh& mesh, const std::filesystem::path& path, AtomicFile& file,
+                       const CancelToken* cancel) {
+  AtomicFile names(path, cancel);
+  detail::write_mapbc(mesh, path, names, cancel);
+  names.commit();
+  file.commit();
 }
 
 void require_names(const std::vector<MeshField>& fields) {
@@ -128,6 +147,8 @@ void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const Write
     write = options.text ? detail::write_msh2_text : detail::write_msh2_binary;
   AtomicFile file(path, cancel);
   write(mesh, file, loop);
+  if (const Format& format = format_of(path, false); format.has_mapbc)
+    return commit_with_mapbc(mesh, detail::mapbc_beside(path, format.extension), file, cancel);
   file.commit();
 }
 
@@ -136,6 +157,7 @@ Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel) try
   const detail::InputFile file(path, cancel);
   Mesh mesh = format.read(file);
   detail::check_read_mesh(file, mesh);
+  if (format.has_mapbc) detail::read_mapbc(detail::mapbc_beside(path, format.extension), mesh, cancel);
   return mesh;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
