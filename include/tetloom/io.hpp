@@ -17,7 +17,7 @@
 //                  them
 //   .stl           triangles alone, in single precision
 //
-// For solvers; of these, .inp, .su2 and .msh are read as well, names of sets, surfaces and markers as those of
+// For solvers; of these, .inp, .su2, .msh and .ugrid are read as well, names of sets, surfaces and markers as those of
 // entities:
 //
 //   .inp           Abaqus, CalculiX: an ELSET for every region, an NSET and a SURFACE for every face, NSETs for edges
@@ -26,13 +26,18 @@
 //   .foam          a folder, an OpenFOAM case whose constant/polyMesh is written; a folder polyMesh is written itself.
 //                  Faces are patches, regions are cell zones, faces between regions are face zones
 //   .su2           SU2: a marker for every face on the boundary
+//   .ugrid, .lb8.ugrid, .b8.ugrid
+//                  UGRID of AFLR3 and FUN3D: text, or a stream of 32-bit integers and 64-bit reals, little- or
+//                  big-endian. Cells, and faces by their tags, which point into the domain here; no regions, no edges.
+//                  The .mapbc file beside it, wing.mapbc of wing.lb8.ugrid, has the tag, the code of the boundary
+//                  condition and the name of every face. A code stays where the file is there already, and is 0 else
 //   .bdf           Nastran: a property for every region and face, named in comments
 //   .msh           in version 2.2, see WriteOptions: a physical group for every edge, face and region
 //
 // Meshes of second order are held by .vtu, .msh of both versions, .inp and .bdf.
 //
 // Their groups have the names of the model entities, as far as these formats take them: see `solver_names`. Triangles
-// of faces with a region on one side point out of it in these formats.
+// of faces with a region on one side point out of it in these formats but .ugrid.
 //
 // What a format cannot hold is left out. In .vtu, the names entity_dim and entity_tag, and region on cells, belong to
 // the classification: arrays under them are no fields, nor is the array of a file from elsewhere that stands in for
