@@ -56,6 +56,8 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
     throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
   if (options.order != 1)
     throw Error(ErrorCode::InvalidArgument, "a mesh in parts is of first order, so order must be 1");
+  if (!options.layers.walls.empty())
+    throw Error(ErrorCode::InvalidArgument, "boundary layers are for meshes in one piece, not in parts");
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
   const auto take = [&](VolumeParts&& volume, Mesh& surface, const SharedWork& work) {

@@ -12,6 +12,8 @@
 #include "mesher/check_solids.hpp"
 #include "mesher/failed_complexes.hpp"
 #include "mesher/fit_surface.hpp"
+#include "mesher/layers/grow_layers.hpp"
+#include "mesher/layers/layered_mesh.hpp"
 #include "mesher/second_order/make_second_order.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
@@ -107,7 +109,7 @@ class MeshRun {
   // What one rank cannot fill no other one knows of before the end, so ranks give up together.
   bool mesh_volume() {
     for (;;) {
-      std::vector<Diagnostic> errors = fill_volume();
+      std::vector<Diagnostic> errors = options_.layers.walls.empty() ? fill_volume() : fill_above_layers();
       if (errors.empty()) return true;
       const bool others = options_.keep_going && !on_several_ranks_ && !runner_.cancelled() && failed_.take(errors);
       if (!others) {
@@ -124,18 +126,74 @@ class MeshRun {
     const Mesh& mesh = result_.mesh;
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
-    const VolumeInput input{mesh.points,          mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
-                            mesh.point_to_entity, mesh.edge_to_vert};
+    VolumeParts volume = fill({mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
+                               mesh.point_to_entity, mesh.edge_to_vert});
+    std::vector<Diagnostic> errors = std::move(volume.errors);
+    if (errors.empty()) take(std::move(volume), result_.mesh);
+    result_.seconds.volume += watch.lap();
+    return errors;
+  }
+
+  VolumeParts fill(const VolumeInput& input) {
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
                                 options_.max_memory,    options_.goals,       options_.lattice,
                                 options_.tets_per_part, options_.trace};
-    VolumeParts volume = tetloom::fill_volume(input, options, work_.ranks(), runner_);
+    return tetloom::fill_volume(input, options, work_.ranks(), runner_);
+  }
+
+  void take(VolumeParts&& volume, Mesh& mesh) {
     append({}, volume.warnings);
     result_.filling = std::move(volume.figures);
-    std::vector<Diagnostic> errors = std::move(volume.errors);
-    if (errors.empty()) take_(std::move(volume), result_.mesh, work_);
-    result_.seconds.volume += watch.lap();
+    take_(std::move(volume), mesh, work_);
+  }
+
+  // Where a region cannot be filled above its layers it gets fewer, and none in the end.
+  std::vector<Diagnostic> fill_above_layers() {
+    Stopwatch watch;
+    runner_.begin_stage(Stage::Layers, 0);
+    layers::LayerGrowth growth(model_, result_.mesh, result_.sizes, options_.layers, runner_);
+    result_.seconds.layers += watch.lap();
+    std::vector<Diagnostic> errors;
+    for (const double share : {0.5, 0.0, 0.0}) {
+      VolumeParts volume = fill(growth.surface().input(model_, result_.sizes));
+      result_.seconds.volume += watch.lap();
+      errors = std::move(volume.errors);
+      if (errors.empty()) {
+        finish_layers(growth, std::move(volume));
+        break;
+      }
+      if (!growth.lower(regions_of(errors), share)) break;
+      result_.seconds.layers += watch.lap();
+    }
     return errors;
+  }
+
+  void finish_layers(const layers::LayerGrowth& growth, VolumeParts&& volume) {
+    Stopwatch watch;
+    Mesh filled = growth.surface().mesh;
+    take(std::move(volume), filled);
+    result_.seconds.volume += watch.lap();
+    result_.layers = layers::measure_layers(growth, result_.mesh, runner_);
+    // The first rank has the mesh.
+    if (work_.rank() == 0)
+      result_.mesh =
+          layers::make_layered_mesh(growth, result_.mesh, std::move(filled), options_.layers.all_tets, runner_);
+    result_.seconds.layers += watch.lap();
+    result_.layers.seconds = result_.seconds.layers;
+  }
+
+  // Those on the sides of the faces that errors name, and those that they name themselves.
+  std::vector<std::uint32_t> regions_of(const std::vector<Diagnostic>& errors) const {
+    std::vector<std::uint32_t> regions;
+    for (const Diagnostic& error : errors)
+      for (const NamedEntity& named : error.entities) {
+        if (named.entity.dim == 3) regions.push_back(named.entity.index);
+        if (named.entity.dim != 2) continue;
+        const FaceSides& sides = model_.topology().face_to_sides[named.entity.index];
+        for (const ModelRegionId region : {sides.front, sides.back})
+          if (region.valid()) regions.push_back(region.value);
+      }
+    return regions;
   }
 
   static bool differs_in_volume(const Diagnostic& warning) { return warning.code == ErrorCode::VolumeDiffers; }
@@ -179,6 +237,7 @@ void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
   seconds.size_field = std::max(seconds.size_field, clock.seconds(Stage::SizeField));
   seconds.surface = std::max(
       seconds.surface, clock.seconds(Stage::Edges) + clock.seconds(Stage::Faces) + clock.seconds(Stage::Intersections));
+  seconds.layers = std::max(seconds.layers, clock.seconds(Stage::Layers));
   seconds.volume = std::max(seconds.volume, clock.seconds(Stage::Volume));
   seconds.second_order = std::max(seconds.second_order, clock.seconds(Stage::SecondOrder));
 }
@@ -196,6 +255,11 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (options.order != 1 && options.order != 2) throw Error(ErrorCode::InvalidArgument, "the order must be 1 or 2");
   if (!(options.min_scaled_jacobian >= 0 && options.min_scaled_jacobian <= 0.9))
     throw Error(ErrorCode::InvalidArgument, "min_scaled_jacobian must lie between 0 and .9");
+  layers::check_layer_options(model, options.layers);
+  if (!options.layers.walls.empty() && options.order == 2)
+    throw Error(ErrorCode::InvalidArgument, "meshes with layers are of first order");
+  if (!options.layers.walls.empty() && options.surface_only)
+    throw Error(ErrorCode::InvalidArgument, "layers need a volume");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   StageClock clock;
   MeshResult result = MeshRun(model, options, with_clock(host, clock), take, ranks).run();

@@ -77,6 +77,7 @@ std::string time_row(const RunReport& report) {
                      ", size field " + format_seconds(seconds.size_field) + ", surface " +
                      format_seconds(seconds.surface);
   if (seconds.volume > 0) text += ", volume " + format_seconds(seconds.volume);
+  if (seconds.layers > 0) text += ", layers " + format_seconds(seconds.layers);
   if (seconds.second_order > 0) text += ", second order " + format_seconds(seconds.second_order);
   return row("time", text + ", write " + format_seconds(seconds.write));
 }
@@ -150,6 +151,20 @@ std::string off_model_row(const RunReport& report) {
                      " do not lie on the model, so that all tets are valid");
 }
 
+// Cells of boundary layers and how much of them there is.
+std::string layers_row(const RunReport& report) {
+  if (!report.extra.contains("layers")) return {};
+  const auto& layers = report.extra["layers"];
+  const auto count = [&](const char* kind) { return layers["cells"][kind].get<std::uint64_t>(); };
+  const auto percent = [&](const char* share) {
+    return format_number(std::round(1e3 * layers[share].get<double>()) / 10) + " %";
+  };
+  return row("layers", plural(count("prisms"), "prism") + ", " + plural(count("pyramids"), "pyramid") + ", " +
+                           plural(count("tets"), "tet") + "; all layers on " + percent("full_count") +
+                           " of the walls, one at least on " + percent("at_least_one") + ", " + percent("thickness") +
+                           " of the thickness");
+}
+
 // What was too small for the mesh, where anything was.
 std::string small_features_row(const RunReport& report) {
   if (!report.extra.contains("small_features")) return {};
@@ -166,7 +181,7 @@ std::string render_summary(const RunReport& report, const std::string& output, c
   if (report.counts.tets > 0) {
     text += ", " + plural(report.counts.tets, "tet") + " in " + plural(report.counts.regions, "region");
   }
-  text += "\n" + render_quality(report) + off_model_row(report) + small_features_row(report) +
+  text += "\n" + render_quality(report) + off_model_row(report) + layers_row(report) + small_features_row(report) +
           acute_row(report.goals, report.optimizer) + time_row(report);
   text += row("memory", format_bytes(static_cast<double>(peak_bytes())) + " at most, " +
                             plural(static_cast<std::uint64_t>(report.threads), "thread"));

@@ -42,29 +42,6 @@ bool is_color(const std::string& text) {
          text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
-GroupItem parse_item(const std::string& text, int dim, const std::string& place) {
-  if (text.empty()) refuse_json(place + ": an item is empty");
-  GroupItem item;
-  item.text = text;
-  const std::size_t dash = text.find('-', 1);
-  const auto single = tag_of(text);
-  const auto low = dash == std::string::npos ? single : tag_of(text.substr(0, dash));
-  const auto high = dash == std::string::npos ? single : tag_of(text.substr(dash + 1));
-  if (low && high) {
-    if (*low > *high) refuse_json(place + ": the range '" + text + "' runs backwards");
-    item.first_tag = *low, item.last_tag = *high;
-  } else if (const auto axis = axis_of(text)) {
-    if (dim != 2) refuse_json(place + ": only faces have the direction '" + text + "'");
-    item.normal.direction = *axis;
-  } else if (is_color(text)) {
-    item.color = text;
-    for (char& c : item.color) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  } else {
-    item.pattern = text;
-  }
-  return item;
-}
-
 GroupItem parse_normal(const Json& json, int dim, const std::string& place) {
   const JsonEntry entry(json, place, {"normal", "angle"});
   if (dim != 2) refuse_json(place + ": only faces have normals");
@@ -78,12 +55,6 @@ GroupItem parse_normal(const Json& json, int dim, const std::string& place) {
   return item;
 }
 
-GroupItem parse_item(const Json& json, int dim, const std::string& place) {
-  if (json.is_string()) return parse_item(json.get<std::string>(), dim, place);
-  if (json.is_number_unsigned()) return parse_item(std::to_string(json.get<std::uint64_t>()), dim, place);
-  return parse_normal(json, dim, place);
-}
-
 GroupWish parse_wish(const Json& json, const std::string& place) {
   const JsonEntry entry(json, place, {"name", kKinds[0], kKinds[1], kKinds[2], kKinds[3]});
   GroupWish wish;
@@ -95,7 +66,7 @@ GroupWish parse_wish(const Json& json, const std::string& place) {
     ++kinds;
     wish.dim = static_cast<int>(dim);
     if (!json[kKinds[dim]].is_array()) refuse_json(place + ": '" + kKinds[dim] + "' must be a list");
-    for (const Json& item : json[kKinds[dim]]) wish.items.push_back(parse_item(item, wish.dim, place));
+    for (const Json& item : json[kKinds[dim]]) wish.items.push_back(parse_group_item(item, wish.dim, place));
   }
   if (kinds != 1) refuse_json(place + " must have one of 'regions', 'faces', 'edges' and 'vertices'");
   if (wish.items.empty()) refuse_json(place + " has no items");
@@ -142,15 +113,44 @@ bool points_along(const GeometricModel& model, ModelFaceId face, const NormalWis
   });
 }
 
-bool means(const GroupItem& item, ModelEntity entity, const GeometricModel& model) {
+}  // namespace
+
+GroupItem parse_group_item(const std::string& text, int dim, const std::string& place) {
+  if (text.empty()) refuse_json(place + ": an item is empty");
+  GroupItem item;
+  item.text = text;
+  const std::size_t dash = text.find('-', 1);
+  const auto single = tag_of(text);
+  const auto low = dash == std::string::npos ? single : tag_of(text.substr(0, dash));
+  const auto high = dash == std::string::npos ? single : tag_of(text.substr(dash + 1));
+  if (low && high) {
+    if (*low > *high) refuse_json(place + ": the range '" + text + "' runs backwards");
+    item.first_tag = *low, item.last_tag = *high;
+  } else if (const auto axis = axis_of(text)) {
+    if (dim != 2) refuse_json(place + ": only faces have the direction '" + text + "'");
+    item.normal.direction = *axis;
+  } else if (is_color(text)) {
+    item.color = text;
+    for (char& c : item.color) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  } else {
+    item.pattern = text;
+  }
+  return item;
+}
+
+GroupItem parse_group_item(const nlohmann::json& json, int dim, const std::string& place) {
+  if (json.is_string()) return parse_group_item(json.get<std::string>(), dim, place);
+  if (json.is_number_unsigned()) return parse_group_item(std::to_string(json.get<std::uint64_t>()), dim, place);
+  return parse_normal(json, dim, place);
+}
+
+bool is_meant(const GroupItem& item, ModelEntity entity, const GeometricModel& model) {
   if (item.first_tag > 0) return entity.tag() >= item.first_tag && entity.tag() <= item.last_tag;
   const EntityAttributes& attributes = model.attributes(entity);
   if (!item.color.empty()) return attributes.color && format_color(attributes.color) == item.color;
   if (!item.pattern.empty()) return !attributes.name.empty() && matches(item.pattern, attributes.name);
   return points_along(model, ModelFaceId(entity.index), item.normal);
 }
-
-}  // namespace
 
 GroupWish parse_group(const std::string& text) {
   const std::string place = "--group '" + text + "'";
@@ -163,7 +163,7 @@ GroupWish parse_group(const std::string& text) {
   GroupWish wish{text.substr(0, equals), *dim, {}};
   for (std::size_t begin = colon + 1; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    wish.items.push_back(parse_item(text.substr(begin, end - begin), *dim, place));
+    wish.items.push_back(parse_group_item(text.substr(begin, end - begin), *dim, place));
     begin = end + 1;
   }
   return wish;
@@ -190,7 +190,7 @@ std::vector<GroupMember> find_members(const std::vector<GroupWish>& wishes, cons
       bool is_found = false;
       for (std::uint32_t i = 0; i < model.topology().count(wish.dim); ++i) {
         const ModelEntity entity(wish.dim, i);
-        if (!means(item, entity, model)) continue;
+        if (!is_meant(item, entity, model)) continue;
         is_found = true;
         const auto [known, is_new] = groups.try_emplace({wish.dim, i}, wish.name);
         if (!is_new && known->second != wish.name)

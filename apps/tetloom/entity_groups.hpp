@@ -9,6 +9,7 @@
 // a direction: flat or curved faces whose normal out of their region is nowhere further from it than an angle (5
 // degrees).
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,13 @@ struct GroupWish {
   int dim = 2;
   std::vector<GroupItem> items;
 };
+
+/// An item as on the command line, or in a file. Errors: InvalidArgument.
+GroupItem parse_group_item(const std::string& text, int dim, const std::string& place);
+GroupItem parse_group_item(const nlohmann::json& json, int dim, const std::string& place);
+
+/// Whether the item means the entity, which has the dimension that the item was read for.
+bool is_meant(const GroupItem& item, ModelEntity entity, const GeometricModel& model);
 
 /// "NAME=KIND:ITEM,ITEM…", where KIND is regions, faces, edges or vertices. Errors: InvalidArgument.
 GroupWish parse_group(const std::string& text);

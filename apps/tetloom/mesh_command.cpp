@@ -37,6 +37,7 @@ Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocu
   report.warnings = sized.document.warnings;
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
   sized.groups = find_members(groups, *sized.document.model);
+  sized.options.layers = find_wall_layers(command.layers, *sized.document.model);
   return sized;
 }
 
@@ -69,6 +70,7 @@ bool repair(const MeshCommand& command, const std::vector<ModelRegionId>& solids
 void add(const StageSeconds& more, StageSeconds& seconds) {
   seconds.size_field += more.size_field;
   seconds.surface += more.surface;
+  seconds.layers += more.layers;
   seconds.volume += more.volume;
   seconds.second_order += more.second_order;
 }

@@ -108,17 +108,55 @@ nlohmann::ordered_json second_order_json(const SecondOrderFigures& figures, cons
           {"off_model", off_model},         {"seconds", figures.seconds}};
 }
 
+nlohmann::ordered_json coverage_json(const LayerCoverage& coverage) {
+  return {{"wall_area", coverage.area},
+          {"full_count", coverage.full_count},
+          {"at_least_one", coverage.at_least_one},
+          {"thickness", coverage.thickness},
+          {"first_height_within_10pct", coverage.first_height_within_10pct}};
+}
+
+// "limited" lists at most this many places.
+constexpr std::size_t kMostLimited = 1000;
+
+nlohmann::ordered_json layers_json(const LayerFigures& figures, const GeometricModel& model) {
+  nlohmann::ordered_json json = {
+      {"cells",
+       {{"prisms", figures.prisms}, {"pyramids", figures.pyramids}, {"hexes", figures.hexes}, {"tets", figures.tets}}}};
+  json.update(coverage_json(figures.coverage));
+  json["min_scaled_jacobian"] = figures.min_scaled_jacobian;
+  json["scaled_jacobian_p1"] = figures.scaled_jacobian_p1;
+  json["seconds"] = figures.seconds;
+  nlohmann::ordered_json faces = nlohmann::ordered_json::array(), limited = faces;
+  for (const FaceLayers& face : figures.by_face) {
+    faces.push_back(entity_json(face.face, model));
+    faces.back().update(coverage_json(face.coverage));
+  }
+  for (const LimitedLayers& place : figures.limited) {
+    if (limited.size() == kMostLimited) break;
+    limited.push_back({{"reason", to_string(place.reason)},
+                       {"area", place.area},
+                       {"point", {place.point.x, place.point.y, place.point.z}},
+                       {"entities", {entity_json(place.face, model)}}});
+  }
+  json["by_face"] = std::move(faces);
+  json["limited"] = std::move(limited);
+  return json;
+}
+
 }  // namespace
 
 void note_run(const MeshResult& result, const GeometricModel& model, const MeshOptions& options, RunReport& report) {
   report.seconds.size_field = result.seconds.size_field;
   report.seconds.surface = result.seconds.surface;
+  report.seconds.layers = result.seconds.layers;
   report.seconds.volume = result.seconds.volume;
   report.seconds.second_order = result.seconds.second_order;
   report.warnings.insert(report.warnings.end(), result.warnings.begin(), result.warnings.end());
   report.entities = result.mesh.entities;
   report.extra["refinement"] = refinement_json(result.refinement);
   report.extra["small_features"] = small_features_json(result, model);
+  if (!options.layers.walls.empty()) report.extra["layers"] = layers_json(result.layers, model);
   if (options.order == 2) report.extra["second_order"] = second_order_json(result.second_order, model);
   report.goals = options.goals;
   report.optimizer = result.filling.optimizer;

@@ -48,13 +48,15 @@ Examples:
 /// Values of `mesh` as they come from the command line, before they are judged.
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
-  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian;
-  std::optional<int> threads, parts, rounds, order;
+  std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian, first_height,
+      growth, layer_thickness;
+  std::optional<int> threads, parts, rounds, order, layer_count;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version,
-                                                                     groups_file;
+                                                                     groups_file, layers;
   std::vector<std::string> groups;
   bool surface_only = false, keep_small_features = false, no_refinement = false, keep_surface = false,
-       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false, ascii = false;
+       keep_going = false, imprint = false, no_heal = false, quiet = false, tetgen = false, ascii = false,
+       all_tets = false;
 };
 
 struct RawPartition {
@@ -123,6 +125,32 @@ void set_order(const RawMeshOptions& raw, MeshCommand& command) {
   require(options.order == 1 || !command.in_parts, "--order 2 is for meshes in one file, not in parts");
   require(options.order == 1 || holds_second_order(command.output),
           "the format of '" + command.output.string() + "' holds no mesh of second order");
+}
+
+void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
+  const bool has_numbers = raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.all_tets;
+  require(!raw.layers.empty() || !has_numbers,
+          "--first-height, --growth, --layer-count, --layer-thickness and --all-tets need --layers");
+  if (raw.layers.empty()) return;
+  WallLayers common;
+  common.first_height = raw.first_height.value_or(0);
+  common.growth = raw.growth.value_or(common.growth);
+  common.count = raw.layer_count.value_or(0);
+  common.thickness = raw.layer_thickness.value_or(0);
+  require(!raw.first_height || *raw.first_height > 0, "--first-height must be positive");
+  require(common.growth >= 1 && common.growth <= 10, "--growth must lie between 1 and 10");
+  require(common.count >= 0 && common.count <= 1000, "--layer-count must be a number up to 1000");
+  require(!raw.layer_thickness || *raw.layer_thickness > 0, "--layer-thickness must be positive");
+  require(raw.layers.ends_with(".json") || raw.first_height, "--layers needs --first-height, or a file");
+  require(!command.in_parts, "--layers is for meshes in one file, not in parts");
+  require(!command.options.surface_only, "--layers needs volumes, and --surface-only makes none");
+  require(command.options.order == 1, "meshes with --layers are of first order");
+  try {
+    command.layers = parse_layers(raw.layers, common);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+  command.layers.all_tets = command.layers.all_tets || raw.all_tets;
 }
 
 double angle_from_degrees(std::optional<double> degrees) {
@@ -205,6 +233,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
   set_order(raw, command);
   set_groups(raw, command);
+  set_layers(raw, command);
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
   if (!raw.max_memory.empty()) {
@@ -269,6 +298,7 @@ void add_reading_options(CLI::App& command, Raw& raw) {
 }
 
 constexpr const char* kRun = "Run";
+constexpr const char* kLayers = "Boundary layers";
 
 void add_surface_options(CLI::App& mesh, RawMeshOptions& raw) {
   mesh.add_flag("--surface-only", raw.surface_only, "Mesh the surfaces and fill no volume")->group(kRun);
@@ -297,6 +327,26 @@ void add_surface_options(CLI::App& mesh, RawMeshOptions& raw) {
       ->group(kRun);
 }
 
+void add_layer_options(CLI::App& mesh, RawMeshOptions& raw) {
+  mesh.add_option("--layers", raw.layers,
+                  "Boundary layers on these faces: tags (3,7-9) or names with * and ?, '*' for all faces of the "
+                  "boundary, !NAME for all but those; or a file that ends in .json (see the reference)")
+      ->type_name("WALLS")
+      ->group(kLayers);
+  mesh.add_option("--first-height", raw.first_height, "Height of the first layer")->type_name("H")->group(kLayers);
+  mesh.add_option("--growth", raw.growth, "Of the heights from layer to layer; default: 1.2")
+      ->type_name("G")
+      ->group(kLayers);
+  mesh.add_option("--layer-count", raw.layer_count,
+                  "Layers; default: as many as it takes for the last to be 0.8 of the size at its place")
+      ->type_name("N")
+      ->group(kLayers);
+  mesh.add_option("--layer-thickness", raw.layer_thickness, "Of all layers together at most")
+      ->type_name("T")
+      ->group(kLayers);
+  mesh.add_flag("--all-tets", raw.all_tets, "Split the prisms and pyramids of layers into tetrahedra")->group(kLayers);
+}
+
 CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   CLI::App* mesh = app.add_subcommand("mesh", "Mesh a CAD model (STEP, IGES, BREP) or a facet model (STL, OBJ)");
   mesh->add_option("INPUT", raw.input, "The model; its format follows from the extension")->required();
@@ -307,6 +357,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_goal_options(*mesh, raw);
   add_reading_options(*mesh, raw);
   add_surface_options(*mesh, raw);
+  add_layer_options(*mesh, raw);
   mesh->add_flag("--keep-going", raw.keep_going,
                  "Write the solids that can be meshed where others cannot; the exit status is 4 all the same")
       ->group(kRun);

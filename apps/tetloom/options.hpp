@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "apps/tetloom/entity_groups.hpp"
+#include "apps/tetloom/wall_layers.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
@@ -27,7 +28,8 @@ struct MeshCommand {
   WriteOptions write;
   std::vector<GroupWish> groups;
   std::filesystem::path groups_file;  ///< empty: none
-  double metres_per_unit = 0;         ///< of the output; 0: the model's unit
+  LayersWish layers;
+  double metres_per_unit = 0;  ///< of the output; 0: the model's unit
   bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the volume was filled in
   bool quiet = false;
 };

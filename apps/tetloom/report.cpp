@@ -107,9 +107,9 @@ Json volume_json(const RunReport& report) {
 
 Json seconds_json(const RunReport& report) {
   const RunSeconds& seconds = report.seconds;
-  return {{"total", report.total_seconds()}, {"read", seconds.read},     {"size_field", seconds.size_field},
-          {"surface", seconds.surface},      {"volume", seconds.volume}, {"second_order", seconds.second_order},
-          {"check", seconds.check},          {"write", seconds.write}};
+  return {{"total", report.total_seconds()},      {"read", seconds.read},     {"size_field", seconds.size_field},
+          {"surface", seconds.surface},           {"layers", seconds.layers}, {"volume", seconds.volume},
+          {"second_order", seconds.second_order}, {"check", seconds.check},   {"write", seconds.write}};
 }
 
 Json counts_json(const RunCounts& counts) {

@@ -24,7 +24,7 @@ struct RunCounts {
 
 /// Wall time of the stages.
 struct RunSeconds {
-  double read = 0, size_field = 0, surface = 0, volume = 0, second_order = 0, check = 0, write = 0;
+  double read = 0, size_field = 0, surface = 0, layers = 0, volume = 0, second_order = 0, check = 0, write = 0;
 };
 
 /// Everything that a run found out until it ended, however it ended. Lengths in model units.

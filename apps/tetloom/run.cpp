@@ -87,6 +87,7 @@ void Run::note_seconds(RunSeconds& seconds) const {
   note(seconds.read, {Stage::Read});
   note(seconds.size_field, {Stage::SizeField});
   note(seconds.surface, {Stage::Edges, Stage::Faces, Stage::Intersections});
+  note(seconds.layers, {Stage::Layers});
   note(seconds.volume, {Stage::Volume});
   note(seconds.second_order, {Stage::SecondOrder});
   note(seconds.check, {Stage::Check});

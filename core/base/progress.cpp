@@ -9,6 +9,7 @@ std::string_view to_string(Stage stage) {
     case Stage::Edges: return "edges";
     case Stage::Faces: return "faces";
     case Stage::Intersections: return "intersections";
+    case Stage::Layers: return "layers";
     case Stage::Volume: return "volume";
     case Stage::SecondOrder: return "second order";
     case Stage::Partition: return "partition";

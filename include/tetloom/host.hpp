@@ -14,7 +14,20 @@
 
 namespace tetloom {
 
-enum class Stage { Read, SizeField, Edges, Faces, Intersections, Volume, SecondOrder, Partition, Adapt, Check, Write };
+enum class Stage {
+  Read,
+  SizeField,
+  Edges,
+  Faces,
+  Intersections,
+  Layers,
+  Volume,
+  SecondOrder,
+  Partition,
+  Adapt,
+  Check,
+  Write
+};
 
 std::string_view to_string(Stage stage);
 

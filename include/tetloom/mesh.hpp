@@ -12,6 +12,7 @@
 #include "tetloom/filling.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/ids.hpp"
+#include "tetloom/layers.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/partition.hpp"
@@ -90,6 +91,7 @@ struct MeshOptions {
   int order = 1;                     ///< 2: elements have mid nodes, on the curves and faces of the model
   double min_scaled_jacobian = 0.1;  ///< of tets of second order: their Jacobian over that of the straight tet, at
                                      ///< every place; mid nodes leave the model where it would be less. 0 to .9
+  LayerOptions layers;               ///< boundary layers, which regions have on the walls named there
   QualityGoals goals;                ///< of the tets
   LatticeKind lattice = LatticeKind::Bcc;  ///< that fills the inside of volumes
   int threads = 0;                         ///< 0: all cores that the process may use
@@ -104,7 +106,7 @@ struct MeshOptions {
 enum class MeshStatus { Ok, Failed, Cancelled };
 
 struct StageSeconds {
-  double size_field = 0, surface = 0, volume = 0, second_order = 0;
+  double size_field = 0, surface = 0, layers = 0, volume = 0, second_order = 0;
 };
 
 /// A mid node that is classified on an edge or face of the model without lying on it.
@@ -150,13 +152,15 @@ struct MeshResult {
   std::vector<AbsorbedEntity> absorbed;  ///< model entities that were too small for the mesh, ascending
   double model_volume = 0;               ///< sum over the regions, but those left out; model length³
   FillingFigures filling;                ///< how the volume came to be filled
+  LayerFigures layers;                   ///< with MeshOptions::layers
   SecondOrderFigures second_order;       ///< with MeshOptions::order 2
 };
 
 /// The regions whose own boundary crosses itself, as the errors of a result say, ascending: rebuild_solids may help.
 std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const ModelTopology& topology);
 
-/// Meshes a model. Regions are filled with tetrahedra; a model without regions gives a surface mesh.
+/// Meshes a model. Regions are filled with tetrahedra, above boundary layers where those are asked for; a model without
+/// regions gives a surface mesh.
 /// Errors: throws Error(InvalidArgument) for options out of range. Everything that happens later is in the result.
 /// Thread safety: may be called from any thread, several calls at once.
 MeshResult make_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host = {});
@@ -183,9 +187,9 @@ struct MeshInPartsResult {
 /// filled, which are complexes (regions connected through faces) and the parts of large ones. Global ids of vertices
 /// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it.
 ///
-/// Errors: InvalidArgument is thrown, for options out of range, for surface_only and for order 2. In the result: what
-/// make_mesh says, and InputUnsuitable, before any work is done, for a model without regions and for one with faces or
-/// edges that bound none. Thread safety: one call for each communicator.
+/// Errors: InvalidArgument is thrown, for options out of range, for surface_only, layers and order 2. In the result:
+/// what make_mesh says, and InputUnsuitable, before any work is done, for a model without regions and for one with
+/// faces or edges that bound none. Thread safety: one call for each communicator.
 MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,
                                      Communicator& communicator, const Host& host = {});
 

@@ -212,7 +212,7 @@ class FaceMesher {
     if (rim.segments.empty()) return;
     FaceOverPlane geometry(*geometry_, *plane, rim, rim_, follow);
     result_.verdict = FaceVerdict::Ok;
-    fill(fill_rim_patch(std::move(rim), geometry, rim_, sizes_), geometry);
+    fill(fill_rim_patch(std::move(rim), geometry, rim_.points(), sizes_), geometry);
   }
 
   void fill(RimPatch given, FaceGeometry& geometry) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace tetloom {
 namespace {
@@ -32,17 +33,17 @@ PatchVertex rim_vertex(const PatchSurface& surface, const FaceRim::Vertex& verte
 
 RimPatch make_rim_patch(const ModelTopology& topology, ModelFaceId face, FaceGeometry& geometry, const RimNodes& rim,
                         const SizeField& sizes) {
-  return fill_rim_patch(trace_rim(topology, face, geometry, rim), geometry, rim, sizes);
+  return fill_rim_patch(trace_rim(topology, face, geometry, rim), geometry, rim.points(), sizes);
 }
 
-RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, const RimNodes& nodes, const SizeField& sizes) {
+RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, std::span<const Vec3> nodes, const SizeField& sizes) {
   RimPatch patch;
   patch.rim = std::move(rim);
   patch.scale = plane_scale(patch.rim, geometry);
   const PatchSurface surface(geometry, sizes, patch.scale);
   std::vector<Vec2> plane;
   for (const FaceRim::Vertex& vertex : patch.rim.vertices) {
-    patch.vertices.push_back(rim_vertex(surface, vertex, patch.scale, nodes.point(vertex.node)));
+    patch.vertices.push_back(rim_vertex(surface, vertex, patch.scale, nodes[vertex.node]));
     plane.push_back(patch.vertices.back().place.plane);
   }
   patch.polygon = triangulate_polygon(plane, patch.rim.segments);

@@ -1,5 +1,7 @@
 #pragma once
 // A smooth face before anything is inside: its rim with places, and the triangulation of the plane polygon.
+#include <span>
+
 #include "mesher/surface/constrained_delaunay.hpp"
 #include "mesher/surface/face_mesher.hpp"
 #include "mesher/surface/face_rim.hpp"
@@ -19,8 +21,8 @@ struct RimPatch {
 RimPatch make_rim_patch(const ModelTopology& topology, ModelFaceId face, FaceGeometry& geometry, const RimNodes& rim,
                         const SizeField& sizes);
 
-/// As make_rim_patch, from a rim whose places are those of `geometry`.
-RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, const RimNodes& nodes, const SizeField& sizes);
+/// As make_rim_patch, from a rim whose places are those of `geometry`; `nodes` are the points of its nodes.
+RimPatch fill_rim_patch(FaceRim rim, FaceGeometry& geometry, std::span<const Vec3> nodes, const SizeField& sizes);
 
 /// Room for the vertices that the area calls for at the sizes on the rim.
 void reserve_expected(Patch& patch);

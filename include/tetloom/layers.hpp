@@ -1,0 +1,81 @@
+#pragma once
+// Boundary layers: what is asked of them, and what became of them.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "tetloom/error.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/vec.hpp"
+
+namespace tetloom {
+
+/// Layers on one face of the model, its wall. Layer i, from 0, is first_height · growth^i high, measured normal to the
+/// wall.
+struct WallLayers {
+  ModelFaceId face;
+  bool in_front = true, behind = true;  ///< in the regions on these sides of the face, where there are regions
+  double first_height = 0;              ///< model length, > 0
+  double growth = 1.2;                  ///< of the heights from layer to layer, 1 to 10
+  int count = 0;                        ///< of layers, up to 1000; 0: until the last is .8 of the size at its place
+  double thickness = 0;                 ///< of all layers together at most, model length; 0: whatever they come to
+};
+
+struct LayerOptions {
+  std::vector<WallLayers> walls;  ///< each face once; empty: no layers
+  bool all_tets = false;          ///< prisms and pyramids are split into tets
+};
+
+/// Why there are fewer layers at a place than were asked for.
+enum class LayerLimit : std::uint8_t {
+  None,
+  Gap,        ///< another wall is near
+  Concave,    ///< layers from different sides would run into each other
+  Isotropy,   ///< the next layer would be higher than its triangle is wide
+  NoNormal,   ///< no direction leads away from all faces at the place
+  Cell,       ///< a cell would have had no positive volume, or nearly none
+  Crossing,   ///< the top of the layers would have crossed a surface
+  SideAngle,  ///< a face beside the wall is not flat, or meets it at less than 30 or more than 150 degrees
+  Filling     ///< the space above the layers could not be filled
+};
+constexpr std::size_t kLayerLimits = 9;
+
+/// "gap", "concave", "isotropy", "no_normal", "cell", "crossing", "side_angle", "filling"; "none".
+std::string_view to_string(LayerLimit limit);
+
+/// Places of one face where there are fewer layers than asked for, for one reason.
+struct LimitedLayers {
+  LayerLimit reason = LayerLimit::None;
+  ModelFaceId face;
+  double area = 0;  ///< of the triangles concerned; model length²
+  Vec3 point;       ///< where fewest of the layers are left
+};
+
+/// What became of the layers on some area of walls. Shares are of that area, from 0 to 1.
+struct LayerCoverage {
+  double area = 0;                       ///< model length²; both sides of a wall count
+  double full_count = 0;                 ///< has all its layers
+  double at_least_one = 0;               ///< has a layer of prisms
+  double thickness = 0;                  ///< mean share of the asked thickness that is reached
+  double first_height_within_10pct = 0;  ///< of the area with a layer: where the first one is as high as asked
+};
+
+/// The same for one face.
+struct FaceLayers {
+  ModelFaceId face;
+  LayerCoverage coverage;
+};
+
+struct LayerFigures {
+  std::size_t prisms = 0, pyramids = 0, hexes = 0, tets = 0;  ///< cells in layers
+  LayerCoverage coverage;
+  double min_scaled_jacobian = 1;  ///< over the corners of prisms and pyramids, and that of tets where their edge from
+                                   ///< layer to layer starts; 1 for the prism that stands on an equilateral triangle
+  double scaled_jacobian_p1 = 1;   ///< the first percentile of the cells' least one
+  double seconds = 0;
+  std::vector<FaceLayers> by_face;     ///< ascending
+  std::vector<LimitedLayers> limited;  ///< largest area first
+};
+
+}  // namespace tetloom

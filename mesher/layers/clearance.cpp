@@ -1,0 +1,103 @@
+#include "mesher/layers/clearance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace tetloom::layers {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+constexpr std::size_t kRays = 7;     // the axis and six around it
+constexpr double kConeDegrees = 25;  // 60 degrees lose a sixth of concave insides
+constexpr double kFacing = -0.3;     // cosine between the ray's curve and the normal of what faces it
+
+std::array<Vec3, kRays> rays_about(const Vec3& axis) {
+  constexpr double kAngle = kConeDegrees * std::numbers::pi / 180;
+  const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 first = normalized(cross(axis, other)), second = cross(axis, first);
+  std::array<Vec3, kRays> rays{axis};
+  for (std::size_t i = 1; i < kRays; ++i) {
+    const double turn = static_cast<double>(i - 1) * std::numbers::pi / 3;
+    rays[i] = std::cos(kAngle) * axis + std::sin(kAngle) * (std::cos(turn) * first + std::sin(turn) * second);
+  }
+  return rays;
+}
+
+// The share of the ray up to a triangle (closed), after Möller & Trumbore (1997); 2 where it is not met.
+double crossing(const std::array<Vec3, 3>& x, const Vec3& from, const Vec3& ray) {
+  constexpr double kMissed = 2;
+  const Vec3 p = cross(ray, x[2] - x[0]);
+  const double det = dot(x[1] - x[0], p);
+  if (det == 0) return kMissed;
+  const Vec3 s = from - x[0], q = cross(s, x[1] - x[0]);
+  const double u = dot(s, p) / det, v = dot(ray, q) / det, at = dot(x[2] - x[0], q) / det;
+  return u >= 0 && v >= 0 && u + v <= 1 && at > 0 ? at : kMissed;
+}
+
+class Search {
+ public:
+  Search(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
+         const intersection::TriangleTree& tree)
+      : mesh_(mesh),
+        face_to_sides_(face_to_sides),
+        walls_(walls),
+        tree_(tree),
+        has_layers_(2 * mesh.tri_to_vert.size()) {
+    for (const WallTriangle& wall : walls.triangles) has_layers_[2 * wall.triangle + wall.is_front] = 1;
+  }
+
+  Clearance from(std::uint32_t curve, const Vec3& direction, double reach) const {
+    Clearance nearest;
+    const std::uint32_t foot = walls_.curve_to_vert[curve];
+    const std::uint32_t region = walls_.triangles[walls_.triangles_at(curve)[0]].region;
+    for (const Vec3& ray : rays_about(direction)) {
+      const Vec3 along = std::min(reach, nearest.distance) * ray;
+      tree_.for_each_along(mesh_.points[foot], along, [&](std::uint32_t t) {
+        const auto& verts = mesh_.tri_to_vert[t];
+        if (std::ranges::count(verts, foot) > 0) return;
+        const double at = crossing(tree_.corners_of(t), mesh_.points[foot], along) * norm(along);
+        if (at >= std::min(reach, nearest.distance)) return;
+        const bool is_front = faces(t, ray);
+        const FaceSides& sides = face_to_sides_[mesh_.tri_to_entity[t]];
+        if ((is_front ? sides.front : sides.back).value != region || !opposes(t, is_front, direction)) return;
+        nearest = {at, has_layers_[2 * t + is_front] != 0};
+      });
+    }
+    return nearest;
+  }
+
+ private:
+  Vec3 normal_of(std::uint32_t triangle) const {
+    const auto [a, b, c] = tree_.corners_of(triangle);
+    return normalized(cross(b - a, c - a));
+  }
+  // Whether the ray comes from the front of the triangle.
+  bool faces(std::uint32_t triangle, const Vec3& ray) const { return dot(normal_of(triangle), ray) < 0; }
+  bool opposes(std::uint32_t triangle, bool is_front, const Vec3& direction) const {
+    return (is_front ? 1 : -1) * dot(normal_of(triangle), direction) < kFacing;
+  }
+
+  const Mesh& mesh_;
+  std::span<const FaceSides> face_to_sides_;
+  const Walls& walls_;
+  const intersection::TriangleTree& tree_;
+  std::vector<std::uint8_t> has_layers_;  // 2 · triangle + is_front
+};
+
+}  // namespace
+
+std::vector<Clearance> find_clearances(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
+                                       const intersection::TriangleTree& tree, std::span<const Vec3> directions,
+                                       std::span<const double> reach, const TaskRunner& runner) {
+  const Search search(mesh, face_to_sides, walls, tree);
+  std::vector<Clearance> clearances(walls.curve_count());
+  runner.for_blocks(clearances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      if (directions[c] != Vec3{}) clearances[c] = search.from(static_cast<std::uint32_t>(c), directions[c], reach[c]);
+  });
+  return clearances;
+}
+
+}  // namespace tetloom::layers

@@ -1,0 +1,64 @@
+#pragma once
+// Boundary layers between the surface mesh of a model and what fills the rest of its regions.
+//
+// After Garimella & Shephard (2000): growth curves from the vertices of walls, layers of prisms between them.
+// Departures: a curve has a number of layers of its own, and where two neighbours differ, pyramids and tets lie beside
+// the prisms, so that nothing has to be made to fit; counts are lowered instead of heights; curves follow the front in
+// steps; and what comes out is proven: all cells are positive in exact arithmetic however they are split, and walls,
+// tops and side faces do not cross by the exact test that the surface has passed before. Both together mean that no two
+// cells overlap.
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "mesher/layers/layered_surface.hpp"
+#include "tetloom/mesh.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::layers {
+
+/// The layers of one run. Refers to its arguments.
+class LayerGrowth {
+ public:
+  /// Grows all layers. Pre: the surface mesh does not cross itself. Errors: Cancelled, OutOfMemory.
+  LayerGrowth(const GeometricModel& model, const Mesh& mesh, const SizeField& sizes, const LayerOptions& options,
+              const TaskRunner& runner);
+  ~LayerGrowth();
+
+  const GeometricModel& model() const { return model_; }
+  const LayeredSurface& surface() const { return surface_; }
+  const Walls& walls() const { return walls_; }
+  const SideFaces& sides() const { return *sides_; }
+  const LayerCounts& counts() const { return *counts_; }
+  /// Whether there is a layer anywhere.
+  bool any() const;
+
+  /// Leaves so much of the layers of some regions, where they could not be filled, and makes the surface anew. False
+  /// where there are none left to be lowered. Errors: Cancelled, OutOfMemory.
+  bool lower(std::span<const std::uint32_t> regions, double share);
+
+ private:
+  struct Hits;
+
+  void make_surface();
+  void make_side_meshes(const std::vector<std::uint8_t>& changed);
+  bool lower_at_crossings(const std::vector<std::uint8_t>& changed, Hits& hits);
+  std::vector<std::uint8_t> new_triangles(const std::vector<std::uint8_t>& changed) const;
+  std::vector<CurveTop> tops() const;
+
+  const GeometricModel& model_;
+  const Mesh& mesh_;
+  const SizeField& sizes_;
+  const TaskRunner& runner_;
+  Walls walls_;
+  std::optional<SideFaces> sides_;
+  std::optional<LayerCounts> counts_;
+  std::vector<std::optional<SideMesh>> side_meshes_;  // per side face, where layers stand on it
+  LayeredSurface surface_;
+};
+
+/// Errors: InvalidArgument with the face, for walls that cannot be made: unknown faces, heights, growth or counts out
+/// of range, faces that bound no region on the sides asked for.
+void check_layer_options(const GeometricModel& model, const LayerOptions& options);
+
+}  // namespace tetloom::layers

@@ -1,0 +1,152 @@
+#include "mesher/layers/layer_counts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/layers/layer_cells.hpp"
+
+namespace tetloom::layers {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr double kSlope = 0.7;   // of the thickness from curve to curve
+constexpr double kSound = 0.02;  // scaled Jacobian of a cell
+constexpr double kRounding = 1e-9;
+
+}  // namespace
+
+LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
+                         const TaskRunner& runner)
+    : walls_(walls),
+      stretch_(paths.stretch),
+      begin_(walls.curve_count() + 1, 0),
+      counts_(walls.curve_count(), 0),
+      limits_(paths.limits),
+      changed_(walls.curve_count(), 1),
+      unsettled_(walls.curve_count(), 1) {
+  for (const std::uint32_t v : walls.curve_to_vert) feet_.push_back(mesh.points[v]);
+  for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
+    const LayerHeights& heights = walls.curve_to_heights[c];
+    int& count = counts_[c];
+    count = count_within(c, paths.reached[c]);
+    if (count == heights.count) limits_[c] = LayerLimit::None;
+    while (count > 1 && heights.last(count) > walls.curve_to_width[c]) {
+      --count;
+      limits_[c] = LayerLimit::Isotropy;
+    }
+    begin_[c + 1] = begin_[c] + static_cast<std::size_t>(count);
+  }
+  points_.resize(begin_.back());
+  runner.for_blocks(walls.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto c = static_cast<std::uint32_t>(i);
+      for (int level = 1; level <= counts_[c]; ++level)
+        points_[begin_[c] + static_cast<std::size_t>(level) - 1] =
+            sides.put(c, paths.point_at(c, thickness_of(c, level)));
+    }
+  });
+}
+
+double LayerCounts::thickness_of(std::uint32_t curve, int count) const {
+  return walls_.curve_to_heights[curve].sum(count) * stretch_[curve];
+}
+
+int LayerCounts::count_within(std::uint32_t curve, double thickness) const {
+  const LayerHeights& heights = walls_.curve_to_heights[curve];
+  const double sum = thickness * (1 + kRounding) / stretch_[curve];
+  if (heights.sum(heights.count) <= sum) return heights.count;
+  if (!(sum >= heights.first)) return 0;
+  const double guess = heights.growth == 1
+                           ? sum / heights.first
+                           : std::log1p(sum * (heights.growth - 1) / heights.first) / std::log(heights.growth);
+  int count = std::clamp(static_cast<int>(guess), 1, heights.count);
+  while (count > 0 && heights.sum(count) > sum) --count;
+  while (count < heights.count && heights.sum(count + 1) <= sum) ++count;
+  return count;
+}
+
+void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
+  if (count >= counts_[curve]) return;
+  counts_[curve] = std::max(count, 0);
+  limits_[curve] = limit;
+  changed_[curve] = unsettled_[curve] = 1;
+}
+
+std::vector<std::uint8_t> LayerCounts::take_changes() {
+  std::vector<std::uint8_t> changes(changed_.size(), 0);
+  changes.swap(changed_);
+  return changes;
+}
+
+void LayerCounts::settle(const TaskRunner& runner) {
+  for (;;) {
+    runner.check_cancelled();
+    while (limit_slopes(runner)) runner.check_cancelled();
+    if (!lower_at_bad_cells(runner)) break;
+  }
+  std::ranges::fill(unsettled_, 0);
+}
+
+// From the counts as they are, all curves at once. True when one has changed.
+bool LayerCounts::limit_slopes(const TaskRunner& runner) {
+  std::vector<int> lowered = counts_;
+  std::vector<LayerLimit> limits = limits_;
+  runner.for_blocks(counts_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto c = static_cast<std::uint32_t>(i);
+      for (const std::uint32_t w : walls_.triangles_at(c))
+        for (const std::uint32_t other : walls_.triangles[w].curves) {
+          if (other == c || !unsettled_[other]) continue;
+          const double most = thickness(other) + kSlope * distance(feet_[c], feet_[other]);
+          if (thickness_of(c, lowered[c]) <= most) continue;
+          lowered[c] = count_within(c, most);
+          limits[c] = limits_[other];
+        }
+    }
+  });
+  bool any = false;
+  for (std::uint32_t c = 0; c < counts_.size(); ++c) {
+    any = any || lowered[c] < counts_[c];
+    lower(c, lowered[c], limits[c]);
+  }
+  return any;
+}
+
+// How many levels of cells above the triangle are sound, from the wall on; a number no smaller than the counts where
+// all are.
+int LayerCounts::sound_levels(const WallTriangle& wall) const {
+  const auto& [a, b, c] = wall.curves;
+  const std::array counts{counts_[a], counts_[b], counts_[c]};
+  int sound = std::ranges::max(counts);
+  int level = 0;
+  for_each_cell(counts, [&](CellKind, const auto& corners) {
+    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(wall.curves[corners[i].corner], corners[i].level);
+    if (level < sound && !(is_positive(x) && scaled_jacobian(x) >= kSound)) sound = level;
+    ++level;
+  });
+  return sound;
+}
+
+bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
+  std::vector<int> sound(walls_.triangles.size(), 0);
+  const auto is_concerned = [&](const WallTriangle& wall) {
+    return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unsettled_[c] != 0; });
+  };
+  runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t w = begin; w < end; ++w)
+      if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(walls_.triangles[w]);
+  });
+  bool any = false;
+  for (std::size_t w = 0; w < sound.size(); ++w) {
+    const WallTriangle& wall = walls_.triangles[w];
+    if (!is_concerned(wall)) continue;
+    for (const std::uint32_t c : wall.curves) {
+      any = any || counts_[c] > sound[w];
+      lower(c, sound[w], LayerLimit::Cell);
+    }
+  }
+  return any;
+}
+
+}  // namespace tetloom::layers

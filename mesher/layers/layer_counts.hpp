@@ -1,0 +1,56 @@
+#pragma once
+// How many layers each growth curve has.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/layers/growth_paths.hpp"
+#include "mesher/layers/walls.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::layers {
+
+/// The points of all layers that fit on the paths, and how many of them are used. Counts only fall: the first layers
+/// keep their heights.
+class LayerCounts {
+ public:
+  /// All layers that fit, but no higher than wide. Refers to `walls`. Errors: Cancelled.
+  LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
+              const TaskRunner& runner);
+
+  int count(std::uint32_t curve) const { return counts_[curve]; }
+  LayerLimit limit(std::uint32_t curve) const { return limits_[curve]; }
+  /// `level` from 0, the foot, to count.
+  Vec3 point(std::uint32_t curve, int level) const {
+    return level == 0 ? feet_[curve] : points_[begin_[curve] + static_cast<std::size_t>(level) - 1];
+  }
+  Vec3 top(std::uint32_t curve) const { return point(curve, counts_[curve]); }
+  /// Of all layers, along the curve.
+  double thickness(std::uint32_t curve) const { return thickness_of(curve, counts_[curve]); }
+
+  /// Leaves at most so many.
+  void lower(std::uint32_t curve, int count, LayerLimit limit);
+  /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, and all
+  /// cells are sound: positive in exact arithmetic, with a scaled Jacobian of .02 at least. Errors: Cancelled.
+  void settle(const TaskRunner& runner);
+  /// Curves whose count has changed since the last call, or ever.
+  std::vector<std::uint8_t> take_changes();
+
+ private:
+  double thickness_of(std::uint32_t curve, int count) const;
+  int count_within(std::uint32_t curve, double thickness) const;
+  bool limit_slopes(const TaskRunner& runner);
+  bool lower_at_bad_cells(const TaskRunner& runner);
+  int sound_levels(const WallTriangle& wall) const;
+
+  const Walls& walls_;
+  std::vector<Vec3> feet_;
+  std::vector<double> stretch_;
+  std::vector<std::size_t> begin_;
+  std::vector<Vec3> points_;
+  std::vector<int> counts_;
+  std::vector<LayerLimit> limits_;
+  std::vector<std::uint8_t> changed_, unsettled_;
+};
+
+}  // namespace tetloom::layers

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "mesher/layers/layer_cells.hpp"
+#include "mesher/layers/layered_mesh.hpp"
+
+namespace tetloom {
+
+std::string_view to_string(LayerLimit limit) {
+  constexpr std::array<std::string_view, kLayerLimits> kNames{"none", "gap",      "concave",    "isotropy", "no_normal",
+                                                              "cell", "crossing", "side_angle", "filling"};
+  return kNames[static_cast<std::size_t>(limit)];
+}
+
+}  // namespace tetloom
+
+namespace tetloom::layers {
+namespace {
+
+constexpr double kAsAsked = 0.1;  // of the first height
+
+class Measuring {
+ public:
+  Measuring(const LayerGrowth& growth, const Mesh& given)
+      : growth_(growth), walls_(growth.walls()), counts_(growth.counts()), given_(given) {}
+
+  LayerFigures run(const TaskRunner& runner) {
+    measure_cells(runner);
+    std::map<std::uint32_t, Sums> faces;
+    Sums whole;
+    for (const WallTriangle& wall : walls_.triangles) {
+      const Sums one = measure(wall);
+      whole.add(one);
+      faces[given_.tri_to_entity[wall.triangle]].add(one);
+      note_limit(wall, one.area);
+    }
+    figures_.coverage = whole.shares();
+    for (const auto& [face, sums] : faces) figures_.by_face.push_back({ModelFaceId(face), sums.shares()});
+    for (const auto& [key, limited] : limited_) figures_.limited.push_back(limited.figure);
+    std::ranges::stable_sort(figures_.limited, std::ranges::greater{}, &LimitedLayers::area);
+    return std::move(figures_);
+  }
+
+ private:
+  struct Sums {
+    double area = 0, full = 0, covered = 0, thickness = 0, as_asked = 0;
+
+    void add(const Sums& other) {
+      area += other.area, full += other.full, covered += other.covered;
+      thickness += other.thickness, as_asked += other.as_asked;
+    }
+    LayerCoverage shares() const {
+      if (area == 0) return {};
+      return {area, full / area, covered / area, thickness / area, covered > 0 ? as_asked / covered : 0};
+    }
+  };
+  struct Limited {
+    LimitedLayers figure;
+    double left = 2;  // share of the layers at the point
+  };
+
+  std::array<int, 3> counts_of(const WallTriangle& wall) const {
+    return {counts_.count(wall.curves[0]), counts_.count(wall.curves[1]), counts_.count(wall.curves[2])};
+  }
+
+  Vec3 area_of(const WallTriangle& wall) const {
+    const auto& [a, b, c] = wall.verts;
+    return 0.5 * cross(given_.points[b] - given_.points[a], given_.points[c] - given_.points[a]);
+  }
+
+  Sums measure(const WallTriangle& wall) const {
+    const Vec3 area = area_of(wall);
+    Sums sums{norm(area), 0, 0, 0, 0};
+    bool is_full = true;
+    double share = 0, height = 0, asked = 0;
+    for (const std::uint32_t c : wall.curves) {
+      const LayerHeights& heights = walls_.curve_to_heights[c];
+      is_full = is_full && counts_.count(c) == heights.count;
+      share += heights.sum(counts_.count(c)) / heights.sum(heights.count) / 3;
+      asked += heights.first / 3;
+      if (counts_.count(c) > 0) height += dot(counts_.point(c, 1) - counts_.point(c, 0), normalized(area)) / 3;
+    }
+    sums.thickness = share * sums.area;
+    if (is_full) sums.full = sums.area;
+    if (std::ranges::min(counts_of(wall)) == 0) return sums;
+    sums.covered = sums.area;
+    if (std::abs(height - asked) <= kAsAsked * asked) sums.as_asked = sums.area;
+    return sums;
+  }
+
+  void note_limit(const WallTriangle& wall, double area) {
+    const auto left = [&](std::uint32_t c) {
+      return static_cast<double>(counts_.count(c)) / walls_.curve_to_heights[c].count;
+    };
+    const std::uint32_t worst = *std::ranges::min_element(wall.curves, {}, left);
+    if (left(worst) >= 1) return;
+    const std::uint32_t face = given_.tri_to_entity[wall.triangle];
+    Limited& limited = limited_[{counts_.limit(worst), face}];
+    limited.figure.reason = counts_.limit(worst);
+    limited.figure.face = ModelFaceId(face);
+    limited.figure.area += area;
+    if (left(worst) >= limited.left) return;
+    limited.left = left(worst);
+    limited.figure.point = given_.points[walls_.curve_to_vert[worst]];
+  }
+
+  void measure_cells(const TaskRunner& runner) {
+    constexpr std::size_t kGrain = 1024;
+    struct Part {
+      std::array<std::size_t, kCellKinds> cells{};
+      std::vector<float> jacobians;
+    };
+    const auto parts = map_blocks<Part>(runner, walls_.triangles.size(), kGrain, {},
+                                        [&](std::size_t begin, std::size_t end, Part& part) {
+                                          for (std::size_t w = begin; w < end; ++w) {
+                                            const WallTriangle& wall = walls_.triangles[w];
+                                            for_each_cell(counts_of(wall), [&](CellKind kind, const auto& corners) {
+                                              std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
+                                              for (std::size_t i = 0; i < x.size(); ++i)
+                                                x[i] = counts_.point(wall.curves[corners[i].corner], corners[i].level);
+                                              ++part.cells[static_cast<std::size_t>(kind)];
+                                              part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
+                                            });
+                                          }
+                                        });
+    std::vector<float> all;
+    for (const Part& part : parts) {
+      figures_.tets += part.cells[static_cast<std::size_t>(CellKind::Tet)];
+      figures_.pyramids += part.cells[static_cast<std::size_t>(CellKind::Pyramid)];
+      figures_.prisms += part.cells[static_cast<std::size_t>(CellKind::Prism)];
+      all.insert(all.end(), part.jacobians.begin(), part.jacobians.end());
+    }
+    if (all.empty()) return;
+    figures_.min_scaled_jacobian = std::ranges::min(all);
+    const auto percentile = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 100);
+    std::ranges::nth_element(all, percentile);
+    figures_.scaled_jacobian_p1 = *percentile;
+  }
+
+  const LayerGrowth& growth_;
+  const Walls& walls_;
+  const LayerCounts& counts_;
+  const Mesh& given_;
+  LayerFigures figures_;
+  std::map<std::pair<LayerLimit, std::uint32_t>, Limited> limited_;
+};
+
+}  // namespace
+
+LayerFigures measure_layers(const LayerGrowth& growth, const Mesh& given, const TaskRunner& runner) {
+  return Measuring(growth, given).run(runner);
+}
+
+}  // namespace tetloom::layers
