@@ -43,7 +43,7 @@ PUBLIC = {
     "core": {"assert", "check", "error", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
              "size_field", "vec"},
     "threading": {"communicator", "partition", "tasks"},
-    "mesher": {"filling", "mesh"},
+    "mesher": {"filling", "layers", "mesh"},
     "adapt": {"adapt", "metric"},
 }
 

@@ -22,6 +22,7 @@ struct WallLayers {
   double thickness = 0;                 ///< of all layers together at most, model length; 0: whatever they come to
 };
 
+/// The layers of all walls.
 struct LayerOptions {
   std::vector<WallLayers> walls;  ///< each face once; empty: no layers
   bool all_tets = false;          ///< prisms and pyramids are split into tets
@@ -67,6 +68,7 @@ struct FaceLayers {
   LayerCoverage coverage;
 };
 
+/// Cells in layers and how well they cover the walls.
 struct LayerFigures {
   std::size_t prisms = 0, pyramids = 0, hexes = 0, tets = 0;  ///< cells in layers
   LayerCoverage coverage;

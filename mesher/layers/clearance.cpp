@@ -36,10 +36,10 @@ double crossing(const std::array<Vec3, 3>& x, const Vec3& from, const Vec3& ray)
   return u >= 0 && v >= 0 && u + v <= 1 && at > 0 ? at : kMissed;
 }
 
-class Search {
+class WallSearch {
  public:
-  Search(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
-         const intersection::TriangleTree& tree)
+  WallSearch(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
+             const intersection::TriangleTree& tree)
       : mesh_(mesh),
         face_to_sides_(face_to_sides),
         walls_(walls),
@@ -91,7 +91,7 @@ class Search {
 std::vector<Clearance> find_clearances(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
                                        const intersection::TriangleTree& tree, std::span<const Vec3> directions,
                                        std::span<const double> reach, const TaskRunner& runner) {
-  const Search search(mesh, face_to_sides, walls, tree);
+  const WallSearch search(mesh, face_to_sides, walls, tree);
   std::vector<Clearance> clearances(walls.curve_count());
   runner.for_blocks(clearances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)

@@ -21,6 +21,8 @@ constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
+constexpr double kShift = 0.5;                     // of the way to the mean of the neighbours, a step
+constexpr double kMostShift = 0.7;                 // of the step
 constexpr double kSoundPrism = 0.1;                // scaled Jacobian between fronts
 constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
 constexpr double kLeftInGap = 0.9;                 // widths that stay for other elements
@@ -172,8 +174,10 @@ class Marching {
     }
     if (!any) return false;
     std::vector<Vec3> next = front_;
+    const std::vector<Vec3> shifts = find_shifts();
     const auto place = [&](std::uint32_t c) {
-      if (is_moving[c]) next[c] = sides_.put(c, front_[c] + length_of_step(c) * direction_[c]);
+      const double length = length_of_step(c);
+      if (is_moving[c]) next[c] = sides_.put(c, front_[c] + length * direction_[c] + length / step_[c] * shifts[c]);
     };
     for_each_curve(place);
     for (;;) {
@@ -190,6 +194,31 @@ class Marching {
     paths_.fronts.push_back(front_);
     return true;
   }
+
+  // Towards the mean of the ways that the neighbours have come, within the front and where it shrinks, as at concave
+  // edges. The first step leaves the wall straight.
+  std::vector<Vec3> find_shifts() const {
+    std::vector<Vec3> shifts(walls_.curve_count());
+    if (paths_.fronts.size() == 1) return shifts;
+    for_each_curve([&](std::uint32_t c) {
+      if (direction_[c] == Vec3{} || sides_.count(c) == 2 || !is_growing(c)) return;
+      Vec3 sum;
+      double growth = 0;
+      for (const std::uint32_t w : walls_.triangles_at(c))
+        for (const std::uint32_t other : walls_.triangles[w].curves) {
+          sum += way_of(other) - way_of(c);
+          growth += dot(way_of(other) - way_of(c), paths_.fronts[0][other] - paths_.fronts[0][c]);
+        }
+      if (growth >= 0) return;
+      const Vec3 shift = kShift / static_cast<double>(2 * walls_.triangles_at(c).size()) * sum;
+      const Vec3 within = shift - dot(shift, direction_[c]) * direction_[c];
+      const double most = kMostShift * step_[c] / std::max(norm(within), 1e-300);
+      shifts[c] = std::min(1.0, most) * within;
+    });
+    return shifts;
+  }
+
+  Vec3 way_of(std::uint32_t curve) const { return front_[curve] - paths_.fronts[0][curve]; }
 
   double length_of_step(std::uint32_t curve) const {
     constexpr double kRest = 1.3;  // rather one longer step than a short one behind it

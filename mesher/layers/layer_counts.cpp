@@ -98,8 +98,8 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
         for (const std::uint32_t other : walls_.triangles[w].curves) {
           if (other == c || !unsettled_[other]) continue;
           const double most = thickness(other) + kSlope * distance(feet_[c], feet_[other]);
-          if (thickness_of(c, lowered[c]) <= most) continue;
-          lowered[c] = count_within(c, most);
+          if (lowered[c] <= counts_[other] + 1 || thickness_of(c, lowered[c]) <= most) continue;
+          lowered[c] = std::max(count_within(c, most), counts_[other] + 1);
           limits[c] = limits_[other];
         }
     }

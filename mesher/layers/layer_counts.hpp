@@ -30,8 +30,9 @@ class LayerCounts {
 
   /// Leaves at most so many.
   void lower(std::uint32_t curve, int count, LayerLimit limit);
-  /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, and all
-  /// cells are sound: positive in exact arithmetic, with a scaled Jacobian of .02 at least. Errors: Cancelled.
+  /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, or one
+  /// layer, and all cells are sound: positive in exact arithmetic, with a scaled Jacobian of .02 at least. Errors:
+  /// Cancelled.
   void settle(const TaskRunner& runner);
   /// Curves whose count has changed since the last call, or ever.
   std::vector<std::uint8_t> take_changes();

@@ -197,6 +197,7 @@ class WallFinder {
     if (asked.count == 0) {
       heights.count = 1;
       while (heights.count < kMostLayers && heights.last(heights.count) < kLastLayer * width) ++heights.count;
+      if (heights.count > 1 && heights.last(heights.count) > width) --heights.count;
     }
     if (asked.thickness > 0)
       while (heights.count > 1 && heights.sum(heights.count) > asked.thickness) --heights.count;

@@ -1,0 +1,282 @@
+// Boundary layers: cells, growth, imprint, refusals.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "mesher/layers/growth_direction.hpp"
+#include "mesher/layers/layer_cells.hpp"
+#include "tests/support/analytic_model.hpp"
+#include "tests/support/error_of.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/mesh.hpp"
+
+using namespace tetloom;
+using namespace tetloom::layers;
+using namespace tetloom::test_models;
+using test::error_of;
+
+namespace {
+
+MeshOptions options_of_size(double size, int threads = 2) {
+  MeshOptions options;
+  options.sizes.size = size;
+  options.threads = threads;
+  return options;
+}
+
+/// Layers on all faces but some.
+LayerOptions on_faces(const GeometricModel& model, WallLayers layers, std::vector<std::uint32_t> but = {}) {
+  LayerOptions options;
+  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f) {
+    layers.face = ModelFaceId(f);
+    if (std::ranges::count(but, f) == 0) options.walls.push_back(layers);
+  }
+  return options;
+}
+
+WallLayers heights(double first, int count, double growth = 1.2) {
+  WallLayers layers;
+  layers.first_height = first;
+  layers.count = count;
+  layers.growth = growth;
+  return layers;
+}
+
+MeshResult meshed(const GeometricModel& model, const MeshOptions& options) {
+  MeshResult result = make_mesh(model, options);
+  REQUIRE(result.status == MeshStatus::Ok);
+  CHECK(validate_mesh(result.mesh).valid());
+  CHECK(compute_quality(result.mesh).cells.inverted == 0);
+  return result;
+}
+
+// Faces of a cylinder that are flat.
+std::vector<std::uint32_t> caps_of(const GeometricModel& model, double radius) {
+  std::vector<std::uint32_t> caps;
+  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f)
+    if (std::abs(model.area(ModelFaceId(f)) - std::numbers::pi * radius * radius) < 1e-3) caps.push_back(f);
+  return caps;
+}
+
+double volume_of(const std::array<Vec3, 4>& x) { return dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) / 6; }
+
+// Columns of different counts above one triangle.
+struct Column {
+  std::array<Vec3, 3> foot{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  Vec3 at(const LevelCorner& corner) const { return foot[corner.corner] + Vec3{0, 0, 0.1 * corner.level}; }
+};
+
+}  // namespace
+
+TEST_CASE("cells above a triangle are positive and fill what its columns bound, whatever their counts") {
+  const Column column;
+  for (int a = 0; a <= 3; ++a)
+    for (int b = 0; b <= 3; ++b)
+      for (int c = 0; c <= 3; ++c) {
+        double volume = 0;
+        int cells = 0;
+        for_each_cell({a, b, c}, [&](CellKind kind, const auto& corners) {
+          std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
+          for (std::size_t i = 0; i < x.size(); ++i) x[i] = column.at(corners[i]);
+          CHECK(is_positive(x));
+          CHECK(scaled_jacobian(x) > 0.05);
+          ++cells;
+          if (kind == CellKind::Tet) volume += 0.1 * 0.5 / 3;
+          if (kind == CellKind::Pyramid) volume += 0.1 * 0.5 * 2 / 3;
+          if (kind == CellKind::Prism) volume += 0.1 * 0.5;
+        });
+        CHECK(cells == std::max({a, b, c}));
+        CHECK(volume == Approx(0.5 * 0.1 * (a + b + c) / 3));
+      }
+}
+
+TEST_CASE("a cell that a split would turn over is not positive") {
+  std::array<Vec3, 6> prism{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  CHECK(is_positive(prism));
+  CHECK(scaled_jacobian(prism) == Approx(std::sqrt(0.5) / (std::sqrt(3.0) / 2)));
+  prism[5] = {0.9, -0.4, 1};  // the top triangle is turned over
+  CHECK_FALSE(is_positive(prism));
+  prism[5] = {0, 1, -0.1};
+  CHECK_FALSE(is_positive(prism));
+}
+
+TEST_CASE("the most normal direction is the middle of the smallest cone") {
+  CHECK(most_normal_direction({}).visibility == 0);
+  const std::array<Vec3, 1> one{Vec3{0, 0, 1}};
+  CHECK(most_normal_direction(one).visibility == 1);
+  // Two faces at a right angle, one of them in many triangles.
+  const std::array<Vec3, 5> edge{Vec3{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}};
+  const GrowthDirection between = most_normal_direction(edge);
+  CHECK(between.visibility == Approx(std::sqrt(0.5)));
+  CHECK(distance(between.direction, normalized(Vec3{1, 0, 1})) < 1e-12);
+  const std::array<Vec3, 4> corner{Vec3{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, normalized(Vec3{1, 1, 1})};
+  CHECK(most_normal_direction(corner).visibility == Approx(1 / std::sqrt(3.0)));
+  const std::array<Vec3, 2> opposite{Vec3{0, 0, 1}, {0, 0, -1}};
+  CHECK(most_normal_direction(opposite).visibility <= 0);
+}
+
+TEST_CASE("layers on all faces of a box leave room in the middle, and the volume stays") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*box, heights(0.02, 6));
+  const MeshResult result = meshed(*box, options);
+  CHECK(compute_quality(result.mesh).cells.volume == Approx(64).epsilon(1e-12));
+  const LayerFigures& figures = result.layers;
+  CHECK(figures.prisms == result.mesh.prism_to_vert.size());
+  CHECK(figures.pyramids == result.mesh.pyramid_to_vert.size());
+  CHECK(figures.coverage.area == Approx(96));
+  CHECK(figures.coverage.at_least_one == Approx(1));
+  CHECK(figures.coverage.full_count > 0.99);
+  CHECK(figures.coverage.first_height_within_10pct > 0.9);
+  CHECK(figures.by_face.size() == 6);
+  CHECK(figures.min_scaled_jacobian >= 0.02);
+}
+
+TEST_CASE("heights above the middle of a flat wall are those asked for") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*box, heights(0.01, 8, 1.3));
+  const Mesh mesh = meshed(*box, options).mesh;
+  // Prisms one above the other share the ends of their edges.
+  std::size_t looked_at = 0;
+  for (std::size_t p = 0; p < mesh.prism_to_vert.size(); ++p) {
+    const auto& prism = mesh.prism_to_vert[p];
+    const Vec3 &low = mesh.points[prism[0]], &high = mesh.points[prism[3]];
+    if (mesh.point_to_entity[prism[0]].dim != 2 || low.z != 0 ||
+        std::max(std::abs(low.x - 2), std::abs(low.y - 2)) > 0.8)
+      continue;
+    ++looked_at;
+    CHECK(high.z - low.z == Approx(0.01).epsilon(1e-3));
+  }
+  CHECK(looked_at > 10);
+  REQUIRE(mesh.cell_fields.size() == 2);
+  CHECK(mesh.cell_fields[0].name == "layer");
+  CHECK(mesh.cell_fields[1].name == "height");
+  const auto& layer = mesh.cell_fields[0].values;
+  CHECK(*std::ranges::max_element(layer) == 8);
+  CHECK(layer.size() == mesh.tet_to_vert.size() + mesh.pyramid_to_vert.size() + mesh.prism_to_vert.size());
+}
+
+TEST_CASE("layers in a pipe stand on its ends, which stay flat to the last bit") {
+  const auto pipe = make_cylinder(1, 4);
+  const std::vector<std::uint32_t> caps = caps_of(*pipe, 1);
+  REQUIRE(caps.size() == 2);
+  MeshOptions options = options_of_size(0.25);
+  options.layers = on_faces(*pipe, heights(0.02, 6), caps);
+  const MeshResult result = meshed(*pipe, options);
+  const Mesh& mesh = result.mesh;
+  CHECK(result.layers.coverage.full_count > 0.99);
+  CHECK(mesh.quad_to_vert.size() > 6 * 2 * 20);
+  for (std::size_t q = 0; q < mesh.quad_to_vert.size(); ++q) {
+    CHECK(std::ranges::count(caps, mesh.quad_to_entity[q]) == 1);
+    const double z = mesh.points[mesh.quad_to_vert[q][0]].z;
+    for (const std::uint32_t v : mesh.quad_to_vert[q]) CHECK(mesh.points[v].z == z);
+  }
+  for (std::size_t p = 0; p < mesh.points.size(); ++p)
+    if (mesh.point_to_entity[p].dim == 2 && std::ranges::count(caps, mesh.point_to_entity[p].index) == 1)
+      CHECK((std::abs(mesh.points[p].z) < 1e-300 || mesh.points[p].z == 4 || std::abs(mesh.points[p].z) == 2));
+}
+
+TEST_CASE("on two faces of a box, layers run along the edges between the other faces") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*box, heights(0.05, 5));
+  options.layers.walls.resize(1);
+  const MeshResult result = meshed(*box, options);
+  CHECK(result.layers.coverage.full_count == Approx(1));
+  CHECK(compute_quality(result.mesh).cells.volume == Approx(64).epsilon(1e-12));
+  // 5 layers on each of 4 sides, and an edge of each layer at 4 corners.
+  CHECK(result.mesh.quad_to_vert.size() % 20 == 0);
+  CHECK(result.mesh.pyramid_to_vert.empty());
+}
+
+TEST_CASE("meshes with layers are the same on any number of threads") {
+  const auto pipe = make_cylinder(1, 2);
+  MeshOptions options = options_of_size(0.3, 1);
+  options.layers = on_faces(*pipe, heights(0.03, 5));
+  const std::string digest = mesh_digest(meshed(*pipe, options).mesh);
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    CHECK(mesh_digest(meshed(*pipe, options).mesh) == digest);
+  }
+}
+
+TEST_CASE("layers are split into tets that fit") {
+  const auto pipe = make_cylinder(1, 2);
+  MeshOptions options = options_of_size(0.3);
+  options.layers = on_faces(*pipe, heights(0.03, 5), caps_of(*pipe, 1));
+  const Mesh whole = meshed(*pipe, options).mesh;
+  options.layers.all_tets = true;
+  const Mesh split = meshed(*pipe, options).mesh;
+  CHECK(split.prism_to_vert.empty());
+  CHECK(split.pyramid_to_vert.empty());
+  CHECK(split.quad_to_vert.empty());
+  CHECK(split.tet_to_vert.size() ==
+        whole.tet_to_vert.size() + 2 * whole.pyramid_to_vert.size() + 3 * whole.prism_to_vert.size());
+  CHECK(compute_quality(split).cells.volume == Approx(compute_quality(whole).cells.volume).epsilon(1e-12));
+}
+
+TEST_CASE("where walls are near each other there are fewer layers, and the reason is told") {
+  const auto plate = make_box({0, 0, 0}, {4, 4, 0.5});
+  MeshOptions options = options_of_size(0.2);
+  options.layers = on_faces(*plate, heights(0.05, 12));
+  const MeshResult result = meshed(*plate, options);
+  CHECK(result.layers.coverage.at_least_one > 0.95);
+  CHECK(result.layers.coverage.full_count < 0.1);
+  REQUIRE_FALSE(result.layers.limited.empty());
+  CHECK(std::ranges::any_of(result.layers.limited,
+                            [](const LimitedLayers& limited) { return limited.reason == LayerLimit::Gap; }));
+}
+
+TEST_CASE("layers grow on both sides of a ball, inwards and outwards") {
+  const auto ball = make_sphere({0, 0, 0}, 1);
+  MeshOptions options = options_of_size(0.2);
+  options.layers = on_faces(*ball, heights(0.01, 10));
+  const MeshResult result = meshed(*ball, options);
+  CHECK(result.layers.coverage.full_count > 0.99);
+  CHECK(result.layers.coverage.first_height_within_10pct > 0.95);
+}
+
+TEST_CASE("layers without a number end where they are as high as wide") {
+  const auto box = make_box({0, 0, 0}, {8, 8, 8});
+  MeshOptions options = options_of_size(0.5);
+  options.layers = on_faces(*box, heights(0.05, 0, 1.5));
+  const MeshResult result = meshed(*box, options);
+  const auto& height = result.mesh.cell_fields[1].values;
+  CHECK(*std::ranges::max_element(height) > 0.3);
+  options.layers = on_faces(*box, heights(0.05, 0, 1.5));
+  for (WallLayers& wall : options.layers.walls) wall.thickness = 0.2;
+  const MeshResult thin = meshed(*box, options);
+  CHECK(*std::ranges::max_element(thin.mesh.cell_fields[0].values) == 2);
+}
+
+TEST_CASE("layers that cannot be are refused with the face") {
+  const auto box = make_box({0, 0, 0}, {1, 1, 1});
+  const auto refusal = [&](const std::function<void(WallLayers&)>& spoil) {
+    MeshOptions options = options_of_size(0.2);
+    options.layers = on_faces(*box, heights(0.01, 5));
+    spoil(options.layers.walls[2]);
+    const Diagnostic diagnostic = error_of([&] { make_mesh(*box, options); });
+    CHECK(diagnostic.code == ErrorCode::InvalidArgument);
+    return diagnostic;
+  };
+  CHECK(refusal([](WallLayers& wall) { wall.first_height = 0; }).entities.at(0).entity.tag() == 3);
+  refusal([](WallLayers& wall) { wall.first_height = NAN; });
+  refusal([](WallLayers& wall) { wall.first_height = 100; });
+  refusal([](WallLayers& wall) { wall.growth = 0.9; });
+  refusal([](WallLayers& wall) { wall.growth = INFINITY; });
+  refusal([](WallLayers& wall) { wall.count = -1; });
+  refusal([](WallLayers& wall) { wall.count = 1001; });
+  refusal([](WallLayers& wall) { wall.thickness = -1; });
+  refusal([](WallLayers& wall) { wall.face = ModelFaceId(17u); });
+  refusal([](WallLayers& wall) { wall.face = ModelFaceId(0u); });
+  refusal([](WallLayers& wall) { wall.in_front = wall.behind = false; });
+  MeshOptions options = options_of_size(0.2);
+  options.layers = on_faces(*box, heights(0.01, 5));
+  options.order = 2;
+  CHECK(error_of([&] { make_mesh(*box, options); }).code == ErrorCode::InvalidArgument);
+  options.order = 1;
+  options.surface_only = true;
+  CHECK(error_of([&] { make_mesh(*box, options); }).code == ErrorCode::InvalidArgument);
+}
