@@ -26,11 +26,12 @@ struct Format {
 };
 
 // Ascending, so that ".lb8.ugrid" comes before ".ugrid".
-constexpr std::array<Format, 11> kFormats{
+constexpr std::array<Format, 12> kFormats{
     {{".b8.ugrid", detail::write_b8_ugrid, detail::read_b8_ugrid, false, true, true},
      {".bdf", detail::write_bdf, nullptr, true, true},
      {".inp", detail::write_inp, detail::read_inp, true, true},
      {".lb8.ugrid", detail::write_lb8_ugrid, detail::read_lb8_ugrid, false, true, true},
+     {".med", detail::write_med, detail::read_med, false, true},
      {".mesh", detail::write_medit_text, detail::read_medit_text},
      {".meshb", detail::write_medit_binary, detail::read_medit_binary},
      {".msh", detail::write_msh, detail::read_msh, true},
