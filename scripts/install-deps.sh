@@ -19,7 +19,7 @@ declare -A packages=(
     libocct-data-exchange-dev libocct-foundation-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev
     libocct-ocaf-dev libocct-visualization-dev libfontconfig-dev
     libtbb-dev libscotch-dev libtrilinos-zoltan-dev libopenmpi-dev openmpi-bin
-    libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev libhdf5-dev
+    libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev
     libcli11-dev nlohmann-json3-dev catch2 libbenchmark-dev"
   [check]="git python3 clang-format-14 clang-tidy-14"
   [oracles]="libcgal-dev"

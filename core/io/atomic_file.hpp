@@ -79,13 +79,6 @@ class AtomicFile {
   /// How many bytes have been written so far.
   std::uint64_t position() const { return flushed_ + used_; }
 
-  /// The name to be given, and the temporary, which libraries that open files by name may fill themselves, in place of
-  /// `write` and before `commit`; a target that is no regular file is its own temporary.
-  const std::filesystem::path& target() const { return target_; }
-  const std::filesystem::path& path() const { return temporary_.empty() ? target_ : temporary_; }
-  /// Throws Error(Cancelled) once `cancel` is raised.
-  void check_cancelled() const;
-
   /// Finishes the file and gives it its name. Nothing may be written afterwards.
   void commit();
 
@@ -98,6 +91,7 @@ class AtomicFile {
   void open();
   void flush();
   void write_out(const char* data, std::size_t size);
+  void check_cancelled() const;
   void write_at(std::uint64_t offset, const char* data, std::size_t size) const;
   void write_blocks(std::size_t count, std::size_t record_bytes,
                     const std::function<void(std::size_t, std::size_t, char*)>& encode, const BlockLoop& loop);

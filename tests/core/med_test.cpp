@@ -1,4 +1,4 @@
-// MED files: what is written comes back; damaged ones are refused.
+// MED and CGNS files: what is written comes back; damaged ones are refused.
 #include <random>
 
 #include "tests/core/mesh_fixtures.hpp"
@@ -9,7 +9,6 @@
 using namespace tetloom;
 using test::TemporaryFolder;
 
-#ifdef TETLOOM_HAS_MED
 namespace {
 
 Mesh one_of_each() {
@@ -66,24 +65,32 @@ TEST_CASE("MED files give elements and classification back") {
   CHECK(each.point_to_entity[0] == ModelEntity(0, 5));
 }
 
-TEST_CASE("damaged MED files never do harm") {
+TEST_CASE("CGNS files give elements and their entities back") {
   const TemporaryFolder folder;
-  write_mesh(test::make_box(2, 1, 1, true), folder / "good.med");
-  const std::string content = test::file_content(folder / "good.med");
-  std::mt19937 random(3);
-  INFO("seed 3");
-  for (int round = 0; round < 300; ++round) {
-    std::string damaged = content;
-    if (round % 3 == 0) damaged.resize(random() % content.size() + 1);
-    for (int change = 0; change < 3; ++change) damaged[random() % damaged.size()] = static_cast<char>(random());
-    test::write_file(folder / "bad.med", damaged);
-    survive(folder / "bad.med");
+  write_mesh(one_of_each(), folder / "each.cgns");
+  const Mesh each = read_mesh(folder / "each.cgns");
+  CHECK(each.hex_to_vert == one_of_each().hex_to_vert);
+  CHECK(each.prism_to_vert == one_of_each().prism_to_vert);
+  CHECK(each.prism_to_entity == one_of_each().prism_to_entity);
+  CHECK(each.tet_to_entity == one_of_each().tet_to_entity);
+  CHECK(each.quad_to_entity == one_of_each().quad_to_entity);
+  CHECK(each.edge_to_entity == one_of_each().edge_to_entity);
+}
+
+TEST_CASE("damaged MED and CGNS files never do harm") {
+  const TemporaryFolder folder;
+  for (const char* extension : {".med", ".cgns"}) {
+    const auto good = folder / test::joined("good", extension), bad = folder / test::joined("bad", extension);
+    write_mesh(test::make_box(2, 1, 1, true), good);
+    const std::string content = test::file_content(good);
+    std::mt19937 random(3);
+    INFO("seed 3");
+    for (int round = 0; round < 300; ++round) {
+      std::string damaged = content;
+      if (round % 3 == 0) damaged.resize(random() % content.size() + 1);
+      for (int change = 0; change < 3; ++change) damaged[random() % damaged.size()] = static_cast<char>(random());
+      test::write_file(bad, damaged);
+      survive(bad);
+    }
   }
 }
-#else
-TEST_CASE("a build without HDF5 refuses MED files and says why") {
-  const TemporaryFolder folder;
-  const auto error = test::error_of([&] { write_mesh(test::make_box(1, 1, 1), folder / "a.med"); });
-  CHECK_THAT(error.message, Catch::Contains("TETLOOM_MED"));
-}
-#endif

@@ -4,8 +4,9 @@
 #include <map>
 #include <optional>
 
-#include "core/io/hdf5_detail.hpp"
-#include "core/io/med/med_detail.hpp"
+#include "core/io/hdf5/hdf5_reader.hpp"
+#include "core/io/hdf5/med_detail.hpp"
+#include "core/io/mid_node_reader_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -20,8 +21,6 @@ std::optional<ModelEntity> entity_in(const std::string& name, std::string_view p
                     end.ptr == name.data() + name.size() && tag > 0;
   return fine ? std::optional(ModelEntity(at[0] - '0', tag - 1)) : std::nullopt;
 }
-
-constexpr std::size_t kNameBytes = 80;  // of a group
 
 struct Family {
   std::string group;                  // the first one; may be empty
@@ -39,7 +38,8 @@ class MedReader {
     read_points();
     for (const std::string& name : in_.names_in(step_ + "/MAI")) read_kind(name);
     check_read_mesh(file_, mesh_);
-    classify();
+    const bool knows_entities = classify();
+    mids_.finish(file_, mesh_, !knows_entities);
     return std::move(mesh_);
   }
 
@@ -64,7 +64,7 @@ class MedReader {
       Family& known = families[in_.attribute(family, "NUM")];
       known.entity = entity_in(name, prefix);
       if (!in_.has(family + "/GRO/NOM")) continue;
-      const std::vector<std::string> groups = in_.names(family + "/GRO/NOM");
+      const std::vector<std::string> groups = in_.texts(family + "/GRO/NOM");
       if (!groups.empty()) known.group = groups[0];
       if (known.entity) keep_name(*known.entity, known.group);
     }
@@ -74,7 +74,7 @@ class MedReader {
   void keep_name(ModelEntity entity, const std::string& name) {
     constexpr std::array<const char*, 4> kinds{"vertex_", "edge_", "face_", "region_"};
     if (name == kinds[entity.dim] + std::to_string(entity.tag()) || name.starts_with("tetloom_point_")) return;
-    if (name.empty() || entity.index >= file_.bytes().size() / kNameBytes) return;
+    if (name.empty() || entity.index >= file_.bytes().size() / kMedNameBytes) return;
     auto& names = mesh_.entities[entity.dim];
     if (names.size() <= entity.index) names.resize(entity.index + 1);
     names[entity.index].name = name;
@@ -93,9 +93,11 @@ class MedReader {
     file_.check_cancelled();
     bool known = false;
     for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
-      if (name != med_kind(block).name) return;
+      const MedKind& kind = med_kind(block);
+      const bool is_second = name == kind.second_name;
+      if (name != kind.name && !is_second) return;
       known = true;
-      read_elements(block, elements, entities);
+      read_elements(block, name, vertices_of(block) + (is_second ? edges_of(block).size() : 0), elements, entities);
     });
     if (!known && name != "PO1") refuse_elements(file_, name);
   }
@@ -108,20 +110,29 @@ class MedReader {
     return numbers;
   }
 
+  // Appends them: a mesh may have elements of both orders, which is refused at the end.
   template <class Element>
-  void read_elements(Block block, std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
-    const std::string path = step_ + "/MAI/" + med_kind(block).name;
+  void read_elements(Block block, const std::string& name, std::size_t size, std::vector<Element>& elements,
+                     std::vector<std::uint32_t>& entities) {
+    const std::string path = step_ + "/MAI/" + name;
     const std::vector<std::int64_t> nodes = in_.integers(path + "/NOD");
-    const std::size_t size = Element{}.size(), count = nodes.size() / size;
+    const std::size_t count = nodes.size() / size, first = elements.size();
     if (nodes.size() % size != 0)
       file_.fail(ErrorCode::InputUnreadable, "'" + path + "/NOD' is no whole number of elements");
-    elements.resize(count);
-    for (std::size_t node = 0; node < size; ++node)
-      for (std::size_t e = 0; e < count; ++e)
-        elements[e][med_kind(block).vert[node]] = stored_index(static_cast<std::uint64_t>(nodes[node * count + e]) - 1);
     const std::vector<std::int64_t> numbers = read_family_numbers(path + "/FAM", count);
-    entities.resize(count);
-    for (std::size_t e = 0; e < count; ++e) entities[e] = index_of(families_, numbers[e], dimension_of(block));
+    const auto node_at = [&](std::size_t e, std::size_t node) {
+      return stored_index(static_cast<std::uint64_t>(nodes[node * count + e]) - 1);
+    };
+    elements.resize(first + count);
+    for (std::size_t e = 0; e < count; ++e) {
+      std::array<std::uint32_t, kMostNodes> list{};
+      for (std::size_t node = 0; node < size; ++node) list[node] = node_at(e, node);
+      Element in_med_order, &element = elements[first + e];
+      for (std::size_t i = 0; i < element.size(); ++i) in_med_order[i] = element[med_kind(block).vert[i]] = list[i];
+      if (size > element.size())
+        mids_.add(in_med_order, edges_of(block), std::span(list).subspan(element.size(), size - element.size()));
+      entities.push_back(index_of(families_, numbers[e], dimension_of(block)));
+    }
   }
 
   // That of our own family, or one for each name of a group; none where a family has neither.
@@ -138,7 +149,8 @@ class MedReader {
     return at->second;
   }
 
-  void classify() {
+  // Returns whether families say the entities of points.
+  bool classify() {
     const auto numbers = read_family_numbers(step_ + "/NOE/FAM", mesh_.points.size());
     std::vector<std::pair<std::size_t, ModelEntity>> known;
     for (std::size_t v = 0; v < numbers.size(); ++v) {
@@ -148,6 +160,7 @@ class MedReader {
     }
     classify_points(mesh_, {});
     for (const auto& [v, entity] : known) mesh_.point_to_entity[v] = entity;
+    return !known.empty();
   }
 
   const InputFile& file_;
@@ -155,6 +168,7 @@ class MedReader {
   std::string step_, families_path_;
   std::map<std::int64_t, Family> families_, point_families_;
   std::array<std::map<std::string, std::uint32_t>, 4> by_name_;
+  MidNodeReader mids_;
   Mesh mesh_;
 };
 
