@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/io/hdf5/cgns_detail.hpp"
-#include "core/io/hdf5/hdf5_reader.hpp"
+#include "core/io/hdf5/hdf5_reader_detail.hpp"
 #include "core/io/mid_node_reader_detail.hpp"
 #include "core/io/solver/group_tags.hpp"
 

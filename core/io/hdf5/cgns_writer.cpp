@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/io/hdf5/cgns_detail.hpp"
-#include "core/io/hdf5/hdf5_writer.hpp"
+#include "core/io/hdf5/hdf5_writer_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "tetloom/error.hpp"
 

@@ -13,7 +13,7 @@ constexpr int kMostLevels = 64;
 constexpr std::uint16_t kDeflate = 1, kShuffle = 2, kFletcher = 3;
 constexpr std::size_t kFletcherBytes = 4;
 
-struct Chunk {
+struct StoredChunk {
   std::uint32_t skipped;  // filters, as bits
   std::vector<std::uint64_t> begin;
   std::string_view stored;
@@ -39,11 +39,11 @@ class ChunkReader {
     if (array_.chunk_index != kHdf5NoAddress) find_chunks(array_.chunk_index, 0);
     if (chunks_.size() > most_chunks) fail("more chunks than an array has");
     std::uint64_t stored = 0;
-    for (const Chunk& chunk : chunks_) stored += chunk.stored.size();
+    for (const StoredChunk& chunk : chunks_) stored += chunk.stored.size();
     stored = std::min<std::uint64_t>(stored, objects_.file().bytes().size());
     if (bytes_ > stored * kMostInflation) fail("an array that exceeds its chunks");
     std::string out(bytes_, '\0');
-    for (const Chunk& chunk : chunks_) place(chunk, unpacked(chunk), out);
+    for (const StoredChunk& chunk : chunks_) place(chunk, unpacked(chunk), out);
     return out;
   }
 
@@ -62,7 +62,7 @@ class ChunkReader {
     Cursor cursor(objects_.file(), objects_.metadata(address + 24, count * (16 + 8 * rank)));
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::uint64_t size = cursor.read<std::uint32_t>();
-      Chunk chunk{cursor.read<std::uint32_t>(), {}, {}};
+      StoredChunk chunk{cursor.read<std::uint32_t>(), {}, {}};
       for (std::uint64_t d = 0; d < rank; ++d) chunk.begin.push_back(cursor.read<std::uint64_t>());
       const auto child = cursor.read<std::uint64_t>();
       if (!is_leaf) {
@@ -75,7 +75,7 @@ class ChunkReader {
   }
 
   // Filters were applied in their order, so they are undone from the last to the first.
-  std::string unpacked(const Chunk& chunk) const {
+  std::string unpacked(const StoredChunk& chunk) const {
     objects_.file().check_cancelled();
     std::string bytes(chunk.stored);
     for (std::size_t i = array_.filters.size(); i-- > 0;) {
@@ -116,7 +116,7 @@ class ChunkReader {
   }
 
   // Row by row, a row being all along the last dimension; chunks reach over the end of the array.
-  void place(const Chunk& chunk, const std::string& bytes, std::string& out) const {
+  void place(const StoredChunk& chunk, const std::string& bytes, std::string& out) const {
     const std::size_t rank = shape_.size(), width = element_bytes();
     const std::uint64_t row = array_.chunk_shape[rank - 1], rows = chunk_bytes_ / width / row;
     for (std::uint64_t r = 0; r < rows; ++r) {
@@ -140,7 +140,7 @@ class ChunkReader {
   const Hdf5Array& array_;
   std::span<const std::uint64_t> shape_;
   std::uint64_t bytes_, chunk_bytes_ = 1;
-  std::vector<Chunk> chunks_;
+  std::vector<StoredChunk> chunks_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/io/hdf5/hdf5_reader.hpp"
+#include "core/io/hdf5/hdf5_reader_detail.hpp"
 
 #include <algorithm>
 

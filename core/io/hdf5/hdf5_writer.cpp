@@ -1,4 +1,4 @@
-#include "core/io/hdf5/hdf5_writer.hpp"
+#include "core/io/hdf5/hdf5_writer_detail.hpp"
 
 #include <array>
 #include <cstring>

@@ -3,7 +3,7 @@
 #include <limits>
 #include <map>
 
-#include "core/io/hdf5/hdf5_writer.hpp"
+#include "core/io/hdf5/hdf5_writer_detail.hpp"
 #include "core/io/hdf5/med_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "tetloom/error.hpp"

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "core/io/element_nodes_detail.hpp"
-#include "core/io/hdf5/hdf5_writer.hpp"
+#include "core/io/hdf5/hdf5_writer_detail.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "tetloom/error.hpp"
 
