@@ -12,14 +12,18 @@ namespace tetloom::detail {
 
 inline constexpr std::size_t kMostNodes = 20;  // of a hexahedron of second order
 
-/// The edges of the elements of a block, in the order of kCellShapes, which is also that of VTK, Abaqus and CGNS.
+/// The edges of the elements of a block, in the order of kCellShapes, which is also that of VTK, Abaqus and MED.
 constexpr std::span<const LocalEdge> edges_of(Block block) {
   switch (block) {
     case Block::Edge: return kLineEdges;
     case Block::Triangle: return kTriangleEdges;
     case Block::Quad: return kQuadEdges;
-    default: return kCellShapes[cell_kind_of(block)].edges();
+    case Block::Tet: return shape_of(CellKind::Tet).edges();
+    case Block::Pyramid: return shape_of(CellKind::Pyramid).edges();
+    case Block::Prism: return shape_of(CellKind::Prism).edges();
+    case Block::Hex: return shape_of(CellKind::Hex).edges();
   }
+  return {};
 }
 
 constexpr std::size_t vertices_of(Block block) {
@@ -50,6 +54,8 @@ class ElementNodes {
   std::size_t count(Block block) const {
     return vertices_of(block) + (are_second_order() ? edges_of(block).size() : 0);
   }
+  /// The mid node between two vertices of an element. Pre: are_second_order().
+  std::uint32_t mid(std::uint32_t a, std::uint32_t b) const { return mids_.point(a, b); }
   /// Of an element with the vertices `verts`, which may be turned: mid nodes in the order of `edges`.
   template <class Element>
   NodeList of(const Element& verts, std::span<const LocalEdge> edges) const {

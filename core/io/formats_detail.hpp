@@ -33,6 +33,9 @@ void write_su2(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_ugrid_text(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_lb8_ugrid(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_b8_ugrid(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_med(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_vtkhdf(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_cgns(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 
 /// A comment in MSH files of our own, whose volumes have correctly oriented boundaries; those of others often have not.
@@ -45,6 +48,8 @@ Mesh read_msh(const InputFile& file);
 Mesh read_partitioned_msh(const InputFile& file, MeshParts& parts);
 Mesh read_medit_text(const InputFile& file);
 Mesh read_medit_binary(const InputFile& file);
+Mesh read_med(const InputFile& file);
+Mesh read_cgns(const InputFile& file);
 Mesh read_stl(const InputFile& file);
 Mesh read_inp(const InputFile& file);
 Mesh read_su2(const InputFile& file);

@@ -26,17 +26,20 @@ struct Format {
 };
 
 // Ascending, so that ".lb8.ugrid" comes before ".ugrid".
-constexpr std::array<Format, 11> kFormats{
+constexpr std::array<Format, 14> kFormats{
     {{".b8.ugrid", detail::write_b8_ugrid, detail::read_b8_ugrid, false, true, true},
      {".bdf", detail::write_bdf, nullptr, true, true},
+     {".cgns", detail::write_cgns, detail::read_cgns, true, true},
      {".inp", detail::write_inp, detail::read_inp, true, true},
      {".lb8.ugrid", detail::write_lb8_ugrid, detail::read_lb8_ugrid, false, true, true},
+     {".med", detail::write_med, detail::read_med, true, true},
      {".mesh", detail::write_medit_text, detail::read_medit_text},
      {".meshb", detail::write_medit_binary, detail::read_medit_binary},
      {".msh", detail::write_msh, detail::read_msh, true},
      {".stl", detail::write_stl, detail::read_stl},
      {".su2", detail::write_su2, detail::read_su2, false, true},
      {".ugrid", detail::write_ugrid_text, detail::read_ugrid_text, false, true, true},
+     {".vtkhdf", detail::write_vtkhdf, nullptr, true},
      {".vtu", detail::write_vtu, detail::read_vtu, true}}};
 
 const Format* find_format(const std::filesystem::path& path) {

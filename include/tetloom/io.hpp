@@ -15,6 +15,11 @@
 //   .mesh, .meshb  MEDIT, text or binary; holds the entity of every element, but no fields; points are classified from
 //                  the elements. Triangles of a face with a region on one side point out of it, as FreeFEM wants
 //                  them
+//   .med           MED 4.1 of Salome and Code_Aster; holds the entity of every element and point, a group for each
+//                  entity, see `solver_names`; no fields
+//   .cgns          CGNS 3.4 in HDF5; a section for each group of `solver_names`, a boundary condition and a family for
+//                  each face; no fields. Elements come back in the order of sections
+//   .vtkhdf        VTKHDF 1.0, written only; what .vtu holds, but of attributes only the names
 //   .stl           triangles alone, in single precision
 //
 // For solvers; of these, .inp, .su2, .msh and .ugrid are read as well, names of sets, surfaces and markers as those of

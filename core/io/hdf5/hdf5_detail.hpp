@@ -1,0 +1,34 @@
+#pragma once
+// Private to core/io: numbers of the HDF5 file format 3.0 that the reader and the writer share.
+#include <cstdint>
+#include <string_view>
+
+namespace tetloom::detail {
+
+inline constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
+inline constexpr std::uint64_t kHdf5NoAddress = ~std::uint64_t{0};
+
+/// Types of messages in object headers.
+enum Hdf5Message : std::uint16_t {
+  kHdf5Dataspace = 0x01,
+  kHdf5LinkInfo = 0x02,
+  kHdf5Datatype = 0x03,
+  kHdf5FillValue = 0x05,
+  kHdf5Link = 0x06,
+  kHdf5ExternalFiles = 0x07,
+  kHdf5Layout = 0x08,
+  kHdf5GroupInfo = 0x0a,
+  kHdf5Filters = 0x0b,
+  kHdf5Attribute = 0x0c,
+  kHdf5Continuation = 0x10,
+  kHdf5SymbolTable = 0x11,
+  kHdf5AttributeInfo = 0x15
+};
+
+/// Classes of datatypes.
+enum class Hdf5Class : std::uint8_t { Integer = 0, Real = 1, String = 3, Other = 15 };
+
+/// The checksum of metadata: lookup3 of Bob Jenkins (2006), in its little-endian form, from 0.
+std::uint32_t hdf5_checksum(std::string_view bytes);
+
+}  // namespace tetloom::detail
