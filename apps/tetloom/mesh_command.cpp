@@ -9,6 +9,7 @@
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
+#include "tetloom/far_field.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"
@@ -24,6 +25,20 @@ struct Sized {
   std::vector<GroupMember> groups;
 };
 
+// The sizes asked for hold on the faces of the given model. From there they grow, up to a share of the box's diagonal.
+void put_in_far_field(double factor, ModelDocument& document, SizeOptions& sizes) {
+  constexpr double kDefaultSize = 1.0 / 40, kFarSize = 1.0 / 20, kFloor = 0.1;
+  const double diagonal = document.model->bounding_box().diagonal();
+  const double share = sizes.relative_size > 0 ? sizes.relative_size : kDefaultSize;
+  const double size = sizes.size > 0 ? sizes.size : diagonal * share;
+  document.model = put_into_box(std::move(document.model), factor);
+  const std::size_t box_faces = 6, faces = document.model->topology().face_count();
+  for (std::size_t f = 0; f + box_faces < faces; ++f) sizes.entity_sizes.push_back({ModelFaceId(f), size});
+  if (sizes.min_size == 0) sizes.min_size = kFloor * size;
+  sizes.size = std::max(size, kFarSize * document.model->bounding_box().diagonal());
+  sizes.relative_size = 0;
+}
+
 // The model of a run, as `read` gives it, with the sizes asked for its entities.
 Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocument()>& read, Run& run) {
   RunReport& report = run.report();
@@ -35,6 +50,7 @@ Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocu
   Sized sized{{}, command.options, {}};
   report.seconds.read += timed([&] { sized.document = read_input(read); });
   report.warnings = sized.document.warnings;
+  if (command.far_field > 0) put_in_far_field(command.far_field, sized.document, sized.options.sizes);
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
   sized.groups = find_members(groups, *sized.document.model);
   sized.options.layers = find_wall_layers(command.layers, *sized.document.model);
@@ -82,7 +98,7 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   constexpr int kMostRepairs = 2;
   StageSeconds seconds;
   std::vector<ModelRegionId> repaired;
-  bool may_repair = command.read.heal;
+  bool may_repair = command.read.heal && command.far_field == 0;
   for (int attempt = 0;; ++attempt) {
     MeshOptions options = sized.options;
     options.stop_where_model_crosses = may_repair && attempt == 0;

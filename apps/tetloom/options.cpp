@@ -49,7 +49,7 @@ Examples:
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian, first_height,
-      growth, layer_thickness;
+      growth, layer_thickness, far_field;
   std::optional<int> threads, parts, rounds, order, layer_count;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version,
                                                                      groups_file, layers;
@@ -127,6 +127,12 @@ void set_order(const RawMeshOptions& raw, MeshCommand& command) {
           "the format of '" + command.output.string() + "' holds no mesh of second order");
 }
 
+void set_far_field(const RawMeshOptions& raw, MeshCommand& command) {
+  require(!raw.far_field || (*raw.far_field > 1 && std::isfinite(*raw.far_field)),
+          "--far-field must be greater than 1");
+  command.far_field = raw.far_field.value_or(0);
+}
+
 void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
   const bool has_numbers = raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.all_tets;
   require(!raw.layers.empty() || !has_numbers,
@@ -151,6 +157,7 @@ void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
     throw UsageError(error.what());
   }
   command.layers.all_tets = command.layers.all_tets || raw.all_tets;
+  command.layers.has_far_field = command.far_field > 0;
 }
 
 double angle_from_degrees(std::optional<double> degrees) {
@@ -233,6 +240,7 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
   set_order(raw, command);
   set_groups(raw, command);
+  set_far_field(raw, command);
   set_layers(raw, command);
   command.options.volume_worker = raw.worker;
   command.options.worker_only = raw.tetgen;
@@ -358,6 +366,10 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_reading_options(*mesh, raw);
   add_surface_options(*mesh, raw);
   add_layer_options(*mesh, raw);
+  mesh->add_option("--far-field", raw.far_field,
+                   "Put the model into a box FACTOR times as large and mesh the space between them")
+      ->type_name("FACTOR")
+      ->group(kRun);
   mesh->add_flag("--keep-going", raw.keep_going,
                  "Write the solids that can be meshed where others cannot; the exit status is 4 all the same")
       ->group(kRun);

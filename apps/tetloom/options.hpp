@@ -29,6 +29,7 @@ struct MeshCommand {
   std::vector<GroupWish> groups;
   std::filesystem::path groups_file;  ///< empty: none
   LayersWish layers;
+  double far_field = 0;        ///< the model is put into a box so many times as large; 0: it is not
   double metres_per_unit = 0;  ///< of the output; 0: the model's unit
   bool in_parts = false;  ///< the output holds parts: options.parts of them, or as many as the volume was filled in
   bool quiet = false;

@@ -77,17 +77,21 @@ bool bounds_region(const GeometricModel& model, std::uint32_t face) {
   return sides.front.valid() || sides.back.valid();
 }
 
+constexpr std::uint32_t kFacesOfBox = 6;  // the last ones
+
 // "*" is every face of the boundary, with a name or without.
-bool means_face(const GroupItem& item, std::uint32_t face, const GeometricModel& model) {
-  if (item.pattern == "*") return bounds_region(model, face);
+bool means_face(const GroupItem& item, std::uint32_t face, const GeometricModel& model, bool has_far_field) {
+  const std::size_t end = model.topology().face_count() - (has_far_field ? kFacesOfBox : 0);
+  if (item.pattern == "*") return face < end && bounds_region(model, face);
   return is_meant(item, ModelFaceId(face), model);
 }
 
 // The faces that an item means; notes it in `missing` where there are none.
-std::vector<std::uint32_t> faces_of(const GroupItem& item, const GeometricModel& model, std::string& missing) {
+std::vector<std::uint32_t> faces_of(const GroupItem& item, const GeometricModel& model, bool has_far_field,
+                                    std::string& missing) {
   std::vector<std::uint32_t> faces;
   for (std::uint32_t f = 0; f < model.topology().face_count(); ++f)
-    if (means_face(item, f, model)) faces.push_back(f);
+    if (means_face(item, f, model, has_far_field)) faces.push_back(f);
   if (faces.empty()) missing += (missing.empty() ? "'" : ", '") + item.text + "'";
   return faces;
 }
@@ -120,7 +124,7 @@ LayersWish parse_layers(const std::string& text, const WallLayers& common) {
     begin = end + 1;
   }
   if (wish.faces.empty()) refuse_json(place + " names no face");
-  return {{std::move(wish)}, false};
+  return {{std::move(wish)}, false, false};
 }
 
 LayerOptions find_wall_layers(const LayersWish& wish, const GeometricModel& model) {
@@ -130,9 +134,9 @@ LayerOptions find_wall_layers(const LayersWish& wish, const GeometricModel& mode
     std::map<std::uint32_t, WallLayers> meant;
     const WallLayers layers = with_height(one, model);
     for (const GroupItem& item : one.faces)
-      for (const std::uint32_t f : faces_of(item, model, missing)) meant[f] = layers;
+      for (const std::uint32_t f : faces_of(item, model, wish.has_far_field, missing)) meant[f] = layers;
     for (const GroupItem& item : one.but)
-      for (const std::uint32_t f : faces_of(item, model, missing)) meant.erase(f);
+      for (const std::uint32_t f : faces_of(item, model, wish.has_far_field, missing)) meant.erase(f);
     for (auto& [face, wall] : meant) {
       wall.face = ModelFaceId(face);
       walls[face] = wall;

@@ -39,6 +39,7 @@ struct WallWish {
 struct LayersWish {
   std::vector<WallWish> walls;  ///< empty: none
   bool all_tets = false;
+  bool has_far_field = false;  ///< the faces of the box around the model are no walls: "*" leaves them out
 };
 
 /// The value of --layers: the name of a file that ends in .json, which is read, or items with commas between them.
