@@ -15,8 +15,8 @@ constexpr std::size_t kGrain = 1024;
 constexpr double kBlind = 0.0872;    // cos 85°: a wall that is seen less has no direction
 constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
 constexpr double kMostStretch = 2;
-constexpr double kStep = 0.3;         // of the width
-constexpr double kLeastStep = 0.004;  // of the width: a curve with shorter steps ends
+constexpr double kStep = 0.3;                                 // of the width
+constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
@@ -87,7 +87,7 @@ class Marching {
       visibility_[c] = visibility_of(direction_[c], normals);
       if (is_first) judge(c);
     });
-    smooth(is_first ? kKeptAtFoot : kKeptAbove);
+    smooth(is_first ? kKeptAtFoot : kKeptAbove, is_first);
     if (!is_first) return;
     for_each_curve([&](std::uint32_t c) {
       thread_local std::vector<Vec3> normals;
@@ -112,11 +112,11 @@ class Marching {
   }
 
   // Each sweep takes the directions of the last one.
-  void smooth(double kept) {
+  void smooth(double kept, bool is_first) {
     std::vector<Vec3> smoothed = direction_;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for_each_curve([&](std::uint32_t c) {
-        if (direction_[c] == Vec3{} || sides_.count(c) == 2) return;
+        if (direction_[c] == Vec3{} || sides_.count(c) == 2 || (!is_first && !is_growing(c))) return;
         Vec3 sum;
         for (const std::uint32_t w : walls_.triangles_at(c))
           for (const std::uint32_t other : walls_.triangles[w].curves)
@@ -180,13 +180,15 @@ class Marching {
       if (is_moving[c]) next[c] = sides_.put(c, front_[c] + length * direction_[c] + length / step_[c] * shifts[c]);
     };
     for_each_curve(place);
+    std::vector<std::uint8_t> is_new = is_moving;
     for (;;) {
-      const std::vector<std::uint8_t> is_bad = find_bad(is_moving, next);
+      const std::vector<std::uint8_t> is_bad = find_bad(is_moving, is_new, next);
       if (std::ranges::count(is_bad, 1) == 0) break;
       for_each_curve([&](std::uint32_t c) {
         if (is_bad[c]) halve(c, is_moving[c], next[c]);
         if (is_bad[c]) place(c);
       });
+      is_new = is_bad;
     }
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
       if (is_moving[c]) paths_.reached[c] += distance(front_[c], next[c]);
@@ -228,18 +230,24 @@ class Marching {
 
   void halve(std::uint32_t curve, std::uint8_t& is_moving, Vec3& next) {
     step_[curve] = 0.5 * std::min(step_[curve], length_of_step(curve));
-    if (step_[curve] >= kLeastStep * walls_.curve_to_width[curve]) return;
+    const double least = paths_.fronts.size() == 1 ? kLeastFirstStep : kLeastStep;
+    if (step_[curve] >= least * walls_.curve_to_width[curve]) return;
     is_moving = 0;
     next = front_[curve];
     wanted_[curve] = paths_.reached[curve];
     paths_.limits[curve] = LayerLimit::Concave;
   }
 
-  // Curves of which a cell between the fronts is not sound.
-  std::vector<std::uint8_t> find_bad(const std::vector<std::uint8_t>& is_moving, const std::vector<Vec3>& next) const {
+  // Curves of which a cell between the fronts is not sound, of those at new places.
+  std::vector<std::uint8_t> find_bad(const std::vector<std::uint8_t>& is_moving,
+                                     const std::vector<std::uint8_t>& is_new, const std::vector<Vec3>& next) const {
+    const auto is_concerned = [&](const WallTriangle& wall) {
+      return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return is_new[c] != 0; });
+    };
     std::vector<std::uint8_t> wall_is_bad(walls_.triangles.size(), 0);
     runner_.for_blocks(wall_is_bad.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t w = begin; w < end; ++w) wall_is_bad[w] = !is_sound(walls_.triangles[w].curves, is_moving, next);
+      for (std::size_t w = begin; w < end; ++w)
+        wall_is_bad[w] = is_concerned(walls_.triangles[w]) && !is_sound(walls_.triangles[w].curves, is_moving, next);
     });
     std::vector<std::uint8_t> is_bad(walls_.curve_count(), 0);
     for (std::size_t w = 0; w < wall_is_bad.size(); ++w)
