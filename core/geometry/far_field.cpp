@@ -1,255 +1,24 @@
 #include "tetloom/far_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "core/base/disjoint_sets.hpp"
+#include "core/geometry/box_geometry.hpp"
+#include "core/geometry/outside_shells.hpp"
 
 namespace tetloom {
 namespace {
 
 constexpr double kLeastSide = 0.1;  // of the longest side of the box around the model
-constexpr double kChord = 0.005;    // of the diagonal: of the facets by which shells are told apart
-constexpr double kTurn = 0.2;       // radians between those facets
-constexpr int kCorners = 8, kSides = 6;
-
-Vec3 corner_of(const Box3& box, int corner) {
-  return {(corner & 1) ? box.hi.x : box.lo.x, (corner & 2) ? box.hi.y : box.lo.y, (corner & 4) ? box.hi.z : box.lo.z};
-}
-
-class SegmentGeometry : public EdgeGeometry {
- public:
-  SegmentGeometry(const Vec3& from, const Vec3& to) : from_(from), length_(distance(from, to)) {
-    along_ = (to - from) / length_;
-  }
-  ParameterRange range() override { return {0, length_}; }
-  double period() override { return 0; }
-  Vec3 evaluate(double t) override { return from_ + t * along_; }
-  Vec3 derivative(double) override { return along_; }
-  double curvature(double) override { return 0; }
-  CurvePoint closest_point(const Vec3& x) override {
-    const double t = std::clamp(dot(x - from_, along_), 0.0, length_);
-    return {t, evaluate(t), distance(x, evaluate(t))};
-  }
-
- private:
-  Vec3 from_, along_;
-  double length_;
-};
-
-// The edges of a box: along each axis four.
-struct BoxEdge {
-  int from, to;
-};
-BoxEdge edge_of_box(int edge) {
-  const int axis = edge / 4, first = (axis + 1) % 3, second = (axis + 2) % 3;
-  const int from = ((edge & 1) << first) | (((edge >> 1) & 1) << second);
-  return {from, from | (1 << axis)};
-}
-
-// Side 2 · axis + (0 below, 1 above), with its normal out of the box and (u,v) as lengths along two axes.
-struct BoxSide {
-  int axis, u, v;
-  bool above;
-
-  explicit BoxSide(int side) : axis(side / 2), u((axis + 1) % 3), v((axis + 2) % 3), above(side % 2 == 1) {
-    if (!above) std::swap(u, v);
-  }
-  // Counter-clockwise seen from outside.
-  std::array<int, 4> corners() const {
-    const int base = above ? 1 << axis : 0;
-    return {base, base | (1 << u), base | (1 << u) | (1 << v), base | (1 << v)};
-  }
-};
-
-class RectangleGeometry : public FaceGeometry {
- public:
-  RectangleGeometry(const Box3& box, int side, std::uint32_t face, std::uint32_t first_edge, std::uint32_t first_vertex)
-      : box_(box), side_(side), face_(face), first_edge_(first_edge), first_vertex_(first_vertex) {}
-
-  Parametrization parametrization() override { return Parametrization::Smooth; }
-  ParameterBox parameter_box() override {
-    return {{0, 0}, {box_.hi[side_.u] - box_.lo[side_.u], box_.hi[side_.v] - box_.lo[side_.v]}};
-  }
-  Vec2 period() override { return {}; }
-  Vec3 evaluate(const Vec2& uv) override {
-    Vec3 x;
-    x[side_.axis] = side_.above ? box_.hi[side_.axis] : box_.lo[side_.axis];
-    x[side_.u] = box_.lo[side_.u] + uv.u;
-    x[side_.v] = box_.lo[side_.v] + uv.v;
-    return x;
-  }
-  SurfaceDerivatives derivatives(const Vec2& uv) override {
-    SurfaceDerivatives result{evaluate(uv), {}, {}};
-    result.du[side_.u] = result.dv[side_.v] = 1;
-    return result;
-  }
-  Vec3 normal(const Vec2&) override {
-    Vec3 n;
-    n[side_.axis] = side_.above ? 1 : -1;
-    return n;
-  }
-  PrincipalCurvatures curvature(const Vec2&) override { return {}; }
-  SurfacePoint closest_point(const Vec3& x, const std::optional<Vec2>&) override {
-    const ParameterBox range = parameter_box();
-    const Vec2 uv{std::clamp(x[side_.u] - box_.lo[side_.u], 0.0, range.hi.u),
-                  std::clamp(x[side_.v] - box_.lo[side_.v], 0.0, range.hi.v)};
-    return {uv, evaluate(uv), distance(x, evaluate(uv))};
-  }
-  Vec2 edge_parameters(const EdgeUse& use, double t) override {
-    const auto [from, to] = edge_of_box(static_cast<int>(use.edge.value - first_edge_));
-    const Vec3 start = corner_of(box_, from), end = corner_of(box_, to);
-    const Vec3 x = start + t / distance(start, end) * (end - start);
-    return {x[side_.u] - box_.lo[side_.u], x[side_.v] - box_.lo[side_.v]};
-  }
-  ParameterRange edge_range(const EdgeUse& use) override {
-    const auto [from, to] = edge_of_box(static_cast<int>(use.edge.value - first_edge_));
-    return {0, distance(corner_of(box_, from), corner_of(box_, to))};
-  }
-  Tessellation tessellate(double, double) override {
-    Tessellation result;
-    for (const int corner : side_.corners()) {
-      const Vec3 x = corner_of(box_, corner);
-      result.points.push_back(x);
-      result.uv.push_back({x[side_.u] - box_.lo[side_.u], x[side_.v] - box_.lo[side_.v]});
-      result.classification.emplace_back(0, first_vertex_ + static_cast<std::uint32_t>(corner));
-      result.edge_parameter.push_back(0);
-    }
-    result.tri_to_vert = {{0, 1, 2}, {0, 2, 3}};
-    return result;
-  }
-
- private:
-  Box3 box_;
-  BoxSide side_;
-  std::uint32_t face_, first_edge_, first_vertex_;
-};
-
-// Which faces of a model the space around it has, and what they enclose.
-class Outside {
- public:
-  explicit Outside(const GeometricModel& model) : model_(model), topology_(model.topology()) {
-    find_shells();
-    measure();
-    for (Shell& shell : shells_) judge(shell);
-  }
-
-  bool has(std::uint32_t face) const { return shell_of_[face] != kNone && shells_[shell_of_[face]].is_outside; }
-
-  // Of the solids, and of voids in them.
-  double enclosed_volume() const {
-    double volume = 0;
-    std::vector<bool> is_counted(topology_.region_count(), false);
-    DisjointSets bodies(topology_.region_count());
-    for (const FaceSides& sides : topology_.face_to_sides)
-      if (sides.front.valid() && sides.back.valid()) bodies.join(sides.front.value, sides.back.value);
-    std::vector<bool> body_is_outside(topology_.region_count(), false);
-    for (std::uint32_t f = 0; f < shell_of_.size(); ++f)
-      if (has(f) && region_of(f).valid()) body_is_outside[bodies.find(region_of(f).value)] = true;
-    for (std::uint32_t r = 0; r < topology_.region_count(); ++r)
-      if (body_is_outside[bodies.find(r)]) volume += model_.volume(ModelRegionId(r));
-    for (const Shell& shell : shells_)
-      if (shell.volume < 0 && shell.region != kNone && body_is_outside[bodies.find(shell.region)])
-        volume -= shell.volume;
-    return volume;
-  }
-
- private:
-  struct Shell {
-    std::vector<std::array<Vec3, 3>> facets;  // normals out of the solid
-    double volume = 0;                        // negative for voids
-    Box3 box;
-    std::uint32_t region = kNone;  // of one of its faces
-    bool is_closed = true, is_outside = true;
-  };
-
-  // The one region of a face, or none.
-  ModelRegionId region_of(std::uint32_t face) const {
-    const FaceSides& sides = topology_.face_to_sides[face];
-    return sides.front.valid() ? sides.front : sides.back;
-  }
-
-  // Faces with the outside on one side at least, hanging together through edges.
-  void find_shells() {
-    DisjointSets sets(topology_.face_count());
-    std::vector<std::uint32_t> edge_to_face(topology_.edge_count(), kNone);
-    const auto is_outer = [&](std::uint32_t f) {
-      return !topology_.face_to_sides[f].front.valid() || !topology_.face_to_sides[f].back.valid();
-    };
-    for (std::uint32_t f = 0; f < topology_.face_count(); ++f)
-      for (const ModelLoop& loop : topology_.face_to_loops[f])
-        for (const EdgeUse& use : loop) {
-          if (!is_outer(f) || topology_.edges[use.edge.value].degenerate) continue;
-          std::uint32_t& other = edge_to_face[use.edge.value];
-          if (other == kNone) other = f;
-          sets.join(f, other);
-        }
-    shell_of_.assign(topology_.face_count(), kNone);
-    std::vector<std::uint32_t> set_to_shell(topology_.face_count(), kNone);
-    for (std::uint32_t f = 0; f < topology_.face_count(); ++f) {
-      if (!is_outer(f)) continue;
-      std::uint32_t& shell = set_to_shell[sets.find(f)];
-      if (shell == kNone) {
-        shell = static_cast<std::uint32_t>(shells_.size());
-        shells_.emplace_back();
-      }
-      shell_of_[f] = shell;
-    }
-  }
-
-  void measure() {
-    const Box3& box = model_.bounding_box();
-    for (std::uint32_t f = 0; f < topology_.face_count(); ++f) {
-      if (shell_of_[f] == kNone) continue;
-      Shell& shell = shells_[shell_of_[f]];
-      const FaceSides& sides = topology_.face_to_sides[f];
-      if (region_of(f).valid()) shell.region = region_of(f).value;
-      if (!region_of(f).valid()) shell.is_closed = false;
-      const Tessellation facets = model_.face_geometry(ModelFaceId(f))->tessellate(kChord * box.diagonal(), kTurn);
-      for (const auto& [a, b, c] : facets.tri_to_vert) {
-        std::array<Vec3, 3> x{facets.points[a], facets.points[b], facets.points[c]};
-        if (sides.front.valid()) std::swap(x[1], x[2]);
-        shell.volume += dot(x[0] - box.lo, cross(x[1] - box.lo, x[2] - box.lo)) / 6;
-        for (const Vec3& p : x) shell.box.add(p);
-        shell.facets.push_back(x);
-      }
-    }
-  }
-
-  // Voids, and what lies in another shell, are not outside.
-  void judge(Shell& shell) {
-    if (shell.facets.empty()) return;
-    shell.is_outside = !(shell.is_closed && shell.volume < 0);
-    const Vec3& point = shell.facets[0][0];
-    for (const Shell& other : shells_) {
-      if (&other == &shell || !other.is_closed || other.volume <= 0 || !other.box.contains(point)) continue;
-      constexpr double kInside = 0.5;
-      if (winding_number(other, point) > kInside) shell.is_outside = false;
-    }
-  }
-
-  // By the solid angles of the facets (van Oosterom & Strackee 1983).
-  static double winding_number(const Shell& shell, const Vec3& point) {
-    double angle = 0;
-    for (const auto& facet : shell.facets) {
-      const Vec3 a = facet[0] - point, b = facet[1] - point, c = facet[2] - point;
-      const double la = norm(a), lb = norm(b), lc = norm(c);
-      angle += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-    }
-    return angle / (4 * std::numbers::pi);
-  }
-
-  const GeometricModel& model_;
-  const ModelTopology& topology_;
-  std::vector<Shell> shells_;
-  std::vector<std::uint32_t> shell_of_;  // per face
-};
 
 class FarFieldModel : public GeometricModel {
  public:
   FarFieldModel(std::shared_ptr<const GeometricModel> model, const Box3& box) : model_(std::move(model)) {
-    const Outside outside(*model_);
+    const OutsideShells outside(*model_);
     bounding_box_ = box;
     metres_per_unit_ = model_->metres_per_unit();
     const Vec3 extent = box.hi - box.lo;
@@ -268,8 +37,7 @@ class FarFieldModel : public GeometricModel {
   }
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override {
     if (id.value < edges_.size()) return model_->edge_geometry(ModelEdgeId(edges_[id.value]));
-    const auto [from, to] = edge_of_box(static_cast<int>(id.value - edges_.size()));
-    return std::make_unique<SegmentGeometry>(corner_of(bounding_box_, from), corner_of(bounding_box_, to));
+    return edge_geometry_of(bounding_box_, static_cast<int>(id.value - edges_.size()));
   }
   std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override;
   double area(ModelFaceId id) const override {
@@ -284,7 +52,7 @@ class FarFieldModel : public GeometricModel {
   friend class RenumberedFace;
 
   // What is kept, in the order of the given model.
-  void number(const Outside& outside) {
+  void number(const OutsideShells& outside) {
     const ModelTopology& given = model_->topology();
     vertex_to_new_.assign(given.vertex_count, kNone);
     edge_to_new_.assign(given.edge_count(), kNone);
@@ -336,7 +104,7 @@ class FarFieldModel : public GeometricModel {
   }
 
   void add_box() {
-    for (int edge = 0; edge < 12; ++edge) {
+    for (int edge = 0; edge < kBoxEdges; ++edge) {
       const auto [from, to] = edge_of_box(edge);
       ModelEdgeTopology topology;
       topology.vertices = {ModelVertexId(vertices_.size() + static_cast<std::size_t>(from)),
@@ -344,9 +112,9 @@ class FarFieldModel : public GeometricModel {
       topology_.edges.push_back(topology);
       attributes_[1].emplace_back();
     }
-    topology_.vertex_count += kCorners;
+    topology_.vertex_count += kBoxCorners;
     attributes_[0].resize(topology_.vertex_count);
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kBoxSides; ++side) {
       ModelLoop loop;
       const std::array<int, 4> corners = BoxSide(side).corners();
       for (std::size_t i = 0; i < 4; ++i) loop.push_back(use_between(corners[i], corners[(i + 1) % 4]));
@@ -357,7 +125,7 @@ class FarFieldModel : public GeometricModel {
   }
 
   EdgeUse use_between(int from, int to) const {
-    for (int edge = 0; edge < 12; ++edge) {
+    for (int edge = 0; edge < kBoxEdges; ++edge) {
       const BoxEdge ends = edge_of_box(edge);
       if (ends.from == from && ends.to == to)
         return {ModelEdgeId(edges_.size() + static_cast<std::size_t>(edge)), true};
@@ -416,9 +184,8 @@ class RenumberedFace : public FaceGeometry {
 std::unique_ptr<FaceGeometry> FarFieldModel::face_geometry(ModelFaceId id) const {
   if (id.value < faces_.size())
     return std::make_unique<RenumberedFace>(*this, model_->face_geometry(ModelFaceId(faces_[id.value])));
-  return std::make_unique<RectangleGeometry>(bounding_box_, static_cast<int>(id.value - faces_.size()), id.value,
-                                             static_cast<std::uint32_t>(edges_.size()),
-                                             static_cast<std::uint32_t>(vertices_.size()));
+  return face_geometry_of(bounding_box_, static_cast<int>(id.value - faces_.size()),
+                          static_cast<std::uint32_t>(edges_.size()), static_cast<std::uint32_t>(vertices_.size()));
 }
 
 }  // namespace
