@@ -9,21 +9,20 @@ inline constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
 inline constexpr std::uint64_t kHdf5NoAddress = ~std::uint64_t{0};
 
 /// Types of messages in object headers.
-enum Hdf5Message : std::uint16_t {
-  kHdf5Dataspace = 0x01,
-  kHdf5LinkInfo = 0x02,
-  kHdf5Datatype = 0x03,
-  kHdf5FillValue = 0x05,
-  kHdf5Link = 0x06,
-  kHdf5ExternalFiles = 0x07,
-  kHdf5Layout = 0x08,
-  kHdf5GroupInfo = 0x0a,
-  kHdf5Filters = 0x0b,
-  kHdf5Attribute = 0x0c,
-  kHdf5Continuation = 0x10,
-  kHdf5SymbolTable = 0x11,
-  kHdf5AttributeInfo = 0x15
-};
+using Hdf5Message = std::uint16_t;
+inline constexpr Hdf5Message kHdf5Dataspace = 0x01;
+inline constexpr Hdf5Message kHdf5LinkInfo = 0x02;
+inline constexpr Hdf5Message kHdf5Datatype = 0x03;
+inline constexpr Hdf5Message kHdf5FillValue = 0x05;
+inline constexpr Hdf5Message kHdf5Link = 0x06;
+inline constexpr Hdf5Message kHdf5ExternalFiles = 0x07;
+inline constexpr Hdf5Message kHdf5Layout = 0x08;
+inline constexpr Hdf5Message kHdf5GroupInfo = 0x0a;
+inline constexpr Hdf5Message kHdf5Filters = 0x0b;
+inline constexpr Hdf5Message kHdf5Attribute = 0x0c;
+inline constexpr Hdf5Message kHdf5Continuation = 0x10;
+inline constexpr Hdf5Message kHdf5SymbolTable = 0x11;
+inline constexpr Hdf5Message kHdf5AttributeInfo = 0x15;
 
 /// Classes of datatypes.
 enum class Hdf5Class : std::uint8_t { Integer = 0, Real = 1, String = 3, Other = 15 };
