@@ -40,7 +40,7 @@ FOLDER_MAY_INCLUDE = {
 
 # Public headers (include/tetloom) and the rooms whose declarations they hold.
 PUBLIC = {
-    "core": {"assert", "check", "error", "far_field", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
+    "core": {"assert", "check", "error", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
              "size_field", "vec"},
     "threading": {"communicator", "partition", "tasks"},
     "mesher": {"filling", "layers", "mesh"},

@@ -9,7 +9,6 @@
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/run.hpp"
-#include "tetloom/far_field.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"

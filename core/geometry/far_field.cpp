@@ -1,4 +1,4 @@
-#include "tetloom/far_field.hpp"
+#include "tetloom/model.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
 #include "tetloom/check.hpp"
-#include "tetloom/far_field.hpp"
 #include "tetloom/mesh.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_models;
