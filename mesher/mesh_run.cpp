@@ -128,8 +128,9 @@ class MeshRun {
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
     VolumeParts volume = fill({mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
                                mesh.point_to_entity, mesh.edge_to_vert});
+    note(volume);
     std::vector<Diagnostic> errors = std::move(volume.errors);
-    if (errors.empty()) take(std::move(volume), result_.mesh);
+    if (errors.empty()) take_(std::move(volume), result_.mesh, work_);
     result_.seconds.volume += watch.lap();
     return errors;
   }
@@ -141,10 +142,9 @@ class MeshRun {
     return tetloom::fill_volume(input, options, work_.ranks(), runner_);
   }
 
-  void take(VolumeParts&& volume, Mesh& mesh) {
+  void note(VolumeParts& volume) {
     append({}, volume.warnings);
     result_.filling = std::move(volume.figures);
-    take_(std::move(volume), mesh, work_);
   }
 
   // Where a region cannot be filled above its layers it gets fewer, and none in the end.
@@ -171,7 +171,8 @@ class MeshRun {
   void finish_layers(const layers::LayerGrowth& growth, VolumeParts&& volume) {
     Stopwatch watch;
     Mesh filled = growth.surface().mesh;
-    take(std::move(volume), filled);
+    note(volume);
+    take_(std::move(volume), filled, work_);
     result_.seconds.volume += watch.lap();
     result_.layers = layers::measure_layers(growth, result_.mesh, runner_);
     // The first rank has the mesh.

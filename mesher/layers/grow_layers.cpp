@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/layers/growth_paths.hpp"
@@ -33,11 +32,6 @@ int count_after_hits(int count, int hits) {
 
 }  // namespace
 
-// How often each curve was in the way.
-struct LayerGrowth::Hits {
-  std::vector<int> of_curve;
-};
-
 LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const SizeField& sizes,
                          const LayerOptions& options, const TaskRunner& runner)
     : model_(model),
@@ -55,12 +49,6 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
 
 LayerGrowth::~LayerGrowth() = default;
 
-bool LayerGrowth::any() const {
-  for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
-    if (counts_->count(c) > 0) return true;
-  return false;
-}
-
 std::vector<CurveTop> LayerGrowth::tops() const {
   std::vector<CurveTop> tops(walls_.curve_count());
   for (std::uint32_t c = 0; c < tops.size(); ++c)
@@ -70,10 +58,10 @@ std::vector<CurveTop> LayerGrowth::tops() const {
 
 // Counts only fall, so this ends.
 void LayerGrowth::make_surface() {
-  Hits hits{std::vector<int>(walls_.curve_count(), 0)};
+  std::vector<int> hits(walls_.curve_count(), 0);
   for (;;) {
     counts_->settle(runner_);
-    const std::vector<std::uint8_t> changed = counts_->take_changes();
+    std::vector<std::uint8_t> changed = counts_->take_changes();
     make_side_meshes(changed);
     std::vector<SideMesh> meshes;
     for (const auto& side : side_meshes_)
@@ -83,9 +71,9 @@ void LayerGrowth::make_surface() {
   }
 }
 
-// Where the rest of a side face cannot be meshed, there are no layers on it.
-void LayerGrowth::make_side_meshes(const std::vector<std::uint8_t>& given_changes) {
-  std::vector<std::uint8_t> changed = given_changes;
+// Where the rest of a side face cannot be meshed, there are no layers on it. What changes by that is added to
+// `changed`.
+void LayerGrowth::make_side_meshes(std::vector<std::uint8_t>& changed) {
   for (bool again = true; again;) {
     again = false;
     const std::vector<CurveTop> all_tops = tops();
@@ -106,7 +94,7 @@ void LayerGrowth::make_side_meshes(const std::vector<std::uint8_t>& given_change
     if (again) {
       counts_->settle(runner_);
       const std::vector<std::uint8_t> more = counts_->take_changes();
-      for (std::size_t c = 0; c < changed.size(); ++c) changed[c] = more[c];
+      for (std::size_t c = 0; c < changed.size(); ++c) changed[c] |= more[c];
     }
   }
 }
@@ -128,7 +116,7 @@ std::vector<std::uint8_t> LayerGrowth::new_triangles(const std::vector<std::uint
 }
 
 // The exact test over walls, tops and all other surfaces of each region. False when nothing crosses.
-bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, Hits& hits) {
+bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits) {
   const std::vector<std::uint8_t> tri_is_new = new_triangles(changed);
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> groups, walls;
@@ -167,7 +155,7 @@ bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, H
   for (std::uint32_t c = 0; c < is_hit.size(); ++c) {
     if (!is_hit[c]) continue;
     any = true;
-    counts_->lower(c, count_after_hits(counts_->count(c), ++hits.of_curve[c]), LayerLimit::Crossing);
+    counts_->lower(c, count_after_hits(counts_->count(c), ++hits[c]), LayerLimit::Crossing);
   }
   return any;
 }

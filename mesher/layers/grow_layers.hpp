@@ -30,19 +30,15 @@ class LayerGrowth {
   const Walls& walls() const { return walls_; }
   const SideFaces& sides() const { return *sides_; }
   const LayerCounts& counts() const { return *counts_; }
-  /// Whether there is a layer anywhere.
-  bool any() const;
 
   /// Leaves so much of the layers of some regions, where they could not be filled, and makes the surface anew. False
   /// where there are none left to be lowered. Errors: Cancelled, OutOfMemory.
   bool lower(std::span<const std::uint32_t> regions, double share);
 
  private:
-  struct Hits;
-
   void make_surface();
-  void make_side_meshes(const std::vector<std::uint8_t>& changed);
-  bool lower_at_crossings(const std::vector<std::uint8_t>& changed, Hits& hits);
+  void make_side_meshes(std::vector<std::uint8_t>& changed);
+  bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   std::vector<std::uint8_t> new_triangles(const std::vector<std::uint8_t>& changed) const;
   std::vector<CurveTop> tops() const;
 

@@ -94,7 +94,6 @@ class Marching {
       gather_normals(c, normals);
       paths_.stretch[c] = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
     });
-    paths_.first_direction = direction_;
   }
 
   // Curves without a direction stay where they are.

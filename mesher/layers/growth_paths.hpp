@@ -15,7 +15,6 @@ struct GrowthPaths {
   std::vector<std::vector<Vec3>> fronts;  ///< the points of all curves after step 0, 1, …; first the feet
   std::vector<double> reached;            ///< length of each curve
   std::vector<double> stretch;            ///< lengths along a curve over heights normal to its triangles, 1 to 2
-  std::vector<Vec3> first_direction;      ///< zero where there is none
   std::vector<LayerLimit> limits;         ///< why a curve is shorter than asked for
 
   /// The point at this length along the curve; at most `reached`.

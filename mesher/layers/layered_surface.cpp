@@ -123,7 +123,6 @@ class SurfaceMaker {
     Mesh& mesh = surface_.mesh;
     std::vector<std::uint32_t> vert_to_new(mesh_.points.size());
     for (std::uint32_t v = 0; v < vert_to_new.size(); ++v) vert_to_new[v] = v;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> grown;  // foot and the vertex behind it, on model edges
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
       const CurveTop top{counts_.top(c), distance(counts_.point(c, 0), counts_.top(c)), counts_.count(c) > 0};
       if (!top.grows || sides_.count(c) != 2) continue;
