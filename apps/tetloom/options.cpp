@@ -131,6 +131,8 @@ void set_far_field(const RawMeshOptions& raw, MeshCommand& command) {
   require(!raw.far_field || (*raw.far_field > 1 && std::isfinite(*raw.far_field)),
           "--far-field must be greater than 1");
   command.far_field = raw.far_field.value_or(0);
+  // Around solids that touch there is the skin of all together.
+  if (command.far_field > 0 && command.read.heal) command.read.imprint = true;
 }
 
 void set_layers(const RawMeshOptions& raw, MeshCommand& command) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/geometry/bad_geometry.hpp"
 
 namespace tetloom {
 namespace {
@@ -78,7 +79,9 @@ void OutsideShells::measure() {
     const FaceSides& sides = topology_.face_to_sides[f];
     if (region_of(f).valid()) shell.region = region_of(f).value;
     if (!region_of(f).valid()) shell.is_closed = false;
-    const Tessellation facets = model_.face_geometry(ModelFaceId(f))->tessellate(kChord * box.diagonal(), kTurn);
+    Tessellation facets;
+    tolerate_bad_geometry(
+        [&] { facets = model_.face_geometry(ModelFaceId(f))->tessellate(kChord * box.diagonal(), kTurn); });
     for (const auto& [a, b, c] : facets.tri_to_vert) {
       std::array<Vec3, 3> x{facets.points[a], facets.points[b], facets.points[c]};
       if (sides.front.valid()) std::swap(x[1], x[2]);

@@ -9,7 +9,8 @@
 namespace tetloom {
 
 /// Faces with the outside on one side, in shells that hang together through edges. Shells around voids, and shells in
-/// other shells, do not meet the space around the model; facets tell, by volume and winding number.
+/// other shells, do not meet the space around the model; facets tell, by volume and winding number. Faces that cannot
+/// be facetted are left to whoever meshes them.
 class OutsideShells {
  public:
   explicit OutsideShells(const GeometricModel& model);

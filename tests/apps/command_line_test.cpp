@@ -126,6 +126,13 @@ TEST_CASE("every option of mesh reaches its place") {
   CHECK(c.quiet);
 }
 
+TEST_CASE("solids that touch are fused where the space around them is meshed, unless the geometry is to stay") {
+  CHECK_FALSE(parse_mesh({}).read.imprint);
+  CHECK(parse_mesh({"--far-field", "3"}).read.imprint);
+  CHECK_FALSE(parse_mesh({"--far-field", "3", "--no-heal"}).read.imprint);
+  CHECK(parse_mesh({"--far-field", "3", "--no-heal", "--imprint"}).read.imprint);
+}
+
 TEST_CASE("the unit and the form of the output reach their places, or are refused where they make no sense") {
   CHECK(parse_mesh({"--unit", "in"}).metres_per_unit == 0.0254);
   CHECK(parse_mesh({}).metres_per_unit == 0);

@@ -235,6 +235,16 @@ TEST_CASE("touching solids share faces once they are imprinted") {
   CHECK(read_json(folder / "check_b.json")["validation"]["interface_faces"] > 100);
 }
 
+TEST_CASE("the space around solids that touch has their common skin") {
+  const TestFolder folder;
+  const std::string output = folder / "around.vtu";
+  const auto around =
+      mesh_with_report(folder, demo_model("assembly"), "around.vtu", {"--relative-size", "0.06", "--far-field", "3"});
+  CHECK(around["counts"]["regions"] == 1);
+  CHECK(around["volume"]["mesh"].get<double>() == Approx(around["volume"]["model"].get<double>()).epsilon(1e-2));
+  CHECK(run_tetloom({"check", output}).status == 0);
+}
+
 TEST_CASE("only the surface is meshed when that is asked for, or when the output is STL") {
   const TestFolder folder;
   for (const auto& [name, option] : {std::pair{"s.vtu", true}, {"s.stl", false}}) {

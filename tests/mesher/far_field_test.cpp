@@ -5,6 +5,7 @@
 
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/faceless_model.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/model.hpp"
@@ -71,6 +72,16 @@ TEST_CASE("a sheet has the space around it on both sides, in a box that is not f
   CHECK(sides.front == ModelRegionId(0u));
   CHECK(sides.back == ModelRegionId(0u));
   CHECK(model->volume(ModelRegionId(0u)) == Approx(6 * 3 * 0.6));
+}
+
+TEST_CASE("faces that cannot be facetted bound the space around their body like any other") {
+  const auto around = [](ErrorCode code) {
+    return put_into_box(std::make_unique<FacelessModel>(make_box({0, 0, 0}, {1, 1, 1}), code), 3);
+  };
+  const auto model = around(ErrorCode::FaceFailed);
+  CHECK(model->topology().face_count() == 12);
+  CHECK(model->volume(ModelRegionId(0u)) == Approx(27 - 1));
+  CHECK(error_of([&] { around(ErrorCode::OutOfMemory); }).code == ErrorCode::OutOfMemory);
 }
 
 TEST_CASE("boxes that are not larger than the model are refused") {

@@ -2,10 +2,12 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
+#include "tests/support/faceless_model.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
@@ -15,23 +17,9 @@ using Catch::Matchers::Contains;
 using test_sizes::build;
 using test_sizes::refusal;
 
-/// A cylinder whose faces refuse every question.
-class FacelessCylinder final : public GeometricModel {
- public:
-  explicit FacelessCylinder(ErrorCode code) : code_(code), cylinder_(test_models::make_cylinder(1, 2)) {
-    topology_ = cylinder_->topology();
-    bounding_box_ = cylinder_->bounding_box();
-  }
-  Vec3 vertex_point(ModelVertexId id) const override { return cylinder_->vertex_point(id); }
-  std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override { return cylinder_->edge_geometry(id); }
-  std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId) const override { throw Error(code_, "no such surface"); }
-  double area(ModelFaceId id) const override { return cylinder_->area(id); }
-  double volume(ModelRegionId id) const override { return cylinder_->volume(id); }
-
- private:
-  ErrorCode code_;
-  std::unique_ptr<GeometricModel> cylinder_;
-};
+std::unique_ptr<GeometricModel> faceless_cylinder(ErrorCode code) {
+  return std::make_unique<test_models::FacelessModel>(test_models::make_cylinder(1, 2), code);
+}
 
 std::unique_ptr<GeometricModel> unit_box() { return test_models::make_box({0, 0, 0}, {1, 1, 1}); }
 
@@ -80,11 +68,11 @@ TEST_CASE("wishes for entities and points that do not exist are refused by name"
 
 TEST_CASE("faces whose geometry fails give no sizes, but the edges still do") {
   const SizedModel sized =
-      test_sizes::build_and_estimate(FacelessCylinder(ErrorCode::FaceFailed), {.size = 0.5, .curvature = 24});
+      test_sizes::build_and_estimate(*faceless_cylinder(ErrorCode::FaceFailed), {.size = 0.5, .curvature = 24});
   CHECK(sized.sizes.size_at({1, 0, 0}) == Approx(std::sqrt(27.0) / 24).epsilon(0.05));
   CHECK(sized.sizes.size_at({1, 0, 1}) > 0.4);
   CHECK(sized.estimate.tets > 100);
-  CHECK(refusal(FacelessCylinder(ErrorCode::Cancelled), {.size = 0.5, .curvature = 24}, ErrorCode::Cancelled) ==
+  CHECK(refusal(*faceless_cylinder(ErrorCode::Cancelled), {.size = 0.5, .curvature = 24}, ErrorCode::Cancelled) ==
         "no such surface");
 }
 
