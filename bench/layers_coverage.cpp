@@ -64,24 +64,25 @@ std::vector<fs::path> find_models(const Options& options) {
 // Valid, or refused with faces and a point.
 bool is_good(const LayerRun& run) {
   if (!run.made_mesh()) return run.is_located;
-  return run.verdict.is_valid() && run.verdict.check_mesh.value_or(true);
+  return run.verdict.is_valid() && (!run.verdict.by_check_mesh || run.verdict.by_check_mesh->is_fine);
 }
 
 std::string verdict_of(const LayerRun& run) {
   if (run.timed_out) return "too slow";
   if (!run.made_mesh()) return run.is_located ? "refused" : "FAILED";
   if (!run.verdict.is_valid()) return "INVALID";
-  if (!run.verdict.check_mesh) return "valid";
-  return *run.verdict.check_mesh ? "valid, OK" : "valid, COMPLAINS";
+  if (!run.verdict.by_check_mesh) return "valid";
+  return run.verdict.by_check_mesh->is_fine ? "valid, OK" : "valid, COMPLAINS";
 }
 
 void print_line(const Case& one) {
   const LayerRun& run = one.run;
+  const FoamCheck foam = run.verdict.by_check_mesh.value_or(FoamCheck{});
   const auto percent = [&](const char* name) { return 100 * run.figure(name); };
   std::printf("%-34.34s %9llu %6.1f %6.1f %6.1f %6.1f %7.3f %6.2f %8.4f %6.2f %7.1f %6.1f  %s\n", one.name().c_str(),
               static_cast<unsigned long long>(run.layer_cells), percent("full_count"), percent("at_least_one"),
               percent("thickness"), percent("first_height_within_10pct"), run.figure("min_scaled_jacobian"),
-              run.figure("scaled_jacobian_p1"), 100 * run.verdict.non_orthogonal, run.verdict.skewness, run.seconds,
+              run.figure("scaled_jacobian_p1"), 100 * foam.non_orthogonal, foam.skewness, run.seconds,
               run.layer_seconds, verdict_of(run).c_str());
   std::fflush(stdout);
 }
@@ -102,15 +103,16 @@ void print_row(const char* measure, const std::vector<Case>& cases, bool (*count
 void print_summary(const std::vector<Case>& cases) {
   const auto any = [](const LayerRun&) { return true; };
   const auto meshes = [](const LayerRun& run) { return run.made_mesh(); };
-  const auto judged = [](const LayerRun& run) { return run.verdict.check_mesh.has_value(); };
+  const auto judged = [](const LayerRun& run) { return run.verdict.by_check_mesh.has_value(); };
   std::printf("\n");
   print_row("valid, or refused with faces and a point", cases, any, is_good);
   print_row("valid by tetloom's check", cases, meshes, [](const LayerRun& run) { return run.verdict.is_valid(); });
   print_row("checkMesh complains of aspect ratios at most", cases, judged,
-            [](const LayerRun& run) { return *run.verdict.check_mesh; });
+            [](const LayerRun& run) { return run.verdict.by_check_mesh->is_fine; });
   print_row("faces above 70 degrees: at most .02 %", cases, judged,
-            [](const LayerRun& run) { return run.verdict.non_orthogonal <= 2e-4; });
-  print_row("largest skewness below 4", cases, judged, [](const LayerRun& run) { return run.verdict.skewness < 4; });
+            [](const LayerRun& run) { return run.verdict.by_check_mesh->non_orthogonal <= 2e-4; });
+  print_row("largest skewness below 4", cases, judged,
+            [](const LayerRun& run) { return run.verdict.by_check_mesh->skewness < 4; });
   print_row("least scaled Jacobian of layer cells: .02", cases, meshes,
             [](const LayerRun& run) { return run.figure("min_scaled_jacobian") >= 0.02; });
   print_row("first percentile of it: .4", cases, meshes,

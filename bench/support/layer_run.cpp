@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <regex>
-#include <sstream>
 #include <stdexcept>
 
 #include "bench/support/child_process.hpp"
@@ -77,16 +75,12 @@ void judge_apart(const std::string& judge, const fs::path& mesh, const Json& rep
 }
 
 // Debian's OpenFOAM wants to be told where it is.
-void judge_by_check_mesh(const fs::path& foam, LayerVerdict& verdict) {
+FoamCheck judge_by_check_mesh(const fs::path& foam) {
   const std::string script =
       "export WM_PROJECT_DIR=${WM_PROJECT_DIR:-/usr/share/openfoam}; exec checkMesh -case '" + foam.string() + "'";
   const ChildResult child = run_child({"sh", "-c", script}, {kJudgingSeconds});
-  if (child.exit_status != 0) {
-    verdict.check_mesh = false;
-    verdict.complaint = "checkMesh fails";
-    return;
-  }
-  read_check_mesh(child.output, verdict);
+  if (child.exit_status == 0) return read_check_mesh(child.output);
+  return {false, "checkMesh fails", 0, 0};
 }
 
 }  // namespace
@@ -129,7 +123,7 @@ LayerRun run_layers(const LayerTask& task, const std::string& judge, const fs::p
   take_report(said, run);
   if (!run.made_mesh()) return run;
   judge_apart(judge, mesh, said, run);
-  if (task.by_check_mesh && is_installed("checkMesh")) judge_by_check_mesh(foam, run.verdict);
+  if (task.by_check_mesh && is_installed("checkMesh")) run.verdict.by_check_mesh = judge_by_check_mesh(foam);
   fs::remove_all(foam);
   fs::remove(mesh);
   return run;
@@ -146,46 +140,20 @@ Json judge_layers(const fs::path& path) {
           {"volume", cells.volume}};
 }
 
-void read_check_mesh(const std::string& output, LayerVerdict& verdict) {
-  std::istringstream lines(output);
-  std::smatch found;
-  static const std::regex faces("^\\s+faces:\\s+(\\d+)"), severe("severely non-orthogonal.*faces: (\\d+)"),
-      skew("[Mm]ax skewness = ([0-9.eE+-]+)");
-  double all = 0;
-  verdict.check_mesh = true;
-  for (std::string line; std::getline(lines, line);) {
-    if (std::regex_search(line, found, faces)) all = std::stod(found[1]);
-    if (std::regex_search(line, found, severe) && all > 0) verdict.non_orthogonal = std::stod(found[1]) / all;
-    if (std::regex_search(line, found, skew)) verdict.skewness = std::stod(found[1]);
-    // "***" begins what it calls an error.
-    const bool is_error = line.find("***") != std::string::npos;
-    if (!is_error || line.find("aspect ratio") != std::string::npos) continue;
-    verdict.check_mesh = false;
-    if (verdict.complaint.empty()) verdict.complaint = line.substr(line.find("***") + 3);
-  }
-}
-
 Json to_json(const LayerRun& run) {
   const LayerVerdict& verdict = run.verdict;
-  return {{"exit_status", run.exit_status},
-          {"timed_out", run.timed_out},
-          {"failure", run.failure},
-          {"is_located", run.is_located},
-          {"seconds", run.seconds},
-          {"cpu_seconds", run.cpu_seconds},
-          {"layer_seconds", run.layer_seconds},
-          {"peak_bytes", run.peak_bytes},
-          {"cells", run.cells},
-          {"layer_cells", run.layer_cells},
-          {"layers", run.layers},
-          {"digest", run.digest},
-          {"problem", verdict.problem},
-          {"inverted", verdict.inverted},
-          {"volume_error", verdict.volume_error},
-          {"check_mesh", verdict.check_mesh ? Json(*verdict.check_mesh) : Json()},
-          {"complaint", verdict.complaint},
-          {"non_orthogonal", verdict.non_orthogonal},
-          {"skewness", verdict.skewness}};
+  Json json = {
+      {"exit_status", run.exit_status},     {"timed_out", run.timed_out},   {"failure", run.failure},
+      {"is_located", run.is_located},       {"seconds", run.seconds},       {"cpu_seconds", run.cpu_seconds},
+      {"layer_seconds", run.layer_seconds}, {"peak_bytes", run.peak_bytes}, {"cells", run.cells},
+      {"layer_cells", run.layer_cells},     {"layers", run.layers},         {"digest", run.digest},
+      {"problem", verdict.problem},         {"inverted", verdict.inverted}, {"volume_error", verdict.volume_error}};
+  if (verdict.by_check_mesh)
+    json["check_mesh"] = {{"is_fine", verdict.by_check_mesh->is_fine},
+                          {"complaint", verdict.by_check_mesh->complaint},
+                          {"non_orthogonal", verdict.by_check_mesh->non_orthogonal},
+                          {"skewness", verdict.by_check_mesh->skewness}};
+  return json;
 }
 
 }  // namespace tetloom::bench

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/support/foam_output.hpp"
+
 namespace tetloom::bench {
 
 /// Layers asked for on all walls, in mean edges.
@@ -34,11 +36,8 @@ struct LayerTask {
 struct LayerVerdict {
   std::string problem;  ///< the first that validate_mesh finds; empty: none
   std::uint64_t inverted = 0;
-  double volume_error = 0;         ///< relative, beside the model's volume
-  std::optional<bool> check_mesh;  ///< whether checkMesh complains of nothing but aspect ratios; none: not run
-  std::string complaint;           ///< what it says otherwise
-  double non_orthogonal = 0;       ///< share of faces above 70 degrees
-  double skewness = 0;             ///< the largest
+  double volume_error = 0;                 ///< relative, beside the model's volume
+  std::optional<FoamCheck> by_check_mesh;  ///< none: not run
 
   bool is_valid() const { return problem.empty() && inverted == 0 && volume_error < 0.01; }
 };
@@ -67,8 +66,5 @@ double edge_of(const std::filesystem::path& model, double relative_size);
 
 /// What a judging process prints: validity, and the mesh once more as a case of OpenFOAM beside it.
 nlohmann::json judge_layers(const std::filesystem::path& mesh);
-
-/// What checkMesh said: whether it complains of anything but aspect ratios, and the figures in its text.
-void read_check_mesh(const std::string& output, LayerVerdict& verdict);
 
 }  // namespace tetloom::bench

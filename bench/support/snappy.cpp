@@ -2,9 +2,7 @@
 
 #include <cmath>
 #include <fstream>
-#include <regex>
 #include <sstream>
-#include <stdexcept>
 
 #include "bench/support/child_process.hpp"
 #include "bench/support/peer.hpp"
@@ -99,23 +97,6 @@ SnappySample run_snappy(const SnappyTask& task, const fs::path& folder) {
   }
   fs::remove_all(folder);
   return sample;
-}
-
-void read_snappy(const std::string& output, SnappySample& sample) {
-  const auto cells_of = [&](const std::string& mesh) {
-    std::smatch found;
-    if (!std::regex_search(output, found, std::regex(mesh + " mesh : cells:(\\d+)")))
-      throw std::runtime_error("snappyHexMesh does not say how many cells its mesh has");
-    return std::stoull(found[1]);
-  };
-  sample.cells = cells_of("Layer");
-  sample.layer_cells = sample.cells - cells_of("Snapped");
-  // The last table: patch, faces, layers, thickness, and its share in percent.
-  static const std::regex row("\n\\s*wall\\s+\\d+\\s+([0-9.eE+-]+)\\s+[0-9.eE+-]+\\s+([0-9.eE+-]+)");
-  for (std::sregex_iterator at(output.begin(), output.end(), row), end; at != end; ++at) {
-    sample.layers = std::stod((*at)[1]);
-    sample.thickness = std::stod((*at)[2]) / 100;
-  }
 }
 
 }  // namespace tetloom::bench

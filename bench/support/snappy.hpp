@@ -1,9 +1,8 @@
 #pragma once
 // snappyHexMesh of OpenFOAM, run on the surface that tetloom has made, with the same layers asked for.
-#include <cstdint>
 #include <filesystem>
-#include <string>
 
+#include "bench/support/foam_output.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom::bench {
@@ -17,19 +16,9 @@ struct SnappyTask {
   int count = 0;
 };
 
-struct SnappySample {
-  double seconds = 0;                        ///< of the whole run, its background mesh as well
-  std::uint64_t cells = 0, layer_cells = 0;  ///< in the end; those added for layers
-  double layers = 0, thickness = 0;          ///< mean number, and share of the thickness, as it says itself
-  std::string failure;                       ///< what it said where it made no mesh
-};
-
 bool has_snappy();
 
 /// Runs blockMesh and snappyHexMesh in `folder`, on one thread.
 SnappySample run_snappy(const SnappyTask& task, const std::filesystem::path& folder);
-
-/// Takes cells and layers from what it printed. Throws std::runtime_error where they are missing.
-void read_snappy(const std::string& output, SnappySample& sample);
 
 }  // namespace tetloom::bench
