@@ -34,28 +34,38 @@ class EdgeIndex {
 
 class PartClassifier {
  public:
-  PartClassifier(const Mesh& surface, const EdgeIndex& edges, PartMesh& part)
-      : surface_(surface), edges_(edges), part_(part) {}
+  PartClassifier(const Mesh& surface, const EdgeIndex& edges, const layers::PartLayers* layers, PartMesh& part)
+      : surface_(surface), edges_(edges), layers_(layers), part_(part) {}
 
   void run() {
+    std::vector<std::uint32_t> walls;
+    if (layers_) walls = layers_->take_tops(part_);
+    for (std::uint32_t& entity : part_.block(BoundaryKind::Triangle).to_entity) entity = surface_.tri_to_entity[entity];
+    if (layers_) layers_->add_stacks(walls, part_);
     connect_cells(part_);
     classify_vertices();
-    for (std::uint32_t& entity : part_.block(BoundaryKind::Triangle).to_entity) entity = surface_.tri_to_entity[entity];
     add_edges();
+    if (layers_) layers_->add_edges(walls, part_);
     add_entities();
+    if (layers_) layers_->number_as_in_mesh(part_);
   }
 
  private:
   bool is_new(std::uint32_t vert) const { return part_.vert_to_global[vert] >= surface_.points.size(); }
 
-  // New points lie inside of the region of any tet that has them.
   void classify_vertices() {
     part_.vert_to_entity.resize_for_overwrite(part_.vertex_count());
-    for (std::uint32_t v = 0; v < part_.vertex_count(); ++v) {
-      const std::uint32_t region = part_.block(CellKind::Tet).to_region[part_.vert_to_place[v].cell()];
+    for (std::uint32_t v = 0; v < part_.vertex_count(); ++v)
       part_.vert_to_entity[v] =
-          PackedEntity(is_new(v) ? ModelEntity(3, region) : surface_.point_to_entity[part_.vert_to_global[v]]);
-    }
+          PackedEntity(is_new(v) ? entity_of_new(v) : surface_.point_to_entity[part_.vert_to_global[v]]);
+  }
+
+  // New points lie inside of the region of any cell that has them, but for those of layers on faces.
+  ModelEntity entity_of_new(std::uint32_t vert) const {
+    if (layers_)
+      if (const ModelEntity entity = layers_->entity_of(part_.vert_to_global[vert]); entity.valid()) return entity;
+    const CellPlace place = part_.vert_to_place[vert];
+    return ModelRegionId(part_.block(place.kind()).to_region[place.cell()]);
   }
 
   // A tet may have an edge of which the part has no triangle.
@@ -89,8 +99,10 @@ class PartClassifier {
   void add_entities() {
     std::vector<PackedEntity> used;
     for (const PackedEntity entity : part_.vert_to_entity) note(entity, used);
-    for (const std::uint32_t region : part_.block(CellKind::Tet).to_region) note(PackedEntity({3, region}), used);
-    for (const std::uint32_t face : part_.block(BoundaryKind::Triangle).to_entity) note(PackedEntity({2, face}), used);
+    for (const CellBlock& block : part_.cells)
+      for (const std::uint32_t region : block.to_region) note(PackedEntity({3, region}), used);
+    for (const BoundaryKind kind : {BoundaryKind::Triangle, BoundaryKind::Quad})
+      for (const std::uint32_t face : part_.block(kind).to_entity) note(PackedEntity({2, face}), used);
     for (const std::uint32_t edge : part_.block(BoundaryKind::Edge).to_entity) note(PackedEntity({1, edge}), used);
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -115,24 +127,27 @@ class PartClassifier {
 
   const Mesh& surface_;
   const EdgeIndex& edges_;
+  const layers::PartLayers* const layers_;
   PartMesh& part_;
 };
 
 }  // namespace
 
 PartitionedMesh classify_parts(const Mesh& surface, std::vector<PartMesh>&& parts, std::size_t part_count,
-                               Communicator& communicator, const TaskRunner& runner) {
-  PartitionedMesh mesh(communicator, part_count);
+                               const layers::PartLayers* layers, const SharedWork& work) {
+  const TaskRunner& runner = work.runner();
+  PartitionedMesh mesh(work.ranks(), part_count);
   const auto local = mesh.local();
-  run_on_all(communicator, [&] {
+  run_on_all(work.ranks(), [&] {
     const EdgeIndex edges(surface);
     runner.for_each(local.size(), [&](std::size_t i) {
       PartMesh& part = mesh.parts.at(local[i]).mesh = std::move(parts[i]);
-      PartClassifier(surface, edges, part).run();
+      PartClassifier(surface, edges, layers, part).run();
       runner.check_cancelled();
     });
   });
   parts.clear();
+  if (layers) mesh.cell_fields = layers->fields();
   link_parts(mesh, runner);
   return mesh;
 }

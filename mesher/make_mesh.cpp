@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include "core/base/stopwatch.hpp"
+#include "mesher/layers/layered_mesh.hpp"
 #include "mesher/mesh_run_detail.hpp"
 #include "mesher/volume/gather_volume.hpp"
 #include "tetloom/mesh.hpp"
@@ -8,13 +10,33 @@
 namespace tetloom {
 namespace {
 
+void gather(VolumeParts&& volume, Mesh& mesh, Trace* trace, const SharedWork& work) {
+  const TraceSpan span(trace, "mesh");
+  gather_volume(std::move(volume), mesh, work.ranks(), work.runner());
+}
+
+// The first rank has the mesh.
+double gather_above_layers(VolumeParts&& volume, const layers::LayerGrowth& growth, Mesh& mesh,
+                           const MeshOptions& options, const SharedWork& work) {
+  Mesh filled = growth.surface().mesh;
+  gather(std::move(volume), filled, options.trace, work);
+  if (work.rank() > 0) return 0;
+  Stopwatch watch;
+  mesh = layers::make_layered_mesh(growth, mesh, std::move(filled), options.layers.all_tets, work.runner_for_one());
+  return watch.lap();
+}
+
 MeshResult make_whole_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host,
                            Communicator* ranks) {
-  const auto take = [&](VolumeParts&& volume, Mesh& mesh, const SharedWork& work) {
-    const TraceSpan span(options.trace, "mesh");
-    gather_volume(std::move(volume), mesh, work.ranks(), work.runner());
+  VolumeUse use;
+  use.take = [&](VolumeParts&& volume, Mesh& mesh, const SharedWork& work) {
+    gather(std::move(volume), mesh, options.trace, work);
   };
-  return run_mesh(model, options, host, take, ranks);
+  use.take_above_layers = [&](VolumeParts&& volume, const layers::LayerGrowth& growth, Mesh& mesh,
+                              const SharedWork& work) {
+    return gather_above_layers(std::move(volume), growth, mesh, options, work);
+  };
+  return run_mesh(model, options, host, use, ranks);
 }
 
 }  // namespace

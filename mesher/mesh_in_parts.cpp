@@ -56,25 +56,37 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
     throw Error(ErrorCode::InvalidArgument, std::string("the surface alone was asked for") + kWhy);
   if (options.order != 1)
     throw Error(ErrorCode::InvalidArgument, "a mesh in parts is of first order, so order must be 1");
-  if (!options.layers.walls.empty())
-    throw Error(ErrorCode::InvalidArgument, "boundary layers are for meshes in one piece, not in parts");
   if (const auto unsuitable = find_unsuitable(model)) return refuse(*unsuitable);
   MeshInPartsResult result;
-  const auto take = [&](VolumeParts&& volume, Mesh& surface, const SharedWork& work) {
+  const auto make_parts = [&](VolumeParts&& volume, const Mesh& surface, const layers::PartLayers* layers,
+                              const SharedWork& work) {
     const TaskRunner& runner = work.runner();
     Stopwatch watch;
     run_on_all(work.ranks(), [&] {
       runner.begin_stage(Stage::Partition, 0);
       runner.check_cancelled();
     });
-    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, work.ranks(), runner);
+    PartitionedMesh mesh = classify_parts(surface, std::move(volume.parts), volume.part_count, layers, work);
     if (options.parts > 0)
       deal_cells(mesh, {.part_count = static_cast<std::size_t>(options.parts), .weights = {}}, runner);
     result.partition_seconds = watch.lap();
     mesh.communicator = &communicator;
     result.mesh = std::move(mesh);
   };
-  result.run = run_mesh(model, options, host, take, &communicator);
+  VolumeUse use;
+  use.take = [&](VolumeParts&& volume, const Mesh& surface, const SharedWork& work) {
+    make_parts(std::move(volume), surface, nullptr, work);
+  };
+  use.take_above_layers = [&](VolumeParts&& volume, const layers::LayerGrowth& growth, const Mesh& given,
+                              const SharedWork& work) {
+    Mesh surface = growth.surface().mesh;
+    surface.entities = given.entities;
+    surface.face_to_sides = given.face_to_sides;
+    const layers::PartLayers layers(growth, volume.new_points, options.layers.all_tets);
+    make_parts(std::move(volume), surface, &layers, work);
+    return 0.0;
+  };
+  result.run = run_mesh(model, options, host, use, &communicator);
   result.run.seconds.volume -= result.partition_seconds;
   return result;
 }

@@ -13,6 +13,7 @@
 #include "mesher/failed_complexes.hpp"
 #include "mesher/fit_surface.hpp"
 #include "mesher/layers/grow_layers.hpp"
+#include "mesher/layers/layer_memory.hpp"
 #include "mesher/layers/layered_mesh.hpp"
 #include "mesher/second_order/make_second_order.hpp"
 #include "mesher/sizing/model_facets.hpp"
@@ -27,13 +28,13 @@ namespace {
 
 class MeshRun {
  public:
-  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const TakeVolume& take,
+  MeshRun(const GeometricModel& model, const MeshOptions& options, const Host& host, const VolumeUse& use,
           Communicator* ranks)
       : model_(model),
         options_(options),
         work_(options.threads, host, ranks),
         runner_(work_.runner()),
-        take_(take),
+        use_(use),
         on_several_ranks_(ranks && ranks->rank_count() > 1) {}
 
   MeshResult run() {
@@ -130,7 +131,7 @@ class MeshRun {
                                mesh.point_to_entity, mesh.edge_to_vert});
     note(volume);
     std::vector<Diagnostic> errors = std::move(volume.errors);
-    if (errors.empty()) take_(std::move(volume), result_.mesh, work_);
+    if (errors.empty()) use_.take(std::move(volume), result_.mesh, work_);
     result_.seconds.volume += watch.lap();
     return errors;
   }
@@ -151,6 +152,7 @@ class MeshRun {
   std::vector<Diagnostic> fill_above_layers() {
     Stopwatch watch;
     runner_.begin_stage(Stage::Layers, 0);
+    layers::check_layer_memory(model_, result_.mesh, options_.layers, options_.max_memory);
     layers::LayerGrowth growth(model_, result_.mesh, result_.sizes, options_.layers, runner_);
     result_.seconds.layers += watch.lap();
     std::vector<Diagnostic> errors;
@@ -170,16 +172,12 @@ class MeshRun {
 
   void finish_layers(const layers::LayerGrowth& growth, VolumeParts&& volume) {
     Stopwatch watch;
-    Mesh filled = growth.surface().mesh;
     note(volume);
-    take_(std::move(volume), filled, work_);
-    result_.seconds.volume += watch.lap();
     result_.layers = layers::measure_layers(growth, result_.mesh, runner_);
-    // The first rank has the mesh.
-    if (work_.rank() == 0)
-      result_.mesh =
-          layers::make_layered_mesh(growth, result_.mesh, std::move(filled), options_.layers.all_tets, runner_);
     result_.seconds.layers += watch.lap();
+    const double seconds = use_.take_above_layers(std::move(volume), growth, result_.mesh, work_);
+    result_.seconds.volume += watch.lap() - seconds;
+    result_.seconds.layers += seconds;
     result_.layers.seconds = result_.seconds.layers;
   }
 
@@ -217,7 +215,7 @@ class MeshRun {
   const MeshOptions& options_;
   const SharedWork work_;
   const TaskRunner& runner_;
-  const TakeVolume& take_;
+  const VolumeUse& use_;
   const bool on_several_ranks_;
   MeshResult result_;
   std::vector<double> model_volumes_;  // per region
@@ -245,7 +243,7 @@ void count_unfinished_stage(const StageClock& clock, StageSeconds& seconds) {
 
 }  // namespace
 
-MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const TakeVolume& take,
+MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, const Host& host, const VolumeUse& use,
                     Communicator* ranks) {
   check_goals(options.goals);
   if (options.parts < 0) throw Error(ErrorCode::InvalidArgument, "the number of parts must not be negative");
@@ -263,7 +261,7 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
     throw Error(ErrorCode::InvalidArgument, "layers need a volume");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");
   StageClock clock;
-  MeshResult result = MeshRun(model, options, with_clock(host, clock), take, ranks).run();
+  MeshResult result = MeshRun(model, options, with_clock(host, clock), use, ranks).run();
   if (result.status != MeshStatus::Ok) count_unfinished_stage(clock, result.seconds);
   return result;
 }

@@ -133,6 +133,10 @@ std::string render_quality(const RunReport& report) {
   if (cells.inverted > quality.tets.inverted)
     text +=
         row("", plural(cells.inverted - quality.tets.inverted, "other cell") + " with a corner of no positive volume");
+  if (cells.count > quality.tets.count)
+    text += row("cells", plural(cells.count - quality.tets.count, "other cell") + ", scaled Jacobian at least " +
+                             format_number(std::round(1e3 * cells.min_scaled_jacobian) / 1e3) + ", 99 % above " +
+                             format_number(std::round(1e3 * cells.scaled_jacobian_p1) / 1e3));
   if (quality.curved.count > 0)
     text += row("curved", plural(quality.curved.count, "tet") + ", the least Jacobian is " +
                               format_number(std::round(1e3 * quality.curved.min_scaled_jacobian) / 1e3) +

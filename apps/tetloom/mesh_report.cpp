@@ -113,7 +113,9 @@ nlohmann::ordered_json coverage_json(const LayerCoverage& coverage) {
           {"full_count", coverage.full_count},
           {"at_least_one", coverage.at_least_one},
           {"thickness", coverage.thickness},
-          {"first_height_within_10pct", coverage.first_height_within_10pct}};
+          {"first_height_within_10pct", coverage.first_height_within_10pct},
+          {"first_height_error", coverage.first_height_error},
+          {"growth_error", coverage.growth_error}};
 }
 
 // "limited" lists at most this many places.
@@ -126,6 +128,7 @@ nlohmann::ordered_json layers_json(const LayerFigures& figures, const GeometricM
   json.update(coverage_json(figures.coverage));
   json["min_scaled_jacobian"] = figures.min_scaled_jacobian;
   json["scaled_jacobian_p1"] = figures.scaled_jacobian_p1;
+  json["first_angle_p99_deg"] = figures.first_angle_p99;
   json["seconds"] = figures.seconds;
   nlohmann::ordered_json faces = nlohmann::ordered_json::array(), limited = faces;
   for (const FaceLayers& face : figures.by_face) {

@@ -150,7 +150,6 @@ void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
   require(common.count >= 0 && common.count <= 1000, "--layer-count must be a number up to 1000");
   require(!raw.layer_thickness || *raw.layer_thickness > 0, "--layer-thickness must be positive");
   require(raw.layers.ends_with(".json") || raw.first_height, "--layers needs --first-height, or a file");
-  require(!command.in_parts, "--layers is for meshes in one file, not in parts");
   require(!command.options.surface_only, "--layers needs volumes, and --surface-only makes none");
   require(command.options.order == 1, "meshes with --layers are of first order");
   try {

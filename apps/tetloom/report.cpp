@@ -94,6 +94,9 @@ Json quality_json(const RunReport& report) {
                             {"not_positive", curved.not_positive},
                             {"min_scaled_jacobian", curved.min_scaled_jacobian},
                             {"volume", curved.volume}};
+  if (const CellQuality& cells = report.quality->cells; cells.count > tets.count)
+    json["cells"] = {{"min_scaled_jacobian", cells.min_scaled_jacobian},
+                     {"scaled_jacobian_p1", cells.scaled_jacobian_p1}};
   if (report.quality->triangles.count > 0) json["surface"] = surface_quality_json(report);
   return json;
 }
@@ -112,9 +115,16 @@ Json seconds_json(const RunReport& report) {
           {"second_order", seconds.second_order}, {"check", seconds.check},   {"write", seconds.write}};
 }
 
-Json counts_json(const RunCounts& counts) {
-  return {
+// Other kinds of elements where there are any.
+Json counts_json(const RunReport& report) {
+  const RunCounts& counts = report.counts;
+  Json json = {
       {"points", counts.points}, {"triangles", counts.triangles}, {"tets", counts.tets}, {"regions", counts.regions}};
+  if (!report.quality || report.quality->cells.count == report.quality->tets.count) return json;
+  for (const auto& [name, kind] :
+       {std::pair{"pyramids", CellKind::Pyramid}, {"prisms", CellKind::Prism}, {"hexahedra", CellKind::Hex}})
+    json[name] = report.quality->cells.counts[static_cast<std::size_t>(kind)];
+  return json;
 }
 
 }  // namespace
@@ -163,7 +173,7 @@ std::string to_json(const RunReport& report) {
                {"input", report.input},
                {"threads", report.threads},
                {"parts", report.parts},
-               {"counts", counts_json(report.counts)},
+               {"counts", counts_json(report)},
                {"seconds", seconds_json(report)},
                {"peak_bytes", peak_bytes()},
                {"quality", quality_json(report)},

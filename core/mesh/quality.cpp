@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "core/mesh/cell_jacobians.hpp"
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
@@ -202,6 +203,9 @@ CellQuality measure_cells(const Mesh& mesh, const CellSums& tets, const BlockLoo
   });
   result.inverted = total.inverted;
   result.volume = total.volume.value();
+  const CellJacobians jacobians = measure_jacobians(mesh, loop);
+  result.min_scaled_jacobian = jacobians.least;
+  result.scaled_jacobian_p1 = jacobians.p1;
   for (const auto& [region, sums] : total.regions.items())
     result.regions.push_back({region, sums.tets, sums.cells, sums.volume.value()});
   return result;

@@ -12,6 +12,10 @@ import sys
 
 import numpy
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from error_plot import draw_errors
+
 RADIUS, LENGTH = 0.010, 0.160  # of the pipe, metres
 VISCOSITY, SPEED = 1e-5, 0.02  # m²/s, m/s: a Reynolds number of 40
 SCHEMES = """
@@ -37,6 +41,7 @@ functions {{ {functions} }}
 PATCH_FUNCTION = """{name}_{field} {{ type surfaceFieldValue; libs (fieldFunctionObjects); fields ({field});
 operation {operation}; regionType patch; name {name}; writeFields no; writeControl timeStep; writeInterval 1; log no; }}
 """
+SHEAR_FUNCTION = "shear { type wallShearStress; libs (fieldFunctionObjects); writeControl writeTime; log no; }\n"
 
 
 def header(name, kind="dictionary"):
@@ -46,12 +51,10 @@ def header(name, kind="dictionary"):
 class Case:
     """A case in a folder, whose mesh is there."""
 
-    def __init__(self, options, model, size, groups=()):
-        self.folder = options.folder / (model + ".foam")
+    def __init__(self, options, model, size, more=(), name=None):
+        self.folder = options.folder / ((name or model) + ".foam")
         words = [options.tetloom, "mesh", f"{model}.step", "-o", self.folder.name, "--size", str(size), "--curvature", "24",
-                 "--unit", "m", "--quiet"]
-        for group in groups:
-            words += ["--group", group]
+                 "--unit", "m", "--quiet", *more]
         subprocess.run(words, cwd=options.folder, check=True)
         text = (self.folder / "constant/polyMesh/boundary").read_text()
         found = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);[^}]*startFace\s+(\d+);", text)
@@ -64,14 +67,14 @@ class Case:
         return done.stdout
 
     def face_centres(self, patch):
-        """Means of the corners; all faces of a mesh of tets are triangles."""
+        """Means of the corners."""
         def rows(name):
             text = (self.folder / "constant/polyMesh" / name).read_text()
             return text[text.index("\n(\n") + 3:text.rindex("\n)")].split("\n")
         points = numpy.array([[float(x) for x in row.strip("()").split()] for row in rows("points")])
         start, count = self.patches[patch]
         faces = [[int(i) for i in row[row.index("(") + 1:-1].split()] for row in rows("faces")[start:start + count]]
-        return points[numpy.array(faces)].mean(axis=1)
+        return numpy.array([points[face].mean(axis=0) for face in faces])
 
     def write(self, name, text, kind="dictionary"):
         path = self.folder / name
@@ -92,7 +95,10 @@ class Case:
                                                  ("p", pressure, "[0 2 -2 0 0 0 0]", "0", "volScalarField")):
             patches = "\n".join(f"{patch} {text}" for patch, text in fields.items())
             self.write(f"0/{name}", f"dimensions {units};\ninternalField uniform {start};\nboundaryField {{\n{patches}\n}}\n", kind)
-        functions = PATCH_FUNCTION.format(name="inlet", field="p", operation="areaAverage")
+        self.walls = [name for name in self.patches if name != "inlet" and name not in outlets]
+        functions = PATCH_FUNCTION.format(name="inlet", field="p", operation="areaAverage") + SHEAR_FUNCTION
+        for name in self.walls:
+            functions += PATCH_FUNCTION.format(name=name, field="wallShearStress", operation="areaIntegrate")
         for name in ["inlet", *outlets]:
             functions += PATCH_FUNCTION.format(name=name, field="phi", operation="sum")
         self.write("system/controlDict", CONTROL.format(steps=steps, functions=functions))
@@ -102,9 +108,20 @@ class Case:
         self.write("constant/turbulenceProperties", "simulationType laminar;\n")
         return outlets
 
-    def last_value(self, patch, field):
+    def last_row(self, patch, field):
         table = sorted(self.folder.glob(f"postProcessing/{patch}_{field}/*/surfaceFieldValue.dat"))[-1]
-        return float(table.read_text().strip().splitlines()[-1].split()[1])
+        return [float(x) for x in re.findall(r"[-+0-9.eE]+", table.read_text().strip().splitlines()[-1])][1:]
+
+    def last_value(self, patch, field):
+        return self.last_row(patch, field)[0]
+
+    def friction(self):
+        """The force along the pipe on all walls, over the density."""
+        return abs(sum(self.last_row(name, "wallShearStress")[2] for name in self.walls))
+
+
+def count_cells(case):
+    return int(re.search(r"nCells:\s*(\d+)", (case.folder / "constant/polyMesh/owner").read_text())[1])
 
 
 def check(case):
@@ -117,16 +134,21 @@ def check(case):
     return verdict
 
 
+def solve(case, steps):
+    """The flow that comes in as it is far from any end. Returns the names of outlets, and the flux."""
+    centres = case.face_centres("inlet")
+    profile = 2 * SPEED * (1 - (centres[:, 0]**2 + centres[:, 1]**2) / RADIUS**2).clip(0)
+    outlets = case.prepare(numpy.column_stack([0 * profile, 0 * profile, profile]), steps)
+    case.run("simpleFoam")
+    return outlets, -case.last_value("inlet", "phi")
+
+
 def solve_pipe(options, size, steps):
     """The drop of pressure over that of Poiseuille's flow with the same flux."""
     print(f"pipe, edges of {size} mm")
     case = Case(options, "pipe", size)
     fine = check(case)
-    centres = case.face_centres("inlet")
-    profile = 2 * SPEED * (1 - (centres[:, 0]**2 + centres[:, 1]**2) / RADIUS**2).clip(0)
-    case.prepare(numpy.column_stack([0 * profile, 0 * profile, profile]), steps)
-    case.run("simpleFoam")
-    flux = -case.last_value("inlet", "phi")
+    flux = solve(case, steps)[1]
     exact = 8 * VISCOSITY * LENGTH * flux / (numpy.pi * RADIUS**4)
     ratio = case.last_value("inlet", "p") / exact
     print(f"  drop of pressure {100 * (ratio - 1):+.2f} % beside that of Poiseuille")
@@ -137,15 +159,47 @@ def solve_manifold(options, size, steps):
     print(f"manifold, edges of {size} mm")
     case = Case(options, "manifold", size)
     fine = check(case)
-    centres = case.face_centres("inlet")
-    profile = 2 * SPEED * (1 - (centres[:, 0]**2 + centres[:, 1]**2) / RADIUS**2).clip(0)
-    outlets = case.prepare(numpy.column_stack([0 * profile, 0 * profile, profile]), steps)
-    case.run("simpleFoam")
-    flux = -case.last_value("inlet", "phi")
+    outlets, flux = solve(case, steps)
     shares = [case.last_value(name, "phi") / flux for name in outlets]
     for name, share in zip(outlets, shares):
         print(f"  {name}: {100 * share:.1f} % of the flux")
     return fine, sum(shares)
+
+
+def layered_pipe(options, size):
+    layers = ["--layers", "*,!inlet,!outlet*", "--first-height", str(0.15 * size), "--growth", "1.25"]
+    layers += ["--layer-count", "6"]
+    return Case(options, "pipe", size, layers, "pipe_layers")
+
+
+def pipe_of_tets(options, cells, size):
+    """Of about so many cells."""
+    for _ in range(3):
+        case = Case(options, "pipe", size, (), "pipe_tets")
+        share = count_cells(case) / cells
+        if abs(share - 1) < 0.03:
+            break
+        size = round(size * share**(1 / 3), 4)
+    return case
+
+
+def compare_friction(options, sizes, steps):
+    """The error of the friction at the wall, with layers and of as many tets alone."""
+    curves, fine = {"tets alone": [], "layers": []}, True
+    for size in sizes:
+        layers = layered_pipe(options, size)
+        tets = pipe_of_tets(options, count_cells(layers), size)
+        for name, case in (("layers", layers), ("tets alone", tets)):
+            print(f"pipe, {name}")
+            fine = check(case) and fine
+            flux = solve(case, steps)[1]
+            exact = 8 * VISCOSITY * LENGTH * flux / RADIUS**2
+            error = case.friction() / exact - 1
+            print(f"  friction at the wall {100 * error:+.2f} % beside that of Poiseuille")
+            curves[name].append((count_cells(case), 100 * abs(error)))
+    draw_errors(options.folder / "pipe_friction.svg", list(curves.items()), "cells",
+                "error of the friction at the wall, %")
+    return fine, curves
 
 
 def main():
@@ -159,7 +213,11 @@ def main():
 
     pipe_is_fine, ratio = solve_pipe(options, 4 if options.quick else 1.1, 60 if options.quick else 400)
     manifold_is_fine, share = solve_manifold(options, 5 if options.quick else 2.5, 60 if options.quick else 300)
-    expected = {"checkMesh": pipe_is_fine and manifold_is_fine, "flux": abs(share - 1) < 0.01,
+    sizes, steps = ([5], 60) if options.quick else ([4, 2.8, 2], 400)
+    layers_are_fine, curves = compare_friction(options, sizes, steps)
+    closer = all(a[1] < b[1] for a, b in zip(curves["layers"], curves["tets alone"]))
+    expected = {"checkMesh": pipe_is_fine and manifold_is_fine and layers_are_fine, "friction with layers": closer,
+                "flux": abs(share - 1) < 0.01,
                 "drop of pressure": abs(ratio - 1) < (0.5 if options.quick else 0.03)}
     failed = [name for name, holds in expected.items() if not holds]
     if failed:

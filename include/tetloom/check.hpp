@@ -113,7 +113,10 @@ struct CellQuality {
   std::size_t count = 0;                         ///< of all kinds
   std::size_t inverted = 0;                      ///< cells that are not positive at all corners (exact sign)
   double volume = 0;                             ///< sum of signed volumes; faces of four points are bilinear
-  std::vector<RegionQuality> regions;            ///< ascending by region
+  double min_scaled_jacobian = 1;  ///< over the corners of pyramids, prisms and hexahedra: the Jacobian divided by the
+                                   ///< lengths of the edges there; 1 at best, and without such cells
+  double scaled_jacobian_p1 = 1;   ///< first percentile of the cells' least one, interpolated linearly
+  std::vector<RegionQuality> regions;  ///< ascending by region
 };
 
 struct TetQuality {

@@ -22,6 +22,10 @@ struct WallLayers {
   double thickness = 0;                 ///< of all layers together at most, model length; 0: whatever they come to
 };
 
+/// Cell fields of meshes with layers, beside kStackField (tetloom/partition.hpp): the layer, 1 at the wall and 0 above
+/// the layers, and its height at the place, 0 above the layers.
+inline constexpr std::string_view kLayerField = "layer", kHeightField = "height";
+
 /// The layers of all walls.
 struct LayerOptions {
   std::vector<WallLayers> walls;  ///< each face once; empty: no layers
@@ -60,6 +64,8 @@ struct LayerCoverage {
   double at_least_one = 0;               ///< has a layer of prisms
   double thickness = 0;                  ///< mean share of the asked thickness that is reached
   double first_height_within_10pct = 0;  ///< of the area with a layer: where the first one is as high as asked
+  double first_height_error = 0;         ///< mean over the area with a layer, relative to what was asked
+  double growth_error = 0;               ///< the largest, relative, from layer to layer along straight growth curves
 };
 
 /// The same for one face.
@@ -75,6 +81,8 @@ struct LayerFigures {
   double min_scaled_jacobian = 1;  ///< over the corners of prisms and pyramids, and that of tets where their edge from
                                    ///< layer to layer starts; 1 for the prism that stands on an equilateral triangle
   double scaled_jacobian_p1 = 1;   ///< the first percentile of the cells' least one
+  double first_angle_p99 = 0;      ///< degrees between the edges of first cells and the wall's normal, but at ridges;
+                                   ///< 99 % of the area have less
   double seconds = 0;
   std::vector<FaceLayers> by_face;     ///< ascending
   std::vector<LimitedLayers> limited;  ///< largest area first

@@ -185,9 +185,10 @@ struct MeshInPartsResult {
 
 /// The mesh that make_mesh makes, in parts: `options.parts` of them, or, where that is 0, those in which volumes were
 /// filled, which are complexes (regions connected through faces) and the parts of large ones. Global ids of vertices
-/// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it.
+/// are their numbers in make_mesh's mesh, but for sheets and wires, which have no part in it. A stack of boundary
+/// layers lies in one part.
 ///
-/// Errors: InvalidArgument is thrown, for options out of range, for surface_only, layers and order 2. In the result:
+/// Errors: InvalidArgument is thrown, for options out of range, for surface_only and order 2. In the result:
 /// what make_mesh says, and InputUnsuitable, before any work is done, for a model without regions and for one with
 /// faces or edges that bound none. Thread safety: one call for each communicator.
 MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOptions& options,

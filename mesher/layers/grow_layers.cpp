@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/geometry/bad_geometry.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/layers/growth_paths.hpp"
 
@@ -20,6 +22,18 @@ int count_after_hits(int count, int hits) {
   return std::min(count - 1, static_cast<int>(share * count));
 }
 
+// The middle of its parameters; nothing where the geometry cannot be asked.
+std::optional<Vec3> point_on(const GeometricModel& model, ModelFaceId face) {
+  std::optional<Vec3> point;
+  tolerate_bad_geometry([&] {
+    const auto geometry = model.face_geometry(face);
+    const ParameterBox box = geometry->parameter_box();
+    const Vec2 middle{0.5 * (box.lo.u + box.hi.u), 0.5 * (box.lo.v + box.hi.v)};
+    point = geometry->closest_point(geometry->evaluate(middle), std::nullopt).point;
+  });
+  return point;
+}
+
 [[noreturn]] void refuse(const GeometricModel& model, ModelFaceId face, const std::string& why) {
   Diagnostic diagnostic;
   diagnostic.code = ErrorCode::InvalidArgument;
@@ -27,6 +41,7 @@ int count_after_hits(int count, int hits) {
   const NamedEntity named = is_known ? model.named(face) : NamedEntity{face, {}};
   diagnostic.message = "layers on " + describe(named) + ": " + why;
   diagnostic.entities = {named};
+  if (is_known) diagnostic.point = point_on(model, face);
   throw Error(std::move(diagnostic));
 }
 

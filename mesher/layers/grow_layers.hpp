@@ -26,6 +26,7 @@ class LayerGrowth {
   ~LayerGrowth();
 
   const GeometricModel& model() const { return model_; }
+  const Mesh& given() const { return mesh_; }  ///< the surface mesh
   const LayeredSurface& surface() const { return surface_; }
   const Walls& walls() const { return walls_; }
   const SideFaces& sides() const { return *sides_; }

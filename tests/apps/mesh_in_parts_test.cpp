@@ -67,6 +67,35 @@ TEST_CASE("a model is meshed into parts, and they are the mesh in one piece") {
   }
 }
 
+TEST_CASE("boundary layers go to parts, are the same there, and no stack is cut when they are dealt anew") {
+  const TestFolder folder;
+  const std::string model = demo_model("assembly");
+  const std::vector<std::string> layers{"--layers", "*", "--first-height", "0.2", "--layer-count", "5"};
+  const nlohmann::json whole = mesh(folder, model, "whole.vtu", layers);
+  CHECK(whole["layers"]["cells"]["prisms"] == whole["counts"]["prisms"]);
+  CHECK(whole["quality"]["cells"]["min_scaled_jacobian"] > 0);
+  std::vector<std::string> in_three = layers;
+  in_three.insert(in_three.end(), {"--parts", "3"});
+  const nlohmann::json parts = mesh(folder, model, "three.pvtu", in_three);
+  CHECK(parts["digest"] == whole["digest"]);
+  CHECK(parts["counts"] == whole["counts"]);
+  CHECK(parts["quality"] == whole["quality"]);
+  CHECK(parts["layers"]["by_face"] == whole["layers"]["by_face"]);
+  CHECK(check(folder / "three.pvtu", folder)["digest"] == whole["digest"]);
+  for (const std::string input : {"whole.vtu", "three.pvtu"}) {
+    CAPTURE(input);
+    REQUIRE(run_tetloom({"partition", folder / input, "--parts", "5", "-o", folder / "five.pvtu", "--report",
+                         folder / "five.json", "--quiet"})
+                .status == 0);
+    const nlohmann::json five = read_json(folder / "five.json");
+    CHECK(five["digest"] == whole["digest"]);
+    CHECK(five["partition"]["imbalance"]["elements"] < 0.1);
+    const nlohmann::json checked = check(folder / "five.pvtu", folder);
+    CHECK(checked["digest"] == whole["digest"]);
+    CHECK(checked["mesh"]["cell_fields"].size() == 3);
+  }
+}
+
 TEST_CASE("the files of parts do not depend on threads") {
   const TestFolder folder;
   const std::string model = demo_model("assembly");

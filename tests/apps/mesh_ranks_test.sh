@@ -5,7 +5,9 @@
 . "$(dirname "$0")/ranks_test_head.sh"
 
 "$demo_model" assembly model.step
-for way in "--tets-per-part 4000" "--tets-per-part 4000 --parts 5" "--tets-per-part inf"; do
+echo '{"walls": [{"faces": ["*"], "first_height": 0.2, "count": 5}]}' > walls.json
+for way in "--tets-per-part 4000" "--tets-per-part 4000 --parts 5" "--tets-per-part inf" \
+           "--tets-per-part 4000 --parts 5 --layers walls.json"; do
     options="--imprint --relative-size 0.03 --quiet --report report.json $way"
     # shellcheck disable=SC2086
     "$tetloom" mesh model.step -o parts.pvtu $options
@@ -25,7 +27,7 @@ on_ranks 2 mesh model.step -o whole.vtu --imprint --relative-size 0.03 --report 
 [ "$(grep -c 'tets in 2 regions' text)" = 1 ] || fail "the ranks do not speak with one voice"
 "$tetloom" check whole.vtu --quiet --report check.json
 [ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest in one piece"
-for way in "--tets-per-part 4000" "--tets-per-part inf"; do
+for way in "--tets-per-part 4000" "--tets-per-part inf" "--layers walls.json"; do
     for output in whole.vtu whole.msh; do
         # shellcheck disable=SC2086
         "$tetloom" mesh model.step -o "$output" --imprint --relative-size 0.03 --quiet $way

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <numeric>
 #include <random>
 #include <set>
@@ -280,4 +281,24 @@ TEST_CASE("cells with a corner of no positive volume are counted") {
   const QualityReport report = compute_quality(mesh);
   CHECK(report.cells.inverted == 2);
   CHECK(report.tets.inverted == 1);
+}
+
+TEST_CASE("scaled Jacobians are 1 for the best cells, and not positive for inverted ones") {
+  const double height = std::sqrt(3.0) / 2;
+  Mesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0.5, height, 0}, {0, 0, 0.01}, {1, 0, 0.01}, {0.5, height, 0.01}};
+  mesh.point_to_entity.assign(6, {});
+  mesh.prism_to_vert = {{0, 1, 2, 3, 4, 5}};
+  mesh.prism_to_entity = {0};
+  CellQuality cells = compute_quality(mesh).cells;
+  CHECK(cells.min_scaled_jacobian == Approx(1));
+  CHECK(cells.scaled_jacobian_p1 == Approx(1));
+  mesh.points[5].x += 0.01;  // as far as the prism is high
+  CHECK(compute_quality(mesh).cells.min_scaled_jacobian == Approx(std::sqrt(0.5)).epsilon(0.02));
+  mesh.points[5].z = -0.01;
+  CHECK(compute_quality(mesh).cells.min_scaled_jacobian < 0);
+  mesh.points[5] = mesh.points[2];
+  CHECK(compute_quality(mesh).cells.min_scaled_jacobian == 0);
+  CHECK(compute_quality(test::make_tet_box(1, 1, 1)).cells.min_scaled_jacobian == 1);
+  CHECK(compute_quality(test::make_mixed_box(3, 3, 4)).cells.min_scaled_jacobian > 0.5);
 }

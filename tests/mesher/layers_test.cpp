@@ -150,9 +150,10 @@ TEST_CASE("heights above the middle of a flat wall are those asked for") {
     CHECK(high.z - low.z == Approx(0.01).epsilon(1e-3));
   }
   CHECK(looked_at > 10);
-  REQUIRE(mesh.cell_fields.size() == 2);
+  REQUIRE(mesh.cell_fields.size() == 3);
   CHECK(mesh.cell_fields[0].name == "layer");
   CHECK(mesh.cell_fields[1].name == "height");
+  CHECK(mesh.cell_fields[2].name == "stack");
   const auto& layer = mesh.cell_fields[0].values;
   CHECK(*std::ranges::max_element(layer) == 8);
   CHECK(layer.size() == mesh.tet_to_vert.size() + mesh.pyramid_to_vert.size() + mesh.prism_to_vert.size());
@@ -259,8 +260,12 @@ TEST_CASE("layers that cannot be are refused with the face") {
     spoil(options.layers.walls[2]);
     const Diagnostic diagnostic = error_of([&] { make_mesh(*box, options); });
     CHECK(diagnostic.code == ErrorCode::InvalidArgument);
+    CHECK(diagnostic.entities.size() == 1);
     return diagnostic;
   };
+  const Diagnostic flat = refusal([](WallLayers& wall) { wall.first_height = -1; });
+  REQUIRE(flat.point);
+  CHECK(distance(*flat.point, Vec3{0.5, 0.5, 0.5}) == Approx(0.5));  // the middle of a side
   CHECK(refusal([](WallLayers& wall) { wall.first_height = 0; }).entities.at(0).entity.tag() == 3);
   refusal([](WallLayers& wall) { wall.first_height = NAN; });
   refusal([](WallLayers& wall) { wall.first_height = 100; });
@@ -279,4 +284,39 @@ TEST_CASE("layers that cannot be are refused with the face") {
   options.order = 1;
   options.surface_only = true;
   CHECK(error_of([&] { make_mesh(*box, options); }).code == ErrorCode::InvalidArgument);
+}
+
+TEST_CASE("layers that memory cannot hold are refused with a face and a point before they grow") {
+  const auto box = make_box({0, 0, 0}, {1, 1, 1});
+  MeshOptions options = options_of_size(0.1);
+  options.layers = on_faces(*box, heights(1e-5, 1000, 1.0));
+  options.max_memory = 64 << 20;
+  const MeshResult result = make_mesh(*box, options);
+  CHECK(result.status == MeshStatus::Failed);
+  REQUIRE(result.errors.size() == 1);
+  CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
+  CHECK(result.errors[0].entities.size() == 1);
+  CHECK(result.errors[0].point.has_value());
+  CHECK(result.mesh.prism_to_vert.empty());
+}
+
+TEST_CASE("figures of layers tell heights, growth and angles at the wall") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*box, heights(0.05, 5));
+  options.layers.walls.resize(1);
+  const LayerFigures figures = meshed(*box, options).layers;
+  CHECK(figures.coverage.first_height_error < 1e-9);
+  CHECK(figures.coverage.growth_error < 1e-6);
+  CHECK(figures.first_angle_p99 < 1e-3);
+  REQUIRE(figures.by_face.size() == 1);
+  CHECK(figures.by_face[0].coverage.first_height_error == figures.coverage.first_height_error);
+  const auto ball = make_sphere({0, 0, 0}, 1);
+  options = options_of_size(0.3);
+  options.layers = on_faces(*ball, heights(0.02, 6));
+  const LayerFigures round = meshed(*ball, options).layers;
+  CHECK(round.coverage.first_height_error > 0);
+  CHECK(round.coverage.first_height_error < 0.1);
+  CHECK(round.first_angle_p99 > 0.5);
+  CHECK(round.first_angle_p99 < 15);
 }

@@ -59,7 +59,8 @@ std::unique_ptr<GeometricModel> three_bodies() {
 /// A surface alone, by all ranks; nothing is filled.
 MeshResult mesh_together(const GeometricModel& model, const MeshOptions& options, Communicator& communicator,
                          const Host& host = {}) {
-  const auto nothing = [](VolumeParts&&, Mesh&, const SharedWork&) {};
+  VolumeUse nothing;
+  nothing.take = [](VolumeParts&&, Mesh&, const SharedWork&) {};
   return run_mesh(model, options, host, nothing, &communicator);
 }
 

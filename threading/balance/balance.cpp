@@ -11,6 +11,7 @@
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partitioners.hpp"
 #include "threading/balance/spread_graph_detail.hpp"
+#include "threading/balance/stacks.hpp"
 #include "threading/parts/idle_ranks.hpp"
 
 namespace tetloom {
@@ -21,11 +22,16 @@ constexpr double kWeightUnits = 1 << 20;
 // Below so many tets per target planes are as good and much faster.
 constexpr std::size_t kTetsForLevels = 2000;
 
-// What the partitioners see of one part.
+using balance_detail::StackItems;
+
+// What the partitioners see of one part: cells, and stacks of cells.
 struct PartItems {
+  StackItems stacks;
+  bool are_tets = false;  // all cells are tets, and each of them is an item
   std::vector<Point3f> points;
   std::vector<double> weights;
   double total = 0;
+  Destinations targets;
 };
 
 std::vector<Point3f> compute_centroids(const PartMesh& part, const TaskRunner& runner) {
@@ -90,11 +96,8 @@ std::span<const std::uint32_t> neighbor_codes(const PartMesh& part) {
   return {reinterpret_cast<const std::uint32_t*>(places.data()), places.size()};
 }
 
-bool has_tets_alone(const PartMesh& part) { return part.block(CellKind::Tet).size() == part.cell_count(); }
-
 void smooth(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
             Destinations& targets, const TaskRunner& runner) {
-  if (range.count == 1 || !has_tets_alone(part)) return;
   for (std::uint32_t& target : targets) target -= range.first;
   const std::vector<std::int64_t> integers = integer_weights(weights, greatest_of(weights));
   SmoothingOptions options;
@@ -103,30 +106,63 @@ void smooth(const PartMesh& part, std::span<const double> weights, TargetRange r
   for (std::uint32_t& target : targets) target += range.first;
 }
 
-void partition_by_scotch(const PartMesh& part, std::span<const double> weights, TargetRange range, double imbalance,
-                         Destinations& targets) {
-  balance_detail::CellLinks<std::uint32_t> links;
-  links.add(part, CellNumbers(part));
-  const std::vector<std::int64_t> integers = integer_weights(weights, greatest_of(weights));
-  partition_scotch({links.first, links.neighbours, integers}, range.count, imbalance, targets);
-  for (std::uint32_t& target : targets) target += range.first;
+// The graph of items: a link stands for all faces between two of them.
+struct ItemGraph {
+  std::vector<std::uint64_t> first{0};
+  std::vector<std::uint32_t> neighbours;
+  std::vector<std::int64_t> links;
+};
+
+ItemGraph graph_of_items(const balance_detail::CellLinks<std::uint32_t>& cells, const StackItems& items) {
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (std::uint32_t cell = 0; cell + 1 < cells.first.size(); ++cell)
+    for (std::uint64_t i = cells.first[cell]; i < cells.first[cell + 1]; ++i) {
+      const std::uint32_t from = items.cell_to_item[cell], to = items.cell_to_item[cells.neighbours[i]];
+      if (from != to) pairs.push_back({from, to});
+    }
+  std::ranges::sort(pairs);
+  ItemGraph graph;
+  for (std::size_t begin = 0, end = 0; begin < pairs.size(); begin = end) {
+    while (end < pairs.size() && pairs[end] == pairs[begin]) ++end;
+    graph.first.resize(pairs[begin][0] + std::size_t{1}, graph.neighbours.size());
+    graph.neighbours.push_back(pairs[begin][1]);
+    graph.links.push_back(static_cast<std::int64_t>(end - begin));
+  }
+  graph.first.resize(items.count + 1, graph.neighbours.size());
+  return graph;
 }
 
-ItemBlock block_of(const PartMesh& part, const PartItems& items, Destinations& targets) {
+void split_by_scotch(const PartMesh& part, PartItems& items, TargetRange range, const BalanceOptions& options) {
+  if (items.targets.empty()) return;
+  balance_detail::CellLinks<std::uint32_t> links;
+  links.add(part, CellNumbers(part));
+  const std::vector<std::int64_t> integers = integer_weights(items.weights, greatest_of(items.weights));
+  if (items.stacks.has_stacks()) {
+    const ItemGraph graph = graph_of_items(links, items.stacks);
+    partition_scotch({graph.first, graph.neighbours, integers, graph.links}, range.count, options.imbalance,
+                     items.targets);
+  } else {
+    partition_scotch({links.first, links.neighbours, integers}, range.count, options.imbalance, items.targets);
+  }
+  for (std::uint32_t& target : items.targets) target += range.first;
+}
+
+ItemBlock block_of(const PartMesh& part, PartItems& items) {
   ItemBlock block;
   block.points = items.points;
   block.weights = items.weights;
-  block.targets = targets;
-  if (has_tets_alone(part)) block.neighbours = neighbor_codes(part);
+  block.targets = items.targets;
+  if (items.are_tets) block.neighbours = neighbor_codes(part);
   return block;
 }
 
 void split_by_planes(const PartMesh& part, PartItems& items, TargetRange range, const BalanceOptions& options,
-                     Destinations& targets, const TaskRunner& runner) {
-  const ItemBlock block = block_of(part, items, targets);
+                     const TaskRunner& runner) {
+  const ItemBlock block = block_of(part, items);
   split_blocks_rcb({&block, 1}, {&range, 1}, runner);
   std::vector<Point3f>().swap(items.points);
-  if (options.smooth) smooth(part, items.weights, range, options.imbalance, targets, runner);
+  if (options.smooth && items.are_tets && range.count > 1)
+    smooth(part, items.weights, range, options.imbalance, items.targets, runner);
 }
 
 bool is_in_balance(std::span<const double> weights, TargetRange range, double imbalance, const Destinations& targets) {
@@ -138,8 +174,9 @@ bool is_in_balance(std::span<const double> weights, TargetRange range, double im
 
 /// Planes are taken instead where clusters do not pay, and where the graph did not lead to parts in balance.
 void split_by_levels(const PartMesh& part, PartItems& items, TargetRange range, const BalanceOptions& options,
-                     Destinations& targets, const TaskRunner& runner) {
-  if (has_tets_alone(part) && targets.size() >= kTetsForLevels * range.count) {
+                     const TaskRunner& runner) {
+  Destinations& targets = items.targets;
+  if (items.are_tets && targets.size() >= kTetsForLevels * range.count) {
     const std::vector<std::int64_t> integers = integer_weights(items.weights, greatest_of(items.weights));
     partition_multilevel({neighbor_codes(part), integers, targets, range.count}, std::move(items.points), runner,
                          options.imbalance);
@@ -149,8 +186,125 @@ void split_by_levels(const PartMesh& part, PartItems& items, TargetRange range, 
     }
     items.points = compute_centroids(part, runner);
   }
-  split_by_planes(part, items, range, options, targets, runner);
+  split_by_planes(part, items, range, options, runner);
 }
+
+// A stack lies at the mean of its cells and weighs as much as they do.
+void join_stacks(PartItems& items) {
+  const StackItems& stacks = items.stacks;
+  std::vector<Vec3> sums(stacks.count);
+  std::vector<double> weights(stacks.count, 0);
+  for (std::size_t cell = 0; cell < stacks.cell_to_item.size(); ++cell) {
+    const std::uint32_t item = stacks.cell_to_item[cell];
+    const double weight = items.weights.empty() ? 1 : items.weights[cell];
+    const Point3f& x = items.points[cell];
+    sums[item] = sums[item] + weight * Vec3{x.x, x.y, x.z};
+    weights[item] += weight;
+  }
+  items.points.resize(stacks.count);
+  for (std::size_t i = 0; i < stacks.count; ++i) {
+    const Vec3 x = (1 / weights[i]) * sums[i];
+    items.points[i] = {static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
+  }
+  items.weights = std::move(weights);
+}
+
+PartItems make_items(const PartMesh& part, const BalanceOptions& options, const TaskRunner& runner) {
+  PartItems items;
+  items.stacks = balance_detail::find_stack_items(part);
+  items.are_tets = part.block(CellKind::Tet).size() == part.cell_count() && !items.stacks.has_stacks();
+  items.points = compute_centroids(part, runner);
+  if (!options.weights.empty()) items.weights = read_weights(part, options.weights);
+  items.total = items.weights.empty() ? static_cast<double>(items.points.size())
+                                      : std::accumulate(items.weights.begin(), items.weights.end(), 0.0);
+  if (items.stacks.has_stacks()) join_stacks(items);
+  items.targets.resize(items.points.size());
+  return items;
+}
+
+class Dealer {
+ public:
+  Dealer(const PartitionedMesh& mesh, const BalanceOptions& options, const TaskRunner& runner)
+      : mesh_(mesh), options_(options), runner_(runner), items_(mesh.part_count(), mesh.local()) {}
+
+  PerPart<Destinations> run() {
+    const auto local = mesh_.local();
+    runner_.for_each(local.size(), [&](std::size_t i) {
+      items_.at(local[i]) = make_items(mesh_.parts.at(local[i]).mesh, options_, runner_);
+    });
+    PerPart<Destinations> destinations(mesh_.part_count(), local);
+    const bool split = can_split_locally(mesh_, options_, items_);
+    if (options_.method == PartitionMethod::Scotch && !split) {
+      deal_spread_graph(destinations);
+    } else {
+      split ? split_parts() : deal_anew();
+      for (const PartId part : local)
+        destinations.at(part) =
+            balance_detail::destinations_of_cells(items_.at(part).stacks, std::move(items_.at(part).targets));
+    }
+    PerPart<StackItems> stacks(mesh_.part_count(), local);
+    for (const PartId part : local) stacks.at(part) = std::move(items_.at(part).stacks);
+    balance_detail::unite_stacks(mesh_, stacks, destinations);
+    return destinations;
+  }
+
+ private:
+  void split_parts() {
+    const auto local = mesh_.local();
+    const auto factor = static_cast<std::uint32_t>(options_.part_count / mesh_.part_count());
+    const auto range_of = [&](PartId part) { return TargetRange{part.value * factor, factor}; };
+    if (options_.method == PartitionMethod::Sfc) {
+      std::vector<TargetRange> ranges;
+      for (const PartId part : local) ranges.push_back(range_of(part));
+      return split_blocks_sfc(blocks(), ranges, runner_);
+    }
+    runner_.for_each(local.size(), [&](std::size_t i) {
+      const PartMesh& part = mesh_.parts.at(local[i]).mesh;
+      PartItems& items = items_.at(local[i]);
+      const TargetRange range = range_of(local[i]);
+      switch (options_.method) {
+        case PartitionMethod::Scotch: return split_by_scotch(part, items, range, options_);
+        case PartitionMethod::Rcb: return split_by_planes(part, items, range, options_, runner_);
+        default: return split_by_levels(part, items, range, options_, runner_);
+      }
+    });
+  }
+
+  void deal_anew() {
+    const auto parts = static_cast<std::uint32_t>(options_.part_count);
+    options_.method == PartitionMethod::Sfc ? partition_sfc(blocks(), parts, *mesh_.communicator, runner_)
+                                            : partition_rcb(blocks(), parts, *mesh_.communicator, runner_);
+  }
+
+  // By cells: stacks are put together afterwards.
+  void deal_spread_graph(PerPart<Destinations>& destinations) {
+    PerPart<std::vector<std::int64_t>> weights(mesh_.part_count(), mesh_.local());
+    if (!options_.weights.empty()) {
+      PerPart<std::vector<double>> given(mesh_.part_count(), mesh_.local());
+      std::array<double, 1> greatest{};
+      for (const PartId part : mesh_.local()) {
+        given.at(part) = read_weights(mesh_.parts.at(part).mesh, options_.weights);
+        greatest[0] = std::max(greatest[0], greatest_of(given.at(part)));
+      }
+      mesh_.communicator->max(greatest);
+      for (const PartId part : mesh_.local()) weights.at(part) = integer_weights(given.at(part), greatest[0]);
+    }
+    for (const PartId part : mesh_.local()) destinations.at(part).resize(mesh_.parts.at(part).mesh.cell_count());
+    balance_detail::partition_spread_graph(mesh_, weights, static_cast<std::uint32_t>(options_.part_count),
+                                           options_.imbalance, destinations, runner_);
+  }
+
+  std::vector<ItemBlock> blocks() {
+    std::vector<ItemBlock> blocks;
+    for (const PartId part : mesh_.local()) blocks.push_back(block_of(mesh_.parts.at(part).mesh, items_.at(part)));
+    return blocks;
+  }
+
+  const PartitionedMesh& mesh_;
+  const BalanceOptions& options_;
+  const TaskRunner& runner_;
+  PerPart<PartItems> items_;
+};
 
 }  // namespace
 
@@ -167,54 +321,7 @@ PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const Ba
                                            const TaskRunner& given) {
   if (options.part_count == 0) throw Error(ErrorCode::InvalidArgument, "a mesh has at least one part");
   require_weights(mesh, options.weights);
-  const TaskRunner runner = runner_for_cells(mesh, given);
-  const auto local = mesh.local();
-  PerPart<PartItems> items(mesh.part_count(), local);
-  PerPart<Destinations> destinations(mesh.part_count(), local);
-  runner.for_each(local.size(), [&](std::size_t i) {
-    const PartMesh& part = mesh.parts.at(local[i]).mesh;
-    PartItems& own = items.at(local[i]);
-    own.points = compute_centroids(part, runner);
-    if (!options.weights.empty()) own.weights = read_weights(part, options.weights);
-    own.total = own.weights.empty() ? static_cast<double>(own.points.size())
-                                    : std::accumulate(own.weights.begin(), own.weights.end(), 0.0);
-    destinations.at(local[i]).resize(own.points.size());
-  });
-
-  const bool split = can_split_locally(mesh, options, items);
-  const auto factor = static_cast<std::uint32_t>(split ? options.part_count / mesh.part_count() : options.part_count);
-  std::vector<ItemBlock> blocks;
-  std::vector<TargetRange> ranges;
-  for (const PartId part : local) {
-    blocks.push_back(block_of(mesh.parts.at(part).mesh, items.at(part), destinations.at(part)));
-    ranges.push_back({split ? part.value * factor : 0, factor});
-  }
-  const auto part_count = static_cast<std::uint32_t>(options.part_count);
-  if (options.method == PartitionMethod::Scotch && split) {
-    runner.for_each(local.size(), [&](std::size_t i) {
-      if (items.at(local[i]).points.empty()) return;
-      partition_by_scotch(mesh.parts.at(local[i]).mesh, items.at(local[i]).weights, ranges[i], options.imbalance,
-                          destinations.at(local[i]));
-    });
-  } else if (options.method == PartitionMethod::Scotch) {
-    PerPart<std::vector<std::int64_t>> weights(mesh.part_count(), local);
-    std::array<double, 1> greatest{};
-    for (const PartId part : local) greatest[0] = std::max(greatest[0], greatest_of(items.at(part).weights));
-    mesh.communicator->max(greatest);
-    for (const PartId part : local) weights.at(part) = integer_weights(items.at(part).weights, greatest[0]);
-    balance_detail::partition_spread_graph(mesh, weights, part_count, options.imbalance, destinations, runner);
-  } else if (options.method == PartitionMethod::Sfc) {
-    split ? split_blocks_sfc(blocks, ranges, runner) : partition_sfc(blocks, part_count, *mesh.communicator, runner);
-  } else if (split) {
-    const auto split_part = options.method == PartitionMethod::Rcb ? split_by_planes : split_by_levels;
-    runner.for_each(local.size(), [&](std::size_t i) {
-      split_part(mesh.parts.at(local[i]).mesh, items.at(local[i]), ranges[i], options, destinations.at(local[i]),
-                 runner);
-    });
-  } else {
-    partition_rcb(blocks, part_count, *mesh.communicator, runner);
-  }
-  return destinations;
+  return Dealer(mesh, options, runner_for_cells(mesh, given)).run();
 }
 
 void deal_cells(PartitionedMesh& mesh, const BalanceOptions& options, const TaskRunner& runner) {

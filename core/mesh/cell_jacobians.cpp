@@ -1,0 +1,46 @@
+#include "core/mesh/cell_jacobians.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh_access.hpp"
+#include "core/mesh/statistics_detail.hpp"
+
+namespace tetloom {
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 14;
+constexpr double kOfEquilateral = 0.8660254037844386;
+
+template <class Cell>
+double least_of(const Cell& cell, CellKind kind, const std::vector<Vec3>& points) {
+  double least = 1;
+  const double best = kind == CellKind::Prism ? kOfEquilateral : 1;
+  for (const auto& [o, a, b, c] : corners_of(kind)) {
+    const Vec3 &x = points[cell[o]], u = points[cell[a]] - x, v = points[cell[b]] - x, w = points[cell[c]] - x;
+    const double lengths = norm(u) * norm(v) * norm(w), jacobian = dot(cross(u, v), w) / (lengths * best);
+    least = std::min(least, lengths > 0 && std::isfinite(jacobian) ? jacobian : 0);
+  }
+  return least;
+}
+
+}  // namespace
+
+CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop) {
+  std::vector<float> all;
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
+    if (kind == CellKind::Tet || cells.empty()) return;
+    const std::size_t first = all.size();
+    all.resize(first + cells.size());
+    loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c)
+        all[first + c] = static_cast<float>(least_of(cells[c], kind, mesh.points));
+    });
+  });
+  if (all.empty()) return {};
+  return {*std::ranges::min_element(all), detail::quantile(all, 0.01, loop)};
+}
+
+}  // namespace tetloom
