@@ -133,8 +133,9 @@ void print_summary(const std::vector<Case>& cases) {
                   100 * thickness / area);
   }
   for (const Case& one : cases) {
-    const std::string& said =
-        one.run.made_mesh() ? one.run.verdict.problem + one.run.verdict.complaint : one.run.failure;
+    const LayerVerdict& verdict = one.run.verdict;
+    const std::string complaint = verdict.by_check_mesh ? verdict.by_check_mesh->complaint : "";
+    const std::string said = one.run.made_mesh() ? verdict.problem + complaint : one.run.failure;
     if (!said.empty()) std::printf("  %s: %.200s\n", one.name().c_str(), said.c_str());
   }
 }

@@ -66,20 +66,35 @@ class Case:
             sys.exit(f"openfoam.py: {program} failed in {self.folder}\n{done.stdout[-2000:]}{done.stderr}")
         return done.stdout
 
-    def face_centres(self, patch):
-        """Means of the corners."""
+    def faces(self, patch):
+        """The corners of each face."""
         def rows(name):
             text = (self.folder / "constant/polyMesh" / name).read_text()
             return text[text.index("\n(\n") + 3:text.rindex("\n)")].split("\n")
         points = numpy.array([[float(x) for x in row.strip("()").split()] for row in rows("points")])
         start, count = self.patches[patch]
         faces = [[int(i) for i in row[row.index("(") + 1:-1].split()] for row in rows("faces")[start:start + count]]
-        return numpy.array([points[face].mean(axis=0) for face in faces])
+        return [points[face] for face in faces]
+
+    def face_centres(self, patch):
+        """Means of the corners."""
+        return numpy.array([corners.mean(axis=0) for corners in self.faces(patch)])
+
+    def face_areas(self, patch):
+        fans = [numpy.cross(corners[1:-1] - corners[0], corners[2:] - corners[0]) for corners in self.faces(patch)]
+        return numpy.array([numpy.linalg.norm(fan.sum(axis=0)) / 2 for fan in fans])
 
     def write(self, name, text, kind="dictionary"):
         path = self.folder / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(header(path.name, kind) + text)
+
+    def make_walls(self, names):
+        path = self.folder / "constant/polyMesh/boundary"
+        text = path.read_text()
+        for name in names:
+            text = re.sub(rf"(\b{name}\s*\{{\s*type )patch;", r"\1wall;", text)
+        path.write_text(text)
 
     def prepare(self, inlet, steps):
         """`inlet`: the velocity at each of its faces. Outlets are the patches of that name, all others are walls."""
@@ -96,9 +111,8 @@ class Case:
             patches = "\n".join(f"{patch} {text}" for patch, text in fields.items())
             self.write(f"0/{name}", f"dimensions {units};\ninternalField uniform {start};\nboundaryField {{\n{patches}\n}}\n", kind)
         self.walls = [name for name in self.patches if name != "inlet" and name not in outlets]
+        self.make_walls(self.walls)
         functions = PATCH_FUNCTION.format(name="inlet", field="p", operation="areaAverage") + SHEAR_FUNCTION
-        for name in self.walls:
-            functions += PATCH_FUNCTION.format(name=name, field="wallShearStress", operation="areaIntegrate")
         for name in ["inlet", *outlets]:
             functions += PATCH_FUNCTION.format(name=name, field="phi", operation="sum")
         self.write("system/controlDict", CONTROL.format(steps=steps, functions=functions))
@@ -108,16 +122,19 @@ class Case:
         self.write("constant/turbulenceProperties", "simulationType laminar;\n")
         return outlets
 
-    def last_row(self, patch, field):
-        table = sorted(self.folder.glob(f"postProcessing/{patch}_{field}/*/surfaceFieldValue.dat"))[-1]
-        return [float(x) for x in re.findall(r"[-+0-9.eE]+", table.read_text().strip().splitlines()[-1])][1:]
-
     def last_value(self, patch, field):
-        return self.last_row(patch, field)[0]
+        table = sorted(self.folder.glob(f"postProcessing/{patch}_{field}/*/surfaceFieldValue.dat"))[-1]
+        return float(table.read_text().strip().splitlines()[-1].split()[1])
 
     def friction(self):
         """The force along the pipe on all walls, over the density."""
-        return abs(sum(self.last_row(name, "wallShearStress")[2] for name in self.walls))
+        last = max((path for path in self.folder.glob("*/wallShearStress")), key=lambda path: float(path.parent.name))
+        text, force = last.read_text(), 0
+        for name in self.walls:
+            rows = re.search(rf"\b{name}\s*\{{[^}}]*List<vector>\s*\d+\s*\((.*?)\n\)", text, re.DOTALL)[1]
+            shear = numpy.array([[float(x) for x in row.strip("()").split()] for row in rows.strip().split("\n")])
+            force += shear[:, 2] @ self.face_areas(name)
+        return abs(force)
 
 
 def count_cells(case):

@@ -86,11 +86,8 @@ class Assembly {
     return static_cast<std::uint32_t>(numbers_.in_mesh(numbers_.made(at)));
   }
 
-  template <std::size_t N>
-  std::array<std::uint32_t, N> numbers_of(const std::array<CurveLevel, N>& places) const {
-    std::array<std::uint32_t, N> verts;
-    for (std::size_t i = 0; i < N; ++i) verts[i] = number(places[i]);
-    return verts;
+  StackVertices vertices_of(const WallTriangle& wall) const {
+    return {growth_.counts(), wall, [&](std::uint32_t curve) { return numbers_.curve_in_mesh(curve); }};
   }
 
   template <class T>
@@ -157,6 +154,7 @@ class Assembly {
     const auto fields = std::span(mesh_.cell_fields).last(3);
     for (std::size_t w = begin; w < end; ++w) {
       const WallTriangle& wall = walls_.triangles[w];
+      const StackVertices vertices = vertices_of(wall);
       int last = 0;
       double height = 0;
       for_each_stack_cell(growth_, wall, all_tets_, [&](const auto& places, int layer) {
@@ -164,7 +162,7 @@ class Assembly {
         if (layer != last) height = height_of_layer(growth_.counts(), wall, layer);
         last = layer;
         const std::size_t cell = next[kKindOfThis]++, value = cells_before_[kKindOfThis] + cell;
-        put(numbers_of(places), wall.region, cell);
+        put(vertices.at(places), wall.region, cell);
         fields[0].values[value] = layer;
         fields[1].values[value] = height;
         fields[2].values[value] = static_cast<double>(w + 1);
@@ -184,9 +182,11 @@ class Assembly {
 
   // Quadrilaterals and triangles of layers on side faces.
   void add_sides() {
-    for (const WallRim& rim : walls_.rims)
+    for (const WallRim& rim : walls_.rims) {
+      const StackVertices vertices = vertices_of(walls_.triangles[rim.wall]);
       for_each_side_element(growth_, rim, all_tets_,
-                            [&](const auto& places) { add_on_face(numbers_of(places), rim.side_face); });
+                            [&](const auto& places) { add_on_face(vertices.at(places), rim.side_face); });
+    }
   }
   void add_on_face(const std::array<std::uint32_t, 3>& triangle, std::uint32_t face) {
     mesh_.tri_to_vert.push_back(triangle), mesh_.tri_to_entity.push_back(face);

@@ -46,21 +46,18 @@ class PartCurves {
     const KnownVertices known(part, numbers_.surface_points());
     for (const std::uint32_t c : curves_) {
       const int count = growth_.counts().count(c);
-      Ends& ends = ends_.emplace_back();
-      ends.foot = known.find(numbers_.made({c, 0}));
-      ends.top = known.find(numbers_.made({c, count}));
-      ends.first_level = static_cast<std::uint32_t>(part.vertex_count());
+      CurveVertices& vertices = vertices_.emplace_back();
+      vertices.foot = known.find(numbers_.made({c, 0}));
+      vertices.top = known.find(numbers_.made({c, count}));
+      vertices.first_level = static_cast<std::uint32_t>(part.vertex_count());
       for (int level = 1; level < count; ++level)
         add(numbers_.made({c, level}), growth_.counts().point(c, level), part);
     }
   }
 
-  struct Ends {
-    std::uint32_t foot = kNone, top = kNone, first_level = 0;
-  };
   /// Pre: the curve is one of these, and `add_vertices` has been called.
-  const Ends& ends_of(std::uint32_t curve) const {
-    return ends_[static_cast<std::size_t>(std::ranges::lower_bound(curves_, curve) - curves_.begin())];
+  const CurveVertices& vertices_of(std::uint32_t curve) const {
+    return vertices_[static_cast<std::size_t>(std::ranges::lower_bound(curves_, curve) - curves_.begin())];
   }
 
  private:
@@ -83,7 +80,7 @@ class PartCurves {
   const LayerGrowth& growth_;
   const PointNumbers& numbers_;
   std::vector<std::uint32_t> curves_;  // ascending
-  std::vector<Ends> ends_;
+  std::vector<CurveVertices> vertices_;
 };
 
 std::array<std::uint32_t, 3> key_of(std::array<std::uint32_t, 3> verts) {
@@ -117,11 +114,11 @@ class StackWriter {
   }
 
   void add_cells(std::uint32_t wall) {
-    begin(wall);
+    const StackVertices vertices = vertices_of(wall);
     const WallTriangle& triangle = growth_.walls().triangles[wall];
     for_each_stack_cell(growth_, triangle, all_tets_, [&](const auto& places, int layer) {
       const CellKind kind = kind_of_cell(places.size());
-      part_.block(kind).to_vert.append(std::span<const std::uint32_t>(vertices(places)));
+      part_.block(kind).to_vert.append(std::span<const std::uint32_t>(vertices.at(places)));
       part_.block(kind).to_region.push_back(triangle.region);
       const std::array<double, kFields.size()> values{static_cast<double>(layer),
                                                       height_of_layer(growth_.counts(), triangle, layer), wall + 1.0};
@@ -131,38 +128,26 @@ class StackWriter {
   }
 
   void add_foot(std::uint32_t wall) {
-    begin(wall);
     const WallTriangle& triangle = growth_.walls().triangles[wall];
-    std::array<std::uint32_t, 3> foot{ends_[0].foot, ends_[1].foot, ends_[2].foot};
+    std::array<std::uint32_t, 3> foot;
+    for (std::size_t i = 0; i < 3; ++i) foot[i] = curves_.vertices_of(triangle.curves[i]).foot;
     if (!triangle.is_front) std::swap(foot[1], foot[2]);
     if (std::ranges::binary_search(known_, key_of(foot))) return;
     append(foot, growth_.given().tri_to_entity[triangle.triangle], part_.block(BoundaryKind::Triangle));
   }
 
   void add_side(const WallRim& rim) {
-    begin(rim.wall);
+    const StackVertices vertices = vertices_of(rim.wall);
     for_each_side_element(growth_, rim, all_tets_, [&](const auto& places) {
-      append(vertices(places), rim.side_face,
+      append(vertices.at(places), rim.side_face,
              part_.block(places.size() == 3 ? BoundaryKind::Triangle : BoundaryKind::Quad));
     });
   }
 
  private:
-  void begin(std::uint32_t wall) {
-    on_ = growth_.walls().triangles[wall].curves;
-    for (std::size_t i = 0; i < 3; ++i) ends_[i] = curves_.ends_of(on_[i]);
-  }
-  std::uint32_t vertex(const CurveLevel& at) const {
-    const PartCurves::Ends& ends = ends_[at.curve == on_[0] ? 0 : at.curve == on_[1] ? 1 : 2];
-    if (at.level == 0) return ends.foot;
-    if (at.level == growth_.counts().count(at.curve)) return ends.top;
-    return ends.first_level + static_cast<std::uint32_t>(at.level) - 1;
-  }
-  template <std::size_t N>
-  std::array<std::uint32_t, N> vertices(const std::array<CurveLevel, N>& places) const {
-    std::array<std::uint32_t, N> verts;
-    for (std::size_t i = 0; i < N; ++i) verts[i] = vertex(places[i]);
-    return verts;
+  StackVertices vertices_of(std::uint32_t wall) const {
+    return {growth_.counts(), growth_.walls().triangles[wall],
+            [&](std::uint32_t curve) { return curves_.vertices_of(curve); }};
   }
 
   const LayerGrowth& growth_;
@@ -171,8 +156,6 @@ class StackWriter {
   PartMesh& part_;
   const std::vector<std::array<std::uint32_t, 3>> known_;
   std::span<CellField> fields_;
-  std::array<std::uint32_t, 3> on_{};  // the curves of the stack at hand
-  std::array<PartCurves::Ends, 3> ends_;
 };
 
 }  // namespace

@@ -28,6 +28,12 @@ class PointNumbers {
   }
   /// Its number in the mesh. Pre: the mesh has it.
   std::uint64_t in_mesh(std::uint64_t made) const { return made < surface_.size() ? surface_[made] : made - dropped_; }
+  /// All points of a curve in the mesh.
+  CurveVertices curve_in_mesh(std::uint32_t curve) const {
+    const auto number = [&](int level) { return static_cast<std::uint32_t>(in_mesh(made({curve, level}))); };
+    const std::uint64_t first = in_mesh(first_level_point_ + levels_before_[curve]);
+    return {number(0), number(growth_.counts().count(curve)), static_cast<std::uint32_t>(first)};
+  }
   bool is_used(std::uint64_t made) const { return made >= surface_.size() || surface_[made] != kNone; }
   /// The curve of a point between foot and top.
   std::uint32_t curve_of(std::uint64_t made) const;

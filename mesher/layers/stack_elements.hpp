@@ -18,6 +18,44 @@ struct CurveLevel {
   int level = 0;
 };
 
+/// The vertices of a curve, however they are numbered: those between foot and top follow each other.
+struct CurveVertices {
+  std::uint32_t foot = kNone, top = kNone;
+  std::uint32_t first_level = 0;  ///< of level 1
+};
+
+/// The vertices of one stack.
+class StackVertices {
+ public:
+  /// vertices_of(curve): its CurveVertices.
+  template <class VerticesOf>
+  StackVertices(const LayerCounts& counts, const WallTriangle& wall, const VerticesOf& vertices_of)
+      : curves_(wall.curves) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      counts_[i] = counts.count(curves_[i]);
+      vertices_[i] = vertices_of(curves_[i]);
+    }
+  }
+  /// Pre: on one of the stack's curves.
+  std::uint32_t at(const CurveLevel& place) const {
+    const std::size_t i = place.curve == curves_[0] ? 0 : place.curve == curves_[1] ? 1 : 2;
+    if (place.level == 0) return vertices_[i].foot;
+    if (place.level == counts_[i]) return vertices_[i].top;
+    return vertices_[i].first_level + static_cast<std::uint32_t>(place.level) - 1;
+  }
+  template <std::size_t N>
+  std::array<std::uint32_t, N> at(const std::array<CurveLevel, N>& places) const {
+    std::array<std::uint32_t, N> verts;
+    for (std::size_t i = 0; i < N; ++i) verts[i] = at(places[i]);
+    return verts;
+  }
+
+ private:
+  std::array<std::uint32_t, 3> curves_;
+  std::array<int, 3> counts_{};
+  std::array<CurveVertices, 3> vertices_;
+};
+
 namespace detail {
 
 using CurveTet = std::array<CurveLevel, 4>;
