@@ -1,6 +1,7 @@
 #include "mesher/layers/growth_paths.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mesher/intersection/triangle_tree.hpp"
@@ -21,7 +22,9 @@ constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
-constexpr double kShift = 0.5;                     // of the way to the mean of the neighbours, a step
+constexpr int kShiftSweeps = 4;
+constexpr double kShift = 0.7;                     // of the way to the mean of the neighbours, a sweep
+constexpr double kShrinking = 0.02;                // of the lengths of the wall's edges: a front that shrinks
 constexpr double kMostShift = 0.7;                 // of the step
 constexpr double kSoundPrism = 0.1;                // scaled Jacobian between fronts
 constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
@@ -47,6 +50,8 @@ class Marching {
   }
 
   GrowthPaths run() {
+    find_places();
+    find_weights();
     find_directions(true);
     find_lengths();
     for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
@@ -83,7 +88,7 @@ class Marching {
       if (!is_first && !is_growing(c)) return;
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
-      direction_[c] = sides_.constrain(c, most_normal_direction(normals).direction);
+      direction_[c] = constrain(c, most_normal_direction(normals).direction);
       visibility_[c] = visibility_of(direction_[c], normals);
       if (is_first) judge(c);
     });
@@ -98,8 +103,9 @@ class Marching {
 
   // Curves without a direction stay where they are.
   void judge(std::uint32_t curve) {
-    const bool has_sides = sides_.count(curve) > 0;
-    if (sides_.is_blocked(curve) || (has_sides && visibility_[curve] < kBesideSide)) {
+    const CurveSides* sides = sides_.at(curve);
+    const bool leaves_sides = sides && dot(direction_[curve], sides->into) <= 0;
+    if (sides && (sides->is_blocked || leaves_sides || visibility_[curve] < kBesideSide)) {
       paths_.limits[curve] = LayerLimit::SideAngle;
     } else if (!(visibility_[curve] >= kBlind)) {
       paths_.limits[curve] = LayerLimit::NoNormal;
@@ -115,7 +121,7 @@ class Marching {
     std::vector<Vec3> smoothed = direction_;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for_each_curve([&](std::uint32_t c) {
-        if (direction_[c] == Vec3{} || sides_.count(c) == 2 || (!is_first && !is_growing(c))) return;
+        if (direction_[c] == Vec3{} || sides_.is_along_edge(c) || (!is_first && !is_growing(c))) return;
         Vec3 sum;
         for (const std::uint32_t w : walls_.triangles_at(c))
           for (const std::uint32_t other : walls_.triangles[w].curves)
@@ -123,7 +129,7 @@ class Marching {
         if (sum == Vec3{}) return;
         thread_local std::vector<Vec3> normals;
         gather_normals(c, normals);
-        const Vec3 tried = sides_.constrain(c, normalized(direction_[c] + normalized(sum)));
+        const Vec3 tried = constrain(c, normalized(direction_[c] + normalized(sum)));
         smoothed[c] = visibility_of(tried, normals) >= kept * visibility_[c] ? tried : direction_[c];
       });
       direction_ = smoothed;
@@ -138,7 +144,7 @@ class Marching {
       wanted_[c] = heights.sum(heights.count) * paths_.stretch[c];
       step_[c] = kStep * walls_.curve_to_width[c];
       reach[c] = std::max(wanted_[c] / kOfGap, 2 * wanted_[c] + kLeftInGap * walls_.curve_to_width[c]);
-      shorten(c, sides_.room(c), LayerLimit::SideAngle);
+      if (const CurveSides* sides = sides_.at(c)) shorten(c, sides->room, LayerLimit::SideAngle);
     });
     const intersection::TriangleTree tree(mesh_.points, mesh_.tri_to_vert, runner_);
     const std::vector<Clearance> clearances =
@@ -176,9 +182,10 @@ class Marching {
     const std::vector<Vec3> shifts = find_shifts();
     const auto place = [&](std::uint32_t c) {
       const double length = length_of_step(c);
-      if (is_moving[c]) next[c] = sides_.put(c, front_[c] + length * direction_[c] + length / step_[c] * shifts[c]);
+      if (is_moving[c]) next[c] = front_[c] + length * direction_[c] + length / step_[c] * shifts[c];
     };
     for_each_curve(place);
+    put_on_sides(is_moving, next);
     std::vector<std::uint8_t> is_new = is_moving;
     for (;;) {
       const std::vector<std::uint8_t> is_bad = find_bad(is_moving, is_new, next);
@@ -187,36 +194,116 @@ class Marching {
         if (is_bad[c]) halve(c, is_moving[c], next[c]);
         if (is_bad[c]) place(c);
       });
+      put_on_sides(is_bad, next);
       is_new = is_bad;
     }
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
       if (is_moving[c]) paths_.reached[c] += distance(front_[c], next[c]);
+    for (std::size_t i = 0; i < tried_.size(); ++i)
+      if (is_moving[sides_.curves()[i].curve]) places_[i] = tried_[i];
     front_ = std::move(next);
     paths_.fronts.push_back(front_);
     return true;
   }
 
+  // Those of the curves that are on side faces.
+  template <class Body>
+  void for_each_on_sides(const Body& body) const {
+    constexpr std::size_t kSideGrain = 64;
+    runner_.for_blocks(sides_.curves().size(), kSideGrain, [&](std::size_t begin, std::size_t end) {
+      SideProjector projector(sides_);
+      for (std::size_t i = begin; i < end; ++i)
+        if (!sides_.curves()[i].is_blocked) body(i, projector);
+    });
+  }
+
+  void find_places() {
+    places_.resize(sides_.curves().size());
+    for_each_on_sides(
+        [&](std::size_t i, SideProjector& projector) { places_[i] = projector.at_foot(sides_.curves()[i]); });
+    tried_ = places_;
+  }
+
+  void put_on_sides(const std::vector<std::uint8_t>& is_tried, std::vector<Vec3>& next) {
+    for_each_on_sides([&](std::size_t i, SideProjector& projector) {
+      const CurveSides& curve = sides_.curves()[i];
+      if (!is_tried[curve.curve]) return;
+      tried_[i] = projector.put(curve, next[curve.curve], places_[i]);
+      next[curve.curve] = tried_[i].point;
+    });
+  }
+
+  Vec3 constrain(std::uint32_t curve, const Vec3& direction) const {
+    const CurveSides* sides = sides_.at(curve);
+    return sides && !sides->is_blocked ? constrained(places_[sides_.index_of(curve)], direction) : direction;
+  }
+
   // Towards the mean of the ways that the neighbours have come, within the front and where it shrinks, as at concave
-  // edges. The first step leaves the wall straight.
+  // edges. The weights are those of harmonic maps (Pinkall & Polthier 1993), so that a front that shrinks evenly stays
+  // as it is. The first step leaves the wall straight.
   std::vector<Vec3> find_shifts() const {
     std::vector<Vec3> shifts(walls_.curve_count());
     if (paths_.fronts.size() == 1) return shifts;
-    for_each_curve([&](std::uint32_t c) {
-      if (direction_[c] == Vec3{} || sides_.count(c) == 2 || !is_growing(c)) return;
-      Vec3 sum;
-      double growth = 0;
-      for (const std::uint32_t w : walls_.triangles_at(c))
-        for (const std::uint32_t other : walls_.triangles[w].curves) {
-          sum += way_of(other) - way_of(c);
-          growth += dot(way_of(other) - way_of(c), paths_.fronts[0][other] - paths_.fronts[0][c]);
-        }
-      if (growth >= 0) return;
-      const Vec3 shift = kShift / static_cast<double>(2 * walls_.triangles_at(c).size()) * sum;
-      const Vec3 within = shift - dot(shift, direction_[c]) * direction_[c];
-      const double most = kMostShift * step_[c] / std::max(norm(within), 1e-300);
-      shifts[c] = std::min(1.0, most) * within;
-    });
+    std::vector<std::uint8_t> is_shrinking(walls_.curve_count(), 0);
+    for_each_curve([&](std::uint32_t c) { is_shrinking[c] = shrinks_at(c); });
+    std::vector<Vec3> next = shifts;
+    for (int sweep = 0; sweep < kShiftSweeps; ++sweep) {
+      for_each_curve([&](std::uint32_t c) {
+        if (is_shrinking[c]) next[c] = shift_at(c, shifts);
+      });
+      shifts.swap(next);
+    }
     return shifts;
+  }
+
+  // Visits the neighbours of a curve, each once per triangle, with their weight there.
+  template <class Visit>
+  void for_each_neighbour(std::uint32_t curve, const Visit& visit) const {
+    for (const std::uint32_t w : walls_.triangles_at(curve)) {
+      const auto& curves = walls_.triangles[w].curves;
+      for (std::size_t i = 0; i < 3; ++i)
+        if (curves[i] != curve) {
+          const std::size_t opposite = curves[(i + 1) % 3] == curve ? (i + 2) % 3 : (i + 1) % 3;
+          visit(curves[i], weights_[w][opposite]);
+        }
+    }
+  }
+
+  bool shrinks_at(std::uint32_t curve) const {
+    if (direction_[curve] == Vec3{} || sides_.is_along_edge(curve) || !is_growing(curve)) return false;
+    double growth = 0, size = 0;
+    for_each_neighbour(curve, [&](std::uint32_t other, double) {
+      const Vec3 edge = paths_.fronts[0][other] - paths_.fronts[0][curve];
+      growth += dot(way_of(other) - way_of(curve), edge);
+      size += norm2(edge);
+    });
+    return growth < -kShrinking * size;
+  }
+
+  Vec3 shift_at(std::uint32_t curve, const std::vector<Vec3>& shifts) const {
+    Vec3 sum;
+    double weights = 0;
+    for_each_neighbour(curve, [&](std::uint32_t other, double weight) {
+      sum += weight * (way_of(other) + shifts[other]);
+      weights += weight;
+    });
+    const Vec3 shift = kShift * (sum / weights - way_of(curve));
+    const Vec3 within = shift - dot(shift, direction_[curve]) * direction_[curve];
+    const double most = kMostShift * step_[curve] / std::max(norm(within), 1e-300);
+    return std::min(1.0, most) * within;
+  }
+
+  // Cotangents of the angles, per triangle and corner; those of blunt angles count little.
+  void find_weights() {
+    constexpr double kLeast = 0.05;
+    weights_.resize(walls_.triangles.size());
+    for (std::size_t w = 0; w < weights_.size(); ++w)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& curves = walls_.triangles[w].curves;
+        const Vec3 a = front_[curves[(i + 1) % 3]] - front_[curves[i]],
+                   b = front_[curves[(i + 2) % 3]] - front_[curves[i]];
+        weights_[w][i] = static_cast<float>(std::max(kLeast, dot(a, b) / std::max(norm(cross(a, b)), 1e-300)));
+      }
   }
 
   Vec3 way_of(std::uint32_t curve) const { return front_[curve] - paths_.fronts[0][curve]; }
@@ -265,7 +352,7 @@ class Marching {
                       const std::uint32_t c = curves[corners[i].corner];
                       x[i] = corners[i].level > 0 ? next[c] : front_[c];
                     }
-                    sound = sound && is_positive(x) && scaled_jacobian(x) >= kSoundPrism;
+                    sound = sound && layers::is_sound(x, kSoundPrism);
                   });
     return sound;
   }
@@ -278,6 +365,8 @@ class Marching {
   std::vector<double> wanted_, step_;
   std::vector<Vec3> direction_, front_, normals_;
   std::vector<double> visibility_;
+  std::vector<std::array<float, 3>> weights_;  // per wall triangle and corner
+  std::vector<SidePlace> places_, tried_;  // per curve on side faces: at the front, and where the next one was tried
   GrowthPaths paths_;
 };
 

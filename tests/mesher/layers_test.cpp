@@ -2,64 +2,19 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
-#include "tests/support/analytic_model.hpp"
+#include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
-#include "tetloom/check.hpp"
-#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::layers;
+using namespace tetloom::test_layers;
 using namespace tetloom::test_models;
 using test::error_of;
 
 namespace {
-
-MeshOptions options_of_size(double size, int threads = 2) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = threads;
-  return options;
-}
-
-/// Layers on all faces but some.
-LayerOptions on_faces(const GeometricModel& model, WallLayers layers, std::vector<std::uint32_t> but = {}) {
-  LayerOptions options;
-  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f) {
-    layers.face = ModelFaceId(f);
-    if (std::ranges::count(but, f) == 0) options.walls.push_back(layers);
-  }
-  return options;
-}
-
-WallLayers heights(double first, int count, double growth = 1.2) {
-  WallLayers layers;
-  layers.first_height = first;
-  layers.count = count;
-  layers.growth = growth;
-  return layers;
-}
-
-MeshResult meshed(const GeometricModel& model, const MeshOptions& options) {
-  MeshResult result = make_mesh(model, options);
-  REQUIRE(result.status == MeshStatus::Ok);
-  CHECK(validate_mesh(result.mesh).valid());
-  CHECK(compute_quality(result.mesh).cells.inverted == 0);
-  return result;
-}
-
-// Faces of a cylinder that are flat.
-std::vector<std::uint32_t> caps_of(const GeometricModel& model, double radius) {
-  std::vector<std::uint32_t> caps;
-  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f)
-    if (std::abs(model.area(ModelFaceId(f)) - std::numbers::pi * radius * radius) < 1e-3) caps.push_back(f);
-  return caps;
-}
-
-double volume_of(const std::array<Vec3, 4>& x) { return dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) / 6; }
 
 // Columns of different counts above one triangle.
 struct Column {
