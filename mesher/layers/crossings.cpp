@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "mesher/intersection/self_intersection.hpp"
 
@@ -94,19 +95,23 @@ class CrossingTest {
     return first + static_cast<std::uint32_t>(level) - 1;
   }
 
-  // The layers that one of the triangles belongs to; of a side face that something else crosses, all on it.
+  // The layers that one of the triangles belongs to; of a side face that something else crosses, all on it. Low ones
+  // beside thick ones are not what is in the way.
   void mark(const TriangleIntersection& crossing) {
-    bool any = false;
-    const auto hit = [&](std::span<const std::uint32_t> curves) {
-      for (const std::uint32_t c : curves) {
-        is_hit_[c] = is_hit_[c] || layers_.counts.count(c) > 0;
-        any = any || is_hit_[c];
-      }
+    constexpr double kLow = 0.3;
+    std::vector<std::uint32_t> curves;
+    const auto add_curves = [&](std::span<const std::uint32_t> more) {
+      std::ranges::copy_if(more, std::back_inserter(curves),
+                           [&](std::uint32_t c) { return layers_.counts.count(c) > 0; });
     };
     for (const std::uint32_t t : {crossing.first, crossing.second})
-      if (walls_[t] != kNone) hit(layers_.walls.triangles[walls_[t]].curves);
+      if (walls_[t] != kNone) add_curves(layers_.walls.triangles[walls_[t]].curves);
     for (const std::uint32_t t : {crossing.first, crossing.second})
-      if (!any && sides_[t] != kNone) hit(layers_.sides.sides()[sides_[t]].curves);
+      if (curves.empty() && sides_[t] != kNone) add_curves(layers_.sides.sides()[sides_[t]].curves);
+    double thickest = 0;
+    for (const std::uint32_t c : curves) thickest = std::max(thickest, layers_.counts.thickness(c));
+    for (const std::uint32_t c : curves)
+      if (layers_.counts.thickness(c) >= kLow * thickest) is_hit_[c] = 1;
   }
 
   const LayersInQuestion& layers_;

@@ -13,11 +13,11 @@ constexpr std::array<CellCorner, 6> kOtherPrismTets{
     {{0, 1, 2, 4}, {0, 1, 2, 5}, {3, 5, 4, 1}, {3, 5, 4, 2}, {0, 1, 5, 3}, {2, 0, 4, 3}}};
 constexpr double kOfEquilateral = 0.8660254037844386;
 
-struct Corner {
+struct CornerJacobian {
   double det, lengths2;  // the Jacobian; the product of the squared lengths
 };
 
-Corner corner_at(const CellCorner& corner, std::span<const Vec3> x) {
+CornerJacobian corner_at(const CellCorner& corner, std::span<const Vec3> x) {
   const Vec3 u = x[corner[1]] - x[corner[0]], v = x[corner[2]] - x[corner[0]], w = x[corner[3]] - x[corner[0]];
   return {dot(cross(u, v), w), norm2(u) * norm2(v) * norm2(w)};
 }

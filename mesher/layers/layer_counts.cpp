@@ -28,7 +28,7 @@ LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& 
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
-    count = count_within(c, paths.reached[c]);
+    count = count_within(c, paths.reached[c] * stretch_[c]);
     if (count == heights.count) limits_[c] = LayerLimit::None;
     while (count > 1 && heights.last(count) > walls.curve_to_width[c]) {
       --count;
@@ -41,7 +41,8 @@ LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& 
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<std::uint32_t>(i);
       for (int level = 1; level <= counts_[c]; ++level)
-        points_[begin_[c] + static_cast<std::size_t>(level) - 1] = paths.point_at(c, thickness_of(c, level));
+        points_[begin_[c] + static_cast<std::size_t>(level) - 1] =
+            paths.point_at(c, walls_.curve_to_heights[c].sum(level));
     }
   });
   put_on(sides, runner);

@@ -13,20 +13,19 @@ double nearest_period(double goal, double x, double period) {
   return period > 0 ? x + period * std::round((goal - x) / period) : x;
 }
 
-struct Corner {
+struct HalfEdgeCorner {
   std::array<std::uint32_t, 2> verts;
   std::uint32_t triangle;
   std::uint8_t corner;
-  bool operator<(const Corner& other) const { return verts < other.verts; }
 };
 
-std::vector<Corner> half_edges(const Mesh& mesh, std::span<const std::uint32_t> triangles) {
-  std::vector<Corner> all;
+std::vector<HalfEdgeCorner> half_edges(const Mesh& mesh, std::span<const std::uint32_t> triangles) {
+  std::vector<HalfEdgeCorner> all;
   all.reserve(3 * triangles.size());
   for (const std::uint32_t t : triangles)
     for (std::uint8_t i = 0; i < 3; ++i)
       all.push_back({{mesh.tri_to_vert[t][i], mesh.tri_to_vert[t][(i + 1) % 3]}, t, i});
-  std::ranges::sort(all, {}, &Corner::verts);
+  std::ranges::sort(all, {}, &HalfEdgeCorner::verts);
   return all;
 }
 
@@ -97,16 +96,17 @@ std::array<Vec2, 3> SidePlacer::corners(std::uint32_t triangle) {
 
 std::vector<RimPiece> find_rim(const Mesh& mesh, std::span<const std::uint32_t> triangles,
                                std::span<const std::array<std::uint32_t, 2>> edges, SidePlacer& placer) {
-  const std::vector<Corner> all = half_edges(mesh, triangles);
+  const std::vector<HalfEdgeCorner> all = half_edges(mesh, triangles);
   std::vector<RimPiece> rim;
   double longest = 0;
-  const auto place_of = [&](const Corner& at) {
+  const auto place_of = [&](const HalfEdgeCorner& at) {
     const std::array<Vec2, 3> places = placer.corners(at.triangle);
     const bool is_upright = cross(places[1] - places[0], places[2] - places[0]) > 0;
     return std::pair(is_upright, RimPiece{at.verts, {places[at.corner], places[(at.corner + 1) % 3]}});
   };
-  for (const Corner& here : all) {
-    const auto twin = std::ranges::lower_bound(all, std::array{here.verts[1], here.verts[0]}, {}, &Corner::verts);
+  for (const HalfEdgeCorner& here : all) {
+    const auto twin =
+        std::ranges::lower_bound(all, std::array{here.verts[1], here.verts[0]}, {}, &HalfEdgeCorner::verts);
     const bool is_inside = twin != all.end() && twin->verts == std::array{here.verts[1], here.verts[0]};
     if (is_inside && !holds(edges, here.verts)) continue;
     const auto [is_upright, piece] = place_of(here);

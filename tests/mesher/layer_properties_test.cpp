@@ -117,3 +117,12 @@ TEST_CASE("where no layer fits, the mesh is that without layers") {
     CHECK(mesh_digest(result.mesh) == digest);
   }
 }
+
+TEST_CASE("narrow faces between wide ones keep their layers") {
+  const auto chamfered = bar({{0, 0}, {2, 0}, {2, 1.95}, {1.95, 2}, {0, 2}}, 2);
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*chamfered, heights(0.02, 6));
+  const MeshResult result = meshed(*chamfered, options);
+  CHECK(result.layers.coverage.at_least_one == Approx(1));
+  CHECK(result.layers.coverage.full_count > 0.96);
+}
