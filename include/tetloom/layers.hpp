@@ -41,7 +41,7 @@ enum class LayerLimit : std::uint8_t {
   NoNormal,   ///< no direction leads away from all faces at the place
   Cell,       ///< a cell would have had no positive volume, or nearly none
   Crossing,   ///< the top of the layers would have crossed a surface
-  SideAngle,  ///< a face beside the wall is not flat, or meets it at less than 30 or more than 150 degrees
+  SideAngle,  ///< a face beside the wall meets it at less than 30 or more than 150 degrees, or has no room for layers
   Filling     ///< the space above the layers could not be filled
 };
 constexpr std::size_t kLayerLimits = 9;

@@ -5,14 +5,13 @@
 #include <optional>
 
 #include "core/geometry/bad_geometry.hpp"
-#include "mesher/intersection/self_intersection.hpp"
+#include "mesher/layers/crossings.hpp"
 #include "mesher/layers/growth_paths.hpp"
 
 namespace tetloom::layers {
 
 namespace {
 
-constexpr std::size_t kMostCrossings = 1'000'000;
 constexpr int kMostHits = 6;  // of one curve: then it has no layers any more
 
 // What is left of the layers of a curve that was in the way so often.
@@ -55,8 +54,8 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
       runner_(runner),
       walls_(find_walls(mesh, model.topology().face_to_sides, options)) {
   const auto& face_to_sides = model.topology().face_to_sides;
-  sides_.emplace(mesh_, face_to_sides, walls_);
-  side_meshes_.resize(sides_->side_count());
+  sides_.emplace(model, mesh_, walls_, runner);
+  side_meshes_.resize(sides_->sides().size());
   const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner);
   counts_.emplace(mesh_, walls_, *sides_, paths, runner);
   make_surface();
@@ -77,7 +76,7 @@ void LayerGrowth::make_surface() {
   for (;;) {
     counts_->settle(runner_);
     std::vector<std::uint8_t> changed = counts_->take_changes();
-    make_side_meshes(changed);
+    make_side_meshes(changed, hits);
     std::vector<SideMesh> meshes;
     for (const auto& side : side_meshes_)
       if (side) meshes.push_back(*side);
@@ -86,91 +85,46 @@ void LayerGrowth::make_surface() {
   }
 }
 
-// Where the rest of a side face cannot be meshed, there are no layers on it. What changes by that is added to
-// `changed`.
-void LayerGrowth::make_side_meshes(std::vector<std::uint8_t>& changed) {
+// Where the rest of a side face cannot be meshed, there are fewer layers on it, and none in the end. What changes by
+// that is added to `changed`.
+void LayerGrowth::make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits) {
+  std::vector<std::uint8_t> is_new = changed;
   for (bool again = true; again;) {
-    again = false;
     const std::vector<CurveTop> all_tops = tops();
-    std::vector<std::uint8_t> failed(sides_->side_count(), 0);
-    runner_.for_each(sides_->side_count(), [&](std::size_t s) {
-      const auto curves = sides_->curves_on(s);
-      if (std::ranges::none_of(curves, [&](std::uint32_t c) { return changed[c] != 0; })) return;
+    const std::span<const SideFace> sides = sides_->sides();
+    runner_.for_each(sides.size(), [&](std::size_t s) {
+      const auto& curves = sides[s].curves;
+      if (std::ranges::none_of(curves, [&](std::uint32_t c) { return is_new[c] != 0; })) return;
       side_meshes_[s].reset();
       if (std::ranges::none_of(curves, [&](std::uint32_t c) { return all_tops[c].grows; })) return;
-      side_meshes_[s] = sides_->mesh_rest(s, all_tops, sizes_, [&] { return !runner_.cancelled(); });
-      failed[s] = side_meshes_[s]->mesh.verdict != FaceVerdict::Ok;
+      side_meshes_[s] = mesh_rest(*sides_, s, all_tops, sizes_, [&] { return !runner_.cancelled(); });
     });
     runner_.check_cancelled();
-    for (std::size_t s = 0; s < failed.size(); ++s)
-      if (failed[s])
-        for (const std::uint32_t c : sides_->curves_on(s)) counts_->lower(c, 0, LayerLimit::SideAngle);
-    again = std::ranges::count(failed, 1) > 0;
-    if (again) {
-      counts_->settle(runner_);
-      const std::vector<std::uint8_t> more = counts_->take_changes();
-      for (std::size_t c = 0; c < changed.size(); ++c) changed[c] |= more[c];
-    }
+    std::vector<std::uint8_t> is_hit(walls_.curve_count(), 0);
+    for (const auto& side : side_meshes_)
+      if (side)
+        for (const std::uint32_t c : side->in_the_way) is_hit[c] = 1;
+    again = lower_hit(is_hit, hits, LayerLimit::SideAngle);
+    if (!again) break;
+    counts_->settle(runner_);
+    is_new = counts_->take_changes();
+    for (std::size_t c = 0; c < changed.size(); ++c) changed[c] |= is_new[c];
   }
 }
 
-// Triangles of the surface that were not there, or elsewhere, when it was last looked at.
-std::vector<std::uint8_t> LayerGrowth::new_triangles(const std::vector<std::uint8_t>& changed) const {
-  std::vector<std::uint8_t> side_is_new(model_.topology().face_count(), 0);
-  for (std::size_t s = 0; s < sides_->side_count(); ++s)
-    side_is_new[sides_->face_of(s)] =
-        std::ranges::any_of(sides_->curves_on(s), [&](std::uint32_t c) { return changed[c] != 0; });
-  std::vector<std::uint8_t> is_new(surface_.is_top.size(), 0);
-  for (std::size_t t = 0; t < is_new.size(); ++t) {
-    if (const std::uint32_t wall = surface_.tri_to_wall[t]; wall != kNone)
-      is_new[t] = std::ranges::any_of(walls_.triangles[wall].curves, [&](std::uint32_t c) { return changed[c] != 0; });
-    else
-      is_new[t] = side_is_new[surface_.mesh.tri_to_entity[t]];
-  }
-  return is_new;
-}
-
-// The exact test over walls, tops and all other surfaces of each region. False when nothing crosses.
 bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits) {
-  const std::vector<std::uint8_t> tri_is_new = new_triangles(changed);
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> groups, walls;
-  std::vector<std::uint8_t> is_new;
-  const auto add = [&](const std::array<std::uint32_t, 3>& verts, ModelRegionId region, std::uint32_t wall,
-                       bool fresh) {
-    if (!region.valid()) return;
-    triangles.push_back(verts);
-    groups.push_back(region.value);
-    walls.push_back(wall);
-    is_new.push_back(fresh);
-  };
-  for (std::size_t t = 0; t < surface_.is_top.size(); ++t) {
-    const FaceSides& sides = surface_.tri_to_sides[t];
-    const auto& verts = surface_.mesh.tri_to_vert[t];
-    const std::uint32_t wall = surface_.tri_to_wall[t];
-    add(verts, sides.front, wall, tri_is_new[t]);
-    if (sides.back != sides.front) add(verts, sides.back, wall, tri_is_new[t]);
-    // A wall triangle of which all corners have layers has none in common with its top.
-    if (wall != kNone) add(walls_.triangles[wall].verts, sides.front, kNone, false);
-  }
-  const std::vector<TriangleIntersection> found =
-      find_self_intersections({surface_.mesh.points, triangles, groups, kMostCrossings, false, is_new}, runner_);
-  std::vector<std::uint8_t> is_hit(walls_.curve_count(), 0);
-  for (const TriangleIntersection& hit : found)
-    for (const std::uint32_t triangle : {hit.first, hit.second})
-      if (walls[triangle] != kNone)
-        for (const std::uint32_t c : walls_.triangles[walls[triangle]].curves) is_hit[c] = counts_->count(c) > 0;
-  // A side face that crosses something has too much on it.
-  for (const TriangleIntersection& hit : found)
-    for (std::size_t s = 0; s < sides_->side_count(); ++s) {
-      if (walls[hit.first] != kNone || walls[hit.second] != kNone) break;
-      for (const std::uint32_t c : sides_->curves_on(s)) is_hit[c] = counts_->count(c) > 0;
-    }
+  const std::vector<std::uint8_t> is_hit =
+      find_curves_in_the_way({model_.topology().face_to_sides, walls_, *sides_, *counts_, surface_, changed}, runner_);
+  return lower_hit(is_hit, hits, LayerLimit::Crossing);
+}
+
+// False where there is none.
+bool LayerGrowth::lower_hit(const std::vector<std::uint8_t>& is_hit, std::vector<int>& hits, LayerLimit limit) {
   bool any = false;
   for (std::uint32_t c = 0; c < is_hit.size(); ++c) {
-    if (!is_hit[c]) continue;
+    if (!is_hit[c] || counts_->count(c) == 0) continue;
     any = true;
-    counts_->lower(c, count_after_hits(counts_->count(c), ++hits[c]), LayerLimit::Crossing);
+    counts_->lower(c, count_after_hits(counts_->count(c), ++hits[c]), limit);
   }
   return any;
 }

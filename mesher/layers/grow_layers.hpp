@@ -38,9 +38,9 @@ class LayerGrowth {
 
  private:
   void make_surface();
-  void make_side_meshes(std::vector<std::uint8_t>& changed);
+  void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
-  std::vector<std::uint8_t> new_triangles(const std::vector<std::uint8_t>& changed) const;
+  bool lower_hit(const std::vector<std::uint8_t>& is_hit, std::vector<int>& hits, LayerLimit limit);
   std::vector<CurveTop> tops() const;
 
   const GeometricModel& model_;

@@ -1,10 +1,12 @@
 #include "mesher/layers/growth_paths.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/layers/clearance.hpp"
+#include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
 
@@ -21,9 +23,9 @@ constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
-constexpr double kShift = 0.5;                     // of the way to the mean of the neighbours, a step
-constexpr double kMostShift = 0.7;                 // of the step
-constexpr double kSoundPrism = 0.1;                // scaled Jacobian between fronts
+constexpr double kMostShift = 1.5;  // of the step
+constexpr double kLeastShape = 0.01;
+constexpr double kSoundPrism = 0.1;                // scaled Jacobian between fronts; less above narrow triangles
 constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
 constexpr double kLeftInGap = 0.9;                 // widths that stay for other elements
 
@@ -38,15 +40,21 @@ class Marching {
         runner_(runner),
         wanted_(walls.curve_count(), 0),
         step_(walls.curve_count(), 0),
-        direction_(walls.curve_count()) {
+        stretch_(walls.curve_count(), 1),
+        middle_(walls.curve_count()),
+        direction_(walls.curve_count()),
+        front_(feet(mesh, walls)),
+        spreading_(walls, front_) {
     paths_.reached.assign(walls.curve_count(), 0);
     paths_.stretch.assign(walls.curve_count(), 1);
     paths_.limits.assign(walls.curve_count(), LayerLimit::None);
-    for (const std::uint32_t v : walls.curve_to_vert) front_.push_back(mesh.points[v]);
     paths_.fronts.push_back(front_);
+    paths_.heights.push_back(paths_.reached);
   }
 
   GrowthPaths run() {
+    find_places();
+    find_shapes();
     find_directions(true);
     find_lengths();
     for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
@@ -54,6 +62,24 @@ class Marching {
   }
 
  private:
+  static std::vector<Vec3> feet(const Mesh& mesh, const Walls& walls) {
+    std::vector<Vec3> feet;
+    for (const std::uint32_t v : walls.curve_to_vert) feet.push_back(mesh.points[v]);
+    return feet;
+  }
+
+  // The prism above a narrow triangle cannot be better than the triangle.
+  void find_shapes() {
+    for (const WallTriangle& wall : walls_.triangles) {
+      const auto& [a, b, c] = wall.curves;
+      const Vec3 up = cross(front_[b] - front_[a], front_[c] - front_[a]);
+      const Vec3 height = std::sqrt(norm(up)) * normalized(up);
+      const std::array prism{front_[a],          front_[b],          front_[c],
+                             front_[a] + height, front_[b] + height, front_[c] + height};
+      shapes_.push_back(static_cast<float>(std::max(scaled_jacobian(prism), kLeastShape)));
+    }
+  }
+
   template <class Body>
   void for_each_curve(const Body& body) const {
     runner_.for_blocks(walls_.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -83,23 +109,28 @@ class Marching {
       if (!is_first && !is_growing(c)) return;
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
-      direction_[c] = sides_.constrain(c, most_normal_direction(normals).direction);
+      direction_[c] = constrain(c, most_normal_direction(normals).direction);
       visibility_[c] = visibility_of(direction_[c], normals);
       if (is_first) judge(c);
     });
     smooth(is_first ? kKeptAtFoot : kKeptAbove, is_first);
-    if (!is_first) return;
     for_each_curve([&](std::uint32_t c) {
+      if (!is_first && !is_growing(c)) return;
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
-      paths_.stretch[c] = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
+      stretch_[c] = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
+      Vec3 sum;
+      for (const Vec3& normal : normals) sum += normal;
+      middle_[c] = normalized(sum);
     });
+    if (is_first) paths_.stretch = stretch_;
   }
 
   // Curves without a direction stay where they are.
   void judge(std::uint32_t curve) {
-    const bool has_sides = sides_.count(curve) > 0;
-    if (sides_.is_blocked(curve) || (has_sides && visibility_[curve] < kBesideSide)) {
+    const CurveSides* sides = sides_.at(curve);
+    const bool leaves_sides = sides && dot(direction_[curve], sides->into) <= 0;
+    if (sides && (sides->is_blocked || leaves_sides || visibility_[curve] < kBesideSide)) {
       paths_.limits[curve] = LayerLimit::SideAngle;
     } else if (!(visibility_[curve] >= kBlind)) {
       paths_.limits[curve] = LayerLimit::NoNormal;
@@ -115,7 +146,7 @@ class Marching {
     std::vector<Vec3> smoothed = direction_;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for_each_curve([&](std::uint32_t c) {
-        if (direction_[c] == Vec3{} || sides_.count(c) == 2 || (!is_first && !is_growing(c))) return;
+        if (direction_[c] == Vec3{} || sides_.is_along_edge(c) || (!is_first && !is_growing(c))) return;
         Vec3 sum;
         for (const std::uint32_t w : walls_.triangles_at(c))
           for (const std::uint32_t other : walls_.triangles[w].curves)
@@ -123,7 +154,7 @@ class Marching {
         if (sum == Vec3{}) return;
         thread_local std::vector<Vec3> normals;
         gather_normals(c, normals);
-        const Vec3 tried = sides_.constrain(c, normalized(direction_[c] + normalized(sum)));
+        const Vec3 tried = constrain(c, normalized(direction_[c] + normalized(sum)));
         smoothed[c] = visibility_of(tried, normals) >= kept * visibility_[c] ? tried : direction_[c];
       });
       direction_ = smoothed;
@@ -135,10 +166,11 @@ class Marching {
     for_each_curve([&](std::uint32_t c) {
       if (direction_[c] == Vec3{}) return;
       const LayerHeights& heights = walls_.curve_to_heights[c];
-      wanted_[c] = heights.sum(heights.count) * paths_.stretch[c];
+      wanted_[c] = heights.sum(heights.count);
       step_[c] = kStep * walls_.curve_to_width[c];
-      reach[c] = std::max(wanted_[c] / kOfGap, 2 * wanted_[c] + kLeftInGap * walls_.curve_to_width[c]);
-      shorten(c, sides_.room(c), LayerLimit::SideAngle);
+      const double length = wanted_[c] * stretch_[c];
+      reach[c] = std::max(length / kOfGap, 2 * length + kLeftInGap * walls_.curve_to_width[c]);
+      if (const CurveSides* sides = sides_.at(c)) shorten(c, sides->room, LayerLimit::SideAngle);
     });
     const intersection::TriangleTree tree(mesh_.points, mesh_.tri_to_vert, runner_);
     const std::vector<Clearance> clearances =
@@ -152,13 +184,13 @@ class Marching {
   double length_in_gap(std::uint32_t curve, const Clearance& clearance) const {
     const double share = (clearance.has_layers ? kOfGap : kOfFreeGap) * clearance.distance;
     const double left = clearance.distance - kLeftInGap * walls_.curve_to_width[curve];
-    const double one = walls_.curve_to_heights[curve].first * paths_.stretch[curve];
+    const double one = walls_.curve_to_heights[curve].first * stretch_[curve];
     return std::max(std::min(share, clearance.has_layers ? left / 2 : left), one <= share ? one : 0);
   }
 
   void shorten(std::uint32_t curve, double length, LayerLimit limit) {
-    if (length >= wanted_[curve]) return;
-    wanted_[curve] = length;
+    if (length >= wanted_[curve] * stretch_[curve]) return;
+    wanted_[curve] = length / stretch_[curve];
     paths_.limits[curve] = limit;
   }
 
@@ -173,12 +205,19 @@ class Marching {
     }
     if (!any) return false;
     std::vector<Vec3> next = front_;
-    const std::vector<Vec3> shifts = find_shifts();
+    for_each_curve([&](std::uint32_t c) {
+      if (is_moving[c]) next[c] = front_[c] + height_of_step(c) * stretch_[c] * direction_[c];
+    });
+    const std::vector<Vec3> shifts = find_shifts(next);
+    std::vector<double> rise(walls_.curve_count(), 0);
     const auto place = [&](std::uint32_t c) {
-      const double length = length_of_step(c);
-      if (is_moving[c]) next[c] = sides_.put(c, front_[c] + length * direction_[c] + length / step_[c] * shifts[c]);
+      rise[c] = is_moving[c] ? height_of_step(c) : 0;
+      if (!is_moving[c]) return;
+      const double share = std::min(1.0, rise[c] / full_step(c));
+      next[c] = front_[c] + rise[c] * stretch_[c] * direction_[c] + share * shifts[c];
     };
     for_each_curve(place);
+    put_on_sides(is_moving, next);
     std::vector<std::uint8_t> is_new = is_moving;
     for (;;) {
       const std::vector<std::uint8_t> is_bad = find_bad(is_moving, is_new, next);
@@ -187,48 +226,75 @@ class Marching {
         if (is_bad[c]) halve(c, is_moving[c], next[c]);
         if (is_bad[c]) place(c);
       });
+      put_on_sides(is_bad, next);
       is_new = is_bad;
     }
-    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
-      if (is_moving[c]) paths_.reached[c] += distance(front_[c], next[c]);
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      paths_.reached[c] += rise[c];
+      step_[c] = std::min(2 * step_[c], full_step(c));
+    }
+    paths_.heights.push_back(paths_.reached);
+    for (std::size_t i = 0; i < tried_.size(); ++i)
+      if (is_moving[sides_.curves()[i].curve]) places_[i] = tried_[i];
     front_ = std::move(next);
     paths_.fronts.push_back(front_);
     return true;
   }
 
-  // Towards the mean of the ways that the neighbours have come, within the front and where it shrinks, as at concave
-  // edges. The first step leaves the wall straight.
-  std::vector<Vec3> find_shifts() const {
-    std::vector<Vec3> shifts(walls_.curve_count());
-    if (paths_.fronts.size() == 1) return shifts;
-    for_each_curve([&](std::uint32_t c) {
-      if (direction_[c] == Vec3{} || sides_.count(c) == 2 || !is_growing(c)) return;
-      Vec3 sum;
-      double growth = 0;
-      for (const std::uint32_t w : walls_.triangles_at(c))
-        for (const std::uint32_t other : walls_.triangles[w].curves) {
-          sum += way_of(other) - way_of(c);
-          growth += dot(way_of(other) - way_of(c), paths_.fronts[0][other] - paths_.fronts[0][c]);
-        }
-      if (growth >= 0) return;
-      const Vec3 shift = kShift / static_cast<double>(2 * walls_.triangles_at(c).size()) * sum;
-      const Vec3 within = shift - dot(shift, direction_[c]) * direction_[c];
-      const double most = kMostShift * step_[c] / std::max(norm(within), 1e-300);
-      shifts[c] = std::min(1.0, most) * within;
+  // Those of the curves that are on side faces.
+  template <class Body>
+  void for_each_on_sides(const Body& body) const {
+    constexpr std::size_t kSideGrain = 64;
+    runner_.for_blocks(sides_.curves().size(), kSideGrain, [&](std::size_t begin, std::size_t end) {
+      SideProjector projector(sides_);
+      for (std::size_t i = begin; i < end; ++i)
+        if (!sides_.curves()[i].is_blocked) body(i, projector);
     });
-    return shifts;
   }
 
-  Vec3 way_of(std::uint32_t curve) const { return front_[curve] - paths_.fronts[0][curve]; }
+  void find_places() {
+    places_.resize(sides_.curves().size());
+    for_each_on_sides(
+        [&](std::size_t i, SideProjector& projector) { places_[i] = projector.at_foot(sides_.curves()[i]); });
+    tried_ = places_;
+  }
 
-  double length_of_step(std::uint32_t curve) const {
+  void put_on_sides(const std::vector<std::uint8_t>& is_tried, std::vector<Vec3>& next) {
+    for_each_on_sides([&](std::size_t i, SideProjector& projector) {
+      const CurveSides& curve = sides_.curves()[i];
+      if (!is_tried[curve.curve]) return;
+      tried_[i] = projector.put(curve, next[curve.curve], places_[i]);
+      next[curve.curve] = tried_[i].point;
+    });
+  }
+
+  Vec3 constrain(std::uint32_t curve, const Vec3& direction) const {
+    const CurveSides* sides = sides_.at(curve);
+    return sides && !sides->is_blocked ? constrained(places_[sides_.index_of(curve)], direction) : direction;
+  }
+
+  // The first step leaves the wall straight.
+  std::vector<Vec3> find_shifts(const std::vector<Vec3>& next) const {
+    if (paths_.fronts.size() == 1) return std::vector<Vec3>(walls_.curve_count());
+    std::vector<std::uint8_t> is_free(walls_.curve_count(), 0);
+    std::vector<double> most(walls_.curve_count(), 0);
+    for_each_curve([&](std::uint32_t c) {
+      is_free[c] = direction_[c] != Vec3{} && !sides_.is_along_edge(c) && is_growing(c);
+      most[c] = kMostShift * full_step(c);
+    });
+    return spreading_.find_shifts({next, is_free, middle_, most}, runner_);
+  }
+
+  double full_step(std::uint32_t curve) const { return kStep * walls_.curve_to_width[curve]; }
+
+  double height_of_step(std::uint32_t curve) const {
     constexpr double kRest = 1.3;  // rather one longer step than a short one behind it
     const double left = wanted_[curve] - paths_.reached[curve];
     return left <= kRest * step_[curve] ? left * (1 + 1e-12) : step_[curve];
   }
 
   void halve(std::uint32_t curve, std::uint8_t& is_moving, Vec3& next) {
-    step_[curve] = 0.5 * std::min(step_[curve], length_of_step(curve));
+    step_[curve] = 0.5 * std::min(step_[curve], height_of_step(curve));
     const double least = paths_.fronts.size() == 1 ? kLeastFirstStep : kLeastStep;
     if (step_[curve] >= least * walls_.curve_to_width[curve]) return;
     is_moving = 0;
@@ -246,7 +312,7 @@ class Marching {
     std::vector<std::uint8_t> wall_is_bad(walls_.triangles.size(), 0);
     runner_.for_blocks(wall_is_bad.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t w = begin; w < end; ++w)
-        wall_is_bad[w] = is_concerned(walls_.triangles[w]) && !is_sound(walls_.triangles[w].curves, is_moving, next);
+        wall_is_bad[w] = is_concerned(walls_.triangles[w]) && !is_sound(w, is_moving, next);
     });
     std::vector<std::uint8_t> is_bad(walls_.curve_count(), 0);
     for (std::size_t w = 0; w < wall_is_bad.size(); ++w)
@@ -255,8 +321,9 @@ class Marching {
     return is_bad;
   }
 
-  bool is_sound(const std::array<std::uint32_t, 3>& curves, const std::vector<std::uint8_t>& is_moving,
-                const std::vector<Vec3>& next) const {
+  bool is_sound(std::size_t wall, const std::vector<std::uint8_t>& is_moving, const std::vector<Vec3>& next) const {
+    const auto& curves = walls_.triangles[wall].curves;
+    const double least = std::min<double>(kSoundPrism, shapes_[wall] * shapes_[wall]);
     bool sound = true;
     for_each_cell({is_moving[curves[0]], is_moving[curves[1]], is_moving[curves[2]]},
                   [&](CellKind, const auto& corners) {
@@ -265,7 +332,7 @@ class Marching {
                       const std::uint32_t c = curves[corners[i].corner];
                       x[i] = corners[i].level > 0 ? next[c] : front_[c];
                     }
-                    sound = sound && is_positive(x) && scaled_jacobian(x) >= kSoundPrism;
+                    sound = sound && layers::is_sound(x, least);
                   });
     return sound;
   }
@@ -275,24 +342,26 @@ class Marching {
   const Walls& walls_;
   const SideFaces& sides_;
   const TaskRunner& runner_;
-  std::vector<double> wanted_, step_;
+  std::vector<double> wanted_, step_, stretch_;  // heights, and lengths over heights
+  std::vector<Vec3> middle_;                     // of the normals around
   std::vector<Vec3> direction_, front_, normals_;
   std::vector<double> visibility_;
+  std::vector<float> shapes_;  // scaled Jacobian of straight prisms, per wall triangle
+  FrontSpreading spreading_;
+  std::vector<SidePlace> places_, tried_;  // per curve on side faces: at the front, and where the next one was tried
   GrowthPaths paths_;
 };
 
 }  // namespace
 
-Vec3 GrowthPaths::point_at(std::uint32_t curve, double length) const {
-  double before = 0;
-  for (std::size_t k = 1; k < fronts.size(); ++k) {
-    const Vec3 &from = fronts[k - 1][curve], &to = fronts[k][curve];
-    const double step = distance(from, to);
-    if (step == 0) continue;
-    if (before + step >= length || k + 1 == fronts.size()) return from + (length - before) / step * (to - from);
-    before += step;
-  }
-  return fronts.back()[curve];
+Vec3 GrowthPaths::point_at(std::uint32_t curve, double height) const {
+  std::size_t k = 1;
+  while (k + 1 < fronts.size() && heights[k][curve] < height) ++k;
+  while (k > 1 && heights[k][curve] == heights[k - 1][curve]) --k;  // it has ended before
+  if (k >= fronts.size()) return fronts.back()[curve];
+  const double low = heights[k - 1][curve], high = heights[k][curve];
+  if (!(high > low)) return fronts[k][curve];
+  return fronts[k - 1][curve] + (height - low) / (high - low) * (fronts[k][curve] - fronts[k - 1][curve]);
 }
 
 GrowthPaths make_paths(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,

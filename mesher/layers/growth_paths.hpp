@@ -12,13 +12,14 @@ namespace tetloom::layers {
 
 /// A polyline for every growth curve, and why it ends.
 struct GrowthPaths {
-  std::vector<std::vector<Vec3>> fronts;  ///< the points of all curves after step 0, 1, …; first the feet
-  std::vector<double> reached;            ///< length of each curve
-  std::vector<double> stretch;            ///< lengths along a curve over heights normal to its triangles, 1 to 2
-  std::vector<LayerLimit> limits;         ///< why a curve is shorter than asked for
+  std::vector<std::vector<Vec3>> fronts;     ///< the points of all curves after step 0, 1, …; first the feet
+  std::vector<std::vector<double>> heights;  ///< above the wall, as layers count them, of those points
+  std::vector<double> reached;               ///< height of each curve
+  std::vector<double> stretch;               ///< at the wall: length along a curve over height, 1 to 2
+  std::vector<LayerLimit> limits;            ///< why a curve is shorter than asked for
 
-  /// The point at this length along the curve; at most `reached`.
-  Vec3 point_at(std::uint32_t curve, double length) const;
+  /// The point of the curve at this height; at most `reached`.
+  Vec3 point_at(std::uint32_t curve, double height) const;
 };
 
 /// Paths as long as the layers asked for, or shorter: where another wall is near, where no direction sees all triangles

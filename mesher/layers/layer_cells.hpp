@@ -51,4 +51,10 @@ double scaled_jacobian(const std::array<Vec3, 6>& prism);
 double scaled_jacobian(const std::array<Vec3, 5>& pyramid);
 double scaled_jacobian(const std::array<Vec3, 4>& tet);
 
+/// Whether the cell is positive and its scaled Jacobian is at least so much. Pre: least >= 1e-6, so that corners of
+/// that Jacobian are positive for certain.
+bool is_sound(const std::array<Vec3, 6>& prism, double least);
+bool is_sound(const std::array<Vec3, 5>& pyramid, double least);
+bool is_sound(const std::array<Vec3, 4>& tet, double least);
+
 }  // namespace tetloom::layers

@@ -28,7 +28,7 @@ LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& 
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
-    count = count_within(c, paths.reached[c]);
+    count = count_within(c, paths.reached[c] * stretch_[c]);
     if (count == heights.count) limits_[c] = LayerLimit::None;
     while (count > 1 && heights.last(count) > walls.curve_to_width[c]) {
       --count;
@@ -42,7 +42,24 @@ LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& 
       const auto c = static_cast<std::uint32_t>(i);
       for (int level = 1; level <= counts_[c]; ++level)
         points_[begin_[c] + static_cast<std::size_t>(level) - 1] =
-            sides.put(c, paths.point_at(c, thickness_of(c, level)));
+            paths.point_at(c, walls_.curve_to_heights[c].sum(level));
+    }
+  });
+  put_on(sides, runner);
+}
+
+void LayerCounts::put_on(const SideFaces& sides, const TaskRunner& runner) {
+  constexpr std::size_t kSideGrain = 64;
+  runner.for_blocks(sides.curves().size(), kSideGrain, [&](std::size_t begin, std::size_t end) {
+    SideProjector projector(sides);
+    for (std::size_t i = begin; i < end; ++i) {
+      const CurveSides& curve = sides.curves()[i];
+      if (curve.is_blocked || counts_[curve.curve] == 0) continue;
+      SidePlace place = projector.at_foot(curve);
+      for (std::size_t p = begin_[curve.curve]; p < begin_[curve.curve + 1]; ++p) {
+        place = projector.put(curve, points_[p], place);
+        points_[p] = place.point;
+      }
     }
   });
 }
@@ -122,7 +139,7 @@ int LayerCounts::sound_levels(const WallTriangle& wall) const {
   for_each_cell(counts, [&](CellKind, const auto& corners) {
     std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(wall.curves[corners[i].corner], corners[i].level);
-    if (level < sound && !(is_positive(x) && scaled_jacobian(x) >= kSound)) sound = level;
+    if (level < sound && !is_sound(x, kSound)) sound = level;
     ++level;
   });
   return sound;

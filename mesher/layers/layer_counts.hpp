@@ -38,6 +38,7 @@ class LayerCounts {
   std::vector<std::uint8_t> take_changes();
 
  private:
+  void put_on(const SideFaces& sides, const TaskRunner& runner);
   double thickness_of(std::uint32_t curve, int count) const;
   int count_within(std::uint32_t curve, double thickness) const;
   bool limit_slopes(const TaskRunner& runner);

@@ -1,6 +1,7 @@
 #include "mesher/layers/layered_surface.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace tetloom::layers {
 namespace {
@@ -125,24 +126,18 @@ class SurfaceMaker {
     for (std::uint32_t v = 0; v < vert_to_new.size(); ++v) vert_to_new[v] = v;
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
       const CurveTop top{counts_.top(c), distance(counts_.point(c, 0), counts_.top(c)), counts_.count(c) > 0};
-      if (!top.grows || sides_.count(c) != 2) continue;
+      if (!top.grows || !sides_.is_along_edge(c)) continue;
       for (const std::uint32_t v : sides_.dropped_by(c, top)) vert_to_new[v] = surface_.curve_to_top[c];
-      edge_curves_.push_back(c);
+      foot_and_curve_.push_back({walls_.curve_to_vert[c], c});
     }
+    std::ranges::sort(foot_and_curve_);
     for (std::size_t i = 0; i < mesh_.edge_to_vert.size(); ++i) {
       auto [a, b] = mesh_.edge_to_vert[i];
       const ModelEntity edge = ModelEdgeId(mesh_.edge_to_entity[i]);
       // The piece at the foot starts at the top where nothing behind it was dropped.
-      for (const std::uint32_t c : edge_curves_) {
-        if (sides_.entity_of(c) != edge) continue;
-        const std::uint32_t foot = walls_.curve_to_vert[c];
-        if (a == foot && is_along(c, b)) a = kTop | c;
-        if (b == foot && is_along(c, a)) b = kTop | c;
-      }
-      const auto place = [&](std::uint32_t v) {
-        return v != kNone && (v & kTop) ? surface_.curve_to_top[v & ~kTop] : vert_to_new[v];
-      };
-      a = place(a), b = place(b);
+      const std::uint32_t from_a = top_along(a, b, edge), from_b = top_along(b, a, edge);
+      a = from_a != kNone ? from_a : vert_to_new[a];
+      b = from_b != kNone ? from_b : vert_to_new[b];
       if (a == b) continue;
       mesh.edge_to_vert.push_back({a, b});
       mesh.edge_to_entity.push_back(edge.index);
@@ -150,13 +145,13 @@ class SurfaceMaker {
     surface_.kept_edges.insert(surface_.kept_edges.end(), mesh.edge_to_vert.begin(), mesh.edge_to_vert.end());
   }
 
-  bool is_along(std::uint32_t curve, std::uint32_t vert) const {
-    if (vert & kTop) return false;
-    const Vec3 way = counts_.top(curve) - counts_.point(curve, 0);
-    return dot(normalized(mesh_.points[vert] - counts_.point(curve, 0)), normalized(way)) > 0.99;
+  // The top of the curve that starts at the vertex and runs along the edge to the next one, or none.
+  std::uint32_t top_along(std::uint32_t vert, std::uint32_t next, const ModelEntity& edge) const {
+    auto i = std::ranges::lower_bound(foot_and_curve_, std::array{vert, 0u});
+    for (; i != foot_and_curve_.end() && (*i)[0] == vert; ++i)
+      if (sides_.entity_of((*i)[1]) == edge && sides_.at((*i)[1])->next == next) return surface_.curve_to_top[(*i)[1]];
+    return kNone;
   }
-
-  static constexpr std::uint32_t kTop = 0x80000000u;
 
   const Mesh& mesh_;
   std::span<const FaceSides> face_to_sides_;
@@ -165,7 +160,7 @@ class SurfaceMaker {
   const LayerCounts& counts_;
   std::span<const SideMesh> side_meshes_;
   std::vector<std::uint8_t> face_is_anew_;
-  std::vector<std::uint32_t> edge_curves_;  // curves along model edges
+  std::vector<std::array<std::uint32_t, 2>> foot_and_curve_;  // of curves along model edges, ascending
   LayeredSurface surface_;
 };
 

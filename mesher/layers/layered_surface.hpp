@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/layers/layer_counts.hpp"
-#include "mesher/layers/side_faces.hpp"
+#include "mesher/layers/side_mesh.hpp"
 #include "mesher/layers/walls.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh_data.hpp"

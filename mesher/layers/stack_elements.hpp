@@ -171,7 +171,7 @@ void for_each_side_element(const LayerGrowth& growth, const WallRim& rim, bool a
 /// Calls visit(lower, upper) for the pieces of model edges that layers stand on.
 template <class Visit>
 void for_each_layer_edge(const LayerGrowth& growth, std::uint32_t curve, const Visit& visit) {
-  if (growth.sides().count(curve) != 2) return;
+  if (!growth.sides().is_along_edge(curve)) return;
   for (int level = 0; level < growth.counts().count(curve); ++level)
     visit(CurveLevel{curve, level}, CurveLevel{curve, level + 1});
 }

@@ -147,7 +147,8 @@ class WallFinder {
   void add_rim(std::uint32_t wall, const SideUse& use, std::uint32_t side_triangle) {
     const auto& verts = mesh_.tri_to_vert[use.triangle];
     const std::uint32_t a = verts[use.corner], b = verts[(use.corner + 1) % 3];
-    walls_.rims.push_back({wall, corner(wall, use.is_front ? a : b) - 3 * wall, mesh_.tri_to_entity[side_triangle]});
+    walls_.rims.push_back(
+        {wall, corner(wall, use.is_front ? a : b) - 3 * wall, mesh_.tri_to_entity[side_triangle], side_triangle});
   }
 
   void number_curves() {

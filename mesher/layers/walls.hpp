@@ -32,9 +32,10 @@ struct WallTriangle {
 
 /// A piece of the line where a wall meets a face of the same region that is none: layers stand on that face.
 struct WallRim {
-  std::uint32_t wall = 0;       ///< index of the wall triangle
-  std::uint32_t corner = 0;     ///< the piece runs from this one of its corners to the next
-  std::uint32_t side_face = 0;  ///< of the model
+  std::uint32_t wall = 0;           ///< index of the wall triangle
+  std::uint32_t corner = 0;         ///< the piece runs from this one of its corners to the next
+  std::uint32_t side_face = 0;      ///< of the model
+  std::uint32_t side_triangle = 0;  ///< of the surface mesh, on the other side of the line
 };
 
 /// Growth curves (Garimella & Shephard 2000) start at the vertices of walls and carry the points of layers. A vertex

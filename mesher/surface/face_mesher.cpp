@@ -210,7 +210,7 @@ class FaceMesher {
     if (!plane) return;
     FaceRim rim = trace_rim(model_.topology(), face_, *plane, rim_);
     if (rim.segments.empty()) return;
-    FaceOverPlane geometry(*geometry_, *plane, rim, rim_, follow);
+    FaceOverPlane geometry(*geometry_, *plane, rim, rim_.points(), follow);
     result_.verdict = FaceVerdict::Ok;
     fill(fill_rim_patch(std::move(rim), geometry, rim_.points(), sizes_), geometry);
   }

@@ -87,12 +87,12 @@ FaceRim trace_rim(const ModelTopology& topology, ModelFaceId face, const FittedP
   return result;
 }
 
-FaceOverPlane::FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim, const RimNodes& nodes,
-                             bool follow)
+FaceOverPlane::FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim,
+                             std::span<const Vec3> nodes, bool follow)
     : face_(face), plane_(plane), box_{{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}}, follow_(follow) {
   std::vector<RimPoint> points;
   for (const FaceRim::Vertex& vertex : rim.vertices) {
-    points.push_back({vertex.uv, dot(nodes.point(vertex.node) - plane.origin, plane.normal)});
+    points.push_back({vertex.uv, dot(nodes[vertex.node] - plane.origin, plane.normal)});
     box_.lo = {std::min(box_.lo.u, vertex.uv.u), std::min(box_.lo.v, vertex.uv.v)};
     box_.hi = {std::max(box_.hi.u, vertex.uv.u), std::max(box_.hi.v, vertex.uv.v)};
   }

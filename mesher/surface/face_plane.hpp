@@ -28,11 +28,12 @@ std::optional<double> length_of_cancelled_rim(const ModelTopology& topology, Mod
 /// The geometry of a face with (u,v) in the plane: every point is the surface's point above or below it. Where there is
 /// none, or one so high that the face would be a cliff seen from the rim (it lies on another sheet of a surface that
 /// folds over), and everywhere unless `follow`, the point has the height of the rim around it, by mean value
-/// coordinates (Hormann & Floater 2006). Only what the plane path of the face mesher asks for is answered: evaluate,
-/// derivatives and normal. Complexity of a question: linear in the rim.
+/// coordinates (Hormann & Floater 2006). `nodes` are the points of the rim's nodes. Only what the plane path of the
+/// face mesher asks for is answered: evaluate, derivatives and normal. Complexity of a question: linear in the rim.
 class FaceOverPlane : public FaceGeometry {
  public:
-  FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim, const RimNodes& nodes, bool follow);
+  FaceOverPlane(FaceGeometry& face, const FittedPlane& plane, const FaceRim& rim, std::span<const Vec3> nodes,
+                bool follow);
 
   Parametrization parametrization() override { return Parametrization::Smooth; }
   ParameterBox parameter_box() override { return box_; }

@@ -9,6 +9,7 @@
 namespace tetloom {
 namespace {
 
+// At a pole, triangles in the plane may have two corners in one node.
 FaceMesh extract(const Patch& patch) {
   FaceMesh mesh;
   std::vector<std::uint32_t> ids(patch.vertices.size());
@@ -21,27 +22,46 @@ FaceMesh extract(const Patch& patch) {
   for (std::uint32_t t = 0; t < patch.topology.slots(); ++t) {
     if (!patch.topology.alive(t)) continue;
     const auto [a, b, c] = patch.topology.triangle(t);
+    if (ids[a] == ids[b] || ids[b] == ids[c] || ids[c] == ids[a]) continue;
     mesh.tri_to_vert.push_back({ids[a], ids[b], ids[c]});
+    if (signed_quality(patch.vertices[a].place, patch.vertices[b].place, patch.vertices[c].place) <= 0) ++mesh.inverted;
   }
+  if (mesh.tri_to_vert.empty()) mesh.verdict = FaceVerdict::RimNotClosed;
+  if (mesh.inverted > 0) mesh.verdict = FaceVerdict::NotTriangulated;
   return mesh;
+}
+
+RimMesh explain(const RimPatch& given) {
+  RimMesh result;
+  const auto add = [&](std::uint32_t vertex) { result.crossing.push_back(given.rim.vertices[vertex].node); };
+  const auto add_ends = [&](std::uint32_t segment) {
+    for (const std::uint32_t vertex : given.rim.segments[segment]) add(vertex);
+  };
+  const auto& [verdict, first, second, triangulation] = given.polygon;
+  result.mesh.verdict = FaceVerdict::RimCrosses;
+  switch (verdict) {
+    case PolygonVerdict::SegmentsCross: add_ends(first), add_ends(second); break;
+    case PolygonVerdict::PointOnSegment: add_ends(first), add(second); break;
+    case PolygonVerdict::DuplicatePoint: add(first), add(second); break;
+    case PolygonVerdict::NotClosed:
+    case PolygonVerdict::Ok: result.mesh.verdict = FaceVerdict::RimNotClosed;
+  }
+  return result;
 }
 
 }  // namespace
 
-FaceMesh mesh_in_rim(FaceRim rim, FaceGeometry& geometry, std::span<const Vec3> nodes, const SizeField& sizes,
-                     const std::function<bool()>& keep_going) {
+RimMesh mesh_in_rim(FaceRim rim, FaceGeometry& geometry, std::span<const Vec3> nodes, const SizeField& sizes,
+                    const std::function<bool()>& keep_going) {
   RimPatch given = fill_rim_patch(std::move(rim), geometry, nodes, sizes);
   const PatchSurface surface(geometry, sizes, given.scale);
-  FaceMesh failed;
-  failed.verdict = FaceVerdict::RimNotClosed;
-  if (given.polygon.verdict != PolygonVerdict::Ok) return failed;
+  if (given.polygon.verdict != PolygonVerdict::Ok) return explain(given);
   Patch patch{std::move(given.polygon.triangulation), std::move(given.vertices), given.rim.repeats_nodes};
   reserve_expected(patch);
   refine_frontal(patch, surface, keep_going);
   sort_spatially(patch);
   optimize_patch(patch, surface, {}, keep_going);
-  FaceMesh mesh = extract(patch);
-  return mesh.tri_to_vert.empty() ? failed : mesh;
+  return {extract(patch), {}};
 }
 
 }  // namespace tetloom

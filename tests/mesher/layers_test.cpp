@@ -2,64 +2,20 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
-#include "tests/support/analytic_model.hpp"
+#include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
-#include "tetloom/check.hpp"
-#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::layers;
+using namespace tetloom::test_layers;
 using namespace tetloom::test_models;
 using test::error_of;
 
 namespace {
-
-MeshOptions options_of_size(double size, int threads = 2) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = threads;
-  return options;
-}
-
-/// Layers on all faces but some.
-LayerOptions on_faces(const GeometricModel& model, WallLayers layers, std::vector<std::uint32_t> but = {}) {
-  LayerOptions options;
-  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f) {
-    layers.face = ModelFaceId(f);
-    if (std::ranges::count(but, f) == 0) options.walls.push_back(layers);
-  }
-  return options;
-}
-
-WallLayers heights(double first, int count, double growth = 1.2) {
-  WallLayers layers;
-  layers.first_height = first;
-  layers.count = count;
-  layers.growth = growth;
-  return layers;
-}
-
-MeshResult meshed(const GeometricModel& model, const MeshOptions& options) {
-  MeshResult result = make_mesh(model, options);
-  REQUIRE(result.status == MeshStatus::Ok);
-  CHECK(validate_mesh(result.mesh).valid());
-  CHECK(compute_quality(result.mesh).cells.inverted == 0);
-  return result;
-}
-
-// Faces of a cylinder that are flat.
-std::vector<std::uint32_t> caps_of(const GeometricModel& model, double radius) {
-  std::vector<std::uint32_t> caps;
-  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f)
-    if (std::abs(model.area(ModelFaceId(f)) - std::numbers::pi * radius * radius) < 1e-3) caps.push_back(f);
-  return caps;
-}
-
-double volume_of(const std::array<Vec3, 4>& x) { return dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]) / 6; }
 
 // Columns of different counts above one triangle.
 struct Column {
@@ -114,6 +70,46 @@ TEST_CASE("the most normal direction is the middle of the smallest cone") {
   CHECK(most_normal_direction(corner).visibility == Approx(1 / std::sqrt(3.0)));
   const std::array<Vec3, 2> opposite{Vec3{0, 0, 1}, {0, 0, -1}};
   CHECK(most_normal_direction(opposite).visibility <= 0);
+}
+
+TEST_CASE("layers that are thicker than their triangles are wide lean away from concave edges") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*box, heights(0.008, 14));  // 1.2 edges together
+  const MeshResult result = meshed(*box, options);
+  CHECK(result.layers.coverage.full_count > 0.98);
+  CHECK(result.layers.coverage.first_height_within_10pct > 0.95);
+}
+
+TEST_CASE("a front is spread where it shrinks unevenly, and stays where it shrinks evenly") {
+  for (const bool is_even : {true, false}) {
+    const auto pipe = make_cylinder(1, 4);
+    MeshOptions options = options_of_size(0.25);
+    options.surface_only = true;
+    const Mesh mesh = meshed(*pipe, options).mesh;
+    options.layers = on_faces(*pipe, heights(0.02, 6), caps_of(*pipe, 1));
+    const Walls walls = find_walls(mesh, pipe->topology().face_to_sides, options.layers);
+    std::vector<Vec3> feet, front, normals;
+    for (const std::uint32_t v : walls.curve_to_vert) {
+      const Vec3 foot = mesh.points[v], in = -normalized(Vec3{foot.x, foot.y, 0});
+      feet.push_back(foot);
+      normals.push_back(in);
+      front.push_back(foot + 0.3 * in);
+      if (!is_even) front.back().z += foot.z < 1 ? 0.2 * (1 - foot.z) : 0;  // pushed together from below
+    }
+    const std::vector<std::uint8_t> is_free(feet.size(), 1);
+    const std::vector<double> most(feet.size(), 1);
+    const TaskRunner runner(2, {});
+    const std::vector<Vec3> shifts = FrontSpreading(walls, feet).find_shifts({front, is_free, normals, most}, runner);
+    double along = 0, out = 0;
+    for (std::size_t c = 0; c < feet.size(); ++c) {
+      if (feet[c].z > 0.8 && feet[c].z < 1.2) along = std::max(along, shifts[c].z);
+      out = std::max(out, std::abs(dot(shifts[c], normals[c])));
+      if (is_even) CHECK(norm(shifts[c]) < 0.03);
+    }
+    CHECK(out < 1e-12);
+    if (!is_even) CHECK(along > 0.01);
+  }
 }
 
 TEST_CASE("layers on all faces of a box leave room in the middle, and the volume stays") {

@@ -1,0 +1,83 @@
+#include "mesher/layers/front_spreading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetloom::layers {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr int kSweeps = 12;
+constexpr double kShrinking = 0.02;    // of the lengths of the wall's edges
+constexpr double kLeastWeight = 0.05;  // blunt angles count little
+
+}  // namespace
+
+FrontSpreading::FrontSpreading(const Walls& walls, std::span<const Vec3> feet)
+    : walls_(walls), feet_(feet.begin(), feet.end()), weights_(walls.triangles.size()) {
+  for (std::size_t w = 0; w < weights_.size(); ++w)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& curves = walls.triangles[w].curves;
+      const Vec3 a = feet[curves[(i + 1) % 3]] - feet[curves[i]], b = feet[curves[(i + 2) % 3]] - feet[curves[i]];
+      weights_[w][i] = static_cast<float>(std::max(kLeastWeight, dot(a, b) / std::max(norm(cross(a, b)), 1e-300)));
+    }
+}
+
+// Each neighbour once per triangle, with the cotangent of the angle that is opposite there.
+template <class Visit>
+void FrontSpreading::for_each_neighbour(std::uint32_t curve, const Visit& visit) const {
+  for (const std::uint32_t w : walls_.triangles_at(curve)) {
+    const auto& curves = walls_.triangles[w].curves;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (curves[i] == curve) continue;
+      const std::size_t opposite = curves[(i + 1) % 3] == curve ? (i + 2) % 3 : (i + 1) % 3;
+      visit(curves[i], weights_[w][opposite]);
+    }
+  }
+}
+
+bool FrontSpreading::shrinks_at(const ShrinkingFront& front, std::uint32_t curve) const {
+  if (!front.is_free[curve]) return false;
+  double growth = 0, size = 0;
+  for_each_neighbour(curve, [&](std::uint32_t other, double) {
+    const Vec3 edge = feet_[other] - feet_[curve];
+    growth += dot(way(front, other) - way(front, curve), edge);
+    size += norm2(edge);
+  });
+  return growth < -kShrinking * size;
+}
+
+Vec3 FrontSpreading::shift_at(const ShrinkingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const {
+  Vec3 sum;
+  double weights = 0;
+  for_each_neighbour(curve, [&](std::uint32_t other, double weight) {
+    sum += weight * (way(front, other) + shifts[other]);
+    weights += weight;
+  });
+  const Vec3 goal = sum / weights - way(front, curve);
+  const Vec3 within = goal - dot(goal, front.normals[curve]) * front.normals[curve];
+  return std::min(1.0, front.most[curve] / std::max(norm(within), 1e-300)) * within;
+}
+
+std::vector<Vec3> FrontSpreading::find_shifts(const ShrinkingFront& front, const TaskRunner& runner) const {
+  const std::size_t count = feet_.size();
+  std::vector<Vec3> shifts(count);
+  std::vector<std::uint8_t> is_shrinking(count, 0);
+  const auto for_each_curve = [&](const auto& body) {
+    runner.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) body(static_cast<std::uint32_t>(c));
+    });
+  };
+  for_each_curve([&](std::uint32_t c) { is_shrinking[c] = shrinks_at(front, c); });
+  if (std::ranges::count(is_shrinking, 1) == 0) return shifts;
+  std::vector<Vec3> next = shifts;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for_each_curve([&](std::uint32_t c) {
+      if (is_shrinking[c]) next[c] = shift_at(front, shifts, c);
+    });
+    shifts.swap(next);
+  }
+  return shifts;
+}
+
+}  // namespace tetloom::layers

@@ -1,0 +1,128 @@
+// Layers on random walls of random models: valid, filling the model to the last bit of its volume, the same on any
+// number of threads.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "tests/mesher/layers_fixture.hpp"
+#include "tests/support/error_of.hpp"
+
+using namespace tetloom;
+using namespace tetloom::test_layers;
+using namespace tetloom::test_models;
+
+namespace {
+
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : engine_(seed) {}
+  double between(double lo, double hi) {
+    return lo + (hi - lo) * static_cast<double>(engine_()) / static_cast<double>(std::mt19937::max());
+  }
+  int below(int end) { return static_cast<int>(engine_() % static_cast<std::uint32_t>(end)); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+// A bar along y whose ends in x-z are the given ring, counter-clockwise seen from -y.
+std::unique_ptr<GeometricModel> bar(const std::vector<std::array<double, 2>>& ring, double length) {
+  std::vector<Vec3> points;
+  for (const double y : {0.0, length})
+    for (const auto& [x, z] : ring) points.push_back({x, y, z});
+  const auto n = static_cast<std::uint32_t>(ring.size());
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t j = (i + 1) % n;
+    faces[0].push_back(i);
+    faces[1].push_back(2 * n - 1 - i);
+    faces.push_back({j, i, i + n, j + n});
+  }
+  return make_polyhedron(points, faces);
+}
+
+std::unique_ptr<GeometricModel> random_model(Dice& dice) {
+  const auto degrees = [](double angle) { return angle * std::numbers::pi / 180; };
+  switch (dice.below(6)) {
+    case 0: return make_box({0, 0, 0}, {dice.between(0.5, 2), dice.between(0.5, 2), dice.between(0.5, 2)});
+    case 1: return make_cylinder(dice.between(0.4, 1), dice.between(0.5, 2));
+    case 2: return make_cone(dice.between(0.4, 1), dice.between(0.5, 2));
+    case 3: {  // a cusp
+      const double rise = std::tan(degrees(dice.between(2, 30)));
+      return bar({{0, 0}, {1.5, 0}, {1.5, 1.5 * rise}}, dice.between(0.5, 1));
+    }
+    case 4: {  // a gap
+      return make_box({0, 0, 0}, {dice.between(0.6, 1.2), dice.between(0.6, 1.2), 0.3 * dice.between(0.05, 2)});
+    }
+    default: {  // faces beside each other at this angle
+      const double angle = degrees(dice.between(25, 155)), lean = std::cos(angle) / std::sin(angle);
+      return bar({{0, 0}, {1.5, 0}, {1.5 + lean * 0.6 + 0.1, 0.6}, {lean * 0.6, 0.6}}, dice.between(0.5, 1));
+    }
+  }
+}
+
+LayerOptions random_walls(const GeometricModel& model, Dice& dice) {
+  LayerOptions options;
+  for (std::uint32_t f = 0; f < model.topology().face_count(); ++f) {
+    WallLayers wall = heights(0.3 * std::pow(10, dice.between(-3, -0.5)), dice.below(12), dice.between(1, 1.6));
+    wall.face = ModelFaceId(f);
+    if (dice.below(3) > 0) options.walls.push_back(wall);
+  }
+  return options;
+}
+
+// What the triangles and bilinear quadrilaterals of the boundary enclose; their normals point out of the one region.
+double enclosed_volume(const Mesh& mesh) {
+  double volume = 0;
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, double share) {
+    volume += share * dot(mesh.points[a], cross(mesh.points[b], mesh.points[c])) / 6;
+  };
+  for (const auto& [a, b, c] : mesh.tri_to_vert) add(a, b, c, 1);
+  for (const auto& [a, b, c, d] : mesh.quad_to_vert) {
+    add(a, b, c, 0.5), add(a, c, d, 0.5);
+    add(a, b, d, 0.5), add(b, c, d, 0.5);
+  }
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("random layers on random models are valid and fill them") {
+  for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    const auto model = random_model(dice);
+    MeshOptions options = options_of_size(0.3, 1);
+    options.layers = random_walls(*model, dice);
+    options.layers.all_tets = dice.below(4) == 0;
+    const MeshResult result = meshed(*model, options);
+    CHECK(compute_quality(result.mesh).cells.volume == Approx(enclosed_volume(result.mesh)).epsilon(1e-12));
+    if (result.layers.prisms > 0) CHECK(result.layers.min_scaled_jacobian >= 0.02 * (1 - 1e-6));
+    if (seed % 8 != 0) continue;
+    const std::string digest = mesh_digest(result.mesh);
+    options.threads = 2;
+    CHECK(mesh_digest(meshed(*model, options).mesh) == digest);
+  }
+}
+
+TEST_CASE("where no layer fits, the mesh is that without layers") {
+  for (const bool is_round : {false, true}) {
+    const auto model = is_round ? make_cylinder(0.5, 1) : make_box({0, 0, 0}, {1, 1, 1});
+    MeshOptions options = options_of_size(0.3);
+    const std::string digest = mesh_digest(meshed(*model, options).mesh);
+    options.layers = on_faces(*model, heights(0.9, 3));
+    const MeshResult result = meshed(*model, options);
+    CHECK(result.layers.coverage.at_least_one == 0);
+    CHECK(mesh_digest(result.mesh) == digest);
+  }
+}
+
+TEST_CASE("narrow faces between wide ones keep their layers") {
+  const auto chamfered = bar({{0, 0}, {2, 0}, {2, 1.95}, {1.95, 2}, {0, 2}}, 2);
+  MeshOptions options = options_of_size(0.4);
+  options.layers = on_faces(*chamfered, heights(0.02, 6));
+  const MeshResult result = meshed(*chamfered, options);
+  CHECK(result.layers.coverage.at_least_one == Approx(1));
+  CHECK(result.layers.coverage.full_count > 0.96);
+}
