@@ -1,46 +1,60 @@
+#include <algorithm>
 #include <utility>
 
-#include "core/base/stopwatch.hpp"
+#include "adapt/adapt_together.hpp"
+#include "adapt/conformity.hpp"
+#include "adapt/result_check.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/partition.hpp"
-#include "tetloom/tasks.hpp"
-#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 
 namespace {
 
-PartitionedMesh deal(Mesh&& whole, std::size_t part_count, Communicator& ranks, const TaskRunner& runner) {
-  run_on_all(ranks, [&] {
-    runner.begin_stage(Stage::Partition, 0);
-    runner.check_cancelled();
+using namespace adapt;
+
+void check_result(const PartsWithMetric& parts, const SharedWork& work) {
+  work.each([&] {
+    for (const PartId part : parts.mesh.local()) {
+      const PartMesh& mesh = parts.mesh.parts.at(part).mesh;
+      check_positive({mesh.points.span(), adapt::tets_of(mesh)}, work.runner());
+    }
   });
-  PartitionedMesh mesh = distribute_mesh(whole, ranks);
-  whole = Mesh();
-  deal_cells(mesh, {.part_count = part_count, .weights = {}}, runner);
-  return mesh;
 }
 
-template <class Metric>
-AdaptInPartsResult adapt_and_deal(const Mesh& mesh, const Metric& metric, const AdaptOptions& options,
-                                  Communicator& ranks, const Host& host) {
+// The parts of the last round stay where they are as many as asked for, and nearly equal.
+void deal(PartitionedMesh& mesh, std::size_t part_count, const SharedWork& work) {
+  work.each([&] {
+    work.runner().begin_stage(Stage::Partition, 0);
+    work.runner().check_cancelled();
+  });
+  BalanceOptions options;
+  options.part_count = part_count;
+  if (part_count == mesh.part_count() && measure_parts(mesh).element_imbalance <= options.imbalance) return;
+  deal_cells(mesh, options, work.runner());
+}
+
+// No rank has more of the result than its parts.
+AdaptInPartsResult adapt_in_parts(const AdaptCall& call, Communicator& ranks, const Host& host) {
   AdaptInPartsResult result;
-  result.run = adapt_mesh_on_ranks(mesh, metric, options, ranks, host);
-  if (result.run.status != AdaptStatus::Ok) return result;
-  Stopwatch watch;
-  const std::size_t parts = options.parts > 0 ? static_cast<std::size_t>(options.parts) : result.run.report.last_parts;
-  const auto failure = failure_of([&] {
-    const SharedWork work(options.threads, host, &ranks);
-    work.together([&] { result.mesh = deal(std::move(result.run.mesh), parts, work.ranks(), work.runner()); });
+  const int asked = call.options.parts;
+  result.run = guarded([&](AdaptResult& run) {
+    const SharedWork work(std::max(0, call.options.threads), host, &ranks, call.options.trace);
+    work.together([&] {
+      adapt_together(call, work, run.report, [&](Adapter& adapter) {
+        PartsWithMetric parts = adapter.take_parts();
+        check_result(parts, work);
+        run.report.after = conformity_of(parts, work);
+        parts.to_metric = {};
+        Stopwatch watch;
+        deal(parts.mesh, asked > 0 ? static_cast<std::size_t>(asked) : parts.mesh.part_count(), work);
+        result.partition_seconds = watch.lap();
+        result.mesh = std::move(parts.mesh);
+      });
+    });
     result.mesh->communicator = &ranks;
   });
-  if (failure) {
-    result.run.status = failure->code == ErrorCode::Cancelled ? AdaptStatus::Cancelled : AdaptStatus::Failed;
-    result.run.errors.push_back(*failure);
-    result.run.mesh = Mesh();
-    result.mesh.reset();
-  }
-  result.partition_seconds = watch.lap();
+  if (result.run.status != AdaptStatus::Ok) result.mesh.reset();
   return result;
 }
 
@@ -48,12 +62,17 @@ AdaptInPartsResult adapt_and_deal(const Mesh& mesh, const Metric& metric, const 
 
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
                                        Communicator& ranks, const Host& host) {
-  return adapt_and_deal(mesh, metric, options, ranks, host);
+  return adapt_in_parts({mesh, &metric, {}, options}, ranks, host);
+}
+
+AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric, const AdaptOptions& options,
+                                       Communicator& ranks, const Host& host) {
+  return adapt_in_parts({mesh, &metric, {}, options, &mesh, &metric}, ranks, host);
 }
 
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
                                        const AdaptOptions& options, Communicator& ranks, const Host& host) {
-  return adapt_and_deal(mesh, metric, options, ranks, host);
+  return adapt_in_parts({mesh, nullptr, metric, options}, ranks, host);
 }
 
 }  // namespace tetloom

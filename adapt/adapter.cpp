@@ -84,6 +84,19 @@ void keep_values(std::vector<double>& values, const std::vector<std::uint32_t>& 
   values.resize(kept.size() * size);
 }
 
+// Leaves what is referred to until the end: names, sides, and fields that are carried over with regions.
+void drop_elements(Mesh& mesh, const std::vector<std::string>& transfer) {
+  const auto is_needed = [&](const MeshField& field) { return std::ranges::count(transfer, field.name) != 0; };
+  Mesh kept;
+  kept.face_to_sides = std::move(mesh.face_to_sides), kept.entities = std::move(mesh.entities);
+  for (MeshField& field : mesh.point_fields)
+    if (is_needed(field)) kept.point_fields.push_back(std::move(field));
+  for (MeshField& field : mesh.cell_fields)
+    if (is_needed(field)) kept.cell_fields.push_back(std::move(field));
+  if (!kept.cell_fields.empty()) kept.tet_to_entity = std::move(mesh.tet_to_entity);
+  mesh = std::move(kept);
+}
+
 }  // namespace
 
 bool Adapter::Fit::is_good() const {
@@ -95,31 +108,45 @@ bool Adapter::Fit::is_better_than(const Fit& other) const {
          (least_quality > kEnd.fair_gain * other.least_quality && other.least_quality < kEnd.fair);
 }
 
-Adapter::Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function,
-                 const AdaptOptions& options, const SharedWork& work)
-    : mesh_(mesh),
+Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options,
+                 const SharedWork& work)
+    : mesh_(input.mesh),
       function_(function),
       options_(options),
       work_(work),
       runner_(work.runner()),
-      whole_(make_whole_mesh(mesh, runner_)) {
-  if (options.model) require_model_fits(whole_, mesh, *options.model, runner_);
-  // Tets may have been turned when they were linked.
-  const std::vector<TetVerts> tets = tets_of(whole_, runner_);
-  const TetView view{whole_.points.span(), tets};
-  implied_ = implied_metric(view, runner_);
-  const auto links = whole_.to_neighbor.span();
-  background_.emplace(view, std::vector<std::uint32_t>(links.begin(), links.end()), metric, runner_);
+      whole_(make_whole_mesh(input.mesh, runner_)) {
+  if (options.model) require_model_fits(whole_, mesh_, *options.model, runner_);
+  if (input.given_up) drop_elements(*input.given_up, options.transfer);
+  const std::size_t given = whole_.points.size();
   touching_ = separate_fans(whole_, runner_);
-  links_ = take_share(whole_, work_);
+  WholeMesh rest;
+  links_ = take_share(whole_, work_, &rest);
+  keep_background(rest.size() > 0 ? rest : whole_, given, function ? MetricField() : std::move(input.metric));
 }
 
-void Adapter::run(AdaptResult& result) {
+// Tets may have been turned when they were linked, so they are those of `whole`, array by array.
+void Adapter::keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric) {
+  const bool is_rest = &whole != &whole_;
+  std::vector<TetVerts> tets = tets_before_fans(whole, touching_, given, runner_);
+  if (is_rest) whole.to_vert.release();
+  std::vector<std::uint32_t> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
+  if (is_rest) whole.to_neighbor.release();
+  std::vector<Vec3> points(whole.points.begin(), whole.points.begin() + given);
+  if (is_rest) whole = WholeMesh();
+  background_.emplace(std::move(points), std::move(tets), std::move(links), std::move(metric), runner_);
+  implied_ = implied_metric(background_->mesh(), runner_);
+}
+
+void Adapter::run(AdaptReport& report) {
   runner_.begin_stage(Stage::Adapt, 0);
   follow_stages();
   approach_metric();
   snap_to_model();
-  finish_result(result);
+  Stopwatch watch;
+  carry_fields(report);
+  seconds_.result = watch.lap();
+  note_rounds(report);
 }
 
 void Adapter::follow_stages() {
@@ -131,6 +158,7 @@ void Adapter::follow_stages() {
 }
 
 void Adapter::approach_metric() {
+  implied_ = {};  // which only stages ask for
   round(HUGE_VAL, {refine, kPasses.longest});
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kEnd.most_rounds && idle < 2; ++i) {
@@ -173,45 +201,62 @@ std::vector<double> Adapter::gather(std::vector<double>&& own) const {
   return all;
 }
 
-// Each rank for its share; all of it on rank 0.
-CarriedFields Adapter::carry_fields(const FieldCarrier& carrier) {
-  CarriedFields carried;
-  if (carrier.has_none()) return carried;
-  work_.each([&] {
-    const std::vector<TetVerts> tets = tets_of(whole_, runner_);
-    // The hints of vertices are those of any number of ranks, and so are the places.
-    std::vector<BackgroundPlace> places(whole_.points.size());
-    runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]);
+// Each rank for its share. Nothing is looked up afterwards.
+void Adapter::carry_fields(AdaptReport& report) {
+  carrier_.emplace(mesh_, *background_, options_.transfer);
+  if (!carrier_->has_none()) {
+    std::vector<TetVerts> tets;
+    const auto share = [&] { return TetsInRegions{{whole_.points.span(), tets}, whole_.to_region.span()}; };
+    work_.each([&] {
+      tets = tets_of(whole_, runner_);
+      // The hints of vertices are those of any number of ranks, and so are the places.
+      std::vector<BackgroundPlace> places(whole_.points.size());
+      runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]);
+      });
+      carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
     });
-    const auto rank = static_cast<std::size_t>(work_.rank());
-    const std::size_t own = links_.first_verts[rank + 1] - links_.first_verts[rank];
-    const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
-    carried = carrier.carry(share, own, places, options_.cell_reconstruction, runner_);
-  });
-  return {gather(std::move(carried.on_points)), gather(std::move(carried.on_tets))};
+    report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
+  }
+  background_.reset(), implied_ = {};
+  whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
 }
 
-void Adapter::finish_result(AdaptResult& result) {
-  Stopwatch watch;
-  const FieldCarrier carrier(mesh_, *background_, options_.transfer);
-  CarriedFields carried = carry_fields(carrier);
+Adapter::Whole Adapter::take_whole() {
+  Whole result;
+  // Vertices that lower ranks have as well come last.
+  const std::size_t own = own_vert_count(links_, work_.rank()), verts = whole_.points.size();
+  if (verts > 0) carried_.on_points.resize(carried_.on_points.size() / verts * own);
+  CarriedFields carried{gather(std::move(carried_.on_points)), gather(std::move(carried_.on_tets))};
   whole_ = gather_shares(whole_, links_, work_);
-  AdaptReport& report = result.report;
   work_.each([&] {
     if (work_.rank() != 0) return;
-    whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
-    const std::size_t verts = whole_.points.size();
-    keep_values(carried.on_points, join_fans(whole_, touching_), verts);
+    const std::size_t gathered = whole_.points.size();
+    keep_values(carried.on_points, join_fans(whole_, touching_), gathered);
     result.mesh = make_mesh_of(whole_, mesh_, work_.runner_for_one());
-    metric_of_result_ = std::move(whole_.to_metric);
+    result.metric = std::move(whole_.to_metric);
     whole_ = WholeMesh();
-    if (!carrier.has_none()) report.transfers = carrier.finish(std::move(carried), result.mesh, work_.runner_for_one());
+    carrier_->give(std::move(carried), result.mesh);
   });
+  return result;
+}
+
+PartsWithMetric Adapter::take_parts() {
+  const SharePieces pieces{whole_,
+                           links_,
+                           touching_,
+                           mesh_,
+                           {carrier_->infos_on_points(), carried_.on_points},
+                           {carrier_->infos_on_tets(), carried_.on_tets}};
+  PartsWithMetric parts = make_parts(pieces, last_parts_, work_);
+  carried_ = CarriedFields();
+  return parts;
+}
+
+void Adapter::note_rounds(AdaptReport& report) const {
   report.operations = sum_of(counts_);
   report.beside_model = sum_of(last_counts_).unsnapped;
   report.rounds = rounds_, report.most_parts = most_parts_, report.last_parts = last_parts_;
-  seconds_.result = watch.lap();
   report.stages.metric = seconds_.metric, report.stages.dealing = seconds_.dealing;
   report.stages.parts = seconds_.parts, report.stages.result = seconds_.result;
 }

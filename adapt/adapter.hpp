@@ -9,6 +9,7 @@
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "adapt/parts/share_in_parts.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
@@ -16,20 +17,35 @@
 
 namespace tetloom::adapt {
 
+/// What adaptation starts from.
+struct AdapterInput {
+  const Mesh& mesh;          ///< of which fields, regions, names and sides are referred to
+  Mesh* given_up = nullptr;  ///< the same, where nobody needs it any more: all else in it is freed on the way
+  MetricField metric;        ///< one per point
+};
+
 /// Leads a mesh to a metric in stages, each of a few rounds (docs/decisions/0006), until it fits or gets no better.
-/// With ranks, all of them construct it inside of SharedWork::each and run it in together.
+/// With ranks, all of them construct it inside of SharedWork::each and call it in together.
 class Adapter {
  public:
-  /// Refers to all of these but `metric`. `function`: the metric asked for; empty: `metric`. Pre: what input_checks
-  /// asks for. Errors: InputUnsuitable for a mesh that does not fit together, or that the model does not fit;
-  /// Cancelled.
-  Adapter(const Mesh& mesh, const MetricField& metric, const MetricFunction& function, const AdaptOptions& options,
-          const SharedWork& work);
+  /// Refers to all of these but the metric. `function`: the metric asked for; empty: that of the input. Pre: what
+  /// input_checks asks for. Errors: InputUnsuitable for a mesh that does not fit together, or that the model does not
+  /// fit; Cancelled.
+  Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options, const SharedWork& work);
 
-  /// Fills in the mesh, on rank 0, and what the report says of operations, rounds and stages.
-  void run(AdaptResult& result);
-  /// At the points of the result; on rank 0, after `run`.
-  std::span<const VertexMetric> metric_of_result() const { return metric_of_result_; }
+  /// Adapts, and fills in what the report says of fields, operations, rounds and stages.
+  void run(AdaptReport& report);
+
+  // Afterwards, one of these.
+
+  /// The mesh and the metric at its points, on rank 0; nothing on the others.
+  struct Whole {
+    Mesh mesh;
+    GrowingArray<VertexMetric> metric;
+  };
+  Whole take_whole();
+  /// The mesh in the parts of the last round, without anything in one place.
+  PartsWithMetric take_parts();
 
  private:
   // What is done in one round.
@@ -46,6 +62,7 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
+  void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
   double refinement();
   void follow_stages();
   void approach_metric();
@@ -56,8 +73,8 @@ class Adapter {
   GrowingArray<float> work_per_tet() const;
   Fit measure() const;
   std::vector<double> gather(std::vector<double>&& own) const;
-  CarriedFields carry_fields(const FieldCarrier& carrier);
-  void finish_result(AdaptResult& result);
+  void carry_fields(AdaptReport& report);
+  void note_rounds(AdaptReport& report) const;
   PassCounts sum_of(const PassCounts& counts) const;
 
   const Mesh& mesh_;
@@ -66,11 +83,12 @@ class Adapter {
   const SharedWork& work_;
   const TaskRunner& runner_;
   WholeMesh whole_;  // between rounds the share of it that this rank has
-  GrowingArray<VertexMetric> metric_of_result_;
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
   std::optional<BackgroundMesh> background_;
+  std::optional<FieldCarrier> carrier_;
+  CarriedFields carried_;            // for this rank's share, after the last round
   PassCounts counts_, last_counts_;  // of this rank: of all rounds, of the last one
   double ratio_ = 0;                 // of the last round
   std::size_t rounds_ = 0, most_parts_ = 0, last_parts_ = 0;

@@ -29,23 +29,50 @@ void add(const MetricConformity& block, MetricConformity& all) {
     all.quality_histogram[i] += block.quality_histogram[i];
 }
 
+// Once everything is added.
+MetricConformity with_means(MetricConformity sums) {
+  if (sums.edges == 0) return MetricConformity();
+  std::size_t tets = 0;
+  for (const std::size_t count : sums.quality_histogram) tets += count;
+  sums.unit /= static_cast<double>(sums.edges), sums.half_to_two /= static_cast<double>(sums.edges);
+  sums.mean_quality /= static_cast<double>(tets);
+  return sums;
+}
+
+// Edges that other parts count.
+class ForeignEdges {
+ public:
+  ForeignEdges() = default;
+  ForeignEdges(const Part& part, PartId self) {
+    const auto& edges = part.boundary.edges;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (owner_of(edges.copies_of(i), self) != self) edges_.push_back(edges.entities[i]);
+  }
+  /// Pre: a < b.
+  bool has(std::uint32_t a, std::uint32_t b) const {
+    return !edges_.empty() && std::binary_search(edges_.begin(), edges_.end(), std::array{a, b});
+  }
+
+ private:
+  std::vector<std::array<std::uint32_t, 2>> edges_;  // ascending
+};
+
 class Measure {
  public:
-  Measure(const Mesh& mesh, std::span<const VertexMetric> metrics, const BlockLoop& loop)
-      : mesh_(mesh), metrics_(metrics), loop_(loop), all_(nothing_yet()) {}
+  Measure(const TetView& mesh, std::span<const VertexMetric> metrics, const ForeignEdges& foreign,
+          const BlockLoop& loop)
+      : mesh_(mesh), metrics_(metrics), foreign_(foreign), loop_(loop), all_(nothing_yet()) {}
 
+  // Sums that are not yet divided by their counts.
   MetricConformity run() {
     find_stars();
     add_blocks(metrics_.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
       std::vector<std::uint32_t> ends;
       for (std::size_t v = begin; v < end; ++v) add_edges(static_cast<std::uint32_t>(v), ends, sum);
     });
-    add_blocks(mesh_.tet_to_vert.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
-      for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tet_to_vert[tet], sum);
+    add_blocks(mesh_.tets.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
+      for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tets[tet], sum);
     });
-    if (all_.edges == 0) return MetricConformity();
-    all_.unit /= static_cast<double>(all_.edges), all_.half_to_two /= static_cast<double>(all_.edges);
-    all_.mean_quality /= static_cast<double>(mesh_.tet_to_vert.size());
     return all_;
   }
 
@@ -63,10 +90,10 @@ class Measure {
   }
 
   void find_stars() {
-    stars_ = Grouping(mesh_.points.size(), mesh_.tet_to_vert.size() * 4, [&](const auto& visit) {
-      loop_.for_blocks(mesh_.tet_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    stars_ = Grouping(mesh_.points.size(), mesh_.tets.size() * 4, [&](const auto& visit) {
+      loop_.for_blocks(mesh_.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet)
-          for (const std::uint32_t v : mesh_.tet_to_vert[tet]) visit(static_cast<std::uint32_t>(tet), v);
+          for (const std::uint32_t v : mesh_.tets[tet]) visit(static_cast<std::uint32_t>(tet), v);
       });
     });
   }
@@ -75,11 +102,12 @@ class Measure {
   void add_edges(std::uint32_t a, std::vector<std::uint32_t>& ends, MetricConformity& sum) const {
     ends.clear();
     for (const std::uint32_t tet : stars_[a])
-      for (const std::uint32_t v : mesh_.tet_to_vert[tet])
+      for (const std::uint32_t v : mesh_.tets[tet])
         if (v > a) ends.push_back(v);
     std::sort(ends.begin(), ends.end());
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
     for (const std::uint32_t b : ends) {
+      if (foreign_.has(a, b)) continue;
       const double length = edge_length(metrics_[a].tensor, metrics_[b].tensor, mesh_.points[b] - mesh_.points[a]);
       ++sum.edges;
       sum.unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
@@ -100,8 +128,9 @@ class Measure {
     for (const std::uint32_t v : tet) sum.complexity += volume / 4 * std::sqrt(metrics_[v].det);
   }
 
-  const Mesh& mesh_;
+  const TetView& mesh_;
   std::span<const VertexMetric> metrics_;
+  const ForeignEdges& foreign_;
   const BlockLoop& loop_;
   MetricConformity all_;
   Grouping stars_;  // tets by their vertices
@@ -110,7 +139,26 @@ class Measure {
 }  // namespace
 
 MetricConformity conformity_of(const Mesh& mesh, std::span<const VertexMetric> metrics, const BlockLoop& loop) {
-  return Measure(mesh, metrics, loop).run();
+  const TetView view = tets_of(mesh);
+  return with_means(Measure(view, metrics, {}, loop).run());
+}
+
+MetricConformity conformity_of(const PartsWithMetric& parts, const SharedWork& work) {
+  const auto local = parts.mesh.local();
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    std::vector<MetricConformity> sums(local.size());
+    work.runner().for_each(local.size(), [&](std::size_t i) {
+      const Part& part = parts.mesh.parts.at(local[i]);
+      const std::vector<TetVerts> tets = tets_of(part.mesh);
+      const TetView view{part.mesh.points.span(), tets};
+      sums[i] = Measure(view, parts.to_metric.at(local[i]).span(), ForeignEdges(part, local[i]), work.runner()).run();
+    });
+    writer.put_array(std::span<const MetricConformity>(sums));
+  });
+  MetricConformity all = nothing_yet();
+  for (const Bytes& bytes : given)
+    for (const MetricConformity& sums : MessageReader(bytes).get_view<MetricConformity>()) add(sums, all);
+  return with_means(all);
 }
 
 }  // namespace adapt

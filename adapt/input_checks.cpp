@@ -1,6 +1,7 @@
 #include "adapt/input_checks.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <span>
@@ -10,16 +11,23 @@
 #include "adapt/kernel/surface_map.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/mesh/mesh_access.hpp"
-#include "core/sizing/memory_check.hpp"
 #include "tetloom/part_mesh.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kBytesPerTet = 200;  // at the least
+// At the least.
+constexpr double kBytesPerTet = 150;   // of the result, on the rank that has it
+constexpr double kBytesPerGiven = 50;  // on every rank
 // Indices of entities: as many again are left for corners and edges that the mesh does not name, below kTouching.
 constexpr std::uint32_t kMostGiven = kTouching / 2;
+
+std::string text_of(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
 
 // Tables of corners and edges get places for those that the mesh does not name, so no tag may lie far behind them.
 void require_in_tables(const Mesh& mesh) {
@@ -106,17 +114,25 @@ void check_metric(const MetricField& metric, const Mesh& mesh) {
           Diagnostic{ErrorCode::InputUnsuitable, "the metric is not finite at a point", {}, mesh.points[v], {v}});
 }
 
-void check_complexity(double complexity) {
-  const double tets = expected_tets(complexity);
-  if (!(tets < static_cast<double>(CellPlace::kMaxTets))) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3g", tets);
-    throw Error(ErrorCode::OutOfMemory, std::string("the metric asks for about ") + text.data() +
+void check_load(const AdaptLoad& load) { check_load(load, memory_limits()); }
+
+void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
+  const double tets = expected_tets(load.complexity);
+  if (!(tets < static_cast<double>(CellPlace::kMaxTets)))
+    throw Error(ErrorCode::OutOfMemory, "the metric asks for about " + text_of(tets) +
                                             " tetrahedra, more than can be counted; ask for larger sizes");
-  }
-  MeshEstimate estimate;
-  estimate.tets = tets, estimate.bytes = kBytesPerTet * tets;
-  check_memory(estimate, 0);
+  const std::uint64_t room = limits.for_each_of(load.ranks_on_machine);
+  const double kept = kBytesPerGiven * load.given, shared = kBytesPerTet * tets;
+  if (room == MemoryLimits::kUnlimited || kept + shared / load.ranks <= static_cast<double>(room)) return;
+  std::string message = "the mesh would hold about " + text_of(tets) + " tetrahedra and need " +
+                        text_of((kept + shared / load.ranks) / 1e9) + " GB of memory" +
+                        (load.ranks > 1 ? " on each of " + std::to_string(load.ranks) + " ranks, but " : ", but ") +
+                        text_of(static_cast<double>(room) / 1e9) + " GB are free" +
+                        (load.ranks > 1 ? " for each" : "") + "; ask for larger sizes";
+  if (kept < static_cast<double>(room))
+    message +=
+        ", or for " + text_of(std::ceil(shared / (static_cast<double>(room) - kept))) + " ranks that have as much each";
+  throw Error(ErrorCode::OutOfMemory, message);
 }
 
 std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,

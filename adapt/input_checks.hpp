@@ -1,5 +1,6 @@
 #pragma once
 // What has to be true of the input of adapt_mesh before anything is done with it.
+#include "core/sizing/memory_limits.hpp"
 #include "tetloom/adapt.hpp"
 
 namespace tetloom::adapt {
@@ -12,9 +13,19 @@ void check_mesh(const Mesh& mesh, const BlockLoop& loop);
 /// Throws Error(InvalidArgument) unless there is one metric per point, and InputUnsuitable where one is not finite.
 void check_metric(const MetricField& metric, const Mesh& mesh);
 
-/// Throws Error(OutOfMemory) where a unit mesh of that complexity would have more tets than can be counted or than fit
-/// in the memory that is free.
-void check_complexity(double complexity);
+/// How much an adaptation holds.
+struct AdaptLoad {
+  double complexity = 0;     ///< of the metric
+  double given = 0;          ///< tets, which every rank keeps
+  int ranks = 1;             ///< that share the result
+  int ranks_on_machine = 1;  ///< and what is free there
+};
+
+/// Throws Error(OutOfMemory) where a unit mesh of that complexity would have more tets than can be counted, or what a
+/// rank needs is more than it can get; the message says how much that is, and how many ranks would do.
+void check_load(const AdaptLoad& load);
+/// The same with limits that are given.
+void check_load(const AdaptLoad& load, const MemoryLimits& limits);
 
 /// A number over the bits of all that adaptation depends on, in their order: of the mesh with its classification and
 /// the fields that are carried over, the metric, the options. It differs where they do, but for accidents.

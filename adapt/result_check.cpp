@@ -10,13 +10,13 @@
 
 namespace tetloom::adapt {
 
-void check_positive(const Mesh& mesh, const BlockLoop& loop) {
+void check_positive(const TetView& mesh, const BlockLoop& loop) {
   constexpr std::size_t kGrain = std::size_t{1} << 14, kShown = 8;
   using Tets = std::vector<std::uint64_t>;
   const auto of_blocks =
-      map_blocks(loop, mesh.tet_to_vert.size(), kGrain, Tets(), [&](std::size_t begin, std::size_t end, Tets& found) {
+      map_blocks(loop, mesh.tets.size(), kGrain, Tets(), [&](std::size_t begin, std::size_t end, Tets& found) {
         for (std::size_t tet = begin; tet < end; ++tet) {
-          const auto& [a, b, c, d] = mesh.tet_to_vert[tet];
+          const auto& [a, b, c, d] = mesh.tets[tet];
           if (orient3d(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) <= 0) found.push_back(tet);
         }
       });
@@ -24,7 +24,7 @@ void check_positive(const Mesh& mesh, const BlockLoop& loop) {
   for (const Tets& found : of_blocks) all.insert(all.end(), found.begin(), found.end());
   if (all.empty()) return;
   const std::string message = "adaptation has left " + std::to_string(all.size()) + " tetrahedra flat or inverted";
-  const Vec3 place = mesh.points[mesh.tet_to_vert[all[0]][0]];
+  const Vec3 place = mesh.points[mesh.tets[all[0]][0]];
   all.resize(std::min(all.size(), kShown));
   throw Error(Diagnostic{ErrorCode::Internal, message, {}, place, std::move(all)});
 }

@@ -58,25 +58,29 @@ double MetricStage::refinement_at(const Vec3& x, std::uint32_t& hint) const {
 }
 
 std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop& loop) {
-  constexpr std::size_t kGrain = std::size_t{1} << 12;
+  // Added up in the order of the tets, some of which are computed at a time.
+  constexpr std::size_t kGrain = std::size_t{1} << 12, kAtOnce = 64 * kGrain;
   struct Weighted {
     Tensor logarithm;
     double volume = 0;
   };
-  std::vector<Weighted> tets(mesh.tets.size());
-  loop.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      const TetVerts& v = mesh.tets[tet];
-      const Vec3& x = mesh.points[v[0]];
-      const Vec3 e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x, e3 = mesh.points[v[3]] - x;
-      tets[tet] = {log(implied_by(e1, e2, e3)), std::abs(dot(cross(e1, e2), e3))};
-    }
-  });
+  std::vector<Weighted> tets(std::min(kAtOnce, mesh.tets.size()));
   std::vector<Tensor> logs(mesh.points.size());
   std::vector<double> volumes(mesh.points.size(), 0);
-  for (std::size_t tet = 0; tet < tets.size(); ++tet)
-    for (const std::uint32_t vert : mesh.tets[tet])
-      logs[vert] += tets[tet].volume * tets[tet].logarithm, volumes[vert] += tets[tet].volume;
+  for (std::size_t first = 0; first < mesh.tets.size(); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, mesh.tets.size() - first);
+    loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const TetVerts& v = mesh.tets[first + i];
+        const Vec3& x = mesh.points[v[0]];
+        const Vec3 e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x, e3 = mesh.points[v[3]] - x;
+        tets[i] = {log(implied_by(e1, e2, e3)), std::abs(dot(cross(e1, e2), e3))};
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      for (const std::uint32_t vert : mesh.tets[first + i])
+        logs[vert] += tets[i].volume * tets[i].logarithm, volumes[vert] += tets[i].volume;
+  }
   for (std::size_t v = 0; v < logs.size(); ++v)
     if (volumes[v] > 0) logs[v] *= 1 / volumes[v];
   return logs;

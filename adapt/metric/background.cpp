@@ -33,10 +33,13 @@ BackgroundMesh::BackgroundMesh(const TetView& mesh, MetricField metric, const Ta
 
 BackgroundMesh::BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric,
                                const TaskRunner& runner)
-    : points_(mesh.points.begin(), mesh.points.end()),
-      tets_(mesh.tets.begin(), mesh.tets.end()),
-      links_(std::move(links)),
-      metric_(std::move(metric)) {
+    : BackgroundMesh(std::vector<Vec3>(mesh.points.begin(), mesh.points.end()),
+                     std::vector<TetVerts>(mesh.tets.begin(), mesh.tets.end()), std::move(links), std::move(metric),
+                     runner) {}
+
+BackgroundMesh::BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets,
+                               std::vector<std::uint32_t>&& links, MetricField&& metric, const TaskRunner& runner)
+    : points_(std::move(points)), tets_(std::move(tets)), links_(std::move(links)), metric_(std::move(metric)) {
   TETLOOM_ASSERT(!tets_.empty() && (metric_.size() == points_.size() || metric_.size() == 0));
   std::vector<std::uint32_t> open;
   for (std::size_t face = 0; face < links_.size(); ++face)

@@ -31,6 +31,9 @@ class BackgroundMesh {
   BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner);
   /// The same where the links of the tets are known; see link_tets.
   BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric, const TaskRunner& runner);
+  /// The same, of arrays that it takes over.
+  BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<std::uint32_t>&& links,
+                 MetricField&& metric, const TaskRunner& runner);
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }

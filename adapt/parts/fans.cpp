@@ -68,6 +68,7 @@ class Separator {
     for (std::uint32_t slot = 0; slot < balls_.size(); ++slot) split_ball(slot);
     follow_triangles();
     follow_pieces();
+    touching_.verts = std::move(pinches_.verts);
     return std::move(touching_);
   }
 
@@ -172,6 +173,16 @@ TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
   Pinches pinches(whole, runner);
   if (pinches.verts.empty()) return {};
   return Separator(whole, std::move(pinches)).run();
+}
+
+std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
+                                                           std::size_t given, const TaskRunner& runner) {
+  auto tets = tets_of(whole, runner);
+  if (whole.points.size() == given) return tets;
+  for (auto& tet : tets)
+    for (std::uint32_t& v : tet)
+      if (v >= given) v = touching.verts[whole.to_entity[v].unpack().index - touching.first];
+  return tets;
 }
 
 std::vector<std::uint32_t> join_fans(WholeMesh& whole, const TouchingVerts& touching) {

@@ -13,6 +13,8 @@
 // Operations see the tets that they reach through faces. So each *fan* of tets has a vertex of its own while a mesh is
 // adapted, and these are one again in the end; all of them stay where they are, and so do the edges at which fans
 // touch.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -25,12 +27,17 @@ namespace tetloom::adapt {
 struct TouchingVerts {
   std::uint32_t first = 0;
   std::vector<PackedEntity> to_entity;
+  std::vector<std::uint32_t> verts;  ///< those that were there before, ascending; new ones come behind all of these
 };
 
 /// Gives each fan a vertex of its own, those behind the first one new ones, and marks the edges at which fans touch
 /// (`kTouching`). Vertices at which the surface meets itself without several fans are corners as well.
 /// Complexity: linear in the tets, and sorting for the surface.
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner);
+
+/// The vertices of the tets of a mesh of `given` points as they were before `separate_fans`.
+std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
+                                                           std::size_t given, const TaskRunner& runner);
 
 /// Makes one vertex of those that `separate_fans` made of one. Returns, of each vertex that is left, the number that it
 /// had, ascending; empty where all are left. Neighbours, hints and states are of no use then.

@@ -55,7 +55,7 @@ class PartsJoiner {
     old_to_new_.resize(old_.vert_count, kNone), to_first_part_.resize(old_.vert_count, kNone);
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       const PartOfWhole& part = parts_[p];
-      first_tet_.push_back(tet_count_);
+      first_tet_.push_back(tet_count_), first_vert_.push_back(vert_count_);
       tet_count_ += part.mesh.mesh.size();
       auto& to_new = to_new_.emplace_back();
       to_new.resize(part.mesh.mesh.points.size(), kNone);
@@ -86,6 +86,8 @@ class PartsJoiner {
     const std::array<std::uint64_t, 2> counts{tet_count_, vert_count_};
     std::array<std::uint64_t, 2> sums{};
     links_.first_tets.assign(1, 0), links_.first_verts.assign(1, 0);
+    links_.part_tets = first_tet_, links_.part_verts = first_vert_;
+    links_.part_tets.push_back(tet_count_), links_.part_verts.push_back(vert_count_);
     for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(counts); })) {
       const auto given = MessageReader(bytes).get<std::array<std::uint64_t, 2>>();
       sums[0] += given[0], sums[1] += given[1];
@@ -322,7 +324,7 @@ class PartsJoiner {
   std::vector<std::uint8_t> is_foreign_;
   GrowingArray<std::uint32_t> old_to_new_, to_first_part_;  // of shared vertices
   std::vector<GrowingArray<std::uint32_t>> to_new_;         // of the vertices of each part
-  std::vector<std::size_t> first_tet_, first_triangle_;
+  std::vector<std::size_t> first_tet_, first_vert_, first_triangle_;
   std::vector<std::vector<LinkedTriangle>> triangles_;
   std::vector<std::vector<ModelEdgePiece>> edges_;
   std::vector<GrowingArray<OpenFace>> open_;

@@ -101,9 +101,8 @@ constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a mes
 
 // What a rank has that no lower one has, all of it by numbers.
 void put_share(const WholeMesh& share, const ShareLinks& links, int rank, MessageWriter& writer) {
-  const auto r = static_cast<std::size_t>(rank);
-  const std::size_t own = links.first_verts[r + 1] - links.first_verts[r];
-  const FaceCode first = links.first_tets[r] * 4;
+  const std::size_t own = own_vert_count(links, rank);
+  const FaceCode first = links.first_tets[static_cast<std::size_t>(rank)] * 4;
   const auto put_numbers = [&](std::span<const std::uint32_t> verts) {
     const auto room = writer.put_room<std::uint32_t>(verts.size());
     std::ranges::transform(verts, room.begin(), [&](std::uint32_t v) { return links.number_of(v); });
@@ -156,13 +155,15 @@ FaceCode ShareLinks::behind(FaceCode face) const {
   return at == faces.end() || at->face != face ? kNone : at->behind;
 }
 
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work) {
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest) {
   const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
   ShareLinks links;
   links.first_tets = equal_ranges(whole.size(), ranks);
   links.first_verts = equal_ranges(whole.points.size(), ranks);
   if (ranks == 1 && uses_all_points(whole)) return links;
-  whole = ShareTaker(whole, links.first_tets[rank], links.first_tets[rank + 1]).run(links);
+  WholeMesh share = ShareTaker(whole, links.first_tets[rank], links.first_tets[rank + 1]).run(links);
+  if (rest != nullptr) *rest = std::move(whole);
+  whole = std::move(share);
   if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);
   return links;
 }

@@ -25,6 +25,9 @@ struct ShareLinks {
   std::vector<std::uint32_t> first_tets;  ///< number of the first tet of each rank, and how many there are
   std::vector<std::uint32_t> first_verts;  ///< the same of vertices, each with the lowest rank that has it; before the
                                            ///< first round no more than a range of numbers for each rank
+  // Of the parts that this rank had in the last round, which stand one after the other: where those of each begin, and
+  // how many there are. Vertices are counted with the first part that has them.
+  std::vector<std::size_t> part_tets{0}, part_verts{0};
 
   std::uint32_t number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
   /// The face's code in the whole mesh, behind which it is; kNone where no rank has anything there.
@@ -32,8 +35,8 @@ struct ShareLinks {
 };
 
 /// Keeps this rank's share of `whole`, which all ranks have alike, in equal numbers of tets; points that no tet has
-/// go. In SharedWork::together.
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
+/// go. Where that is not all of it, `rest` takes the mesh that it was. In SharedWork::together.
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest = nullptr);
 
 /// A share with all tets of the parts that a rank adapts in one round.
 struct RoundShare {
@@ -50,6 +53,12 @@ int rank_of_part(std::uint32_t part, std::size_t part_count, int rank_count);
 /// Sends every tet to the rank of its part, with all that it has. `share` and `links` are emptied. In together.
 RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint32_t> to_part, std::size_t part_count,
                      const SharedWork& work);
+
+/// How many of its vertices this rank has numbered: those before all that lower ranks have as well.
+inline std::size_t own_vert_count(const ShareLinks& links, int rank) {
+  const auto r = static_cast<std::size_t>(rank);
+  return links.first_verts[r + 1] - links.first_verts[r];
+}
 
 /// The whole mesh on rank 0, without neighbours, hints and states; an empty one on the others. `share` is emptied.
 /// In together, after a round.

@@ -1,5 +1,7 @@
 #pragma once
 // Values on tets, from the mesh as it was to the mesh as it is.
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -38,12 +40,31 @@ std::vector<double> transfer_cells(const CellSource& from, const TetsInRegions& 
                                    std::span<const BackgroundPlace> places, CellReconstruction shape,
                                    const TaskRunner& runner);
 
-/// The same in two steps: the means alone, for which `to` may be any tets of the mesh, each on its own; and where all
-/// of them are together, what is put right once per region.
+/// The means alone, for which `to` may be any tets of the mesh, each on its own.
 std::vector<double> average_cells(const CellSource& from, const TetsInRegions& to,
                                   std::span<const BackgroundPlace> places, CellReconstruction shape,
                                   const TaskRunner& runner);
-void put_right_cells(const CellSource& from, const TetsInRegions& to, std::span<double> values,
-                     const TaskRunner& runner);
+
+/// What is known of one component in one region.
+struct RegionIntegrals {
+  double volume = 0, integral = 0;
+  double least = HUGE_VAL, greatest = -HUGE_VAL;
+
+  double mean() const { return volume > 0 ? integral / volume : 0; }
+  void add(const RegionIntegrals& other) {
+    volume += other.volume, integral += other.integral;
+    least = std::min(least, other.least), greatest = std::max(greatest, other.greatest);
+  }
+};
+
+/// Of some tets, by region of `from`, ascending, and component. Those of all tets are what is put right by: where tets
+/// lie in several places, the sums of these, in an order that is always the same.
+std::vector<RegionIntegrals> sum_cells(const CellSource& from, const TetsInRegions& to, std::span<const double> values,
+                                       const TaskRunner& runner);
+
+/// Puts the values of some tets right, once per region: `after` are the sums over all tets, `before` those of `from`.
+void put_right_cells(const CellSource& from, std::span<const RegionIntegrals> before,
+                     std::span<const RegionIntegrals> after, std::span<const std::uint32_t> regions,
+                     std::span<double> values, const TaskRunner& runner);
 
 }  // namespace tetloom::adapt

@@ -1,7 +1,9 @@
 #include "adapt/transfer/field_transfer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 
 #include "adapt/transfer/clip_tet.hpp"
 #include "tetloom/error.hpp"
@@ -36,35 +38,44 @@ void check_finite(const Mesh& mesh, const MeshField& field) {
                          {tet}});
 }
 
-std::vector<FieldFigures> measure(const TetView& mesh, const MeshField& field, bool on_cells, const BlockLoop& loop) {
-  const auto n = static_cast<std::size_t>(field.components);
+/// Joined fields, on points or on tets. Non-owning.
+struct JoinedValues {
+  std::span<const double> values;
+  std::size_t components = 1;
+  bool on_cells = false;
+};
+
+/// Of each component over some tets, without extremes.
+std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
+  const std::size_t n = of.components;
   const auto add = [&](std::size_t begin, std::size_t end, std::vector<FieldFigures>& sums) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const double volume = volume_of(corners_of(mesh, static_cast<std::uint32_t>(tet)));
-      for (std::size_t c = 0; c < n; ++c) {
-        if (on_cells) {
-          sums[c].integral += volume * field.values[tet * n + c];
-          sums[c].magnitude += volume * std::abs(field.values[tet * n + c]);
-          continue;
+      const auto add_value = [&](std::size_t at, double share) {
+        for (std::size_t c = 0; c < n; ++c) {
+          const double value = share * of.values[at * n + c];
+          sums[c].integral += value, sums[c].magnitude += std::abs(value);
         }
-        for (const std::uint32_t v : mesh.tets[tet]) {
-          sums[c].integral += volume / 4 * field.values[v * n + c];
-          sums[c].magnitude += volume / 4 * std::abs(field.values[v * n + c]);
-        }
-      }
+      };
+      if (of.on_cells)
+        add_value(tet, volume);
+      else
+        for (const std::uint32_t v : mesh.tets[tet]) add_value(v, volume / 4);
     }
   };
   std::vector<FieldFigures> figures(n);
   for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, figures, add))
     for (std::size_t c = 0; c < n; ++c)
       figures[c].integral += block[c].integral, figures[c].magnitude += block[c].magnitude;
-  for (std::size_t c = 0; c < n; ++c) {
-    FieldFigures& f = figures[c];
-    f.least = HUGE_VAL, f.greatest = -HUGE_VAL;
-    for (std::size_t i = c; i < field.values.size(); i += n)
-      f.least = std::min(f.least, field.values[i]), f.greatest = std::max(f.greatest, field.values[i]);
-  }
   return figures;
+}
+
+void note_extremes(const JoinedValues& of, std::vector<FieldFigures>& figures) {
+  for (FieldFigures& f : figures) f.least = HUGE_VAL, f.greatest = -HUGE_VAL;
+  for (std::size_t i = 0; i < of.values.size(); ++i) {
+    FieldFigures& f = figures[i % of.components];
+    f.least = std::min(f.least, of.values[i]), f.greatest = std::max(f.greatest, of.values[i]);
+  }
 }
 
 /// All the fields side by side, as one of many components.
@@ -107,12 +118,33 @@ std::vector<MeshField> take_all_apart(std::span<const double> joined, const std:
   return fields;
 }
 
-FieldTransfer compare(const TetView& from, const MeshField& before, const TetView& to, const MeshField& after,
-                      bool on_cells, const BlockLoop& loop) {
-  const auto old = measure(from, before, on_cells, loop), now = measure(to, after, on_cells, loop);
-  FieldTransfer transfer{before.name, on_cells, {}};
-  for (std::size_t c = 0; c < old.size(); ++c) transfer.components.push_back({old[c], now[c]});
-  return transfer;
+std::vector<FieldInfo> infos_of(const std::vector<const MeshField*>& fields) {
+  std::vector<FieldInfo> infos;
+  for (const MeshField* field : fields) infos.push_back({field->name, field->components});
+  return infos;
+}
+
+/// What all ranks have put for their parts, added up part after part.
+template <class Sums>
+std::vector<Sums> add_up(const SharedWork& work, std::span<const Sums> of_parts, std::size_t count,
+                         const std::function<void(const Sums&, Sums&)>& add) {
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) { writer.put_array(of_parts); });
+  std::vector<Sums> all(count);
+  for (const Bytes& bytes : given) {
+    const auto sums = MessageReader(bytes).get_view<Sums>();
+    for (std::size_t i = 0; i < sums.size(); ++i) add(sums[i], all[i % count]);
+  }
+  return all;
+}
+
+void add_transfers(const std::vector<const MeshField*>& fields, bool on_cells,
+                   const std::array<std::vector<FieldFigures>, 2>& figures, std::vector<FieldTransfer>& transfers) {
+  std::size_t next = 0;
+  for (const MeshField* field : fields) {
+    FieldTransfer& transfer = transfers.emplace_back(FieldTransfer{field->name, on_cells, {}});
+    for (int c = 0; c < field->components; ++c, ++next)
+      transfer.components.push_back({figures[0][next], figures[1][next]});
+  }
 }
 
 }  // namespace
@@ -143,36 +175,88 @@ CellSource FieldCarrier::tet_source(std::span<const double> values) const {
   return {background_, from_.tet_to_entity, {values, tet_components_}};
 }
 
-CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::size_t point_count,
-                                  std::span<const BackgroundPlace> places, CellReconstruction shape,
-                                  const TaskRunner& runner) const {
+CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::span<const BackgroundPlace> places,
+                                  CellReconstruction shape, const TaskRunner& runner) const {
   CarriedFields carried;
   std::vector<MeshField> fields;
-  for (const MeshField* field : on_points_)
-    fields.push_back(background_.interpolate(*field, places.first(point_count), runner));
+  for (const MeshField* field : on_points_) fields.push_back(background_.interpolate(*field, places, runner));
   std::vector<const MeshField*> pointers;
   for (const MeshField& field : fields) pointers.push_back(&field);
-  carried.on_points = join(pointers, point_count, point_components_);
+  carried.on_points = join(pointers, places.size(), point_components_);
   if (on_tets_.empty()) return carried;
-  const std::vector<double> before = join(on_tets_, from_.tet_to_vert.size(), tet_components_);
+  const std::vector<double> before = join(on_tets_, background_.mesh().tets.size(), tet_components_);
   carried.on_tets = average_cells(tet_source(before), to, places, shape, runner);
   return carried;
 }
 
-std::vector<FieldTransfer> FieldCarrier::finish(CarriedFields&& carried, Mesh& to, const TaskRunner& runner) const {
-  if (!on_tets_.empty()) {
-    const std::vector<double> before = join(on_tets_, from_.tet_to_vert.size(), tet_components_);
-    put_right_cells(tet_source(before), {tets_of(to), to.tet_to_entity}, carried.on_tets, runner);
+void FieldCarrier::put_right(const TetsByPart& to, std::vector<double>& on_tets, const SharedWork& work) const {
+  const std::size_t n = tet_components_;
+  std::vector<double> values;
+  std::vector<RegionIntegrals> before, of_parts;
+  work.each([&] {
+    values = join(on_tets_, background_.mesh().tets.size(), n);
+    const CellSource source = tet_source(values);
+    before = sum_cells(source, {background_.mesh(), source.regions}, values, work.runner());
+    for (std::size_t p = 0; p < to.part_count(); ++p) {
+      const auto own = std::span<const double>(on_tets).subspan(to.first(p) * n, to.count(p) * n);
+      const auto sums = sum_cells(source, to.part(p), own, work.runner());
+      of_parts.insert(of_parts.end(), sums.begin(), sums.end());
+    }
+  });
+  const std::vector<RegionIntegrals> after = add_up<RegionIntegrals>(
+      work, of_parts, before.size(), [](const RegionIntegrals& part, RegionIntegrals& all) { all.add(part); });
+  work.each([&] { put_right_cells(tet_source(values), before, after, to.tets.regions, on_tets, work.runner()); });
+}
+
+std::vector<FieldTransfer> FieldCarrier::finish(const TetsByPart& to, CarriedFields& carried,
+                                                const SharedWork& work) const {
+  std::vector<FieldTransfer> transfers;
+  if (!on_tets_.empty()) put_right(to, carried.on_tets, work);
+  for (const bool on_cells : {false, true}) {
+    const auto& fields = on_cells ? on_tets_ : on_points_;
+    if (fields.empty()) continue;
+    const auto figures = compare(to, on_cells ? carried.on_tets : carried.on_points, on_cells, work);
+    add_transfers(fields, on_cells, figures, transfers);
   }
+  return transfers;
+}
+
+// Of each component, before and after.
+std::array<std::vector<FieldFigures>, 2> FieldCarrier::compare(const TetsByPart& to, std::span<const double> carried,
+                                                               bool on_cells, const SharedWork& work) const {
+  const std::size_t n = on_cells ? tet_components_ : point_components_;
+  std::vector<FieldFigures> before, of_parts, own(n);
+  work.each([&] {
+    const TetView from = background_.mesh();
+    const std::vector<double> given =
+        join(on_cells ? on_tets_ : on_points_, on_cells ? from.tets.size() : from.points.size(), n);
+    before = integrals_of(from, {given, n, on_cells}, work.runner());
+    note_extremes({given, n, on_cells}, before);
+    for (std::size_t p = 0; p < to.part_count(); ++p) {
+      const std::span<const double> values = on_cells ? carried.subspan(to.first(p) * n, to.count(p) * n) : carried;
+      const auto sums = integrals_of(to.part(p).mesh, {values, n, on_cells}, work.runner());
+      of_parts.insert(of_parts.end(), sums.begin(), sums.end());
+    }
+    note_extremes({carried, n, on_cells}, own);
+  });
+  std::vector<FieldFigures> after =
+      add_up<FieldFigures>(work, of_parts, n, [](const FieldFigures& part, FieldFigures& all) {
+        all.integral += part.integral, all.magnitude += part.magnitude;
+      });
+  std::vector<double> ends;
+  for (const FieldFigures& f : own) ends.insert(ends.end(), {-f.least, f.greatest});
+  work.max(ends);
+  for (std::size_t c = 0; c < n; ++c) after[c].least = -ends[2 * c], after[c].greatest = ends[2 * c + 1];
+  return {std::move(before), std::move(after)};
+}
+
+void FieldCarrier::give(CarriedFields&& carried, Mesh& to) const {
   to.point_fields = take_all_apart(carried.on_points, on_points_);
   to.cell_fields = take_all_apart(carried.on_tets, on_tets_);
   carried = CarriedFields();
-  std::vector<FieldTransfer> transfers;
-  for (std::size_t i = 0; i < on_points_.size(); ++i)
-    transfers.push_back(compare(background_.mesh(), *on_points_[i], tets_of(to), to.point_fields[i], false, runner));
-  for (std::size_t i = 0; i < on_tets_.size(); ++i)
-    transfers.push_back(compare(background_.mesh(), *on_tets_[i], tets_of(to), to.cell_fields[i], true, runner));
-  return transfers;
 }
+
+std::vector<FieldInfo> FieldCarrier::infos_on_points() const { return infos_of(on_points_); }
+std::vector<FieldInfo> FieldCarrier::infos_on_tets() const { return infos_of(on_tets_); }
 
 }  // namespace tetloom::adapt

@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/adapt_report.hpp"
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
+#include "apps/tetloom/rank_figures.hpp"
 #include "apps/tetloom/run.hpp"
 #include "apps/tetloom/validation_report.hpp"
 #include "tetloom/adapt.hpp"
@@ -13,6 +16,8 @@
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
+#include "threading/comm/shared_work.hpp"
+#include "threading/parts/parts_summary.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -33,14 +38,24 @@ void write_output(const AdaptCommand& command, Mesh& mesh, const CancelToken& ca
   write_mesh(mesh, command.output, &cancel, runner);
 }
 
-AdaptInput read_input_with_metric(const AdaptCommand& command, adapt::MetricField& metric, double& metric_seconds,
-                                  Run& run) {
+// By all ranks together, which need not read all of the pieces each.
+std::optional<Mesh> read_pieces(const AdaptCommand& command, Communicator& communicator, Run& run) {
+  run.begin_together(Stage::Read);
+  std::optional<Mesh> mesh;
+  const SharedWork work(command.options.threads, run.host(), &communicator);
+  run.report().seconds.read =
+      timed([&] { mesh = read_input([&] { return read_pieces_of(command, work, run.cancel()); }); });
+  return mesh;
+}
+
+AdaptInput read_input_with_metric(const AdaptCommand& command, std::optional<Mesh>&& pieces, adapt::MetricField& metric,
+                                  double& metric_seconds, Run& run) {
   const TaskRunner runner(command.options.threads, run.host());
   RunReport& report = run.report();
   run.begin(Stage::Read);
   AdaptInput input;
-  report.seconds.read =
-      timed([&] { input = read_input([&] { return read_adapt_input(command, runner, run.cancel()); }); });
+  report.seconds.read += timed(
+      [&] { input = read_input([&] { return read_adapt_input(command, std::move(pieces), runner, run.cancel()); }); });
   report.warnings = input.document.warnings;
   run.begin(Stage::SizeField);
   metric_seconds = timed([&] { metric = make_metric(command, input, runner); });
@@ -80,49 +95,58 @@ void share_status(Communicator& communicator, RunReport& report) {
   report.status = static_cast<ExitStatus>(share_number(communicator, static_cast<std::uint64_t>(report.status)));
 }
 
+// What is checked where parts lie: that they fit together, and that all tets are positive.
+void note_parts(PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report) {
+  const PartsReport fit = validate_parts(mesh, runner);
+  const PartsSummary summary = summarize_parts(mesh, runner);
+  note_summary(summary, figures, report);
+  note_validation(mesh, fit, summary, report);
+}
+
 // By all ranks.
-void finish_in_parts(const AdaptCommand& command, const AdaptInPartsResult& result, const TaskRunner& runner,
-                     Run& run) {
+void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, const TaskRunner& runner, Run& run) {
   RunReport& report = run.report();
   run.begin_together(Stage::Check);
   PartsFigures figures;
   report.parts = static_cast<int>(result.mesh->part_count());
   report.seconds.check = timed([&] {
     figures = measure_parts(*result.mesh);
-    note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
-      if (note_validation(mesh, wide, report).valid()) note_mesh(mesh, wide, report);
-    });
+    note_parts(*result.mesh, figures, runner, report);
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
-  share_status(*result.mesh->communicator, report);
-  if (report.status != ExitStatus::Done) return;
+  if (report.status != ExitStatus::Done) return;  // the same on all ranks
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
   run.set_text(render_adaptation(result.run.report, report, command.output.string(), command.report.string()) +
                render_parts(figures));
+  note_ranks(*result.mesh->communicator, tets_of_rank(*result.mesh), report);
 }
 
 void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& run) {
   AdaptInput input;
   adapt::MetricField metric;
   double metric_seconds = 0;
-  run_on_all(communicator, [&] { input = read_input_with_metric(command, metric, metric_seconds, run); });
+  std::optional<Mesh> pieces = read_pieces(command, communicator, run);
+  run_on_all(communicator,
+             [&] { input = read_input_with_metric(command, std::move(pieces), metric, metric_seconds, run); });
   const AdaptOptions options = options_of(command, input);
   const TaskRunner runner(options.threads, run.host());
   if (command.in_parts) {
-    const AdaptInPartsResult result = adapt_mesh_in_parts(input.mesh, metric, options, communicator, run.host());
+    AdaptInPartsResult result =
+        adapt_mesh_in_parts(std::move(input.mesh), std::move(metric), options, communicator, run.host());
     input.mesh = Mesh();
     if (note_run(result.run, metric_seconds, run.report())) finish_in_parts(command, result, runner, run);
     return;
   }
-  AdaptResult result = adapt_mesh_on_ranks(input.mesh, metric, options, communicator, run.host());
+  AdaptResult result = adapt_mesh_on_ranks(std::move(input.mesh), std::move(metric), options, communicator, run.host());
   input.mesh = Mesh();
   if (!note_run(result, metric_seconds, run.report())) return;
   run_on_first(communicator, [&] {
     finish_in_one_piece(command, result, runner.with_idle_threads(communicator.ranks_on_machine()), run);
   });
   share_status(communicator, run.report());
+  note_ranks(communicator, result.mesh.tet_to_vert.size(), run.report());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/parts/gather_mesh.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -28,12 +29,6 @@ const MeshField& field_named(const Mesh& mesh, const std::string& name) {
     if (field.name == name) return field;
   throw Error(ErrorCode::InputUnsuitable,
               "the mesh has no field \"" + name + "\" on its points; " + names_of(mesh.point_fields));
-}
-
-Mesh read_whole(const std::filesystem::path& path, const TaskRunner& runner, const CancelToken& cancel) {
-  if (!is_piece_list(path)) return read_mesh(path, &cancel);
-  const auto alone = make_thread_communicator();
-  return gather_mesh(read_parts(path, *alone, runner, &cancel), runner);
 }
 
 bool has_field(const std::vector<MeshField>& fields, const std::string& name) {
@@ -89,9 +84,15 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
   return path.replace_extension(lower_extension(mesh) == ".meshb" ? ".solb" : ".sol");
 }
 
-AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel) {
+std::optional<Mesh> read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel) {
+  if (!is_piece_list(command.input)) return std::nullopt;
+  return copy_to_all(read_parts(command.input, work.ranks(), work.runner(), &cancel), work);
+}
+
+AdaptInput read_adapt_input(const AdaptCommand& command, std::optional<Mesh>&& pieces, const TaskRunner& runner,
+                            const CancelToken& cancel) {
   AdaptInput input;
-  input.mesh = read_whole(command.input, runner, cancel);
+  input.mesh = pieces ? std::move(*pieces) : read_mesh(command.input, &cancel);
   if (has_fields_beside(command.input)) {
     if (needs_fields(command)) read_fields_beside(command.input, input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;

@@ -1,11 +1,13 @@
 #pragma once
 // What `adapt` starts from: the mesh, the model and the metric.
 #include <memory>
+#include <optional>
 
 #include "apps/tetloom/options.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::app {
 
@@ -22,9 +24,14 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// Reads what the command names; the pieces of a partitioned mesh are put together. Errors: as those of the readers;
-/// InputUnsuitable for fields that are not there.
-AdaptInput read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel);
+/// The mesh, where it lies in pieces: each rank reads some of them, and has all in the end. In SharedWork::together.
+/// Errors: those of read_parts.
+std::optional<Mesh> read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
+
+/// Reads what the command names, but for a mesh in `pieces`. Errors: as those of the readers; InputUnsuitable for
+/// fields that are not there.
+AdaptInput read_adapt_input(const AdaptCommand& command, std::optional<Mesh>&& pieces, const TaskRunner& runner,
+                            const CancelToken& cancel);
 
 /// Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
 adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner);

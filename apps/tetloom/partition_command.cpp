@@ -1,11 +1,12 @@
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/parts_text.hpp"
-#include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/quantities.hpp"
+#include "apps/tetloom/rank_figures.hpp"
 #include "apps/tetloom/run.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
+#include "threading/parts/parts_summary.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -49,10 +50,14 @@ void partition(const PartitionCommand& command, Communicator& communicator, Run&
   const PartsFigures figures = measure_parts(*mesh, command.balance.weights);
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["method"] = to_string(command.balance.method);
-  note_whole(*mesh, figures, runner, report);
+  const PartsSummary summary = summarize_parts(*mesh, runner);
+  report.counts.points = summary.points, report.counts.triangles = summary.triangles;
+  report.counts.tets = summary.tets;
+  report.digest = summary.digest;
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_parts(*mesh, command.output, runner, &run.cancel()); });
   run.set_text(render_run(command, figures, report));
+  note_ranks(communicator, tets_of_rank(*mesh), report);
 }
 
 }  // namespace

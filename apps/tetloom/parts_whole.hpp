@@ -5,6 +5,7 @@
 #include "apps/tetloom/report.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/parts/parts_summary.hpp"
 
 namespace tetloom::app {
 
@@ -13,5 +14,8 @@ namespace tetloom::app {
 /// all ranks beside it, which wait. A collective call.
 void note_whole(const PartitionedMesh& mesh, const PartsFigures& figures, const TaskRunner& runner, RunReport& report,
                 const std::function<void(const Mesh&, const TaskRunner&)>& look = {});
+
+/// Notes counts, quality and digest of the whole mesh, which nobody has to hold.
+void note_summary(const PartsSummary& summary, const PartsFigures& figures, RunReport& report);
 
 }  // namespace tetloom::app

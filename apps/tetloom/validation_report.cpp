@@ -1,5 +1,8 @@
 #include "apps/tetloom/validation_report.hpp"
 
+#include "threading/comm/codec.hpp"
+#include "threading/comm/collectives.hpp"
+
 namespace tetloom::app {
 namespace {
 
@@ -39,6 +42,44 @@ ValidationReport note_validation(const Mesh& mesh, const BlockLoop& loop, RunRep
   report.extra["validation"] = validation_json(validation);
   for (const MeshProblem& problem : validation.problems) add_failure(report, as_error(problem));
   return validation;
+}
+
+void note_validation(const PartitionedMesh& mesh, const PartsReport& fit, const PartsSummary& summary,
+                     RunReport& report) {
+  std::vector<Json> problems;
+  const auto add = [&](const char* kind, const std::string& message, std::uint64_t count,
+                       const std::optional<Vec3>& point) {
+    problems.push_back({{"kind", kind},
+                        {"element_kind", nullptr},
+                        {"message", message},
+                        {"count", count},
+                        {"elements", Json::array()},
+                        {"point", point_json(point)}});
+    add_failure(report, {ErrorCode::VolumeFailed, message, {}, point, {}});
+  };
+  gather(
+      *mesh.communicator,
+      [&](MessageWriter& writer) {
+        writer.put(std::uint64_t{fit.problems.size()});
+        for (const PartProblem& problem : fit.problems) {
+          put_text(writer, "part " + std::to_string(problem.part.value) + ": " + problem.message);
+          writer.put(problem.count);
+          writer.put(problem.point);
+        }
+      },
+      [&](MessageReader& reader) {
+        for (auto left = reader.get<std::uint64_t>(); left > 0; --left) {
+          const std::string message = get_text(reader);
+          const auto count = reader.get<std::uint64_t>();
+          add("unfit_pieces", message, count, reader.get<std::optional<Vec3>>());
+        }
+      });
+  if (const std::size_t count = summary.quality.cells.inverted; count > 0)
+    add("non_positive_volume", "tets that are flat or inverted: " + std::to_string(count), count, {});
+  report.extra["validation"] = {{"valid", problems.empty()},
+                                {"problems", problems},
+                                {"unused_points", 0},
+                                {"unclassified_points", summary.unclassified_points}};
 }
 
 }  // namespace tetloom::app

@@ -5,6 +5,7 @@
 #include <bit>
 #include <vector>
 
+#include "core/mesh/digest_sums.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/siphash_detail.hpp"
@@ -137,13 +138,13 @@ std::string to_hex(const Hash128& hash) {
   return text;
 }
 
-/// The hashes of all points; their sum goes to `sum`.
-PointHashes hash_points(const Mesh& mesh, const BlockLoop& loop, Hash128& sum) {
+/// The hashes of all points; the sum of those that count goes to `sum`.
+PointHashes hash_points(const Mesh& mesh, std::span<const std::uint8_t> counts, const BlockLoop& loop, Hash128& sum) {
   PointHashes point_hash(mesh.points.size());
   sum = sum_of(mesh.points.size(), loop, [&](std::size_t i) {
     const Hash128 hash = hash_point(mesh.points[i], entity_of_point(mesh, i));
     point_hash[i] = hash.low;
-    return hash;
+    return counts.empty() || counts[i] != 0 ? hash : Hash128{};
   });
   return point_hash;
 }
@@ -197,44 +198,63 @@ class FieldHash {
 
 }  // namespace
 
-std::string mesh_digest(const Mesh& mesh, const BlockLoop& loop) {
+void DigestSums::add(const DigestSums& other) {
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    Hash128 sum{kinds[i].low, kinds[i].high};
+    sum += {other.kinds[i].low, other.kinds[i].high};
+    kinds[i] = {kinds[i].count + other.kinds[i].count, sum.low, sum.high};
+  }
+}
+
+DigestSums digest_sums(const Mesh& mesh, std::span<const std::uint8_t> counts, const BlockLoop& loop) {
   require_consistent(mesh, loop);
-  Hash128 point_sum;
-  const PointHashes hashes = hash_points(mesh, loop, point_sum);
-  const auto sum_simplices = [&](const auto& elements, const auto& entities, Kind kind) {
-    return sum_of(elements.size(), loop,
-                  [&](std::size_t e) { return hash_simplex(elements[e], entities[e], hashes, kind); });
+  DigestSums sums;
+  const auto note = [&](std::size_t kind, std::size_t count, const Hash128& sum) {
+    sums.kinds[kind] = {count, sum.low, sum.high};
   };
-  const Hash128 edge_sum = sum_simplices(mesh.edge_to_vert, mesh.edge_to_entity, Kind::Edge);
-  const Hash128 triangle_sum = sum_simplices(mesh.tri_to_vert, mesh.tri_to_entity, Kind::Triangle);
-  const Hash128 quad_sum = sum_of(mesh.quad_to_vert.size(), loop, [&](std::size_t q) {
-    return hash_turned(mesh.quad_to_vert[q], mesh.quad_to_entity[q], hashes, kQuadTurns, Kind::Quad);
-  });
-  std::array<Hash128, kCellKinds> cell_sums;
+  Hash128 point_sum;
+  const PointHashes hashes = hash_points(mesh, counts, loop, point_sum);
+  const auto uncounted = static_cast<std::size_t>(std::count(counts.begin(), counts.end(), 0));
+  note(DigestSums::kPoints, mesh.points.size() - uncounted, point_sum);
+  const auto note_simplices = [&](std::size_t place, const auto& elements, const auto& entities, Kind kind) {
+    note(place, elements.size(), sum_of(elements.size(), loop, [&](std::size_t e) {
+           return hash_simplex(elements[e], entities[e], hashes, kind);
+         }));
+  };
+  note_simplices(DigestSums::kEdges, mesh.edge_to_vert, mesh.edge_to_entity, Kind::Edge);
+  note_simplices(DigestSums::kTriangles, mesh.tri_to_vert, mesh.tri_to_entity, Kind::Triangle);
+  note(DigestSums::kQuads, mesh.quad_to_vert.size(), sum_of(mesh.quad_to_vert.size(), loop, [&](std::size_t q) {
+         return hash_turned(mesh.quad_to_vert[q], mesh.quad_to_entity[q], hashes, kQuadTurns, Kind::Quad);
+       }));
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
-    cell_sums[static_cast<std::size_t>(kind)] =
-        sum_of(cells.size(), loop, [&](std::size_t c) { return hash_cell(cells[c], regions[c], hashes); });
+    note(DigestSums::kCells[static_cast<std::size_t>(kind)], cells.size(),
+         sum_of(cells.size(), loop, [&](std::size_t c) { return hash_cell(cells[c], regions[c], hashes); }));
   });
-  std::vector<std::uint64_t> words{mesh.points.size(), mesh.edge_to_vert.size(), mesh.tri_to_vert.size(),
-                                   mesh.tet_to_vert.size()};
-  const auto add = [&](const Hash128& sum) { words.insert(words.end(), {sum.low, sum.high}); };
-  for (const Hash128& sum : {point_sum, edge_sum, triangle_sum, cell_sums[0]}) add(sum);
-  if (!mesh.quad_to_vert.empty() || cell_count(mesh) > mesh.tet_to_vert.size()) {
-    words.insert(words.end(), {mesh.quad_to_vert.size(), mesh.pyramid_to_vert.size(), mesh.prism_to_vert.size(),
-                               mesh.hex_to_vert.size()});
-    for (const Hash128& sum : {quad_sum, cell_sums[1], cell_sums[2], cell_sums[3]}) add(sum);
-  }
-  if (!mesh.mid_to_vert.empty()) {
-    words.push_back(mesh.mid_to_vert.size());
-    add(sum_mid_nodes(mesh, hashes, loop));
-  }
+  note(DigestSums::kMidNodes, mesh.mid_to_vert.size(), sum_mid_nodes(mesh, hashes, loop));
+  return sums;
+}
+
+std::string digest_of(const DigestSums& sums) {
+  const auto& kinds = sums.kinds;
+  std::vector<std::uint64_t> words;
+  const auto add = [&](std::size_t first, std::size_t last) {
+    for (std::size_t kind = first; kind < last; ++kind) words.push_back(kinds[kind].count);
+    for (std::size_t kind = first; kind < last; ++kind) words.insert(words.end(), {kinds[kind].low, kinds[kind].high});
+  };
+  add(DigestSums::kPoints, DigestSums::kQuads);
+  const bool has_others = std::any_of(kinds.begin() + DigestSums::kQuads, kinds.begin() + DigestSums::kMidNodes,
+                                      [](const DigestSums::Sum& sum) { return sum.count > 0; });
+  if (has_others) add(DigestSums::kQuads, DigestSums::kMidNodes);
+  if (kinds[DigestSums::kMidNodes].count > 0) add(DigestSums::kMidNodes, kinds.size());
   return to_hex(siphash128(words, kScheme, key_of(Kind::Whole)));
 }
+
+std::string mesh_digest(const Mesh& mesh, const BlockLoop& loop) { return digest_of(digest_sums(mesh, {}, loop)); }
 
 std::string field_digest(const Mesh& mesh, const BlockLoop& loop) {
   require_consistent(mesh, loop);
   Hash128 point_sum, cell_sum, unused;
-  const PointHashes hashes = hash_points(mesh, loop, unused);
+  const PointHashes hashes = hash_points(mesh, {}, loop, unused);
   for (const MeshField& field : mesh.point_fields)
     point_sum += FieldHash(field, FieldKind::Point).sum(0, mesh.points.size(), loop, [&](std::size_t i) {
       return Hash128{hashes[i], 0};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <span>
 
@@ -11,6 +10,7 @@
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
+#include "core/mesh/quality_values.hpp"
 #include "core/mesh/statistics_detail.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/tets/tet_topology.hpp"
@@ -265,19 +265,18 @@ TetSums sum_tets(const Mesh& mesh, const BlockLoop& loop, std::span<float> ratio
 }
 
 /// What is common with other cells goes to `cells`.
-TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop,
-                        CellSums& cells) {
+TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop, CellSums& cells,
+                        GrowingArray<float>& ratios) {
   TetQuality result;
   result.count = mesh.tet_to_vert.size();
   if (result.count == 0) return result;
-  const auto storage = std::make_unique_for_overwrite<float[]>(result.count);
-  const std::span<float> ratios(storage.get(), result.count);
+  ratios.resize_for_overwrite(result.count);
   const TetSums sums = sum_tets(mesh, loop, ratios);
   cells = sums.cells;
   result.inverted = cells.inverted;
   result.min_dihedral_deg = result.inverted > 0 ? 0 : std::acos(std::clamp(sums.largest_cosine, -1.0, 1.0)) * kDegrees;
   result.mean_ratio_min = sums.least_ratio;
-  result.mean_ratio_p1 = detail::quantile(ratios, 0.01, loop);
+  result.mean_ratio_p1 = detail::quantile(ratios.span(), 0.01, loop);
   result.mean_ratio_mean = sums.ratio.value() / static_cast<double>(result.count);
   result.volume = cells.volume.value();
   result.mean_ratio_histogram = sums.ratio_histogram;
@@ -329,7 +328,7 @@ struct TriangleSums {
 };
 
 /// Measures all triangles; their shapes go to `shapes`.
-TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::vector<float>& shapes) {
+TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::span<float> shapes) {
   const auto of_blocks = map_blocks(
       loop, shapes.size(), kGrain, TriangleSums{}, [&](std::size_t begin, std::size_t end, TriangleSums& result) {
         TriangleSums sums;
@@ -352,14 +351,15 @@ TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::vector<
   return total;
 }
 
-TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop) {
+TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop,
+                                  GrowingArray<float>& shapes) {
   TriangleQuality result;
   result.count = mesh.tri_to_vert.size();
   if (result.count == 0) return result;
-  std::vector<float> shapes(result.count);
+  shapes.resize_for_overwrite(result.count);
   const TriangleSums sums = sum_triangles(mesh, loop, shapes);
   result.shape_min = sums.least_shape;
-  result.shape_p1 = detail::quantile(shapes, 0.01, loop);
+  result.shape_p1 = detail::quantile(shapes.span(), 0.01, loop);
   result.shape_mean = sums.shape.value() / static_cast<double>(result.count);
   result.min_angle_deg = sums.all.min_angle * kDegrees;
   result.area = sums.all.area.value();
@@ -406,11 +406,16 @@ CurvedQuality measure_curved_tets(const Mesh& mesh, double straight_volume, cons
 }  // namespace
 
 QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
+  QualityValues values;
+  return compute_quality(mesh, sizes, loop, values);
+}
+
+QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop, QualityValues& values) {
   require_consistent(mesh, loop);
   const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
   CellSums of_tets;
-  const TetQuality tets = measure_tets(mesh, point_size, loop, of_tets);
-  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop),
+  const TetQuality tets = measure_tets(mesh, point_size, loop, of_tets, values.mean_ratios);
+  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop, values.shapes),
           measure_curved_tets(mesh, tets.volume, loop)};
 }
 

@@ -1,9 +1,9 @@
 #include "core/sizing/memory_check.hpp"
 
-#include <fstream>
 #include <sstream>
 #include <string>
 
+#include "core/sizing/memory_limits.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom {
@@ -20,14 +20,8 @@ std::string in_gigabytes(double bytes) {
 }  // namespace
 
 std::uint64_t available_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string key, unit;
-  std::uint64_t kilobytes = 0;
-  while (file >> key >> kilobytes) {
-    if (key == "MemAvailable:") return kilobytes * 1024;
-    std::getline(file, unit);
-  }
-  return 0;
+  const std::uint64_t bytes = memory_limits().for_each_of(1);
+  return bytes == MemoryLimits::kUnlimited ? 0 : bytes;
 }
 
 void check_memory(const MeshEstimate& estimate, std::uint64_t max_memory) {

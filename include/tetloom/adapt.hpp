@@ -184,6 +184,10 @@ AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const adapt::MetricField& metr
                                 Communicator& ranks, const Host& host = {});
 AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
                                 const AdaptOptions& options, Communicator& ranks, const Host& host = {});
+/// The same for a mesh and a metric that are not needed any more: both are given back to the system as it goes, which
+/// saves half of the memory that the mesh takes on every rank. What is left of them is not defined.
+AdaptResult adapt_mesh_on_ranks(Mesh&& mesh, adapt::MetricField&& metric, const AdaptOptions& options,
+                                Communicator& ranks, const Host& host = {});
 
 struct AdaptInPartsResult {
   AdaptResult run;                      ///< as of adapt_mesh_on_ranks, without the mesh
@@ -191,12 +195,16 @@ struct AdaptInPartsResult {
   double partition_seconds = 0;         ///< of dealing the mesh to parts
 };
 
-/// The same mesh in `options.parts` parts of equal numbers of tets, for the next solve. Global ids of vertices are
-/// their numbers in the mesh of adapt_mesh. Rank 0 has the whole mesh before it is dealt. A collective call; errors as
-/// above.
+/// The same mesh in `options.parts` parts of equal numbers of tets, for the next solve: the parts of the last round as
+/// they are, where they are as many and within 3 % of equal, and dealt anew otherwise. Global ids of vertices are their
+/// numbers in the mesh of adapt_mesh. No rank has more of the result than its parts. The parts do not depend on the
+/// numbers of threads and ranks. A collective call; errors as above.
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
                                        Communicator& ranks, const Host& host = {});
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
                                        const AdaptOptions& options, Communicator& ranks, const Host& host = {});
+/// The same for a mesh and a metric that are not needed any more, see adapt_mesh_on_ranks.
+AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric, const AdaptOptions& options,
+                                       Communicator& ranks, const Host& host = {});
 
 }  // namespace tetloom

@@ -4,10 +4,12 @@
 #include <new>
 #include <random>
 
+#include "adapt/input_checks.hpp"
 #include "adapt/metric/tet_links.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/simulated_ranks.hpp"
@@ -186,10 +188,15 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
   Mesh cube = unit_cube(5);
   MeshField field{"heat", 1, {}};
   for (const Vec3& x : cube.points) field.values.push_back(x.x * x.y + x.z);
-  cube.point_fields = {field};
+  MeshField on_cells{"load", 2, {}};
+  for (const auto& tet : cube.tet_to_vert) {
+    const Vec3& x = cube.points[tet[0]];
+    on_cells.values.insert(on_cells.values.end(), {x.x - x.z, 1 + x.y});
+  }
+  cube.point_fields = {field}, cube.cell_fields = {on_cells};
   const adapt::MetricField metric = adapt::metric_from_function(layered, cube.points);
   AdaptOptions options = in_parts(1500);
-  options.transfer = {"heat"};
+  options.transfer = {"heat", "load"};
   const AdaptResult alone = adapt_mesh(cube, metric, options);
   REQUIRE(alone.status == AdaptStatus::Ok);
   for (const int parts : {0, 3, 500}) {
@@ -198,6 +205,7 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
     for (const int ranks : {1, 2, 3}) {
       CAPTURE(parts, ranks);
       Mesh gathered;
+      AdaptReport report;
       bool valid = false;
       std::size_t count = 0;
       double imbalance = 1;
@@ -213,7 +221,7 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
         for (const PartId part : result.mesh->local())
           for (const std::uint32_t v : result.mesh->parts.at(part).mesh.block(CellKind::Tet).to_vert) own.push_back(v);
         if (communicator.rank() != 0) return;
-        gathered = std::move(whole), valid = fits;
+        gathered = std::move(whole), valid = fits, report = result.run.report;
         count = result.mesh->part_count(), imbalance = figures.element_imbalance;
       });
       CHECK(valid);
@@ -223,6 +231,13 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
       CHECK(gathered.points == alone.mesh.points);
       REQUIRE(gathered.point_fields.size() == 1);
       CHECK(gathered.point_fields[0].values == alone.mesh.point_fields[0].values);
+      CHECK(field_digest(gathered) == field_digest(alone.mesh));
+      CHECK(report.after.edges == alone.report.after.edges);
+      CHECK(report.after.unit == alone.report.after.unit);
+      CHECK(report.after.shortest == alone.report.after.shortest);
+      CHECK(report.after.quality_histogram == alone.report.after.quality_histogram);
+      CHECK(report.after.mean_quality == Approx(alone.report.after.mean_quality).epsilon(1e-12));
+      CHECK(report.after.complexity == Approx(alone.report.after.complexity).epsilon(1e-12));
       std::vector<std::uint32_t> all;
       for (const auto& own : tets) all.insert(all.end(), own.begin(), own.end());
       if (ranks == 1) first_tets = all;
@@ -280,6 +295,70 @@ TEST_CASE("bodies that touch in a vertex or an edge are adapted alike by ranks",
     CAPTURE(shape.name);
     check_like_one_process(adapt::mesh_of(shape, 2), metric, in_parts(700), {2, 3});
   }
+}
+
+TEST_CASE("bodies that touch are one mesh again in parts", "[adapt][ranks]") {
+  const auto sizes = [](const Vec3&) { return adapt::isotropic(0.11); };
+  for (const adapt::TouchingShape& shape : adapt::kTouchingShapes) {
+    const Mesh mesh = adapt::mesh_of(shape, 2);
+    const AdaptResult alone = adapt_mesh(mesh, sizes, in_parts(700));
+    REQUIRE(alone.status == AdaptStatus::Ok);
+    for (const int ranks : {1, 3}) {
+      CAPTURE(shape.name, ranks);
+      Mesh gathered;
+      std::size_t edges = 0;
+      bool fits = false;
+      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+        AdaptInPartsResult result = adapt_mesh_in_parts(mesh, sizes, in_parts(700), communicator);
+        if (!result.mesh) throw Error(ErrorCode::Internal, "no parts");
+        const bool valid = validate_parts(*result.mesh, TaskRunner(1)).valid();
+        Mesh whole = gather_mesh(*result.mesh, TaskRunner(1));
+        if (communicator.rank() != 0) return;
+        gathered = std::move(whole), edges = result.run.report.after.edges, fits = valid;
+      });
+      CHECK(fits);
+      CHECK(gathered.points == alone.mesh.points);
+      CHECK(mesh_digest(gathered) == mesh_digest(alone.mesh));
+      CHECK(edges == alone.report.after.edges);
+    }
+  }
+}
+
+TEST_CASE("a mesh and a metric that are given up lead to the same mesh", "[adapt][ranks]") {
+  Mesh cube = unit_cube(4, true);
+  cube.cell_fields = {{"load", 1, std::vector<double>(cube.tet_to_vert.size(), 1)}};
+  cube.point_fields = {{"other", 1, std::vector<double>(cube.points.size(), 1)}};
+  adapt::MetricField metric = adapt::metric_from_function(layered, cube.points);
+  AdaptOptions options = in_parts(1500);
+  options.transfer = {"load"};
+  const AdaptResult kept = adapt_mesh(cube, metric, options);
+  const auto alone = make_thread_communicator();
+  const AdaptResult given_up = adapt_mesh_on_ranks(std::move(cube), std::move(metric), options, *alone);
+  check_same(kept, given_up);
+  check_same(kept.mesh, given_up.mesh);
+  CHECK(given_up.mesh.face_to_sides.size() == kept.mesh.face_to_sides.size());
+}
+
+TEST_CASE("each rank needs what it keeps of the mesh and its share of the result", "[adapt][ranks]") {
+  const double tets = 1e8;  // 15 GB, and 5 GB for as many that are given
+  adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, 1, 1};
+  MemoryLimits limits;
+  CHECK_NOTHROW(check_load(load, limits));
+  limits.machine = 8'100'000'000;
+  const Diagnostic error = test::error_of([&] { check_load(load, limits); });
+  CHECK(error.code == ErrorCode::OutOfMemory);
+  CHECK(error.message.find("20 GB") != std::string::npos);
+  CHECK(error.message.find("for 5 ranks") != std::string::npos);
+  load.ranks = 4;
+  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("on each of 4 ranks") != std::string::npos);
+  load.ranks = 5;
+  CHECK_NOTHROW(check_load(load, limits));
+  load.ranks_on_machine = 5;  // of which only one could have it all
+  CHECK(test::error_of([&] { check_load(load, limits); }).code == ErrorCode::OutOfMemory);
+  load.ranks_on_machine = 1, limits.process = 4'000'000'000;  // less than what every rank keeps
+  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("ranks that") == std::string::npos);
+  load.complexity = 1e9;
+  CHECK(test::error_of([&] { check_load(load, {}); }).message.find("counted") != std::string::npos);
 }
 
 TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]") {

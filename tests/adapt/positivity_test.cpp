@@ -212,9 +212,9 @@ TEST_CASE("edges at which bodies touch are split only where tets keep their side
 
 TEST_CASE("a result with a flat or inverted tet is an error with its place", "[adapt]") {
   Mesh mesh = test::make_tet_box(2, 2, 2);
-  check_positive(mesh, serial_loop());
+  check_positive(tets_of(mesh), serial_loop());
   std::swap(mesh.tet_to_vert[7][0], mesh.tet_to_vert[7][1]);
-  const Diagnostic error = test::error_of([&] { check_positive(mesh, serial_loop()); });
+  const Diagnostic error = test::error_of([&] { check_positive(tets_of(mesh), serial_loop()); });
   CHECK(error.code == ErrorCode::Internal);
   CHECK(error.elements == std::vector<std::uint64_t>{7});
   CHECK(error.point);

@@ -341,7 +341,9 @@ TEST_CASE("means of any tets, put together and put right, are what all tets have
   std::vector<double> carried = part(0, half);
   const std::vector<double> rest = part(half, to.tet_to_vert.size());
   carried.insert(carried.end(), rest.begin(), rest.end());
-  put_right_cells(source, {tets_of(to), to.tet_to_entity}, carried, transfer.runner);
+  const auto before = sum_cells(source, {tets_of(from), from.tet_to_entity}, values, transfer.runner);
+  const auto after = sum_cells(source, {tets_of(to), to.tet_to_entity}, carried, transfer.runner);
+  put_right_cells(source, before, after, to.tet_to_entity, carried, transfer.runner);
   CHECK(carried == transfer(values, adapt::CellReconstruction::Linear));
 }
 

@@ -40,6 +40,38 @@ on_ranks 2 adapt mesh.mesh -o parts.pvtu --parts 4 --metric sizes.sol --report r
 "$tetloom" check parts.pvtu --quiet --report check.json
 [ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest of the parts"
 
+# From pieces to pieces, also on more ranks than pieces.
+cp sizes.sol mesh.sol
+field="--metric-field solution_1 --transfer solution_1 --quiet --report report.json"
+# shellcheck disable=SC2086
+"$tetloom" adapt mesh.mesh -o pieces.pvtu --parts 5 $field
+# shellcheck disable=SC2086
+"$tetloom" adapt pieces.pvtu -o next.pvtu --tets-per-part 1500 $field
+rm -rf expected
+mkdir expected
+mv next* expected/
+digest=$(grep '"digest"' report.json)
+for ranks in 1 2 3 7; do
+    # shellcheck disable=SC2086
+    on_ranks "$ranks" adapt pieces.pvtu -o next.pvtu --tets-per-part 1500 --threads 1 $field
+    diff -r next expected/next || fail "other pieces on $ranks ranks"
+    [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of pieces on $ranks ranks"
+    told=$(grep -c '"peak_bytes"' report.json)
+    [ "$ranks" = 1 ] || [ "$told" = $((ranks + 1)) ] || fail "the memory of $ranks ranks is told $told times"
+    rm -rf next*
+done
+cp -r pieces pieces.whole
+for wrong in missing foreign; do
+    rm pieces/pieces_2.vtu
+    [ "$wrong" = missing ] || cp pieces/pieces_1.vtu pieces/pieces_2.vtu
+    status=0
+    # shellcheck disable=SC2086
+    on_ranks 2 adapt pieces.pvtu -o next.pvtu $field 2> errors || status=$?
+    [ "$status" = 3 ] || fail "status $status where a piece is $wrong"
+    [ ! -e next.pvtu ] || fail "a run with a $wrong piece left something behind"
+    cp pieces.whole/pieces_2.vtu pieces/
+done
+
 rm -rf parts parts.pvtu
 for output in parts.pvtu whole.vtu; do
     status=0

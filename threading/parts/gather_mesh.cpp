@@ -1,7 +1,7 @@
-#include "tetloom/partition.hpp"
-#include "tetloom/tasks.hpp"
+#include "threading/parts/gather_mesh.hpp"
 
 #include <numeric>
+#include <utility>
 
 #include "core/part/convert.hpp"
 #include "threading/comm/codec.hpp"
@@ -37,13 +37,17 @@ void share_fields(PartitionedMesh& mesh) {
   share_from_first(*mesh.communicator, put, take);
 }
 
-// All of a part, for the only one.
-Message pack_whole(const Part& part, PartId sender) {
+void pack_whole(const Part& part, MessageWriter& writer) {
   std::vector<std::uint32_t> cells(part.mesh.cell_count());
   std::iota(cells.begin(), cells.end(), 0u);
   detail::CellPacker::Scratch scratch;
-  MessageWriter writer;
   detail::CellPacker(part).pack(cells, scratch, writer);
+}
+
+// All of a part, for the only one.
+Message whole_message(const Part& part, PartId sender) {
+  MessageWriter writer;
+  pack_whole(part, writer);
   return {sender, PartId(0), 0, writer.take()};
 }
 
@@ -67,13 +71,31 @@ Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner) {
   const auto local = mesh.local();
   const auto pack = [&] {
     std::vector<Message> packets(local.size());
-    runner.for_each(local.size(), [&](std::size_t i) { packets[i] = pack_whole(mesh.parts.at(local[i]), local[i]); });
+    runner.for_each(local.size(),
+                    [&](std::size_t i) { packets[i] = whole_message(mesh.parts.at(local[i]), local[i]); });
     return packets;
   };
   std::vector<Message> packets = exchange(communicator, pack, [](PartId) { return 0; });
   Mesh whole;
   run_on_first(communicator, [&] { whole = make_mesh(detail::merge_packets(packets, mesh)); });
   return whole;
+}
+
+Mesh copy_to_all(PartitionedMesh&& mesh, const SharedWork& work) {
+  const auto next = [&](std::size_t i) {
+    const PartId part(i);
+    std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+      work.runner().check_cancelled();
+      if (!mesh.parts.is_local(part)) return;
+      pack_whole(mesh.parts.at(part), writer);
+      mesh.parts.at(part) = Part();
+    });
+    return std::move(given[static_cast<std::size_t>(work.ranks().rank_of(part, mesh.part_count()))]);
+  };
+  PartMesh whole = detail::merge_packets(mesh.part_count(), next, mesh);
+  Mesh result;
+  work.each([&] { result = make_mesh(std::exchange(whole, {})); });
+  return result;
 }
 
 }  // namespace tetloom

@@ -59,6 +59,9 @@ PartMesh unpack_part(std::span<Message> packets, const PartitionedMesh& mesh);
 /// The same, where nothing is connected yet.
 PartMesh merge_packets(std::span<Message> packets, const PartitionedMesh& mesh);
 
+/// The same of `count` packets that `next` gives, one after the other.
+PartMesh merge_packets(std::size_t count, const std::function<Bytes(std::size_t)>& next, const PartitionedMesh& mesh);
+
 /// What a packet has become in the part that it was added to.
 struct AddedPacket {
   PartId sender;

@@ -218,6 +218,16 @@ PartMesh merge_packets(std::span<Message> packets, const PartitionedMesh& mesh) 
   return builder.take();
 }
 
+PartMesh merge_packets(std::size_t count, const std::function<Bytes(std::size_t)>& next, const PartitionedMesh& mesh) {
+  PartBuilder builder(mesh, count > 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Bytes bytes = next(i);
+    MessageReader reader(bytes);
+    builder.add(view_packet(reader, mesh));
+  }
+  return builder.take();
+}
+
 PartMesh unpack_part(std::span<Message> packets, const PartitionedMesh& mesh) {
   PartMesh part = merge_packets(packets, mesh);
   connect_cells(part);

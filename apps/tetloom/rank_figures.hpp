@@ -1,0 +1,16 @@
+#pragma once
+// What each rank had to hold.
+#include "apps/tetloom/report.hpp"
+#include "tetloom/communicator.hpp"
+#include "tetloom/partition.hpp"
+
+namespace tetloom::app {
+
+/// Adds "ranks" to the report, where there are several: [{"peak_bytes", "tets"}, …], an entry for each. `tets`: those
+/// of the result that this rank has. A collective call.
+void note_ranks(Communicator& communicator, std::uint64_t tets, RunReport& report);
+
+/// Of its parts.
+std::uint64_t tets_of_rank(const PartitionedMesh& mesh);
+
+}  // namespace tetloom::app

@@ -1,0 +1,12 @@
+#pragma once
+// A mesh in parts on all ranks.
+#include "tetloom/partition.hpp"
+#include "threading/comm/shared_work.hpp"
+
+namespace tetloom {
+
+/// The mesh of gather_mesh on every rank. `mesh` is emptied part after part: beside its parts a rank holds the whole
+/// mesh twice at most, and one part more. In SharedWork::together. Errors: OutOfMemory, Cancelled.
+Mesh copy_to_all(PartitionedMesh&& mesh, const SharedWork& work);
+
+}  // namespace tetloom
