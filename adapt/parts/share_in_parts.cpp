@@ -177,12 +177,27 @@ class PartMaker {
     }
   }
 
+  // By their numbers, from the lowest vertex on: of a triangle between two parts each has a copy where these lie on
+  // several ranks, and both have the same one where they do not.
   void take_triangles(std::span<const std::uint32_t> triangles) {
-    BoundaryBlock& block = part_.block(BoundaryKind::Triangle);
+    struct Numbered {
+      std::array<std::uint64_t, 3> numbers;  // of the triangle's vertices, the lowest first
+      SurfaceTriangle triangle;
+    };
+    std::vector<Numbered> all;
     for (const std::uint32_t i : triangles) {
-      const SurfaceTriangle& triangle = share_.triangles[i].triangle;
-      for (const std::uint32_t v : triangle.verts) block.to_vert.push_back(known(v));
-      block.to_entity.push_back(triangle.face);
+      Numbered& one = all.emplace_back(Numbered{{}, share_.triangles[i].triangle});
+      for (std::uint32_t& v : one.triangle.verts) v = known(v);
+      const auto number_of = [&](std::uint32_t v) { return part_.vert_to_global[v]; };
+      auto& verts = one.triangle.verts;
+      std::ranges::rotate(verts, std::ranges::min_element(verts, {}, number_of));
+      std::ranges::transform(verts, one.numbers.begin(), number_of);
+    }
+    std::ranges::sort(all, {}, &Numbered::numbers);
+    BoundaryBlock& block = part_.block(BoundaryKind::Triangle);
+    for (const Numbered& one : all) {
+      block.to_vert.append(std::span<const std::uint32_t>(one.triangle.verts));
+      block.to_entity.push_back(one.triangle.face);
     }
   }
 
