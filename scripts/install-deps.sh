@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that tetloom needs. This is the one list of them: every other script calls this one.
 #
-# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [calculix] [openfoam] [tsan]
+# usage: scripts/install-deps.sh [build] [check] [oracles] [picture] [peers] [freefem] [calculix] [openfoam] [dolfinx] [readers] [tsan]
 #   build    what configures, compiles and tests tetloom (the default)
 #   check    what .ci/run needs beside: formatter, naming checks
 #   oracles  libraries that tests compare tetloom with, where they are installed
@@ -10,6 +10,8 @@
 #   freefem  what examples/adaptive_loop needs: a solver
 #   calculix what examples/calculix needs: a solver
 #   openfoam what examples/openfoam needs: a solver
+#   dolfinx  what examples/dolfinx needs: a solver
+#   readers  what scripts/check_readers.sh runs beside solvers: programs and libraries that read meshes
 #   tsan     what scripts/build_tsan_tbb.sh needs beside
 # Installed packages are left as they are; without missing ones neither the network nor root is needed.
 set -euo pipefail
@@ -28,6 +30,9 @@ declare -A packages=(
   [freefem]="freefem++ python3 python3-numpy"
   [calculix]="calculix-ccx python3 python3-numpy"
   [openfoam]="openfoam python3 python3-numpy"
+  [dolfinx]="python3-dolfinx python3-meshio"
+  [readers]="calculix-ccx cgns-convert code-saturne-bin freefem++ gmsh libexodusii5 libmed-tools openfoam
+    python3 python3-getfem python3-meshio python3-netcdf4 python3-numpy python3-vtk9"
   [tsan]="dpkg-dev"
 )
 

@@ -215,4 +215,13 @@ void apply_groups(const std::vector<GroupMember>& members, const GeometricModel&
   }
 }
 
+void apply_groups(const std::vector<GroupMember>& members, std::vector<PartEntity>& entities) {
+  for (PartEntity& known : entities) {
+    const auto found = std::ranges::lower_bound(members, known.entity, {}, &GroupMember::entity);
+    if (found == members.end() || found->entity != known.entity) continue;
+    known.attributes.group = found->group;
+    known.has_attributes = true;
+  }
+}
+
 }  // namespace tetloom::app

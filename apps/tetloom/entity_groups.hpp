@@ -15,6 +15,7 @@
 
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
+#include "tetloom/part_mesh.hpp"
 
 namespace tetloom::app {
 
@@ -64,5 +65,8 @@ std::vector<GroupMember> find_members(const std::vector<GroupWish>& wishes, cons
 
 /// Notes the groups in `mesh.entities`.
 void apply_groups(const std::vector<GroupMember>& members, const GeometricModel& model, EntityTable& entities);
+
+/// The same in what a part knows of its entities, `PartMesh::entities`.
+void apply_groups(const std::vector<GroupMember>& members, std::vector<PartEntity>& entities);
 
 }  // namespace tetloom::app

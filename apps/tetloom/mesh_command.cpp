@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <functional>
+#include <map>
 
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
@@ -14,6 +15,7 @@
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
+#include "threading/parts/group_names.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -137,18 +139,43 @@ double scale_of(const MeshCommand& command, const GeometricModel& model) {
   return model.metres_per_unit() / command.metres_per_unit;
 }
 
+void note_scale(const MeshCommand& command, double scale, RunReport& report) {
+  if (scale != 1) report.extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
+}
+
+// A text for each name; a list where the entities of one name have several in the file.
+void note_names(const std::vector<NamedGroup>& groups, RunReport& report) {
+  std::map<std::string, std::vector<std::string>> by_name;
+  for (const NamedGroup& group : groups) {
+    if (group.original.empty()) continue;
+    std::vector<std::string>& known = by_name[group.original];
+    if (std::ranges::count(known, group.sanitised) == 0) known.push_back(group.sanitised);
+  }
+  nlohmann::ordered_json names = nlohmann::ordered_json::object();
+  for (const auto& [original, sanitised] : by_name)
+    sanitised.size() == 1 ? names.emplace(original, sanitised[0]) : names.emplace(original, sanitised);
+  report.extra["names"] = std::move(names);
+}
+
 void write(const MeshCommand& command, double scale, Mesh& mesh, const TaskRunner& runner, Run& run) {
-  if (scale != 1) {
+  if (scale != 1)
     for (Vec3& x : mesh.points) x = scale * x;
-    run.report().extra["unit"] = {{"metres", command.metres_per_unit}, {"scale", scale}};
-  }
-  if (holds_solver_names(command.output, command.write)) {
-    nlohmann::ordered_json names = nlohmann::ordered_json::object();
-    for (const NamedGroup& group : solver_names(mesh))
-      if (!group.original.empty()) names[group.original] = group.sanitised;
-    run.report().extra["names"] = std::move(names);
-  }
+  note_scale(command, scale, run.report());
+  if (holds_solver_names(command.output, command.write)) note_names(solver_names(mesh), run.report());
   write_mesh(mesh, command.output, command.write, &run.cancel(), runner);
+}
+
+void write_in_parts(const MeshCommand& command, double scale, PartitionedMesh& mesh, const TaskRunner& runner,
+                    Run& run) {
+  if (scale != 1)
+    for (const PartId part : mesh.local())
+      for (Vec3& x : mesh.parts.at(part).mesh.points) x = scale * x;
+  note_scale(command, scale, run.report());
+  if (holds_solver_names(command.output, command.write)) {
+    const detail::GroupNames names = detail::gather_group_names(mesh);
+    note_names(detail::list_names(names.groups, names.entities), run.report());
+  }
+  write_parts(mesh, command.output, runner, &run.cancel());
 }
 
 // The first rank has the whole mesh, and the threads of those that wait for it.
@@ -176,7 +203,8 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
 void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
   const auto& [document, options, groups] = sized;
   RunReport& report = run.report();
-  const MeshInPartsResult result = make_mesh_in_parts(*document.model, options, communicator, run.host());
+  const double scale = scale_of(command, *document.model);
+  MeshInPartsResult result = make_mesh_in_parts(*document.model, options, communicator, run.host());
   note_run(result.run, *document.model, options, report);
   const TaskRunner runner(options.threads, run.host());
   if (!result.mesh) return run_on_first(communicator, [&] { check(result.run, runner, run); });
@@ -195,8 +223,10 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
 
+  for (const PartId part : result.mesh->local()) apply_groups(groups, result.mesh->parts.at(part).mesh.entities);
+  note_groups(groups, report);
   run.begin_together(Stage::Write);
-  report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
+  report.seconds.write = timed([&] { write_in_parts(command, scale, *result.mesh, runner, run); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
 }
 

@@ -53,7 +53,7 @@ bool would_replace(const std::filesystem::path& output, const std::filesystem::p
 bool is_in_parts(const std::filesystem::path& output, std::optional<int> parts) {
   if (!parts && !is_piece_list(output)) return false;
   require(is_writable_parts_format(output),
-          "--parts goes with .pvtu and .msh, which hold parts, not with '" + output.string() + "'");
+          "--parts goes with .pvtu, .msh and .foam, which hold parts, not with '" + output.string() + "'");
   return true;
 }
 

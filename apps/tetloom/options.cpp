@@ -111,8 +111,6 @@ void set_groups(const RawMeshOptions& raw, MeshCommand& command) {
     throw UsageError(error.what());
   }
   command.groups_file = raw.groups_file;
-  require(!command.in_parts || (raw.groups.empty() && raw.groups_file.empty()),
-          "--group and --groups are for meshes in one file, not in parts");
 }
 
 void set_order(const RawMeshOptions& raw, MeshCommand& command) {
@@ -238,7 +236,6 @@ MeshCommand make_mesh_command(const RawMeshOptions& raw) {
   command.in_parts = is_in_parts(command.output, raw.parts);
   require(!command.in_parts || !command.options.surface_only,
           "only meshes of volumes can be dealt to parts, and --surface-only makes none");
-  require(!command.in_parts || raw.unit.empty(), "--unit is for meshes in one file, not in parts");
   set_order(raw, command);
   set_groups(raw, command);
   set_far_field(raw, command);
@@ -383,8 +380,8 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
       ->type_name("T")
       ->group(kRun);
   mesh->add_option("--parts", raw.parts,
-                   "Deal the mesh to P parts: .pvtu (a file per part) or .msh (one file); .pvtu without it: the parts "
-                   "in which volumes were filled")
+                   "Deal the mesh to P parts: .pvtu (a file per part), .foam (a folder per processor) or .msh (one "
+                   "file); .pvtu without it: the parts in which volumes were filled")
       ->type_name("P")
       ->group(kRun);
   mesh->add_option(
@@ -451,7 +448,7 @@ PartitionCommand make_partition_command(const RawPartition& raw) {
   command.quiet = raw.quiet;
   require(!command.input.empty(), "MESH must not be empty");
   require(is_writable_parts_format(command.output), "cannot tell the format of the output '" + command.output.string() +
-                                                        "' from its extension; known are .msh, .pvtu");
+                                                        "' from its extension; known are .foam, .msh, .pvtu");
   require(!would_replace(command.output, command.input), "the output would replace the input");
   require(!same_file(command.input, command.report), "the report would replace the input");
   require(!would_replace(command.output, command.report), "the report would replace the output");
@@ -474,7 +471,9 @@ CLI::App* add_partition_command(CLI::App& app, RawPartition& raw) {
       ->type_name("multilevel|rcb|sfc|scotch");
   partition->add_option("--weights", raw.weights, "Balance a field on cells instead of their number")
       ->type_name("FIELD");
-  partition->add_option("-o,--output", raw.output, "The parts: .pvtu (a file per part) or .msh (one file)")
+  partition
+      ->add_option("-o,--output", raw.output,
+                   "The parts: .pvtu (a file per part), .foam (a folder per processor) or .msh (one file)")
       ->required()
       ->type_name("OUT");
   partition->add_option("--threads", raw.threads, "Default: all cores; the parts do not depend on it")->type_name("T");

@@ -26,6 +26,18 @@ constexpr std::span<const LocalEdge> edges_of(Block block) {
   return {};
 }
 
+inline constexpr std::array<LocalEdge, 9> kPrismEdgesUpFirst{
+    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
+inline constexpr std::array<LocalEdge, 12> kHexEdgesUpFirst{
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}}};
+
+/// The same in the order of Nastran, CGNS and Exodus: edges of the base, those up from it, those of the top.
+constexpr std::span<const LocalEdge> edges_up_first(Block block) {
+  if (block == Block::Prism) return kPrismEdgesUpFirst;
+  if (block == Block::Hex) return kHexEdgesUpFirst;
+  return edges_of(block);
+}
+
 constexpr std::size_t vertices_of(Block block) {
   constexpr std::array<std::size_t, kBlocks> counts{2, 3, 4, 4, 5, 6, 8};
   return counts[static_cast<std::size_t>(block)];

@@ -36,6 +36,7 @@ void write_b8_ugrid(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_med(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_vtkhdf(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_cgns(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
+void write_exodus(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 void write_stl(const Mesh& mesh, AtomicFile& file, const BlockLoop& loop);
 
 /// A comment in MSH files of our own, whose volumes have correctly oriented boundaries; those of others often have not.

@@ -26,10 +26,11 @@ struct Format {
 };
 
 // Ascending, so that ".lb8.ugrid" comes before ".ugrid".
-constexpr std::array<Format, 14> kFormats{
+constexpr std::array<Format, 15> kFormats{
     {{".b8.ugrid", detail::write_b8_ugrid, detail::read_b8_ugrid, false, true, true},
      {".bdf", detail::write_bdf, nullptr, true, true},
      {".cgns", detail::write_cgns, detail::read_cgns, true, true},
+     {".exo", detail::write_exodus, nullptr, true, true},
      {".inp", detail::write_inp, detail::read_inp, true, true},
      {".lb8.ugrid", detail::write_lb8_ugrid, detail::read_lb8_ugrid, false, true, true},
      {".med", detail::write_med, detail::read_med, true, true},
@@ -116,18 +117,7 @@ std::string known_mesh_extensions() { return extensions(true); }
 std::string writable_mesh_extensions() { return extensions(false) + ", .foam (a folder), /polyMesh (a folder)"; }
 
 std::vector<NamedGroup> solver_names(const Mesh& mesh) {
-  std::vector<NamedGroup> names;
-  const detail::Groups groups = detail::make_groups(mesh);
-  for (std::size_t dim = 0; dim < groups.size(); ++dim)
-    for (const detail::Group& group : groups[dim])
-      for (const std::uint32_t tag : group.tags) {
-        if (tag == 0) continue;
-        const ModelEntity entity{static_cast<int>(dim), tag - 1};
-        const auto& known = mesh.entities[dim];
-        names.push_back({entity, entity.index < known.size() ? known[entity.index].name : std::string(), group.name});
-      }
-  std::ranges::sort(names, {}, [](const NamedGroup& name) { return std::pair(name.entity.dim, name.entity.index); });
-  return names;
+  return detail::list_names(detail::name_groups(mesh.entities, detail::tags_with_elements(mesh)), mesh.entities);
 }
 
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const CancelToken* cancel, const BlockLoop& loop) {

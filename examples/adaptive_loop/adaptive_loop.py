@@ -16,7 +16,7 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from error_plot import draw_errors
 from layer import Layer, error, volumes
-from medit import read_mesh, read_solution, write_mesh_for_solver, write_solution
+from medit import read_mesh, read_solution, write_solution
 
 TURN = math.radians(9)  # of the layer in one cycle
 START_SIZE = 8.0  # millimetres
@@ -44,9 +44,8 @@ class Programs:
 
     def solve(self, mesh, old, angles):
         """The solution at the second angle, from that at the first."""
-        write_mesh_for_solver(self.folder / "solver.mesh", mesh)
         write_solution(self.folder / "old.sol", [old])
-        values = ["solver.mesh", "old.sol", "new.sol", *angles]
+        values = [mesh.path.name, "old.sol", "new.sol", *angles]
         values += [LAYER.thickness, *LAYER.axis, LAYER.diffusivity, LAYER.step]
         (self.folder / "step.txt").write_text(" ".join(map(str, values)) + "\n")
         self.run(self.freefem, "-nw", "-v", "0", self.script)

@@ -1,12 +1,12 @@
-"""MEDIT's text files, as far as the loop needs them: points, triangles and tetrahedra; scalars at points and at tetrahedra."""
+"""MEDIT's text files, as far as the loop needs them: points and tetrahedra; scalars at points and at tetrahedra."""
 import numpy
 
 
 class Mesh:
-    """Points, and the tetrahedra and triangles between them, numbered from 0."""
+    """Points, and the tetrahedra between them, numbered from 0, of a file."""
 
-    def __init__(self, points, triangles, tets):
-        self.points, self.triangles, self.tets = points, triangles, tets
+    def __init__(self, path, points, tets):
+        self.path, self.points, self.tets = path, points, tets
 
 
 def read_mesh(path):
@@ -20,20 +20,8 @@ def read_mesh(path):
         return numpy.array(words[at + 2:at + 2 + count * width], dtype=float).reshape(count, width)
 
     points = section("Vertices", 4)[:, :3]
-    triangles = section("Triangles", 4)[:, :3].astype(int) - 1
     tets = section("Tetrahedra", 5)[:, :4].astype(int) - 1
-    return Mesh(points, triangles, tets)
-
-
-def write_mesh_for_solver(path, mesh):
-    """All of the boundary has the label 1."""
-
-    def rows(items, label):
-        return "\n".join(" ".join(map(str, item)) + f" {label}" for item in items.tolist())
-
-    path.write_text(f"MeshVersionFormatted 2\nDimension 3\nVertices\n{len(mesh.points)}\n{rows(mesh.points, 0)}\n"
-                    f"Tetrahedra\n{len(mesh.tets)}\n{rows(mesh.tets + 1, 1)}\n"
-                    f"Triangles\n{len(mesh.triangles)}\n{rows(mesh.triangles + 1, 1)}\nEnd\n")
+    return Mesh(path, points, tets)
 
 
 def write_solution(path, at_points, at_tets=()):

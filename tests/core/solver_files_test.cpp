@@ -206,6 +206,28 @@ TEST_CASE("faces of cells are found by their vertices, and two cells share those
   CHECK(faces.find(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(mesh.points.size() - 1)}) == kNone);
 }
 
+TEST_CASE("sides of a face between two regions are those of the region with the lower tag") {
+  const Mesh mesh = test::make_mixed_box(4, 3, 5, 7, true);
+  const CellFaces faces(mesh, serial_loop());
+  std::size_t between = 0;
+  const auto check_sides = [&](const std::vector<std::uint32_t>& entities, std::size_t before) {
+    for (std::size_t i = 0; i < entities.size(); ++i) {
+      const std::uint32_t side = faces.find_side(static_cast<std::uint32_t>(before + i));
+      REQUIRE(side != kNone);
+      if (faces.twin(side) == kNone) continue;
+      ++between;
+      Vec3 middle;
+      std::array<std::uint32_t, 4> buffer;
+      const std::uint32_t first = faces.first_face(faces.cell(side));
+      for (const std::uint32_t v : faces.vertices(first, buffer)) middle += mesh.points[v];
+      CHECK(middle.x / static_cast<double>(faces.vertices(first, buffer).size()) < 2 + 1e-12);  // region 1 lies there
+    }
+  };
+  check_sides(mesh.tri_to_entity, 0);
+  check_sides(mesh.quad_to_entity, mesh.tri_to_entity.size());
+  CHECK(between > 0);
+}
+
 TEST_CASE(".inp has an element set per region, and per face its nodes and the element faces on it") {
   const Mesh mesh = named_box();
   const auto sections = sections_of(written(mesh, ".inp"));
@@ -377,10 +399,40 @@ TEST_CASE(".msh 2.2 as text is read back the same") {
   }
 }
 
+TEST_CASE(".msh 2.2: no two physical groups have one number, whatever their dimension, and names come back") {
+  Mesh mesh = named_box();
+  mesh.entities[2][1].group = mesh.entities[2][3].group = "the load";
+  std::istringstream text(written(mesh, ".msh", {.msh_2_2 = true, .text = true}));
+  std::string line;
+  while (std::getline(text, line) && line != "$PhysicalNames") {}
+  std::getline(text, line);
+  std::set<int> numbers;
+  std::size_t count = 0;
+  while (std::getline(text, line) && line != "$EndPhysicalNames") {
+    std::istringstream words(line);
+    int dim = 0, number = 0;
+    words >> dim >> number;
+    numbers.insert(number);
+    ++count;
+  }
+  CHECK(count > 20);
+  CHECK(numbers.size() == count);
+  const TemporaryFolder folder;
+  for (const bool is_text : {false, true}) {
+    write_mesh(mesh, folder / "a.msh", WriteOptions{.msh_2_2 = true, .text = is_text});
+    const Mesh read = read_mesh(folder / "a.msh");
+    CHECK(read.entities[3].at(1).name == "steel");
+    CHECK(read.entities[2].at(1).name == "the_load");
+    CHECK(read.entities[2].at(3).name == "the_load");
+    CHECK(read.entities[1].at(4).name == "edge_5");
+  }
+}
+
 TEST_CASE(".msh 2.2 has a physical group for every entity, and records of known size when binary") {
   const Mesh mesh = named_box();
   const std::string text = written(mesh, ".msh", {.msh_2_2 = true, .text = true});
-  CHECK(text.find("3 2 \"steel\"") != std::string::npos);
+  CHECK(text.find("2 11 \"") != std::string::npos);
+  CHECK(text.find("3 13 \"steel\"") != std::string::npos);  // behind eleven faces and the other region
   const std::string binary = written(mesh, ".msh", {.msh_2_2 = true, .text = false});
   CHECK(binary.starts_with("$MeshFormat\n2.2 1 8\n"));
   const std::size_t nodes = binary.find("$Nodes\n"), end = binary.find("\n$EndNodes");
@@ -389,14 +441,14 @@ TEST_CASE(".msh 2.2 has a physical group for every entity, and records of known 
 }
 
 TEST_CASE("formats that are only written are not read, and those of solvers are known by their extension") {
-  for (const char* name : {"a.bdf", "a.foam", "case/polyMesh"}) {
+  for (const char* name : {"a.bdf", "a.exo", "a.foam", "case/polyMesh"}) {
     CHECK(is_writable_mesh_format(name));
     CHECK_FALSE(is_mesh_extension(name));
     CHECK(error_of([&] { static_cast<void>(read_mesh(name)); }).code == ErrorCode::InvalidArgument);
   }
   CHECK(writable_mesh_extensions().find(".foam") != std::string::npos);
   CHECK(known_mesh_extensions().find(".bdf") == std::string::npos);
-  for (const char* name : {"a.bdf", "a.inp", "a.su2", "a.foam"}) CHECK(holds_solver_names(name));
+  for (const char* name : {"a.bdf", "a.exo", "a.inp", "a.su2", "a.foam"}) CHECK(holds_solver_names(name));
   for (const char* name : {"a.vtu", "a.mesh", "a.msh"}) CHECK_FALSE(holds_solver_names(name));
   CHECK(holds_solver_names("a.msh", {.msh_2_2 = true}));
 }

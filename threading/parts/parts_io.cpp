@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "core/io/mesh_parts.hpp"
+#include "core/io/solver/foam_writer.hpp"
 #include "tetloom/io.hpp"
 #include "threading/comm/collectives.hpp"
 #include "threading/parts/parts_io_detail.hpp"
@@ -22,7 +23,7 @@ std::string extension_of(const std::filesystem::path& path) {
 bool is_piece_list(const std::filesystem::path& path) { return extension_of(path) == ".pvtu"; }
 
 bool is_writable_parts_format(const std::filesystem::path& path) {
-  return is_piece_list(path) || extension_of(path) == ".msh";
+  return is_piece_list(path) || extension_of(path) == ".msh" || detail::is_foam_case(path);
 }
 
 bool is_partitioned_file(const std::filesystem::path& path, Communicator& communicator) {
@@ -35,9 +36,10 @@ void write_parts(const PartitionedMesh& mesh, const std::filesystem::path& path,
                  const CancelToken* cancel) {
   if (!is_writable_parts_format(path))
     throw Error(ErrorCode::InvalidArgument,
-                "'" + path.string() + "' is no partitioned file by its extension; known are .msh, .pvtu");
-  is_piece_list(path) ? detail::write_pieces(mesh, path, runner, cancel)
-                      : detail::write_partitioned(mesh, path, runner, cancel);
+                "'" + path.string() + "' is no partitioned file by its extension; known are .foam, .msh, .pvtu");
+  if (is_piece_list(path)) return detail::write_pieces(mesh, path, runner, cancel);
+  if (detail::is_foam_case(path)) return detail::write_foam_parts(mesh, path, runner, cancel);
+  detail::write_partitioned(mesh, path, runner, cancel);
 }
 
 PartitionedMesh read_parts(const std::filesystem::path& path, Communicator& communicator, const TaskRunner& runner,

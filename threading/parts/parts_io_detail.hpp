@@ -12,6 +12,8 @@ PartsAsTheyAre read_pieces(const std::filesystem::path& path, Communicator& comm
 
 void write_partitioned(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
                        const CancelToken* cancel);
+void write_foam_parts(const PartitionedMesh& mesh, const std::filesystem::path& path, const TaskRunner& runner,
+                      const CancelToken* cancel);
 /// In one part where the file has none.
 PartitionedMesh read_partitioned(const std::filesystem::path& path, Communicator& communicator,
                                  const TaskRunner& runner, const CancelToken* cancel);

@@ -1,5 +1,6 @@
 #pragma once
-// What CGNS calls the kinds of elements, and in which order their nodes stand. Vertices have the order of a Mesh.
+// What CGNS calls the kinds of elements. Their vertices have the order of a Mesh, their mid nodes that of
+// edges_up_first.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -25,17 +26,5 @@ inline constexpr std::int32_t kCgnsNode = 2, kCgnsMixed = 20;
 inline constexpr std::size_t kCgnsNameBytes = 32;
 
 constexpr const CgnsKind& cgns_kind(Block block) { return kCgnsKinds[static_cast<std::size_t>(block)]; }
-
-inline constexpr std::array<LocalEdge, 9> kCgnsPrismEdges{
-    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
-inline constexpr std::array<LocalEdge, 12> kCgnsHexEdges{
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}}};
-
-/// The edges of an element in the order of its mid nodes.
-constexpr std::span<const LocalEdge> cgns_edges_of(Block block) {
-  if (block == Block::Prism) return kCgnsPrismEdges;
-  if (block == Block::Hex) return kCgnsHexEdges;
-  return edges_of(block);
-}
 
 }  // namespace tetloom::detail

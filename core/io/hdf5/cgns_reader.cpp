@@ -149,7 +149,7 @@ class CgnsReader {
   template <class Element, class Index>
   void add_mids(Block block, const Element& verts, const Index& index) {
     std::array<std::uint32_t, kMostNodes> mids{};
-    const std::span<const LocalEdge> edges = cgns_edges_of(block);
+    const std::span<const LocalEdge> edges = edges_up_first(block);
     for (std::size_t i = 0; i < edges.size(); ++i) mids[i] = index(verts.size() + i);
     mids_.add(verts, edges, std::span(mids).first(edges.size()));
   }

@@ -79,20 +79,36 @@ class CgnsWriter {
     const std::int32_t dim = cells > 0 ? 3 : surface_count(mesh_) > 0 ? 2 : 1;
     const std::size_t own = cells > 0 ? cells : dim == 2 ? surface_count(mesh_) : mesh_.edge_to_vert.size();
     integer_node("", kBase.substr(1), "CGNSBase_t", {dim, 3});
+    add_units();
     node(kBase, "Zone", "Zone_t", "I4");
     add_row(kZone, {static_cast<std::int32_t>(mesh_.points.size()), static_cast<std::int32_t>(own), 0});
     text_node(kZone, "ZoneType", "ZoneType_t", "Unstructured");
   }
 
+  // Coordinates are lengths, of a unit that the file does not say.
+  void add_units() {
+    text_node(kBase, "DataClass", "DataClass_t", "Dimensional");
+    std::string units;  // of mass, length, time, temperature, angle
+    for (const char* unit : {"Null", "UserDefined", "Null", "Null", "Null"}) {
+      units += unit;
+      units.resize((units.size() + kCgnsNameBytes - 1) / kCgnsNameBytes * kCgnsNameBytes, ' ');
+    }
+    out_.add_array(node(kBase, "DimensionalUnits", "DimensionalUnits_t", "C1") + "/ data", Hdf5Type::Int8,
+                   {units.size() / kCgnsNameBytes, kCgnsNameBytes}, [units](AtomicFile& file) { file.write(units); });
+  }
+
   void add_coordinates() {
     const std::string grid = node(kZone, "GridCoordinates", "GridCoordinates_t", "MT");
     const std::size_t count = mesh_.points.size();
-    for (int axis = 0; axis < 3; ++axis)
-      out_.add_array(node(grid, std::string("Coordinate") + "XYZ"[axis], "DataArray_t", "R8") + "/ data",
-                     Hdf5Type::Float64, {count}, [this, count, axis](AtomicFile& file) {
-                       file.put_each(
-                           count, [&](std::size_t v) { return mesh_.points[v][axis]; }, loop_);
-                     });
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string path = node(grid, std::string("Coordinate") + "XYZ"[axis], "DataArray_t", "R8");
+      out_.add_array(path + "/ data", Hdf5Type::Float64, {count}, [this, count, axis](AtomicFile& file) {
+        file.put_each(
+            count, [&](std::size_t v) { return mesh_.points[v][axis]; }, loop_);
+      });
+      out_.add_values<float>(node(path, "DimensionalExponents", "DimensionalExponents_t", "R4") + "/ data",
+                             {0, 1, 0, 0, 0});
+    }
   }
 
   // A name that no other section has, whatever the file calls the rest.
@@ -140,7 +156,7 @@ class CgnsWriter {
   void put_nodes(AtomicFile& file, Block block, const Elements& elements, std::span<const std::uint32_t> members,
                  std::size_t before) const {
     const auto& entities = entities_of(block);
-    const std::span<const LocalEdge> edges = cgns_edges_of(block);
+    const std::span<const LocalEdge> edges = edges_up_first(block);
     const auto encode = [&](std::size_t begin, std::size_t end, char* out) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t e = members[i] - before;
@@ -183,7 +199,7 @@ class CgnsWriter {
   ElementNodes nodes_;
   Hdf5Writer out_;
   std::int32_t next_ = 1;  // element
-  std::set<std::string> taken_{"Zone", "ZoneType", "ZoneBC", "GridCoordinates"};
+  std::set<std::string> taken_{"Zone", "ZoneType", "ZoneBC", "GridCoordinates", "DataClass", "DimensionalUnits"};
   std::vector<Condition> conditions_;
 };
 

@@ -12,17 +12,7 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::array<const char*, kBlocks> kCards{"CROD", "CTRIA3", "CQUAD4", "CTETRA", "CPYRAM", "CPENTA", "CHEXA"};
-/// Of second order, and the edges in their order: those of the base, those up from it, those of the top.
 constexpr std::array<const char*, kBlocks> kCards2{"", "CTRIA6", "CQUAD8", "CTETRA", "CPYRAM", "CPENTA", "CHEXA"};
-constexpr std::array<LocalEdge, 9> kPrismEdges{
-    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
-constexpr std::array<LocalEdge, 12> kHexEdges{
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}}};
-constexpr std::span<const LocalEdge> bdf_edges_of(Block block) {
-  if (block == Block::Prism) return kPrismEdges;
-  if (block == Block::Hex) return kHexEdges;
-  return edges_of(block);
-}
 
 constexpr std::size_t kField = 8, kFieldsPerLine = 8;
 constexpr std::uint64_t kMostId = 99'999'999;  // what a field holds
@@ -119,7 +109,7 @@ class BdfWriter {
       const auto print_block = [&](std::size_t begin, std::size_t end, char* out) {
         for (std::size_t e = begin; e < end; ++e)
           out = put_card(out, card, first + e, properties[tag_of_index(entities[e])],
-                         nodes_.of(turned_outwards(mesh_, dim, elements[e], entities[e]), bdf_edges_of(block)));
+                         nodes_.of(turned_outwards(mesh_, dim, elements[e], entities[e]), edges_up_first(block)));
         return out;
       };
       file_.write_lines(elements.size(), (nodes_.count(block) / kFieldsPerLine + 2) * (kFieldsPerLine + 2) * kField,

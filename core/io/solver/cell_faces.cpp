@@ -109,4 +109,20 @@ std::uint32_t CellFaces::find_surface(std::uint32_t element) const {
   return element < tris ? find(mesh_.tri_to_vert[element]) : find(mesh_.quad_to_vert[element - tris]);
 }
 
+std::uint32_t CellFaces::region_of(std::uint32_t face) const {
+  const std::uint32_t cell_number = cell(face);
+  const auto kind = static_cast<std::size_t>(kind_of_cell(cell_number));
+  std::uint32_t region = kNone;
+  for_each_cell_kind(mesh_, [&](CellKind each, const auto&, const auto& regions) {
+    if (static_cast<std::size_t>(each) == kind) region = regions[cell_number - first_cell_[kind]];
+  });
+  return region;
+}
+
+std::uint32_t CellFaces::find_side(std::uint32_t element) const {
+  const std::uint32_t face = find_surface(element);
+  if (face == kNone || twin_[face] == kNone) return face;
+  return region_of(twin_[face]) < region_of(face) ? twin_[face] : face;
+}
+
 }  // namespace tetloom::detail

@@ -32,8 +32,12 @@ class CellFaces {
   std::uint32_t find(std::span<const std::uint32_t> verts) const;
   /// The same of a triangle or quadrilateral of the mesh, by its number among them, triangles first.
   std::uint32_t find_surface(std::uint32_t element) const;
+  /// The face that `find_surface` finds, or its twin where that is of a region with a lower tag: so all sides of a face
+  /// between two regions belong to the same of them.
+  std::uint32_t find_side(std::uint32_t element) const;
 
  private:
+  std::uint32_t region_of(std::uint32_t face) const;
   std::size_t kind_of_face(std::uint32_t face) const;
 
   const Mesh& mesh_;

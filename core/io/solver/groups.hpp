@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "tetloom/io.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::detail {
@@ -27,9 +29,28 @@ using Groups = std::array<std::vector<Group>, 4>;
 /// "face_12", "region_3" by their tags. Where several have the same, the later ones get a number behind.
 Groups make_groups(const Mesh& mesh);
 
+/// The tags of the entities that have elements, by dimension, ascending; 0 where some elements have none.
+using TagsByDim = std::array<std::vector<std::uint32_t>, 4>;
+TagsByDim tags_with_elements(const Mesh& mesh);
+
+/// The groups of entities with these tags, without their elements: for a mesh of which others hold the rest.
+Groups name_groups(const EntityTable& entities, const TagsByDim& tags);
+
+/// `named`, which has groups without elements, with those of `mesh`. Pre: its tags are among those of `named`.
+Groups make_groups(const Mesh& mesh, Groups named);
+
+/// As solver_names lists them.
+std::vector<NamedGroup> list_names(const Groups& groups, const EntityTable& entities);
+
 /// A name that Abaqus, CalculiX, OpenFOAM, SU2, Gmsh and Nastran take: letters, digits and underscores, the first one a
 /// letter, at most 64 of them. Every run of other bytes becomes one underscore.
 std::string solver_name(const std::string& name);
+
+std::string lower_case(std::string text);
+
+/// `name`, or `name` with the lowest number behind that makes it one of its own, whatever the case of letters; then it
+/// is in `taken`, which holds names in lower case.
+std::string own_name(const std::string& name, std::set<std::string>& taken);
 
 /// The points of a group of edges, triangles and quadrilaterals, or cells, mid nodes as well, ascending.
 std::vector<std::uint32_t> points_of(const Mesh& mesh, const ElementNodes& nodes, int dim, const Group& group);

@@ -110,13 +110,13 @@ class InpWriter {
     file_.write_lines(items.size(), kIntegerBytes, print_block, loop_);
   }
 
-  // Of a face between two regions, the side of the cell that comes first.
+  // Of a face between two regions, the sides of the region with the lower tag.
   void write_surfaces() {
     const CellFaces faces(mesh_, loop_);
     for (const Group& group : groups_[2]) {
       std::string lines;
       for (const std::uint32_t element : group.elements) {
-        const std::uint32_t face = faces.find_surface(element);
+        const std::uint32_t face = faces.find_side(element);
         if (face == kNone) continue;
         const std::uint32_t cell = faces.cell(face);
         const int number = kInpFaceNumbers[static_cast<std::size_t>(faces.kind_of_cell(cell))][faces.local(face)];

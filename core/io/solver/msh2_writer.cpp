@@ -38,18 +38,25 @@ class Msh2Writer {
   }
 
  private:
-  // A group has the lowest tag of its entities.
+  // Faces have their own tags for numbers, or the lowest of their group; regions come behind all faces, edges behind
+  // all regions: gmshToFoam knows groups by their numbers alone, whatever their dimension.
   void write_groups() {
-    std::string lines;
-    std::size_t count = 0;
     const Groups groups = make_groups(mesh_);
-    for (std::size_t dim = 1; dim < groups.size(); ++dim)
+    std::string lines;
+    std::size_t count = 0, before = 0;
+    for (const std::size_t dim : {std::size_t{2}, std::size_t{3}, std::size_t{1}}) {
+      std::size_t largest = 0;
       for (const Group& group : groups[dim]) {
-        lines += std::to_string(dim) + " " + std::to_string(group.tags[0]) + " \"" + group.name + "\"\n";
+        largest = std::max<std::size_t>(largest, group.tags.back());
+        const std::size_t number = group.tags[0] == 0 ? 0 : before + group.tags[0];
+        lines += std::to_string(dim) + " " + std::to_string(number) + " \"" + group.name + "\"\n";
         ++count;
-        for (const std::uint32_t tag : group.tags)
-          if (tag != group.tags[0]) group_of_[dim][tag] = group.tags[0];
+        for (const std::uint32_t tag : group.tags) number_of_[dim][tag] = static_cast<std::uint32_t>(number);
       }
+      before += largest;
+    }
+    if (before > kMostNumber)
+      throw Error(ErrorCode::InvalidArgument, "the mesh has tags beyond the 31 bits that MSH 2.2 allows");
     if (count > 0) file_.write("$PhysicalNames\n" + std::to_string(count) + "\n" + lines + "$EndPhysicalNames\n");
   }
 
@@ -83,10 +90,8 @@ class Msh2Writer {
 
   // The group and the entity of an element.
   std::array<std::uint32_t, 2> tags_of(Block block, std::uint32_t entity) const {
-    const auto& groups = group_of_[static_cast<std::size_t>(dimension_of(block))];
     const std::uint32_t tag = tag_of_index(entity);
-    const auto found = groups.empty() ? groups.end() : groups.find(tag);
-    return {found == groups.end() ? tag : found->second, tag};
+    return {number_of_[static_cast<std::size_t>(dimension_of(block))].at(tag), tag};
   }
 
   // Elements of one kind, whose numbers begin at `first`.
@@ -133,7 +138,7 @@ class Msh2Writer {
   AtomicFile& file_;
   const BlockLoop& loop_;
   ElementNodes nodes_;
-  std::array<std::map<std::uint32_t, std::uint32_t>, 4> group_of_;  // by dimension and tag, where it is another one
+  std::array<std::map<std::uint32_t, std::uint32_t>, 4> number_of_;  // of the group, by dimension and tag
 };
 
 }  // namespace
