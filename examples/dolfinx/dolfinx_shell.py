@@ -37,7 +37,7 @@ def read_mesh(path, order):
     tets, triangles = (nodes[:, permutation].astype(numpy.int64) for nodes, permutation in zip((tets, triangles), permutations))
     element = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("tetrahedron", geometric_dimension=3), order))
     mesh = dolfinx.mesh.create_mesh(MPI.COMM_WORLD, tets, file.points, element)
-    entities, values = dolfinx.cpp.io.distribute_entity_data(mesh, 2, triangles, tags)
+    entities, values = dolfinx.cpp.io.distribute_entity_data(mesh._mesh, 2, triangles, tags)
     mesh.topology.create_connectivity(2, 3)
     mesh.topology.create_connectivity(2, 0)
     adjacency = dolfinx.cpp.graph.AdjacencyList_int32(entities)
