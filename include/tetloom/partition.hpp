@@ -226,11 +226,10 @@ PartsReport validate_parts(PartitionedMesh& mesh, const TaskRunner& runner, Trac
 //   .pvtu  a list of pieces, and beside it a folder of its stem with one <stem>_<part>.vtu for each part, which
 //          ParaView opens; every rank reads and writes the pieces of its own parts. Holds everything that a
 //          PartitionedMesh holds.
-//   .foam  written only: a case of OpenFOAM with the mesh of part 3 in processor3, by the rank that has the part.
 //   .msh   Gmsh 4.1 with $PartitionedEntities, in one file, which rank 0 reads and writes: it has to hold the mesh as a
 //          whole. Global ids are the order of the nodes.
 
-/// Whether `path` ends in .pvtu, .foam or .msh.
+/// Whether `path` ends in .pvtu or .msh, in upper or lower case.
 bool is_writable_parts_format(const std::filesystem::path& path);
 /// Whether `path` ends in .pvtu: a file that read_parts reads and read_mesh does not.
 bool is_piece_list(const std::filesystem::path& path);

@@ -139,7 +139,12 @@ TEST_CASE("the unit and the form of the output reach their places, or are refuse
   CHECK_THROWS_AS(parse_mesh({"--unit", "furlong"}), UsageError);
   CHECK_THROWS_AS(parse_mesh({"--msh-version", "2.2"}), UsageError);  // the output is no .msh
   CHECK_THROWS_AS(parse_mesh({"--ascii"}), UsageError);
-  CHECK_THROWS_AS(parse({"mesh", "a.step", "-o", "b.pvtu", "--unit", "m"}), UsageError);
+  const auto parts = std::get<MeshCommand>(
+      parse({"mesh", "a.step", "-o", "b.foam", "--parts", "4", "--unit", "m", "--group", "load=faces:3"}));
+  CHECK(parts.in_parts);
+  CHECK(parts.metres_per_unit == 1);
+  CHECK(parts.groups.size() == 1);
+  CHECK_FALSE(std::get<MeshCommand>(parse({"mesh", "a.step", "-o", "b.foam"})).in_parts);
   const auto msh = std::get<MeshCommand>(parse({"mesh", "a.step", "-o", "b.msh", "--msh-version", "2.2", "--ascii"}));
   CHECK(msh.write.msh_2_2);
   CHECK(msh.write.text);

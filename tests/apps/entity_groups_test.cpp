@@ -121,4 +121,9 @@ TEST_CASE("groups are noted at the entities of the mesh, which may know none yet
   REQUIRE(entities[2].size() == 6);
   CHECK(entities[2][1].group == "load");
   CHECK(entities[2][2].group.empty());
+  std::vector<PartEntity> known{{ModelFaceId(1), false, {}, {}}, {ModelFaceId(2), true, {}, {}}};
+  apply_groups(find_members({parse_group("load=faces:2,4")}, box), known);
+  CHECK(known[0].attributes.group == "load");
+  CHECK(known[0].has_attributes);
+  CHECK(known[1].attributes.group.empty());
 }

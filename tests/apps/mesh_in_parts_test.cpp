@@ -1,5 +1,8 @@
 // Models that are meshed into parts, as a user does it.
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <sstream>
 
 #include <catch2/catch.hpp>
 
@@ -105,6 +108,27 @@ TEST_CASE("the files of parts do not depend on threads") {
     const std::string number = std::to_string(part) + ".vtu";
     CHECK(read_text(folder / ("a/a_" + number)) == read_text(folder / ("b/b_" + number)));
   }
+}
+
+TEST_CASE("units and groups reach an OpenFOAM case in parts, and its names the report") {
+  const TestFolder folder;
+  const std::string model = demo_model("assembly");
+  const std::vector<std::string> more{"--parts", "2", "--unit", "m", "--group", "held=faces:1,2"};
+  const nlohmann::json report = mesh(folder, model, "a.foam", more);
+  CHECK(report["unit"]["scale"].get<double>() == Approx(1e-3));
+  CHECK(report["groups"]["held"]["ids"].size() == 2);
+  CHECK_FALSE(report["names"].empty());
+  double largest = 0;
+  for (const std::string part : {"0", "1"}) {
+    const std::string poly = "a.foam/processor" + part + "/constant/polyMesh/";
+    CHECK(read_text(folder / (poly + "boundary")).find("held\n") != std::string::npos);
+    std::istringstream points(read_text(folder / (poly + "points")));
+    std::string line;
+    while (std::getline(points, line) && line != "(") {}
+    while (std::getline(points, line) && line != ")") largest = std::max(largest, std::abs(std::stod(line.substr(1))));
+  }
+  CHECK(largest < 1);  // metres of a part of some hundred millimetres
+  CHECK(largest > 0);
 }
 
 TEST_CASE("a surface cannot be meshed into parts") {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Judges meshes of second order without the bound that tetloom proves: the Jacobian of every tet at random points.
 
-usage: second_order_jacobians.py --tetloom PROGRAM [--points N] [--size R] [--min Q] MODEL...
+usage: second_order_jacobians.py --tetloom PROGRAM [--points N] [--size R] [--curvature N] [--min Q] MODEL...
 Meshes every model with --order 2 and evaluates the determinant of the map from the straight tet, at its vertices, mid
 nodes and N points of random barycentric coordinates (the same ones in every tet, seed 1). Where a model is meshed, the
 exit status is 1 for a determinant that is not positive, or below the bound that the report states. A folder stands for
@@ -65,7 +65,7 @@ def judge(options, model, folder):
     """A line of text, and whether all is well; a model that cannot be meshed is not judged."""
     mesh, report = folder / "mesh.vtu", folder / "report.json"
     done = subprocess.run([options.tetloom, "mesh", model, "-o", mesh, "--order", "2", "--relative-size", str(options.size),
-                           "--min-scaled-jacobian", str(options.min), "--report", report, "--quiet"], capture_output=True, text=True)
+                           "--curvature", str(options.curvature), "--min-scaled-jacobian", str(options.min), "--report", report, "--quiet"], capture_output=True, text=True)
     if done.returncode != 0:
         return f"status {done.returncode}: not judged", True
     figures = json.loads(report.read_text())["second_order"]
@@ -89,6 +89,7 @@ def main():
     parser.add_argument("--tetloom", required=True)
     parser.add_argument("--points", type=int, default=1000)
     parser.add_argument("--size", type=float, default=1 / 40)
+    parser.add_argument("--curvature", type=float, default=24)
     parser.add_argument("--min", type=float, default=0.1)
     parser.add_argument("models", nargs="+", type=pathlib.Path)
     options = parser.parse_args()

@@ -69,7 +69,10 @@ std::vector<Patch> patches_in(const fs::path& path) {
   std::vector<Patch> patches;
   while (stream >> word && word != ")") {
     if (word == "{") patches.push_back({last, {}, 0, 0, -1});
-    if (word == "type") stream >> patches.back().type;
+    if (word == "type") {
+      stream >> patches.back().type;
+      patches.back().type.pop_back();  // the semicolon
+    }
     if (word == "nFaces") stream >> patches.back().count;
     if (word == "startFace") stream >> patches.back().first;
     if (word == "neighbProcNo") stream >> patches.back().neighbour;
@@ -161,6 +164,8 @@ double closed_volume(const Processor& processor) {
 }
 
 void check_sides(const std::vector<Processor>& all, std::size_t part) {
+  const auto shared = std::ranges::count(all[part].patches, "processor", &Patch::type);
+  CHECK((shared > 0) == (all.size() > 1));
   for (const Patch& patch : all[part].patches) {
     if (patch.type != "processor") continue;
     const Processor& other = all.at(static_cast<std::size_t>(patch.neighbour));
