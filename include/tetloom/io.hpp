@@ -26,8 +26,7 @@
 // entities:
 //
 //   .inp           Abaqus, CalculiX: an ELSET for every region, an NSET and a SURFACE for every face, NSETs for edges
-//   and
-//                  vertices
+//                  and vertices
 //   .foam          a folder, an OpenFOAM case whose constant/polyMesh is written; a folder polyMesh is written itself.
 //                  Faces are patches, regions are cell zones, faces between regions are face zones
 //   .su2           SU2: a marker for every face on the boundary
@@ -37,9 +36,11 @@
 //                  The .mapbc file beside it, wing.mapbc of wing.lb8.ugrid, has the tag, the code of the boundary
 //                  condition and the name of every face. A code stays where the file is there already, and is 0 else
 //   .bdf           Nastran: a property for every region and face, named in comments
+//   .exo           Exodus II in netCDF: a block for every region, a side set and a node set for every face, node sets
+//                  for edges and vertices; no fields
 //   .msh           in version 2.2, see WriteOptions: a physical group for every edge, face and region
 //
-// Meshes of second order are held by .vtu, .msh of both versions, .inp and .bdf.
+// Meshes of second order are held by .vtu, .vtkhdf, .msh of both versions, .inp, .bdf, .med, .cgns and .exo.
 //
 // Their groups have the names of the model entities, as far as these formats take them: see `solver_names`. Triangles
 // of faces with a region on one side point out of it in these formats but .ugrid.
