@@ -1,4 +1,5 @@
 // The tetloom command: reads its arguments, runs the subcommand, turns the outcome into an exit status.
+#include <malloc.h>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -86,6 +87,17 @@ class MemoryReserve {
   static inline std::atomic<void*> block_{nullptr};  // whoever takes the pointer out frees it
 };
 
+/// The stages of a run ask for the same memory one after the other. By default glibc gives what is large or free at the
+/// end back to the system at once, and the page faults of taking it again are a twentieth of a run. Here blocks up to
+/// 64 MB come from the heap, and up to 256 MB stay free at its end.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_TOP_PAD, 16 << 20);
+#endif
+}
+
 }  // namespace
 }  // namespace tetloom::app
 
@@ -93,6 +105,7 @@ int main(int argc, char** argv) {
   // A reader that goes away and a limit on the size of files show up as errors of write(2), which are handled.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  const tetloom::app::MemoryReserve reserve;
+  const tetloom::app::MemoryReserve reserve;  // outside of the heap: what is given back serves all threads
+  tetloom::app::keep_freed_memory();
   return static_cast<int>(tetloom::app::run(argc, argv));
 }

@@ -8,6 +8,7 @@ namespace {
 std::vector<SizeLeaf> list_leaves(const SizeField& field) {
   constexpr double kFar = 1e300;
   std::vector<SizeLeaf> leaves;
+  leaves.reserve(field.leaf_count());
   field.for_each_leaf({{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}},
                       [&](const SizeLeaf& leaf) { leaves.push_back(leaf); });
   return leaves;

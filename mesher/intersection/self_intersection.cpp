@@ -14,6 +14,7 @@ namespace tetloom {
 
 namespace {
 
+constexpr std::size_t kLeafSize = intersection::TriangleTree::kLeafSize;
 constexpr std::size_t kLeavesPerBlock = 256;
 constexpr std::size_t kElementsToldAtMost = 100;
 
@@ -24,11 +25,22 @@ bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) 
 class Searcher {
  public:
   Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const TaskRunner& runner)
-      : search_(search), tree_(tree), runner_(runner), degenerate_(search.tri_to_vert.size()) {
+      : search_(search),
+        tree_(tree),
+        runner_(runner),
+        degenerate_(search.tri_to_vert.size()),
+        boxes_(search.tri_to_vert.size()) {
     runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
         degenerate_[i] = intersection::is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
+      }
+    });
+    constexpr std::size_t kLeaves = 1 << 12;
+    runner.for_blocks(tree.leaf_count(), kLeaves, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t leaf = begin; leaf < end; ++leaf) {
+        Box3* box = boxes_.data() + leaf * kLeafSize;
+        for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) *box++ = tree.box_of(triangle);
       }
     });
   }
@@ -45,17 +57,14 @@ class Searcher {
       for (const std::uint32_t triangle : tree_.leaf_triangles(leaf)) {
         if (degenerate_[triangle] && is_new(triangle)) found.push_back(degenerate_at(triangle));
       }
-      std::array<Box3, intersection::TriangleTree::kLeafSize> boxes;
-      const auto ours = tree_.leaf_triangles(leaf);
-      for (std::size_t i = 0; i < ours.size(); ++i) boxes[i] = tree_.box_of(ours[i]);
       // Of two leaves with new triangles the first compares them.
       const std::size_t first = search_.tri_is_new.empty() ? leaf : 0;
       tree_.for_each_leaf_in(tree_.leaf_box(leaf), first, [&](std::size_t other) {
-        if (other >= leaf || !has_new(other)) compare_leaves(leaf, boxes, other, found);
+        if (other >= leaf || !has_new(other)) compare_leaves(leaf, other, found);
       });
     }
-    const std::size_t last = std::min(end * intersection::TriangleTree::kLeafSize, search_.tri_to_vert.size());
-    if (search_.tells_progress) runner_.advance(last - begin * intersection::TriangleTree::kLeafSize);
+    const std::size_t last = std::min(end * kLeafSize, search_.tri_to_vert.size());
+    if (search_.tells_progress) runner_.advance(last - begin * kLeafSize);
     return found;
   }
 
@@ -65,12 +74,11 @@ class Searcher {
     return std::ranges::any_of(tree_.leaf_triangles(leaf), [&](auto t) { return is_new(t); });
   }
 
-  // `boxes`: of the triangles of `leaf`.
-  void compare_leaves(std::size_t leaf, std::span<const Box3> boxes, std::size_t other,
-                      std::vector<TriangleIntersection>& found) const {
+  void compare_leaves(std::size_t leaf, std::size_t other, std::vector<TriangleIntersection>& found) const {
     const auto ours = tree_.leaf_triangles(leaf), theirs = tree_.leaf_triangles(other);
+    const Box3 *boxes = boxes_.data() + leaf * kLeafSize, *their_boxes = boxes_.data() + other * kLeafSize;
     for (std::size_t j = 0; j < theirs.size(); ++j) {
-      const Box3 box = leaf == other ? boxes[j] : tree_.box_of(theirs[j]);
+      const Box3& box = their_boxes[j];
       if (!box.overlaps(tree_.leaf_box(leaf))) continue;
       for (std::size_t i = 0; i < (leaf == other ? j : ours.size()); ++i) {
         if (box.overlaps(boxes[i])) compare(ours[i], theirs[j], found);
@@ -96,6 +104,7 @@ class Searcher {
   const intersection::TriangleTree& tree_;
   const TaskRunner& runner_;
   std::vector<char> degenerate_;
+  std::vector<Box3> boxes_;  // of the triangles, in the order of the leaves
 };
 
 std::string count_of(std::size_t count, const char* singular, const char* plural) {

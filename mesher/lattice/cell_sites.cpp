@@ -69,16 +69,13 @@ std::size_t CellSites::slot_of(const Site& s) const {
          static_cast<std::size_t>((s.i >> 1) - (first_.i >> 1));
 }
 
-bool CellSites::is_kept(const Entry& entry) const {
-  const double nearest = lattice_->shape().from_surface() * lattice_->size();
-  return entry.group != kNoSite && entry.distance2 >= nearest * nearest;
-}
-
 void CellSites::enter_sites(const Questions& questions) {
   const double reach = lattice_->shape().triangle_reach() * lattice_->size();
+  const double nearest = lattice_->shape().from_surface() * lattice_->size();
+  reach2_ = reach * reach, nearest2_ = nearest * nearest;
   columns_ = static_cast<std::size_t>((end_.i >> 1) - (first_.i >> 1) + 1);
   rows_ = static_cast<std::size_t>((end_.j >> 1) - (first_.j >> 1) + 1);
-  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, reach * reach, kNoSite, false});
+  entries_.assign(slot_of({first_.i, first_.j, end_.k}), {{}, kNoSite, false});
   wanted_first_ = end_, wanted_end_ = first_;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     Entry& entry = entries_[slot_of(site)];
@@ -136,7 +133,11 @@ void CellSites::measure_to(const std::array<Vec3, 3>& triangle) {
   for (const Vec3& x : triangle) box.add(x);
   const TriangleFrame frame(a, b, c);
   for_each_wanted_in({box.lo - margin, box.hi + margin}, [&](Entry& entry) {
-    if (entry.group != kNoSite) entry.distance2 = frame.nearer(entry.point, entry.distance2);
+    if (entry.group == kNoSite) return;
+    const double told = entry.near ? nearest2_ : reach2_;
+    const double distance2 = frame.nearer(entry.point, told);
+    if (distance2 < nearest2_) entry.group = kNoSite;
+    entry.near |= distance2 < told;
   });
 }
 
@@ -144,7 +145,7 @@ void CellSites::group_sites() {
   heads_.clear();
   lattice_->for_each_between(wanted_first_, wanted_end_, [&](const Site& seed) {
     const Entry& entry = entries_[slot_of(seed)];
-    if (entry.group != kNoGroup || !is_kept(entry)) return;
+    if (entry.group != kNoGroup) return;
     spread_group(seed, static_cast<std::uint32_t>(heads_.size()));
     heads_.push_back(seed);
   });
@@ -161,7 +162,7 @@ void CellSites::spread_group(const Site& seed, std::uint32_t group) {
       const Site next{site.i + step.i, site.j + step.j, site.k + step.k};
       if (!holds(next)) continue;
       Entry& entry = entries_[slot_of(next)];
-      if (entry.group != kNoGroup || !is_kept(entry)) continue;
+      if (entry.group != kNoGroup) continue;
       entry.group = group;
       stack_.push_back(next);
     }
@@ -172,12 +173,10 @@ std::vector<KeptSite> CellSites::take_inside(const Questions& questions) const {
   std::vector<char> inside;
   for (const Site& head : heads_)
     inside.push_back(!questions.is_inside || questions.is_inside(entries_[slot_of(head)].point));
-  const double reach = lattice_->shape().triangle_reach() * lattice_->size();
   std::vector<KeptSite> kept;
   lattice_->for_each_between(first_, end_, [&](const Site& site) {
     const Entry& entry = entries_[slot_of(site)];
-    if (entry.group < inside.size() && inside[entry.group])
-      kept.push_back({site, entry.near || entry.distance2 < reach * reach});
+    if (entry.group < inside.size() && inside[entry.group]) kept.push_back({site, entry.near});
   });
   return kept;
 }

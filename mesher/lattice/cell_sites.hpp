@@ -35,9 +35,8 @@ class CellSites {
  private:
   struct Entry {
     Vec3 point;
-    double distance2;  // to the surface, at most as far as that is measured
-    std::uint32_t group;
-    bool near;  // to a point of the surface
+    std::uint32_t group;  // none for what is no site, is not wanted or lies too near to the surface
+    bool near;            // to a point of the surface, or to a triangle as far as these are measured
   };
 
   void enter_sites(const Questions& questions);
@@ -51,10 +50,10 @@ class CellSites {
   std::vector<KeptSite> take_inside(const Questions& questions) const;
   std::size_t slot_of(const Site& site) const;
   bool holds(const Site& site) const;
-  bool is_kept(const Entry& entry) const;
 
   const SiteLattice* lattice_ = nullptr;
   Site first_{}, end_{}, wanted_first_{}, wanted_end_{};
+  double reach2_ = 0, nearest2_ = 0;          // to triangles, squared: how far is measured, how near is too near
   std::size_t columns_ = 0, rows_ = 0;        // of sites, along i and j
   std::vector<Entry> entries_;                // of all sites between first_ and end_, by k, j, i
   std::vector<Site> stack_, heads_;           // heads_: one site per group

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/spatial/distances.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/shell.hpp"
@@ -84,6 +85,38 @@ TEST_CASE("points of a uniform lattice keep their distance from the surface and 
     CHECK(double(made.levels[0].sites.size()) == Approx(double(shape.sites().size()) * cubes).epsilon(0.05));
     for (std::size_t i = made.surface.points.size(); i < made.mesh.points.size(); ++i)
       REQUIRE(norm(made.mesh.points[i]) < 1 - 0.5 * size);
+  }
+}
+
+TEST_CASE("sites are kept by their distance from the nearest triangle, and near ones are told") {
+  const double size = 0.17;
+  for (const LatticeKind kind : kBoth) {
+    const Made made(ball(), SizeField::uniform(size), kind);
+    REQUIRE(made.levels.size() == 1);
+    const LevelPoints& level = made.levels[0];
+    const LatticeShape& shape = LatticeShape::of(kind);
+    std::vector<Site> kept;
+    std::vector<char> near;
+    const auto first = level.lattice.first_site({-1, -1, -1}), end = level.lattice.first_site({1, 1, 1});
+    level.lattice.for_each_between(first, end, [&](const Site& site) {
+      const Vec3 x = level.lattice.point(site);
+      double from_triangle = HUGE_VAL, from_point = HUGE_VAL;
+      for (const auto& [a, b, c] : made.surface.tri_to_vert) {
+        const std::vector<Vec3>& p = made.surface.points;
+        from_triangle = std::min(from_triangle, distance_to_triangle(x, p[a], p[b], p[c]));
+        from_point = std::min({from_point, distance(x, p[a]), distance(x, p[b]), distance(x, p[c])});
+      }
+      if (norm(x) >= 1 || from_triangle < shape.from_surface() * size) return;
+      const bool asks_triangles = shape.triangle_reach() == shape.near_surface();
+      kept.push_back(site);
+      near.push_back((asks_triangles ? from_triangle : from_point) < shape.near_surface() * size);
+    });
+    REQUIRE(kept.size() > 300);
+    CHECK((std::set(level.sites.begin(), level.sites.end()) == std::set(kept.begin(), kept.end())));
+    for (std::size_t i = 0; i < level.sites.size(); ++i) {
+      const auto at = std::find(kept.begin(), kept.end(), level.sites[i]) - kept.begin();
+      REQUIRE(bool(level.near_surface[i]) == bool(near[static_cast<std::size_t>(at)]));
+    }
   }
 }
 
