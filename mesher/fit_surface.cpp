@@ -7,6 +7,7 @@
 #include "mesher/complexes.hpp"
 #include "mesher/intersection/model_crossings.hpp"
 #include "mesher/intersection/pinched_edges.hpp"
+#include "mesher/intersection/skins.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/volume/volume_mesher.hpp"
@@ -60,6 +61,7 @@ bool SurfaceFitter::run() {
     if (round == 0) first_crossings = candidate.solid_hits.size();
     if (round == 0 && options_.stop_where_model_crosses && crosses_in_model(candidate))
       return stop_early(std::move(candidate));
+    if (round == 0 && has_skins(candidate)) return judge_crossings(std::move(candidate));
     const bool is_last = round == kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
@@ -188,6 +190,22 @@ bool SurfaceFitter::crosses_in_model(Candidate& candidate) {
   if (found.empty()) return false;
   candidate.all_hits = candidate.solid_hits = std::move(found);
   return true;
+}
+
+// Adds what has no thickness to the crossings: smaller sizes do not help. Only what would leave nothing but flat tets
+// is looked for, however coarse the model's tolerance is.
+bool SurfaceFitter::has_skins(Candidate& candidate) const {
+  if (options_.surface_only) return false;
+  constexpr double kMostOfSize = 1e-3;
+  const double most = kMostOfSize * candidate.sizes.smallest();
+  std::vector<double> tolerances(model_.topology().face_count());
+  for (std::size_t f = 0; f < tolerances.size(); ++f)
+    tolerances[f] = std::min(most, model_.attributes(ModelFaceId(f)).tolerance);
+  const std::vector<TriangleIntersection> skins =
+      find_skins(candidate.surface.mesh, tolerances, *candidate.tree, work_);
+  candidate.all_hits.insert(candidate.all_hits.end(), skins.begin(), skins.end());
+  candidate.solid_hits.insert(candidate.solid_hits.end(), skins.begin(), skins.end());
+  return !skins.empty();
 }
 
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {

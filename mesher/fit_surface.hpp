@@ -61,6 +61,7 @@ class SurfaceFitter {
   void settle_features(Candidate& candidate);
   void find_crossings(Candidate& candidate);
   bool crosses_in_model(Candidate& candidate);
+  bool has_skins(Candidate& candidate) const;
   std::vector<Misfit> find_misfits(const Candidate& candidate) const;
   SizeFloor floor_at(const Vec3& x) const;
   bool drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits);

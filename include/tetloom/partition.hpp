@@ -141,6 +141,10 @@ enum class PartitionMethod {
 
 std::string_view to_string(PartitionMethod method);
 
+/// The cell field, of one component, that says which stack of a boundary layer a cell belongs to: a positive integer,
+/// the same for all cells above one wall triangle; 0 for none.
+inline constexpr std::string_view kStackField = "stack";
+
 struct BalanceOptions {
   std::size_t part_count = 1;
   PartitionMethod method = PartitionMethod::Multilevel;
@@ -152,8 +156,10 @@ struct BalanceOptions {
 /// The destinations for `migrate`. Where the number of parts grows by a whole factor and the parts are in balance, each
 /// part is cut on its own, and its pieces get neighbouring numbers; otherwise all cells are dealt anew.
 ///
+/// Where the mesh has the field kStackField, all cells of a stack go to one part, also those that came in several.
+///
 /// A collective call. The result depends on the parts and the options only. Boundaries are smoothed where all cells of
-/// a target lie in one part, and all cells are tets.
+/// a target lie in one part, and all cells are tets without stacks.
 /// Errors: InvalidArgument (no part, a field that is not there or has values that are not positive), OutOfMemory,
 /// Cancelled.
 PerPart<Destinations> compute_destinations(const PartitionedMesh& mesh, const BalanceOptions& options,

@@ -131,6 +131,11 @@ Diagnostic describe_group(std::span<const TriangleIntersection* const> group, co
   if (std::all_of(group.begin(), group.end(), is_degenerate_triangle)) {
     diagnostic.message = "the surface mesh of " + describe(names[0]) + " has " +
                          count_of(group.size(), "triangle", "triangles") + " without area";
+  } else if (std::ranges::all_of(group, [](const auto* x) { return x->kind == IntersectionKind::Skin; })) {
+    diagnostic.message = "the material between " + describe(names.front()) + " and " +
+                         (one == other ? "itself" : describe(names.back())) +
+                         " is thinner than the tolerance of the model at " + count_of(group.size(), "pair", "pairs") +
+                         " of triangles";
   } else if (one == other) {
     diagnostic.message = "the surface mesh of " + describe(names[0]) + " crosses or touches itself in " +
                          count_of(group.size(), "pair", "pairs") + " of triangles";

@@ -16,9 +16,10 @@ namespace tetloom {
 
 /// How two triangles meet that should not.
 enum class IntersectionKind : std::uint8_t {
-  Crossing,   ///< the triangles meet in points that are not on a vertex or edge that both have
-  Overlap,    ///< the same, within one plane; also two triangles with the same three vertices
-  Degenerate  ///< not a pair: the triangle has no area, and `second` is `first`
+  Crossing,    ///< the triangles meet in points that are not on a vertex or edge that both have
+  Overlap,     ///< the same, within one plane; also two triangles with the same three vertices
+  Degenerate,  ///< not a pair: the triangle has no area, and `second` is `first`
+  Skin         ///< they are apart, but nearer than the model's tolerance with a region between them (skins.hpp)
 };
 
 /// Two triangles (first < second) that meet beyond the vertex or edge that they share.

@@ -68,7 +68,7 @@ LatticeShape::LatticeShape(LatticeKind lattice) {
 
 void LatticeShape::set_bcc() {
   parts_ = 2, nearest_ = 3, farthest_ = 4;
-  cube_per_size_ = 1.06, graded_cube_per_size_ = 1.083;
+  cube_per_size_ = 1.06, graded_cube_per_size_ = 1.06;
   from_surface_ = 0.575, near_surface_ = 1.215, triangle_reach_ = from_surface_;  // faces: .5747, spheres: 1.211
   sites_ = {{0, 0, 0}, {1, 1, 1}};
 }

@@ -156,7 +156,7 @@ class Improvement {
 }  // namespace
 
 bool wants_improvement(const SharedInput& input, double least_cubed) {
-  return input.filling.freedom && least_cubed < tets::poor_quality(input.filling.options.goals);
+  return input.filling.freedom && least_cubed < tets::quality_to_improve(volume::optimize_options(input.filling));
 }
 
 void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {

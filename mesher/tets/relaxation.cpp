@@ -10,8 +10,8 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr int kRounds = 8;
-constexpr double kMomentum = 0.7;
+constexpr int kRounds = 14;
+constexpr double kMomentum = 0.85;
 constexpr std::uint32_t kBlock = 1 << 16;
 
 enum class State : std::uint8_t { Stays, Moves, GoesBack };

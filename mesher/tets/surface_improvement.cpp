@@ -23,6 +23,8 @@ namespace tetloom::tets {
 namespace {
 
 constexpr int kRoundsPerRound = 4;                  // of the surface for one inside
+constexpr int kFairRounds = 1;                      // for tets that are fair, not poor
+constexpr double kFair = 0.8;                       // mean ratio below which tets are, where sizes vary
 constexpr std::size_t kLeastShare = 10;             // rounds end when one changes less than the first over this
 constexpr std::size_t kVisitsBetweenChecks = 1024;  // for cancellation
 constexpr std::size_t kSearchesBetweenChecks = 64;
@@ -44,25 +46,35 @@ class SurfaceImprover {
         poor_(poor_quality(options.goals)) {}
 
   void run(OptimizeReport& report) {
-    std::size_t first = 0;
-    for (int round = 0; round < kRoundsPerRound * options_.goals.rounds; ++round) {
-      const std::size_t swapped = swap_edges(), slid = slide_vertices();
-      report.edges_swapped += swapped, report.vertices_slid += slid;
-      if (swapped + slid == 0) break;
-      repair(report);
-      if (round == 0) first = swapped + slid;
-      if ((swapped + slid) * kLeastShare < first) break;
-    }
-    if (widen_angles(report) + first > 0) summarize_result(mesh_, options_.goals, report);
+    const int rounds = options_.goals.rounds;
+    std::size_t changes = 0;
+    if (const double fair = quality_to_improve(options_); fair > poor_) changes += improve(fair, kFairRounds, report);
+    changes += improve(poor_, kRoundsPerRound * rounds, report);
+    if (widen_angles(report) + changes > 0) summarize_result(mesh_, options_.goals, report);
     mesh_.finish(options_.keep_points);
     report.tets = mesh_.mesh().size();
   }
 
  private:
-  // The poor tets, the worst first; of equal ones that with the lower id.
-  std::vector<std::pair<float, std::uint32_t>> find_poor() {
+  // Rounds over the tets of cubed quality below `limit`. Returns the number of changes of the surface.
+  std::size_t improve(double limit, int most_rounds, OptimizeReport& report) {
+    std::size_t first = 0, sum = 0;
+    for (int round = 0; round < most_rounds; ++round) {
+      const std::size_t swapped = swap_edges(limit), slid = slide_vertices(limit);
+      report.edges_swapped += swapped, report.vertices_slid += slid;
+      if (swapped + slid == 0) break;
+      sum += swapped + slid;
+      repair(limit, report);
+      if (round == 0) first = swapped + slid;
+      if ((swapped + slid) * kLeastShare < first) break;
+    }
+    return sum;
+  }
+
+  // The tets of cubed quality below `limit`, the worst first; of equal ones that with the lower id.
+  std::vector<std::pair<float, std::uint32_t>> find_below(double limit) {
     std::vector<std::pair<float, std::uint32_t>> poor;
-    const auto bound = static_cast<float>(poor_);
+    const auto bound = static_cast<float>(limit);
     const std::span<const float> qualities = mesh_.qualities();
     for (std::uint32_t tet = 0; tet < qualities.size(); ++tet) {
       if (qualities[tet] < bound) poor.emplace_back(qualities[tet], tet);
@@ -72,25 +84,25 @@ class SurfaceImprover {
   }
 
   template <class Visit>
-  std::size_t for_each_poor(Visit&& visit) {
+  std::size_t for_each_below(double limit, Visit&& visit) {
     std::size_t count = 0, visits = 0;
-    for (const auto& [quality, tet] : find_poor()) {
+    for (const auto& [quality, tet] : find_below(limit)) {
       if (visits++ % kVisitsBetweenChecks == 0) runner_.check_cancelled();
-      if (static_cast<double>(mesh_.quality(tet)) < poor_) count += visit(tet);
+      if (static_cast<double>(mesh_.quality(tet)) < limit) count += visit(tet);
     }
     return count;
   }
 
-  std::size_t swap_edges() {
-    SurfaceSwapper swapper(mesh_, surface_, triangles_, poor_);
-    return for_each_poor(
-        [&](std::uint32_t tet) { return std::size_t{swapper.swap_edge_of(tet) == SwapVerdict::Swapped}; });
+  std::size_t swap_edges(double limit) {
+    SurfaceSwapper swapper(mesh_, surface_, triangles_, limit);
+    return for_each_below(
+        limit, [&](std::uint32_t tet) { return std::size_t{swapper.swap_edge_of(tet) == SwapVerdict::Swapped}; });
   }
 
-  std::size_t slide_vertices() {
-    SurfaceSlider slider(mesh_, surface_, triangles_, poor_);
+  std::size_t slide_vertices(double limit) {
+    SurfaceSlider slider(mesh_, surface_, triangles_, limit);
     std::vector<bool> visited(surface_.point_to_entity.size());
-    return for_each_poor([&](std::uint32_t tet) {
+    return for_each_below(limit, [&](std::uint32_t tet) {
       std::size_t count = 0;
       for (std::uint32_t corner = 0; corner < 4; ++corner) {
         const std::uint32_t vertex = mesh_.verts(tet)[corner];
@@ -158,9 +170,9 @@ class SurfaceImprover {
   }
 
   // Inside, as the optimiser does it.
-  void repair(OptimizeReport& report) {
+  void repair(double limit, OptimizeReport& report) {
     report.edges_removed += remove_edges(mesh_, cube(.60), runner_);
-    report.vertices_moved += move_vertices(mesh_, cube(.60), runner_);
+    report.vertices_moved += move_vertices(mesh_, std::max(limit, cube(.60)), runner_);
     report.vertices_removed += remove_vertices(mesh_, poor_, runner_);
     report.points_inserted += insert_points(mesh_, poor_, runner_);
   }
@@ -175,9 +187,14 @@ class SurfaceImprover {
 
 }  // namespace
 
+double quality_to_improve(const OptimizeOptions& options) {
+  const double poor = poor_quality(options.goals);
+  return options.sizes && options.goals.rounds > 0 ? std::max(poor, cube(kFair)) : poor;
+}
+
 void improve_surface(TetMesh& mesh, const ChangeableSurface& surface, const OptimizeOptions& options,
                      OptimizeReport& report, const TaskRunner& runner) {
-  if (cube(report.least) >= poor_quality(options.goals)) return;  // as the optimiser left it, nothing is poor
+  if (cube(report.least) >= quality_to_improve(options)) return;
   SurfaceImprover(mesh, surface, options, runner).run(report);
 }
 

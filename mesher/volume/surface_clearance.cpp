@@ -33,7 +33,7 @@ bool SurfaceClearance::meets(const SurfaceChange& change, std::uint32_t other) c
   const Box3 box = box_of(change.points, verts);
   for (std::size_t i = 0; i < change.triangles.size(); ++i) {
     const TriangleVerts& own = change.verts[i];
-    if (!box.overlaps(box_of(change.points, own))) continue;
+    if (!box.overlaps(own_boxes_[i])) continue;
     if (tri_to_face_[other] == tri_to_face_[change.triangles[i]] && share_vertex(own, verts)) continue;
     if (is_degenerate(change.points, own)) return true;
     if (!is_degenerate(change.points, verts) && intersection::check_pair(change.points, own, verts)) return true;
@@ -47,12 +47,18 @@ bool SurfaceClearance::is_clear(const SurfaceChange& change) {
   });
   if (open) {
     Box3 box;
-    for (const TriangleVerts& verts : change.verts) box.add(box_of(change.points, verts));
+    own_boxes_.clear();
+    for (const TriangleVerts& verts : change.verts) box.add(own_boxes_.emplace_back(box_of(change.points, verts)));
     const Vec3 margin{farthest_, farthest_, farthest_};
     box = {box.lo - margin, box.hi + margin};
     bool met = false;
-    tree_.for_each_in(box, [&](std::uint32_t other) { met = met || meets(change, other); });
-    if (met || std::ranges::any_of(swapped_, [&](std::uint32_t other) { return meets(change, other); })) return false;
+    tree_.for_each_leaf_in(box, 0, [&](std::size_t leaf) {
+      for (const std::uint32_t other : tree_.leaf_triangles(leaf)) met = met || meets(change, other);
+    });
+    const auto meets_swapped = [&](const Swapped& other) {
+      return other.box.overlaps(box) && meets(change, other.triangle);
+    };
+    if (met || std::ranges::any_of(swapped_, meets_swapped)) return false;
   }
   note(change);
   return true;
@@ -63,7 +69,8 @@ void SurfaceClearance::note(const SurfaceChange& change) {
     const std::uint32_t triangle = change.triangles[i];
     for (const std::uint32_t v : change.verts[i])
       farthest_ = std::max(farthest_, distance(change.points[v], complex_.points[v]));
-    if (change.verts[i] != triangles_[triangle]) swapped_.push_back(triangle);
+    if (change.verts[i] != triangles_[triangle])
+      swapped_.push_back({box_of(complex_.points, change.verts[i]), triangle});
   }
 }
 

@@ -30,8 +30,13 @@ class SurfaceClearance {
   const intersection::TriangleTree& tree_;
   std::span<const tets::TriangleVerts> triangles_;
   std::span<const std::uint32_t> tri_to_face_;
-  double farthest_ = 0;                 // that a point has moved
-  std::vector<std::uint32_t> swapped_;  // triangles with other vertices than in the tree
+  double farthest_ = 0;          // that a point has moved
+  std::vector<Box3> own_boxes_;  // of the change that is asked about
+  struct Swapped {
+    Box3 box;  // as its points were in the tree
+    std::uint32_t triangle;
+  };
+  std::vector<Swapped> swapped_;  // triangles with other vertices than in the tree
 };
 
 }  // namespace tetloom::volume

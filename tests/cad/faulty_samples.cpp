@@ -248,6 +248,7 @@ TopoDS_Shape make_faulty(Fault fault) {
     case Fault::CollapsedFaces: return collapsed_faces();
     case Fault::FloorBeyondOuterFace: return compound({box_with_hole(12), box_at(20, 0, 0, 10)});
     case Fault::FloorInOuterFace: return box_with_hole(10);
+    case Fault::FloorWithoutThickness: return box_with_hole(10 - 1e-11);
     case Fault::FlatSolidAndBox: return flat_solid_and_box();
     case Fault::OverlappingBoxes: return compound({box_at(0, 0, 0, 10), box_at(5, 5, 5, 10)});
     case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 10).Shape();

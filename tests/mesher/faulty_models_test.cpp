@@ -117,8 +117,8 @@ TEST_CASE("a curve that misses its vertices is fitted to them") {
 }
 
 TEST_CASE("a solid that crosses itself is refused, and meshed when it is made anew") {
-  const Fault fault = GENERATE(Fault::FloorInOuterFace, Fault::FloorBeyondOuterFace);
-  const std::size_t boxes = fault == Fault::FloorInOuterFace ? 1 : 2;
+  const Fault fault = GENERATE(Fault::FloorInOuterFace, Fault::FloorWithoutThickness, Fault::FloorBeyondOuterFace);
+  const std::size_t boxes = fault == Fault::FloorBeyondOuterFace ? 2 : 1;
   Meshed meshed = mesh_faulty(fault, 2);
   CHECK(meshed.result.status == MeshStatus::Failed);
   CHECK_FALSE(meshed.result.stopped_early);
@@ -136,6 +136,17 @@ TEST_CASE("a solid that crosses itself is refused, and meshed when it is made an
   require_valid(meshed);
   CHECK(meshed.document.model->topology().region_count() == boxes);
   CHECK(volume_of(meshed) == Approx(1000.0 * boxes - 40 * std::numbers::pi).epsilon(0.01));
+}
+
+TEST_CASE("a solid without thickness somewhere is refused at once, with the faces and a point") {
+  const Meshed meshed = mesh_faulty(Fault::FloorWithoutThickness, 2);
+  CHECK(meshed.result.refinement.rounds == 0);
+  REQUIRE(meshed.result.errors.size() == 1);
+  const Diagnostic& error = meshed.result.errors.front();
+  CHECK(error.entities.size() == 2);
+  REQUIRE(error.point.has_value());
+  CHECK(std::hypot(error.point->x - 5, error.point->y - 5) < 2);
+  CHECK(error.point->z == Approx(10));
 }
 
 TEST_CASE("a run may stop as soon as it is sure that faces cross in the model") {

@@ -230,6 +230,37 @@ TEST_CASE("shaken cubes of one and two regions get better, with their shape, fac
   }
 }
 
+std::size_t count_below(const TetMesh& mesh, double mean_ratio) {
+  std::size_t count = 0;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) count += quality_of(mesh, t) < mean_ratio;
+  return count;
+}
+
+TEST_CASE("where sizes vary, tets that are merely fair get better with the surface as well") {
+  CubeGrid grid = make_cube_grid(6, 2, 0.3, 7);
+  tets::OptimizeOptions options;
+  options.fixed_points = grid.fixed_points;
+  options.goals = {.dihedral = 0, .mean_ratio = 0.1, .rounds = 2};
+  tets::OptimizeReport report;
+  const CubeGrid before = grid;
+  report.least = least_quality(grid.mesh);
+  CHECK(tets::quality_to_improve(options) < 0.01);
+  improve_surface(grid.mesh, grid.surface.view(), options, report, TaskRunner(1));
+  CHECK(same(grid.mesh, before.mesh));  // nothing is poor
+  const SizeField sizes = SizeField::uniform(1);
+  options.sizes = &sizes;
+  CHECK(tets::quality_to_improve(options) == Approx(0.8 * 0.8 * 0.8));
+  improve_surface(grid.mesh, grid.surface.view(), options, report, TaskRunner(1));
+  CHECK(report.vertices_slid > 0);
+  CHECK(count_below(grid.mesh, 0.75) < count_below(before.mesh, 0.75));
+  CHECK(least_quality(grid.mesh) >= least_quality(before.mesh));
+  CHECK(tets::find_fault(grid.mesh) == "");
+  CHECK(grid.surface.matches(grid.mesh));
+  CHECK(grid.misplaced_points() == 0);
+  options.goals.rounds = 0;
+  CHECK(tets::quality_to_improve(options) < 0.01);
+}
+
 TEST_CASE("points keep their numbers where it is asked, also those that no tet has any more") {
   std::size_t dropped = 0;
   for (unsigned seed = 1; seed <= 8; ++seed) {
