@@ -190,14 +190,18 @@ def layered_pipe(options, size):
 
 
 def pipe_of_tets(options, cells, size):
-    """Of about so many cells."""
-    for _ in range(3):
-        case = Case(options, "pipe", size, (), "pipe_tets")
-        share = count_cells(case) / cells
+    """Of about so many cells: the nearest of some sizes, as the number may jump from one size to the next."""
+    finer = coarser = None
+    tried = []
+    for _ in range(8):
+        size = round((finer * coarser)**0.5 if finer and coarser else size, 4)
+        share = count_cells(Case(options, "pipe", size, (), "pipe_tets")) / cells
+        tried.append((abs(share - 1), size))
         if abs(share - 1) < 0.03:
             break
-        size = round(size * share**(1 / 3), 4)
-    return case
+        finer, coarser = (size, coarser) if share > 1 else (finer, size)
+        size *= share**(1 / 3)
+    return Case(options, "pipe", min(tried)[1], (), "pipe_tets")
 
 
 def compare_friction(options, sizes, steps):
