@@ -25,7 +25,8 @@ constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for 
 constexpr double kKeptAbove = 0.8;
 constexpr double kMostShift = 1.5;  // of the step
 constexpr double kLeastShape = 0.01;
-constexpr double kSoundPrism = 0.1;                // scaled Jacobian between fronts; less above narrow triangles
+constexpr double kTilt = 0.02;       // of a front above a flat wall, where steps differ: no reason to stretch heights
+constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less above narrow triangles
 constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
 constexpr double kLeftInGap = 0.9;                 // widths that stay for other elements
 
@@ -118,7 +119,8 @@ class Marching {
       if (!is_first && !is_growing(c)) return;
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
-      stretch_[c] = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
+      const double stretch = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
+      if (is_first || std::abs(stretch - stretch_[c]) > kTilt * stretch_[c]) stretch_[c] = stretch;
       Vec3 sum;
       for (const Vec3& normal : normals) sum += normal;
       middle_[c] = normalized(sum);
