@@ -115,8 +115,8 @@ TEST_CASE("what memory cannot hold, and options that are none, end alike on all 
 TEST_CASE("what becomes of the surface while volumes are filled is in their parts") {
   MeshOptions options = options_of_size(0.115, 3000);
   options.sizes.curvature = 20;
-  options.sizes.gradation = 0.5;
-  options.goals.dihedral = 30;
+  options.sizes.gradation = 0.7;
+  options.goals.dihedral = 35;
   options.goals.mean_ratio = 0.8;
   const auto model = make_torus(1, 0.35);
   const MeshResult whole = make_mesh(*model, options);
