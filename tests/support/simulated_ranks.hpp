@@ -47,7 +47,10 @@ class SimulatedRank : public Communicator {
   bool failed_elsewhere() const override { return board_.failed && !has_failed_; }
 
   void sum(std::span<std::int64_t> values) override {
-    combine(board_.sums, values, std::int64_t{0}, [](std::int64_t a, std::int64_t b) { return a + b; });
+    // As MPI does: sums of hashes go round.
+    combine(board_.sums, values, std::int64_t{0}, [](std::int64_t a, std::int64_t b) {
+      return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+    });
   }
   void max(std::span<double> values) override {
     combine(board_.maxima, values, -std::numeric_limits<double>::infinity(),
