@@ -38,16 +38,20 @@ std::optional<std::uint64_t> number_behind(const std::filesystem::path& path, co
 }
 
 struct GroupFiles {
-  const char *folder, *limit, *usage, *reclaimable;
+  const char *folder, *limit, *usage;
+  std::array<const char*, 2> reclaimable;  // of memory.stat: files that the kernel keeps as long as nobody wants more
 };
-constexpr GroupFiles kSecondVersion{"sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
-constexpr GroupFiles kFirstVersion{"sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
-                                   "total_inactive_file"};
+constexpr GroupFiles kSecondVersion{"sys/fs/cgroup", "memory.max", "memory.current", {"inactive_file", "active_file"}};
+constexpr GroupFiles kFirstVersion{"sys/fs/cgroup/memory",
+                                   "memory.limit_in_bytes",
+                                   "memory.usage_in_bytes",
+                                   {"total_inactive_file", "total_active_file"}};
 
 std::uint64_t room_of_group(const std::filesystem::path& folder, const GroupFiles& files) {
   const auto limit = number_in(folder / files.limit), usage = number_in(folder / files.usage);
   if (!limit || !usage) return kUnlimited;
-  const std::uint64_t cached = number_behind(folder / "memory.stat", files.reclaimable).value_or(0);
+  std::uint64_t cached = 0;
+  for (const char* word : files.reclaimable) cached += number_behind(folder / "memory.stat", word).value_or(0);
   return difference(*limit, difference(*usage, cached));
 }
 

@@ -54,7 +54,8 @@ TEST_CASE("memory ends at the limits of the control group and of those above it"
     root.write_bytes("sys/fs/cgroup/jobs/memory.max", 700);
     root.write_bytes("sys/fs/cgroup/jobs/memory.current", 400);
     CHECK(root.machine() == 300 * kMegabyte);
-    root.write("sys/fs/cgroup/jobs/memory.stat", "anon 5\ninactive_file " + std::to_string(100 * kMegabyte) + "\n");
+    root.write("sys/fs/cgroup/jobs/memory.stat", "anon 5\ninactive_file " + std::to_string(60 * kMegabyte) +
+                                                     "\nactive_file " + std::to_string(40 * kMegabyte) + "\n");
     CHECK(root.machine() == 400 * kMegabyte);
     root.write_bytes("sys/fs/cgroup/jobs/one/memory.max", 310);
     CHECK(root.machine() == 10 * kMegabyte);
