@@ -184,8 +184,8 @@ def solve_manifold(options, size, steps):
 
 
 def layered_pipe(options, size):
-    layers = ["--layers", "*,!inlet,!outlet*", "--first-height", str(0.15 * size), "--growth", "1.25"]
-    layers += ["--layer-count", "6"]
+    layers = ["--layers", "*,!inlet,!outlet*", "--first-height", str(0.1 * size), "--growth", "1.25"]
+    layers += ["--layer-count", "4"]
     return Case(options, "pipe", size, layers, "pipe_layers")
 
 
