@@ -3,6 +3,7 @@
 // figures stand in its place, which were not measured here and say so.
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <span>

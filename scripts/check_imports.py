@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks that imports point downwards and that every library of others stays inside its one adapter, and
-that no two files or types have one name.
+"""Checks that imports point downwards, that every library of others stays inside its one adapter, that no two files or
+types have one name, and that a file includes the standard headers of what it uses.
 
 usage: scripts/check_imports.py [--headers [--build DIR]]
-  --headers    also compiles every header alone, with the flags of DIR/compile_commands.json (default: build/release)
+  --headers    also compiles alone every header that no source includes first, with the flags of DIR/compile_commands.json (default: build/release)
 
 Each edge that breaks a rule is named as "file:line: ...". Exit status 1 if there is any.
 """
@@ -67,6 +67,48 @@ ADAPTERS = [
 
 # Headers that only their own folder (and the tests) may include; those of an adapter may name the wrapped library.
 PRIVATE_HEADER = re.compile(r"_detail\.hpp$|/detail/")
+
+# Standard headers and the names in std that ask for them. Builds with precompiled headers do not see a missing one.
+STANDARD = {
+    "algorithm": "adjacent_find all_of any_of binary_search clamp copy copy_n copy_if count count_if equal equal_range "
+                 "fill fill_n find find_if find_if_not for_each generate includes inplace_merge is_sorted "
+                 "lexicographical_compare lower_bound max max_element merge min min_element minmax minmax_element "
+                 "mismatch none_of nth_element partial_sort partition partition_point remove_if replace reverse rotate "
+                 "set_difference set_intersection set_union shuffle sort stable_partition stable_sort swap_ranges "
+                 "transform unique upper_bound",
+    "array": "array", "atomic": "atomic atomic_flag atomic_ref memory_order_relaxed",
+    "bit": "bit_cast bit_ceil bit_floor bit_width countl_zero countr_zero endian has_single_bit popcount",
+    "charconv": "from_chars to_chars chars_format", "chrono": "chrono",
+    "cmath": "abs acos asin atan atan2 cbrt ceil copysign cos exp fabs floor fma frexp hypot isfinite isnan ldexp log "
+             "log10 log2 lround nan nextafter pow round sin sqrt tan trunc",
+    "condition_variable": "condition_variable", "cstdio": "printf fprintf snprintf fopen fclose fflush",
+    "cstdlib": "getenv strtod strtol exit abort", "cstring": "memchr memcmp memcpy memmove memset strcmp strlen",
+    "deque": "deque", "exception": "current_exception exception exception_ptr rethrow_exception terminate",
+    "filesystem": "filesystem", "fstream": "fstream ifstream ofstream",
+    "functional": "function hash ref reference_wrapper cref", "future": "async future promise",
+    "iterator": "back_inserter make_move_iterator istreambuf_iterator", "limits": "numeric_limits", "list": "list",
+    "map": "map multimap", "memory": "make_shared make_unique shared_ptr unique_ptr weak_ptr",
+    "mutex": "call_once lock_guard mutex once_flag recursive_mutex scoped_lock unique_lock",
+    "numbers": "numbers", "numeric": "accumulate exclusive_scan gcd inclusive_scan iota midpoint partial_sum",
+    "optional": "nullopt optional", "queue": "priority_queue queue",
+    "random": "mt19937 mt19937_64 minstd_rand normal_distribution uniform_int_distribution uniform_real_distribution",
+    "regex": "regex regex_match regex_search regex_replace", "set": "multiset set", "span": "span as_bytes",
+    "sstream": "istringstream ostringstream stringstream", "stdexcept": "invalid_argument logic_error runtime_error",
+    "string": "getline stod stoi stol stoul string to_string", "string_view": "string_view",
+    "thread": "thread this_thread", "tuple": "make_tuple tie tuple", "typeinfo": "type_info",
+    "type_traits": "conditional_t decay_t enable_if_t invoke_result_t is_invocable_v is_same_v remove_cvref_t",
+    "unordered_map": "unordered_map", "unordered_set": "unordered_set", "variant": "get_if monostate variant visit",
+    "vector": "vector",
+}
+HEADER_OF = {name: header for header, names in STANDARD.items() for name in names.split()}
+
+# What else a header of the library or of others is sure to bring.
+BRINGS = {
+    "catch2/catch.hpp": {"string", "vector"}, "charconv": {"type_traits"}, "CLI/CLI.hpp": {"string", "vector"},
+    "filesystem": {"string", "string_view"}, "fstream": {"string"}, "iostream": {"string"}, "map": {"tuple"},
+    "nlohmann/json.hpp": {"map", "string", "vector"}, "regex": {"string"}, "span": {"array"}, "sstream": {"string"},
+    "string": {"string_view"},
+}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
@@ -133,6 +175,35 @@ def check_edges(root, names):
     return problems
 
 
+CODE_ONLY = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|^\s*#\s*include[^\n]*', re.M)
+
+
+def included_by(root, name, known):
+    """The headers of others that `name` includes, by itself or through headers of the project."""
+    if name not in known:
+        known[name] = set()
+        for line in (root / name).read_text(encoding="utf-8").splitlines():
+            match = INCLUDE.match(line)
+            header = match.group(2) if match else None
+            own = next((base + header for base in ("", "include/") if header and (root / (base + header)).exists()), None)
+            if own:
+                known[name] = known[name] | included_by(root, own, known)
+            elif header:
+                known[name] = known[name] | {header} | BRINGS.get(header, set())
+    return known[name]
+
+
+def check_standard_headers(root, names):
+    """Names of the standard library whose header a file does not include."""
+    problems, known = [], {}
+    for name in names:
+        code = CODE_ONLY.sub("", (root / name).read_text(encoding="utf-8"))
+        used = {HEADER_OF[word] for word in re.findall(r"\bstd::(\w+)", code) if word in HEADER_OF}
+        problems += [f"{name}: uses names of <{header}> and does not include it"
+                     for header in sorted(used - included_by(root, name, known))]
+    return problems
+
+
 TYPE = re.compile(r"(?:template\s*<.*>\s*)?(?:struct|class|enum class)\s+(?:\w+\s+)?(?!final\b)(\w+)(?:\s+final)?\s*(?::[^:].*)?\{")
 
 
@@ -179,9 +250,18 @@ def check_header_alone(root, name, flags):
     return None if result.returncode == 0 else f"{name}: does not compile alone:\n{result.stderr[:2000]}"
 
 
+def stands_first(root, header):
+    """Whether the source of that name includes the header before anything else: its compilation is the proof then."""
+    source = root / (header.removesuffix(".hpp") + ".cpp")
+    if not source.exists():
+        return False
+    includes = (INCLUDE.match(line) for line in source.read_text(encoding="utf-8").splitlines())
+    return next((match.group(2) for match in includes if match), None) == header
+
+
 def check_headers(root, names, build):
     flags = flags_by_folder(build)
-    headers = [name for name in names if name.endswith(".hpp")]
+    headers = [name for name in names if name.endswith(".hpp") and not stands_first(root, name)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         results = pool.map(lambda name: check_header_alone(root, name, flags), headers)
     return [problem for problem in results if problem]
@@ -189,12 +269,12 @@ def check_headers(root, names, build):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--headers", action="store_true", help="also compile every header alone")
+    parser.add_argument("--headers", action="store_true", help="also compile alone every header that no source includes first")
     parser.add_argument("--build", default="build/release", help="build folder with compile_commands.json")
     arguments = parser.parse_args()
     root = Path(__file__).resolve().parent.parent
     names = source_files(root)
-    problems = check_edges(root, names) + check_names(root, names)
+    problems = check_edges(root, names) + check_names(root, names) + check_standard_headers(root, names)
     if arguments.headers:
         problems += check_headers(root, names, root / arguments.build)
     for problem in problems:

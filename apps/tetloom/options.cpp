@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <numbers>
 #include <sstream>
 

@@ -1,6 +1,7 @@
 #include "apps/tetloom/run.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <initializer_list>
 #include <optional>
 #include <utility>

@@ -1,6 +1,7 @@
 #include "bench/support/session.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <fstream>
 #include <stdexcept>
 #include <utility>

@@ -1,5 +1,6 @@
 #include "bench/support/trace_file.hpp"
 
+#include <exception>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>

@@ -1,6 +1,7 @@
 #include "core/discrete/discrete_builder.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <sstream>
 #include <utility>

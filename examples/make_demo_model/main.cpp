@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <exception>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <optional>

@@ -8,6 +8,7 @@
 #include <gp_Vec.hxx>
 #include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <stdexcept>
+#include <string>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>

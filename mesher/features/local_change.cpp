@@ -1,6 +1,7 @@
 #include "mesher/features/local_change.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace tetloom::features {
 namespace {

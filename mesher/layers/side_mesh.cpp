@@ -1,6 +1,7 @@
 #include "mesher/layers/side_mesh.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 

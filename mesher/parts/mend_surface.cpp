@@ -1,6 +1,7 @@
 #include "mesher/parts/mend_surface.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
 

@@ -1,6 +1,7 @@
 #include "mesher/parts/part_meshes.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/tets/triangle_verts.hpp"
 #include "tetloom/tasks.hpp"

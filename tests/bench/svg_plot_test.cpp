@@ -1,5 +1,6 @@
 #include "bench/support/svg_plot.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 

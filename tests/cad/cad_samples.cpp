@@ -21,6 +21,7 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepTools.hxx>
+#include <cmath>
 #include <fstream>
 #include <Geom_BezierSurface.hxx>
 #include <Geom_BSplineCurve.hxx>

@@ -1,5 +1,6 @@
 #include "tests/cad/model_checks.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <sstream>
 

@@ -1,5 +1,7 @@
 // Inner parts of the CAD reader: chaining of loops, and evaluation of splines against OpenCASCADE's own.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <Geom_BSplineSurface.hxx>
 #include <random>
 #include <TColgp_Array2OfPnt.hxx>

@@ -1,5 +1,6 @@
 // Questions to faces and edges of every kind of surface: derivatives, normals, curvatures, projection, facets.
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <ctime>
 #include <map>
 #include <random>

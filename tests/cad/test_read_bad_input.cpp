@@ -96,6 +96,27 @@ TEST_CASE("truncated files are unreadable wherever they are cut") {
   }
 }
 
+TEST_CASE("a STEP file with two entities of one name is refused by that name") {
+  const TemporaryFolder scratch;
+  test::write_sample(Sample::DrilledBox, scratch / "twice.step");
+  std::string bytes = file_content(scratch / "twice.step");
+  const std::size_t at = bytes.find("#12 =");
+  REQUIRE(at != std::string::npos);
+  // A name in a string or a comment, and a mere reference, are no second entity.
+  bytes.insert(at, "/* #12 = ; */ #90001 = CARTESIAN_POINT('it''s; #12 = x',(0.,0.,0.));\n");
+  write_file(scratch / "twice.step", bytes);
+  CHECK_NOTHROW(read_model(scratch / "twice.step"));
+  bytes.insert(at, "#12 = PLANE('',#13);\n");
+  write_file(scratch / "twice.step", bytes);
+  try {
+    read_model(scratch / "twice.step");
+    FAIL("no error was thrown");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::InputUnreadable);
+    CHECK(error.diagnostic().message.find("two entities are #12") != std::string::npos);
+  }
+}
+
 TEST_CASE("random bytes are unreadable") {
   const TemporaryFolder scratch;
   const unsigned seed = 20260101;

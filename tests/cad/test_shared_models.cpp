@@ -1,5 +1,6 @@
 // Every real CAD model: the counts that are known of it, loops that close, parameter curves that lie on their edges,
 // positive volumes. Prints a table.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <filesystem>

@@ -1,6 +1,7 @@
 // Writes models of a family, to look at one that a test has named, or to run real_models over many.
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>

@@ -1,6 +1,7 @@
 // Ranks that make a surface together: the surface of one process, and one outcome where one of them fails.
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <new>
 #include <random>
 #include <stdexcept>

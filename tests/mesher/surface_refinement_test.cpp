@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"

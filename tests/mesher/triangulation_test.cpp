@@ -1,5 +1,6 @@
 #include "mesher/surface/triangulation.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 #include <set>

@@ -45,6 +45,27 @@ class Rooms(unittest.TestCase):
         self.assertTrue(problems[0].startswith("adapt/a.cpp:2: adapt may not include mesher"), problems[0])
 
 
+class StandardHeaders(unittest.TestCase):
+    def problems_of(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for name, text in files.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text)
+            return check_imports.check_standard_headers(root, sorted(files))
+
+    def test_a_name_whose_header_is_missing_is_told(self):
+        problems = self.problems_of({"core/a.cpp": "#include <string>\nstd::vector<int> all;\n"})
+        self.assertEqual(problems, ["core/a.cpp: uses names of <vector> and does not include it"])
+
+    def test_a_header_of_the_project_may_bring_it(self):
+        self.assertEqual(self.problems_of({"core/a.hpp": "#include <vector>\nstd::vector<int> all();\n",
+                                           "core/a.cpp": '#include "core/a.hpp"\nstd::vector<int> mine;\n'}), [])
+
+    def test_names_in_comments_and_texts_ask_for_nothing(self):
+        self.assertEqual(self.problems_of({"core/a.cpp": '// std::vector\nauto text = "std::map";\n'}), [])
+
+
 class Names(unittest.TestCase):
     def problems_of(self, files):
         with tempfile.TemporaryDirectory() as folder:

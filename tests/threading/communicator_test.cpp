@@ -1,6 +1,7 @@
 #include "tetloom/communicator.hpp"
 #include "tetloom/tasks.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <mutex>

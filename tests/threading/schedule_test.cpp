@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <exception>
 #include <thread>
 
 #include "tests/support/error_of.hpp"

@@ -1,5 +1,6 @@
 #include "tetloom/tasks.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <numeric>

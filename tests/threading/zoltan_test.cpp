@@ -1,6 +1,7 @@
 // Run by mpirun on two ranks: each has half of the cells of a ball. Plain checks, since Catch2 knows no ranks.
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include "tetloom/tasks.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
 

@@ -1,5 +1,6 @@
 #include "core/cad/detail/body_fixing.hpp"
 
+#include <algorithm>
 #include <BRep_Tool.hxx>
 #include <memory>
 #include <numeric>

@@ -1,5 +1,6 @@
 #include "core/cad/detail/faults.hpp"
 
+#include <algorithm>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>

@@ -8,6 +8,7 @@
 
 #include "core/cad/detail/brep_check.hpp"
 #include "core/cad/detail/iges_check.hpp"
+#include "core/cad/detail/step_check.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -56,6 +57,10 @@ void check_iges(const std::filesystem::path& path, const std::string& head, cons
     unreadable(path, "is cut off: its end is missing");
 }
 
+void check_step_names(const std::filesystem::path& path, const std::string& text) {
+  if (const std::string damage = find_step_damage(text); !damage.empty()) unreadable(path, "is damaged: " + damage);
+}
+
 void check_iges_splines(const std::filesystem::path& path, const std::string& text) {
   if (const std::string damage = find_iges_damage(text); !damage.empty()) unreadable(path, "is damaged: " + damage);
 }
@@ -80,6 +85,7 @@ void check_content(const std::filesystem::path& path, CadFormat format) {
   const std::string tail = read_range(path, size > kTailBytes ? size - kTailBytes : 0, kTailBytes);
   if (format == CadFormat::Step) {
     check_step(path, head, tail);
+    check_step_names(path, read_range(path, 0, static_cast<std::size_t>(size)));
   } else {
     check_iges(path, head, tail);
     check_iges_splines(path, read_range(path, 0, static_cast<std::size_t>(size)));

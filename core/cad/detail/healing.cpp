@@ -1,5 +1,7 @@
 #include "core/cad/detail/healing.hpp"
 
+#include <algorithm>
+
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>
