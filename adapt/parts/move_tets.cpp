@@ -17,20 +17,26 @@ constexpr FaceCode kByNumber = FaceCode{1} << 31;
 
 static_assert(CellPlace::kMaxTets <= kByNumber / 4);
 
-// One rank's tets for another, in one message. Vertices are named by their places in the list of those of the message.
+// What each rank gets of a share.
+struct Dealt {
+  std::span<const std::uint32_t> to_part;             // of all tets of the share
+  std::vector<std::uint32_t> to_rank, to_place;       // of each the rank it goes to, and its place among those
+  std::vector<std::vector<std::uint32_t>> tets;       // per rank
+  std::vector<std::vector<std::uint32_t>> triangles;  // per rank: those at its tets
+  std::uint32_t first = 0;                            // number of the first tet of the share
+};
+
+// One rank's tets for others, each in one message. Vertices are named by their places in the list of those of the
+// message.
 class Packer {
  public:
-  struct Tets {
-    std::span<const std::uint32_t> to_part, to_rank;  // of all tets of the share
-    std::span<const std::uint32_t> to_place;          // of each among those for its rank
-    std::uint32_t first = 0;                          // number of the first one
-  };
+  Packer(const WholeMesh& share, const ShareLinks& links, const Dealt& all)
+      : share_(share), links_(links), all_(all), to_slot_(share.points.size(), kNone) {}
 
-  Packer(const WholeMesh& share, const ShareLinks& links, const Tets& all, std::span<const std::uint32_t> tets,
-         std::uint32_t rank)
-      : share_(share), links_(links), all_(all), tets_(tets), rank_(rank), to_slot_(share.points.size(), kNone) {}
-
-  void run(MessageWriter& writer) {
+  void run(std::uint32_t rank, MessageWriter& writer) {
+    rank_ = rank, tets_ = all_.tets[rank];
+    for (const std::uint32_t v : verts_) to_slot_[v] = kNone;
+    verts_.clear(), pieces_.clear(), triangles_.clear();
     for (const std::uint32_t tet : tets_)
       for (std::size_t i = 0; i < 4; ++i) add_vert(share_.to_vert[std::size_t{tet} * 4 + i]);
     find_pieces();
@@ -107,10 +113,10 @@ class Packer {
 
   // With those of their tets that are in the message.
   void find_triangles() {
-    for (LinkedTriangle t : share_.triangles) {
+    for (const std::uint32_t triangle : all_.triangles[rank_]) {
+      LinkedTriangle t = share_.triangles[triangle];
       for (std::uint32_t& tet : t.tets) tet = tet != kNone && all_.to_rank[tet] == rank_ ? all_.to_place[tet] : kNone;
       if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
-      if (t.tets[0] == kNone) continue;
       for (std::uint32_t& v : t.triangle.verts) v = to_slot_[v];
       triangles_.push_back(t);
     }
@@ -118,9 +124,9 @@ class Packer {
 
   const WholeMesh& share_;
   const ShareLinks& links_;
-  const Tets& all_;
+  const Dealt& all_;
+  std::uint32_t rank_ = 0;
   std::span<const std::uint32_t> tets_;
-  std::uint32_t rank_;
   std::vector<std::uint32_t> to_slot_, verts_;
   std::vector<ModelEdgePiece> pieces_;
   std::vector<LinkedTriangle> triangles_;
@@ -269,20 +275,36 @@ class Unpacker {
   RoundShare share_;
 };
 
+Dealt deal_share(const WholeMesh& share, std::span<const std::uint32_t> to_part, std::size_t part_count, int ranks) {
+  const auto rank_count = static_cast<std::size_t>(ranks);
+  Dealt all{to_part, std::vector<std::uint32_t>(share.size()), std::vector<std::uint32_t>(share.size()),
+            std::vector<std::vector<std::uint32_t>>(rank_count), std::vector<std::vector<std::uint32_t>>(rank_count)};
+  for (std::uint32_t tet = 0; tet < share.size(); ++tet) {
+    const std::uint32_t rank = all.to_rank[tet] =
+        static_cast<std::uint32_t>(rank_of_part(to_part[tet], part_count, ranks));
+    all.to_place[tet] = static_cast<std::uint32_t>(all.tets[rank].size());
+    all.tets[rank].push_back(tet);
+  }
+  for (std::uint32_t t = 0; t < share.triangles.size(); ++t) {
+    const auto [one, other] = share.triangles[t].tets;
+    if (one != kNone) all.triangles[all.to_rank[one]].push_back(t);
+    if (other != kNone && (one == kNone || all.to_rank[other] != all.to_rank[one]))
+      all.triangles[all.to_rank[other]].push_back(t);
+  }
+  return all;
+}
+
 std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint32_t>& to_part,
                              std::size_t part_count, const SharedWork& work) {
   const int ranks = work.rank_count();
   return work.exchange([&](std::span<MessageWriter> to) {
-    std::vector<std::uint32_t> to_place(share.size()), to_rank(share.size());
-    std::vector<std::vector<std::uint32_t>> tets(to.size());
-    for (std::uint32_t tet = 0; tet < share.size(); ++tet) {
-      to_rank[tet] = static_cast<std::uint32_t>(rank_of_part(to_part[tet], part_count, ranks));
-      to_place[tet] = static_cast<std::uint32_t>(tets[to_rank[tet]].size());
-      tets[to_rank[tet]].push_back(tet);
-    }
-    const Packer::Tets all{to_part.span(), to_rank, to_place, links.first_tets[static_cast<std::size_t>(work.rank())]};
-    work.runner().for_each(to.size(), [&](std::size_t r) {
-      Packer(share, links, all, tets[r], static_cast<std::uint32_t>(r)).run(to[r]);
+    Dealt all = deal_share(share, to_part.span(), part_count, ranks);
+    all.first = links.first_tets[static_cast<std::size_t>(work.rank())];
+    // One after the other on each thread, which needs a place per vertex of the share for all of them.
+    const auto threads = static_cast<std::size_t>(work.runner().threads());
+    work.runner().for_blocks(to.size(), (to.size() + threads - 1) / threads, [&](std::size_t begin, std::size_t end) {
+      Packer packer(share, links, all);
+      for (std::size_t r = begin; r < end; ++r) packer.run(static_cast<std::uint32_t>(r), to[r]);
     });
     share = WholeMesh(), to_part.release();
   });

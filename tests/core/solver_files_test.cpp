@@ -206,6 +206,38 @@ TEST_CASE("faces of cells are found by their vertices, and two cells share those
   CHECK(faces.find(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(mesh.points.size() - 1)}) == kNone);
 }
 
+TEST_CASE("where faces of the surface alone are looked up, they are found as among all") {
+  const Mesh mesh = test::make_mixed_box(4, 3, 5, 7, true);
+  const CellFaces all(mesh, serial_loop()), few(mesh, serial_loop(), FacesOf::Surface);
+  CHECK(few.size() == all.size());
+  std::size_t between = 0;
+  for (std::uint32_t element = 0; element < surface_count(mesh); ++element) {
+    const std::uint32_t face = all.find_surface(element);
+    REQUIRE(face != kNone);
+    CHECK(few.find_surface(element) == face);
+    CHECK(few.find_side(element) == all.find_side(element));
+    CHECK(few.twin(face) == all.twin(face));
+    between += all.twin(face) != kNone ? 1 : 0;
+  }
+  CHECK(between > 0);
+  // Faces without a vertex on the surface are known among all only.
+  std::set<std::uint32_t> on_surface;
+  for_each_surface_kind(mesh, [&](const auto& elements, const auto&) {
+    for (const auto& element : elements) on_surface.insert(element.begin(), element.end());
+  });
+  std::size_t inside = 0;
+  for (std::uint32_t face = 0; face < all.size(); ++face) {
+    std::array<std::uint32_t, 4> buffer;
+    const auto verts = all.vertices(face, buffer);
+    if (std::ranges::any_of(verts, [&](std::uint32_t v) { return on_surface.contains(v); })) continue;
+    ++inside;
+    CHECK(all.find(verts) != kNone);
+    CHECK(few.find(verts) == kNone);
+    CHECK(few.twin(face) == kNone);
+  }
+  CHECK(inside > 0);
+}
+
 TEST_CASE("sides of a face between two regions are those of the region with the lower tag") {
   const Mesh mesh = test::make_mixed_box(4, 3, 5, 7, true);
   const CellFaces faces(mesh, serial_loop());

@@ -91,7 +91,7 @@ class ExodusWriter {
       for (const Group& group : groups_[static_cast<std::size_t>(dim)])
         node_sets_.push_back({group.name, points_of(mesh_, nodes_, dim, group)});
     if (dim_ < 3) return;
-    const CellFaces faces(mesh_, loop_);
+    const CellFaces faces(mesh_, loop_, FacesOf::Surface);
     for (const Group& group : groups_[2]) {
       SideSet set{group.name, {}, {}};
       for (const std::uint32_t element : group.elements) {

@@ -22,7 +22,7 @@ SortedFace sorted(std::span<const std::uint32_t> verts) {
 
 }  // namespace
 
-CellFaces::CellFaces(const Mesh& mesh, const BlockLoop& loop) : mesh_(mesh) {
+CellFaces::CellFaces(const Mesh& mesh, const BlockLoop& loop, FacesOf which) : mesh_(mesh) {
   std::uint64_t faces = 0, cells = 0;
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
     cells += tetloom::cell_count(mesh, static_cast<CellKind>(kind));
@@ -31,19 +31,56 @@ CellFaces::CellFaces(const Mesh& mesh, const BlockLoop& loop) : mesh_(mesh) {
     first_cell_[kind + 1] = static_cast<std::uint32_t>(cells);
     first_face_[kind + 1] = static_cast<std::uint32_t>(faces);
   }
-  std::vector<std::uint32_t> lowest(faces);
-  loop.for_blocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
-    std::array<std::uint32_t, 4> buffer;
-    for (std::size_t f = begin; f < end; ++f)
-      lowest[f] = *std::ranges::min_element(vertices(static_cast<std::uint32_t>(f), buffer));
+  knows_all_ = which == FacesOf::AllCells;
+  if (!knows_all_) known_ = surface_faces(loop);
+  sort_by_lowest_vertex(loop);
+  find_twins(loop);
+}
+
+std::vector<std::uint32_t> CellFaces::surface_faces(const BlockLoop& loop) const {
+  std::vector<std::uint8_t> on_surface(mesh_.points.size(), 0);
+  for_each_surface_kind(mesh_, [&](const auto& elements, const auto&) {
+    for (const auto& element : elements)
+      for (const std::uint32_t v : element) on_surface[v] = 1;
   });
-  first_at_.assign(mesh.points.size() + 2, 0);
+  std::vector<std::uint32_t> found;
+  for_each_cell_kind(mesh_, [&](CellKind each, const auto& cells, const auto&) {
+    const auto kind = static_cast<std::size_t>(each);
+    const auto lists = map_blocks(
+        loop, cells.size(), kGrain, std::vector<std::uint32_t>(),
+        [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& list) {
+          std::array<std::uint32_t, 4> buffer;
+          for (std::size_t c = begin; c < end; ++c) {
+            const auto marks = std::ranges::count_if(cells[c], [&](std::uint32_t v) { return on_surface[v] != 0; });
+            if (marks < 3) continue;
+            const auto first = static_cast<std::uint32_t>(first_face_[kind] + c * kCellShapes[kind].face_count);
+            for (std::uint32_t face = first; face < first + kCellShapes[kind].face_count; ++face)
+              if (std::ranges::all_of(vertices(face, buffer), [&](std::uint32_t v) { return on_surface[v] != 0; }))
+                list.push_back(face);
+          }
+        });
+    for (const auto& list : lists) found.insert(found.end(), list.begin(), list.end());
+  });
+  return found;
+}
+
+void CellFaces::sort_by_lowest_vertex(const BlockLoop& loop) {
+  const std::size_t count = knows_all_ ? size() : known_.size();
+  std::vector<std::uint32_t> lowest(count);
+  loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<std::uint32_t, 4> buffer;
+    for (std::size_t i = begin; i < end; ++i) lowest[i] = *std::ranges::min_element(vertices(known_face(i), buffer));
+  });
+  first_at_.assign(mesh_.points.size() + 2, 0);
   for (const std::uint32_t v : lowest) ++first_at_[v + 2];
   for (std::size_t v = 2; v < first_at_.size(); ++v) first_at_[v] += first_at_[v - 1];
-  faces_at_.resize(faces);
-  for (std::uint32_t f = 0; f < faces; ++f) faces_at_[first_at_[lowest[f] + 1]++] = f;
-  twin_.assign(faces, kNone);
-  loop.for_blocks(mesh.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  faces_at_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) faces_at_[first_at_[lowest[i] + 1]++] = known_face(i);
+}
+
+void CellFaces::find_twins(const BlockLoop& loop) {
+  twin_.assign(faces_at_.size(), kNone);
+  loop.for_blocks(mesh_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::array<std::uint32_t, 4> buffer;
     std::vector<std::pair<SortedFace, std::uint32_t>> here;
     for (std::size_t v = begin; v < end; ++v) {
@@ -51,13 +88,25 @@ CellFaces::CellFaces(const Mesh& mesh, const BlockLoop& loop) : mesh_(mesh) {
       for (std::uint32_t i = first_at_[v]; i < first_at_[v + 1]; ++i)
         here.emplace_back(sorted(vertices(faces_at_[i], buffer)), faces_at_[i]);
       std::ranges::sort(here);
-      for (std::size_t i = 1; i < here.size(); ++i)
-        if (here[i].first == here[i - 1].first && twin_[here[i - 1].second] == kNone) {
-          twin_[here[i].second] = here[i - 1].second;
-          twin_[here[i - 1].second] = here[i].second;
-        }
+      for (std::size_t i = 1; i < here.size(); ++i) {
+        std::uint32_t &one = twin_[place(here[i - 1].second)], &other = twin_[place(here[i].second)];
+        if (here[i].first != here[i - 1].first || one != kNone) continue;
+        other = here[i - 1].second;
+        one = here[i].second;
+      }
     }
   });
+}
+
+std::size_t CellFaces::place(std::uint32_t face) const {
+  if (knows_all_) return face;
+  const auto at = std::ranges::lower_bound(known_, face);
+  return at != known_.end() && *at == face ? static_cast<std::size_t>(at - known_.begin()) : twin_.size();
+}
+
+std::uint32_t CellFaces::twin(std::uint32_t face) const {
+  const std::size_t at = place(face);
+  return at < twin_.size() ? twin_[at] : kNone;
 }
 
 std::size_t CellFaces::kind_of_face(std::uint32_t face) const {
@@ -121,8 +170,8 @@ std::uint32_t CellFaces::region_of(std::uint32_t face) const {
 
 std::uint32_t CellFaces::find_side(std::uint32_t element) const {
   const std::uint32_t face = find_surface(element);
-  if (face == kNone || twin_[face] == kNone) return face;
-  return region_of(twin_[face]) < region_of(face) ? twin_[face] : face;
+  const std::uint32_t other = face == kNone ? kNone : twin(face);
+  return other != kNone && region_of(other) < region_of(face) ? other : face;
 }
 
 }  // namespace tetloom::detail

@@ -112,7 +112,7 @@ class InpWriter {
 
   // Of a face between two regions, the sides of the region with the lower tag.
   void write_surfaces() {
-    const CellFaces faces(mesh_, loop_);
+    const CellFaces faces(mesh_, loop_, FacesOf::Surface);
     for (const Group& group : groups_[2]) {
       std::string lines;
       for (const std::uint32_t element : group.elements) {
