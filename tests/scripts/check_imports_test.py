@@ -10,6 +10,16 @@ check_imports = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(check_imports)
 
 
+def problems_of(check, files):
+    """What a check says of files with these texts."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        for name, text in files.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text)
+        return check(root, sorted(files))
+
+
 class Rooms(unittest.TestCase):
     def assert_refused(self, name, header):
         self.assertIn("may not include", check_imports.edge_violation(name, header) or "", f"{name} -> {header}")
@@ -47,12 +57,7 @@ class Rooms(unittest.TestCase):
 
 class StandardHeaders(unittest.TestCase):
     def problems_of(self, files):
-        with tempfile.TemporaryDirectory() as folder:
-            root = Path(folder)
-            for name, text in files.items():
-                (root / name).parent.mkdir(parents=True, exist_ok=True)
-                (root / name).write_text(text)
-            return check_imports.check_standard_headers(root, sorted(files))
+        return problems_of(check_imports.check_standard_headers, files)
 
     def test_a_name_whose_header_is_missing_is_told(self):
         problems = self.problems_of({"core/a.cpp": "#include <string>\nstd::vector<int> all;\n"})
@@ -68,12 +73,7 @@ class StandardHeaders(unittest.TestCase):
 
 class Names(unittest.TestCase):
     def problems_of(self, files):
-        with tempfile.TemporaryDirectory() as folder:
-            root = Path(folder)
-            for name, text in files.items():
-                (root / name).parent.mkdir(parents=True, exist_ok=True)
-                (root / name).write_text(text)
-            return check_imports.check_names(root, sorted(files))
+        return problems_of(check_imports.check_names, files)
 
     def test_two_headers_of_one_name_are_refused(self):
         problems = self.problems_of({"adapt/a/patch.hpp": "", "mesher/b/patch.hpp": "", "mesher/b/patch.cpp": ""})
