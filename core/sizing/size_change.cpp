@@ -1,5 +1,6 @@
 #include "core/sizing/size_change.hpp"
 
+#include <algorithm>
 #include <span>
 
 namespace tetloom {
@@ -62,6 +63,14 @@ std::optional<std::vector<Box3>> find_changes(const SizeField& before, const Siz
   }
   if (!olds.at_end() || !news.at_end()) return std::nullopt;
   return changes;
+}
+
+bool has_same_sizes(const SizeField& sizes, const RigidMotion& motion, std::span<const Vec3> points) {
+  constexpr double kMostApart = 1.2;
+  return std::ranges::all_of(points, [&](const Vec3& p) {
+    const double here = sizes.size_at(p), there = sizes.size_at(motion(p));
+    return here <= kMostApart * there && there <= kMostApart * here;
+  });
 }
 
 }  // namespace tetloom

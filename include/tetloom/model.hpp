@@ -86,6 +86,12 @@ struct CurvePoint {
   double distance = 0;  ///< from the point asked for
 };
 
+/// Where a face stands whose shape a model has in several places, as an assembly has its screws.
+struct FacePlace {
+  std::uint32_t shape = kNone;  ///< the first face of that shape, with the same (u,v), loops and edges; none: not known
+  RigidMotion motion;           ///< from the frame of the shape
+};
+
 /// Questions about one edge. Not for degenerate edges.
 class EdgeGeometry {
  public:
@@ -177,6 +183,8 @@ class GeometricModel {
   virtual std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const = 0;
   virtual std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const = 0;
   virtual double area(ModelFaceId id) const = 0;
+  /// None unless the model knows its shapes apart from their places.
+  virtual FacePlace place(ModelFaceId) const { return {}; }
   /// Signed as the region's boundary is oriented; positive for a proper solid.
   virtual double volume(ModelRegionId id) const = 0;
 

@@ -47,6 +47,27 @@ inline Vec3 normalized(const Vec3& a) {
   return length > 0 ? a / length : Vec3{};
 }
 
+/// A turn about the origin, then a shift.
+struct RigidMotion {
+  std::array<Vec3, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< what the turn makes of the unit vectors
+  Vec3 shift;
+
+  constexpr Vec3 turned(const Vec3& a) const { return a.x * axes[0] + a.y * axes[1] + a.z * axes[2]; }
+  constexpr Vec3 operator()(const Vec3& p) const { return turned(p) + shift; }
+  constexpr RigidMotion inverse() const {
+    RigidMotion back;
+    for (int i = 0; i < 3; ++i) back.axes[i] = {axes[0][i], axes[1][i], axes[2][i]};
+    back.shift = -back.turned(shift);
+    return back;
+  }
+};
+
+/// `second` after `first`.
+constexpr RigidMotion operator*(const RigidMotion& second, const RigidMotion& first) {
+  return {{second.turned(first.axes[0]), second.turned(first.axes[1]), second.turned(first.axes[2])},
+          second(first.shift)};
+}
+
 /// A point or direction in the parameter plane (u,v) of a model face (units of the parametrisation).
 struct Vec2 {
   double u = 0, v = 0;

@@ -5,6 +5,7 @@
 
 #include "core/sizing/size_change.hpp"
 #include "mesher/surface/coincident_faces.hpp"
+#include "mesher/surface/copied_surface.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/surface/edge_mesher.hpp"
 #include "mesher/surface/face_mesher.hpp"
@@ -17,7 +18,7 @@ namespace tetloom {
 class SurfaceMesher::State {
  public:
   State(const GeometricModel& model, const SharedWork& work)
-      : model_(model), topology_(model.topology()), work_(work), runner_(work_.runner()) {
+      : model_(model), topology_(model.topology()), work_(work), runner_(work_.runner()), copies_(model, runner_) {
     options_.finer.assign(topology_.edge_count(), 1);
   }
 
@@ -29,13 +30,14 @@ class SurfaceMesher::State {
     const auto changes = is_first ? std::nullopt : find_changes(sizes_, sizes);
     sizes_ = sizes;
     std::vector<std::size_t> pending = faces_to_mesh(changes);
-    remeshed_ = pending.size();
-    constexpr int kMostRounds = 6;
-    for (int round = 0; round < kMostRounds && !pending.empty(); ++round) {
-      if (round > 0) remesh_edges();
-      last_attempt_ = round + 1 == kMostRounds;
-      mesh_faces(pending);
-      if (!last_attempt_) pending = refine_crossing_edges();
+    remeshed_ = 0;
+    for (;;) {
+      remeshed_ += pending.size();
+      mesh_until_edges_fit(std::move(pending));
+      copies_.carry_faces(sizes_, RimNodes(model_, edges_), faces_);
+      pending = copies_.take_released();
+      if (pending.empty()) break;
+      remesh_edges();
     }
     separate_chords();
     assemble();
@@ -45,17 +47,29 @@ class SurfaceMesher::State {
   std::size_t remeshed() const { return remeshed_; }
 
  private:
+  void mesh_until_edges_fit(std::vector<std::size_t> pending) {
+    constexpr int kMostRounds = 6;
+    for (int round = 0; round < kMostRounds && !pending.empty(); ++round) {
+      if (round > 0) remesh_edges();
+      last_attempt_ = round + 1 == kMostRounds;
+      mesh_faces(pending);
+      if (!last_attempt_) pending = refine_crossing_edges();
+    }
+  }
+
   // Meshes the edges with the present sizes. Faces have to follow that have another rim now, or other sizes near them.
   // `changes`: of the sizes, where they are known.
   std::vector<std::size_t> faces_to_mesh(const std::optional<std::vector<Box3>>& changes) {
-    const std::vector<bool> is_touched = changes
-                                             ? find_faces_touched(*changes, faces_, RimNodes(model_, edges_), runner_)
-                                             : std::vector<bool>(faces_.size(), true);
+    std::vector<bool> is_touched = changes ? find_faces_touched(*changes, faces_, RimNodes(model_, edges_), runner_)
+                                           : std::vector<bool>(faces_.size(), true);
     const std::vector<EdgeMesh> old_edges = edges_;
     remesh_edges();
+    for (const std::size_t f : copies_.take_released()) is_touched[f] = true;
     std::vector<std::size_t> pending;
-    for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      if (copies_.carries(f)) continue;
       if (is_touched[f] || faces_[f].verdict != FaceVerdict::Ok || !has_same_rim(f, old_edges)) pending.push_back(f);
+    }
     return pending;
   }
 
@@ -75,6 +89,7 @@ class SurfaceMesher::State {
   void remesh_edges() {
     const std::vector<EdgeMesh> old_edges = std::move(edges_);
     edges_ = mesh_edges(model_, sizes_, options_, runner_);
+    copies_.carry_edges(sizes_, edges_);
     if (old_edges.empty()) return;
     const std::vector<std::uint32_t> numbers = RimNodes(model_, old_edges).renumbered(RimNodes(model_, edges_));
     for_triangle_blocks([&](const TriangleBlock& block) {
@@ -101,7 +116,7 @@ class SurfaceMesher::State {
       bool touched = false;
       for (const ModelLoop& loop : topology_.face_to_loops[f])
         for (const EdgeUse& use : loop) touched = touched || refined[use.edge.value];
-      if (touched) pending.push_back(f);
+      if (touched && !copies_.carries(f)) pending.push_back(f);
     }
     for (std::size_t e = 0; e < refined.size(); ++e)
       if (refined[e]) options_.finer[e] *= 2;
@@ -340,6 +355,7 @@ class SurfaceMesher::State {
   const ModelTopology& topology_;
   const SharedWork work_;
   const TaskRunner& runner_;
+  CopiedSurface copies_;
   SizeField sizes_ = SizeField::uniform(1);
   std::size_t remeshed_ = 0;
   EdgeMeshOptions options_;

@@ -1,8 +1,9 @@
 #include "mesher/volume/fill_on_ranks.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 
+#include "mesher/volume/copied_filling.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
@@ -53,38 +54,96 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
   gather(communicator, put, take);
 }
 
+class RankFiller {
+ public:
+  RankFiller(const FillingPlan& plan, std::span<const Complex> complexes, std::span<FillingProgress> progress,
+             Communicator& communicator, const TaskRunner& runner)
+      : plan_(plan),
+        complexes_(complexes),
+        progress_(progress),
+        communicator_(communicator),
+        runner_(runner),
+        is_alone_(communicator.rank_count() == 1),
+        filled_(complexes.size()) {}
+
+  std::vector<VolumeParts> run() {
+    std::vector<std::optional<ComplexCopy>> copies;
+    run_on_all(communicator_, [&] { copies = find_copies(plan_, complexes_, runner_); });
+    std::vector<std::size_t> originals;
+    for (std::size_t i = 0; i < complexes_.size(); ++i)
+      if (!copies[i]) originals.push_back(i);
+    fill(originals);
+    fill(place(copies));
+    run_on_all(communicator_, [&] {
+      for (FillingProgress& one : progress_) one.reach(FillingStep::Done, runner_);
+    });
+    return std::move(filled_);
+  }
+
+ private:
+  void fill(const std::vector<std::size_t>& numbers) {
+    std::vector<std::size_t> left, own;
+    for (const std::size_t i : numbers) {
+      if (!is_alone_ && !plan_.options.worker_only)
+        filled_[i] = fill_complex_in_parts(plan_, complexes_[i], progress_[i], communicator_, runner_);
+      if (filled_[i].part_count == 0) left.push_back(i);
+    }
+    const std::vector<int> owner = deal_to_ranks(left, progress_, communicator_.rank_count());
+    std::vector<double> work;
+    for (const std::size_t i : left) {
+      if (owner[i] != communicator_.rank()) continue;
+      own.push_back(i);
+      work.push_back(static_cast<double>(progress_[i].whole()));
+    }
+    run_on_all(communicator_,
+               [&] { runner_.for_each_largest_first(work, [&](std::size_t k) { fill_alone(own[k]); }); });
+    share_results(communicator_, own, filled_);
+  }
+
+  void fill_alone(std::size_t i) {
+    const FillingFigures before = std::move(filled_[i].figures);
+    filled_[i] = fill_complex(plan_, complexes_[i], progress_[i], is_alone_, runner_);
+    filled_[i].figures.add(before);
+    progress_[i].reach(FillingStep::Done, runner_);
+  }
+
+  // Every rank moves the parts that it has; returns the copies that have to be filled for themselves, ascending.
+  std::vector<std::size_t> place(const std::vector<std::optional<ComplexCopy>>& copies) {
+    std::vector<char> failed(copies.size(), 0);
+    run_on_all(communicator_, [&] {
+      runner_.for_each(copies.size(), [&](std::size_t i) {
+        if (!copies[i]) return;
+        const auto& [original, motion] = *copies[i];
+        auto copy = copy_filled(plan_, filled_[original], complexes_[original], complexes_[i], motion);
+        failed[i] = !copy;
+        if (copy) filled_[i] = std::move(*copy);
+      });
+    });
+    std::vector<std::size_t> own, all;
+    for (std::size_t i = 0; i < failed.size(); ++i)
+      if (failed[i]) own.push_back(i);
+    all = gather_lists<std::size_t>(communicator_, own);
+    std::ranges::sort(all);
+    all.erase(std::ranges::unique(all).begin(), all.end());
+    for (const std::size_t i : all) filled_[i] = {};
+    return all;
+  }
+
+  const FillingPlan& plan_;
+  std::span<const Complex> complexes_;
+  std::span<FillingProgress> progress_;
+  Communicator& communicator_;
+  const TaskRunner& runner_;
+  const bool is_alone_;
+  std::vector<VolumeParts> filled_;
+};
+
 }  // namespace
 
 std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
                                        std::span<FillingProgress> progress, Communicator& communicator,
                                        const TaskRunner& runner) {
-  const bool is_alone = communicator.rank_count() == 1;
-  std::vector<VolumeParts> filled(complexes.size());
-  std::vector<std::size_t> left, own;
-  for (std::size_t i = 0; i < complexes.size(); ++i) {
-    if (!is_alone && !plan.options.worker_only)
-      filled[i] = fill_complex_in_parts(plan, complexes[i], progress[i], communicator, runner);
-    if (filled[i].part_count == 0) left.push_back(i);
-  }
-  const std::vector<int> owner = deal_to_ranks(left, progress, communicator.rank_count());
-  std::vector<double> work;
-  for (const std::size_t i : left) {
-    if (owner[i] != communicator.rank()) continue;
-    own.push_back(i);
-    work.push_back(static_cast<double>(progress[i].whole()));
-  }
-  run_on_all(communicator, [&] {
-    runner.for_each_largest_first(work, [&](std::size_t k) {
-      const std::size_t i = own[k];
-      const FillingFigures before = std::move(filled[i].figures);
-      filled[i] = fill_complex(plan, complexes[i], progress[i], is_alone, runner);
-      filled[i].figures.add(before);
-      progress[i].reach(FillingStep::Done, runner);
-    });
-    for (FillingProgress& one : progress) one.reach(FillingStep::Done, runner);
-  });
-  share_results(communicator, own, filled);
-  return filled;
+  return RankFiller(plan, complexes, progress, communicator, runner).run();
 }
 
 std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator) {

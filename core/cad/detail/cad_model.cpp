@@ -4,6 +4,10 @@
 #include <Bnd_Box.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepBndLib.hxx>
+#include <cmath>
+#include <gp_Trsf.hxx>
+#include <map>
+#include <optional>
 #include <TopExp_Explorer.hxx>
 #include <utility>
 #include <vector>
@@ -77,6 +81,26 @@ Box3 compute_box(const ShapeTables& shapes, std::size_t face_count, const BlockL
   return result;
 }
 
+/// Per face, the first one of the same shape, wherever it stands.
+std::vector<std::uint32_t> number_shapes(const TopTools_IndexedMapOfShape& faces) {
+  std::map<const TopoDS_TShape*, std::uint32_t> first;
+  std::vector<std::uint32_t> numbers;
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    const auto number = static_cast<std::uint32_t>(numbers.size());
+    numbers.push_back(first.emplace(faces(i).TShape().get(), number).first->second);
+  }
+  return numbers;
+}
+
+/// None where `placing` mirrors or scales.
+std::optional<RigidMotion> to_motion(const gp_Trsf& placing) {
+  constexpr double kUnit = 1e-12;
+  if (placing.IsNegative() || std::abs(placing.ScaleFactor() - 1) > kUnit) return std::nullopt;
+  const gp_Mat& turn = placing.HVectorialPart();
+  return RigidMotion{{to_vec3(turn.Column(1)), to_vec3(turn.Column(2)), to_vec3(turn.Column(3))},
+                     to_vec3(placing.TranslationPart())};
+}
+
 /// Places at which a parameter curve is compared with its edge, and what is added for the places between.
 constexpr int kToleranceSamples = 40;
 constexpr double kToleranceMargin = 1.25;
@@ -91,6 +115,7 @@ CadModel::CadModel(ShapeTopology parts, Document document, const BlockLoop& loop
       volumes_(parts.topology.region_count()) {
   document_.facets->add_places(shapes_.faces);
   shapes_.facets = document_.facets;
+  face_to_shape_ = number_shapes(shapes_.faces);
   topology_ = std::move(parts.topology);
   attributes_ = make_entity_attributes(document_.root, document_.attributes, shapes_);
   metres_per_unit_ = document_.metres_per_unit;
@@ -172,6 +197,12 @@ const FaceIntegrals& CadModel::integrals(ModelFaceId id) const {
 double CadModel::area(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
   return translate_failures(named(id), ErrorCode::FaceFailed, "the area", [&] { return integrals(id).area; });
+}
+
+FacePlace CadModel::place(ModelFaceId id) const {
+  TETLOOM_ASSERT(id.value < face_to_shape_.size());
+  const auto motion = to_motion(shapes_.face(id).Location().Transformation());
+  return motion ? FacePlace{face_to_shape_[id.value], *motion} : FacePlace{};
 }
 
 double CadModel::volume(ModelRegionId id) const {

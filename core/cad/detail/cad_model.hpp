@@ -39,6 +39,7 @@ class CadModel final : public GeometricModel {
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
   std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override;
   double area(ModelFaceId id) const override;
+  FacePlace place(ModelFaceId id) const override;
   double volume(ModelRegionId id) const override;
   const ShapeTables& shapes() const { return shapes_; }
   const Document& document() const { return document_; }
@@ -55,6 +56,7 @@ class CadModel final : public GeometricModel {
 
   Document document_;
   ShapeTables shapes_;
+  std::vector<std::uint32_t> face_to_shape_;          ///< the first face of the same shape
   LazyValues<std::unique_ptr<const CadFace>> faces_;  ///< those that others are copied from
   LazyValues<FaceIntegrals> integrals_;               ///< of faces
   LazyValues<double> volumes_;
