@@ -1,6 +1,7 @@
 #include "mesher/layers/growth_direction.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetloom::layers {
 namespace {
@@ -12,6 +13,7 @@ Vec3 axis_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   return dot(axis, a) < 0 ? -axis : axis;
 }
 
+constexpr double kBent = 0.08;    // mean square off the middle: a front that turns by 33 degrees has an edge
 constexpr double kWithin = 1e-9;  // of cosines: within the cone
 
 class SmallestCone {
@@ -62,6 +64,26 @@ double visibility_of(const Vec3& direction, std::span<const Vec3> normals) {
 GrowthDirection most_normal_direction(std::span<const Vec3> normals) {
   const Vec3 axis = SmallestCone(normals).axis();
   return {axis, axis == Vec3{} ? 0 : visibility_of(axis, normals)};
+}
+
+FrontFreedom find_freedom(std::span<const Vec3> normals) {
+  Vec3 sum;
+  for (const Vec3& normal : normals) sum += normal;
+  const Vec3 middle = normalized(sum);
+  if (middle == Vec3{}) return {};
+  const Vec3 first = normalized(cross(middle, std::abs(middle.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  const Vec3 second = cross(middle, first);
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vec3& normal : normals) {
+    const double x = dot(normal, first), y = dot(normal, second);
+    xx += x * x, xy += x * y, yy += y * y;
+  }
+  // The eigenvalues of [xx xy; xy yy] are half of the trace more and less than half of `apart`.
+  const double apart = std::hypot(xx - yy, 2 * xy), angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  const Vec3 most = std::cos(angle) * first + std::sin(angle) * second;
+  const double bent = kBent * static_cast<double>(normals.size());
+  const auto length = [&](double value) { return std::sqrt(std::max(0.0, 1 - value / bent)); };
+  return {{length(0.5 * (xx + yy + apart)) * most, length(0.5 * (xx + yy - apart)) * cross(middle, most)}};
 }
 
 }  // namespace tetloom::layers

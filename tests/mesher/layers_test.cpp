@@ -90,17 +90,19 @@ TEST_CASE("a front is spread where it shrinks unevenly, and stays where it shrin
     options.layers = on_faces(*pipe, heights(0.02, 6), caps_of(*pipe, 1));
     const Walls walls = find_walls(mesh, pipe->topology().face_to_sides, options.layers);
     std::vector<Vec3> feet, front, normals;
+    std::vector<FrontFreedom> freedom;
     for (const std::uint32_t v : walls.curve_to_vert) {
       const Vec3 foot = mesh.points[v], in = -normalized(Vec3{foot.x, foot.y, 0});
       feet.push_back(foot);
       normals.push_back(in);
+      freedom.push_back(find_freedom({&in, 1}));
       front.push_back(foot + 0.3 * in);
       if (!is_even) front.back().z += foot.z < 1 ? 0.2 * (1 - foot.z) : 0;  // pushed together from below
     }
     const std::vector<std::uint8_t> is_free(feet.size(), 1);
     const std::vector<double> most(feet.size(), 1);
     const TaskRunner runner(2, {});
-    const std::vector<Vec3> shifts = FrontSpreading(walls, feet).find_shifts({front, is_free, normals, most}, runner);
+    const std::vector<Vec3> shifts = FrontSpreading(walls, feet).find_shifts({front, is_free, freedom, most}, runner);
     double along = 0, out = 0;
     for (std::size_t c = 0; c < feet.size(); ++c) {
       if (feet[c].z > 0.8 && feet[c].z < 1.2) along = std::max(along, shifts[c].z);
