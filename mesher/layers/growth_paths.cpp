@@ -19,12 +19,12 @@ constexpr double kMostStretch = 2;
 constexpr double kStep = 0.3;                                 // of the width
 constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
 constexpr double kPaceSlope = 0.02;  // of the widths that steps are taken from
-constexpr int kPaceSweeps = 20;
+constexpr int kPaceSweeps = 60;
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
-constexpr double kMostShift = 3;  // of the step
+constexpr double kMostShift = 1.5;  // of the step
 constexpr double kLeastShape = 0.01;
 constexpr double kTilt = 0.02;       // of a front above a flat wall, where steps differ: no reason to stretch heights
 constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less above narrow triangles
