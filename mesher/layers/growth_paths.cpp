@@ -181,7 +181,7 @@ class Marching {
     wanted_ = std::move(wanted.heights);
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
       if (wanted.limits[c] != LayerLimit::None) paths_.limits[c] = wanted.limits[c];
-      step_[c] = full_step(c);
+      step_[c] = std::max(full_step(c), std::min(walls_.curve_to_heights[c].first, kStep * walls_.curve_to_width[c]));
     }
   }
 
