@@ -7,7 +7,7 @@ namespace tetloom::layers {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr int kSweeps = 24;
+constexpr int kSweeps = 12;
 constexpr double kShrinking = 0.02;    // of the lengths of the wall's edges
 constexpr double kLeastWeight = 0.05;  // blunt angles count little
 

@@ -18,7 +18,7 @@ constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
 constexpr double kMostStretch = 2;
 constexpr double kStep = 0.3;                                 // of the width
 constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
-constexpr double kPaceSlope = 0.02;  // of the widths that steps are taken from
+constexpr double kPaceSlope = 0.01;  // of the widths that steps are taken from
 constexpr int kPaceSweeps = 60;
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
@@ -56,10 +56,11 @@ class Marching {
   GrowthPaths run() {
     find_places();
     find_shapes();
-    even_out_pace();
     find_directions(true);
     find_lengths();
     for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
+      if (direction_[c] != Vec3{} && is_growing(c)) paths_.limits[c] = LayerLimit::Concave;
     return std::move(paths_);
   }
 
@@ -82,14 +83,17 @@ class Marching {
     }
   }
 
-  // Neighbours go on at about one speed, or the front would tilt without a reason.
+  // Neighbours go on at about one speed, or the front would tilt without a reason; but no slower than ends in time.
   void even_out_pace() {
+    constexpr double kInTime = 0.5;
     std::vector<double> next = pace_;
     for (int sweep = 0; sweep < kPaceSweeps; ++sweep) {
       for_each_curve([&](std::uint32_t c) {
+        const double least = std::min(pace_[c], wanted_[c] / (kInTime * kMostSteps * kStep));
         for (const std::uint32_t w : walls_.triangles_at(c))
           for (const std::uint32_t other : walls_.triangles[w].curves)
             next[c] = std::min(next[c], pace_[other] + kPaceSlope * distance(front_[c], front_[other]));
+        next[c] = std::max(next[c], least);
       });
       pace_ = next;
     }
@@ -179,6 +183,7 @@ class Marching {
     WantedHeights wanted =
         find_wanted_heights({mesh_, face_to_sides_, walls_, sides_, direction_, stretch_}, runner_);
     wanted_ = std::move(wanted.heights);
+    even_out_pace();
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
       if (wanted.limits[c] != LayerLimit::None) paths_.limits[c] = wanted.limits[c];
       step_[c] = std::max(full_step(c), std::min(walls_.curve_to_heights[c].first, kStep * walls_.curve_to_width[c]));
@@ -287,7 +292,7 @@ class Marching {
   void halve(std::uint32_t curve, std::uint8_t& is_moving, Vec3& next) {
     step_[curve] = 0.5 * std::min(step_[curve], height_of_step(curve));
     const double least = paths_.fronts.size() == 1 ? kLeastFirstStep : kLeastStep;
-    if (step_[curve] >= least * walls_.curve_to_width[curve]) return;
+    if (step_[curve] >= least * pace_[curve]) return;
     is_moving = 0;
     next = front_[curve];
     wanted_[curve] = paths_.reached[curve];
