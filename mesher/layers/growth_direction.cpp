@@ -13,7 +13,7 @@ Vec3 axis_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   return dot(axis, a) < 0 ? -axis : axis;
 }
 
-constexpr double kBent = 0.08;    // mean square off the middle: a front that turns by 33 degrees has an edge
+constexpr double kBent = 0.3;     // squared sine off the middle: a front that turns by 66 degrees has an edge
 constexpr double kWithin = 1e-9;  // of cosines: within the cone
 
 class SmallestCone {
@@ -67,9 +67,7 @@ GrowthDirection most_normal_direction(std::span<const Vec3> normals) {
 }
 
 FrontFreedom find_freedom(std::span<const Vec3> normals) {
-  Vec3 sum;
-  for (const Vec3& normal : normals) sum += normal;
-  const Vec3 middle = normalized(sum);
+  const Vec3 middle = SmallestCone(normals).axis();
   if (middle == Vec3{}) return {};
   const Vec3 first = normalized(cross(middle, std::abs(middle.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   const Vec3 second = cross(middle, first);
@@ -78,12 +76,14 @@ FrontFreedom find_freedom(std::span<const Vec3> normals) {
     const double x = dot(normal, first), y = dot(normal, second);
     xx += x * x, xy += x * y, yy += y * y;
   }
-  // The eigenvalues of [xx xy; xy yy] are half of the trace more and less than half of `apart`.
-  const double apart = std::hypot(xx - yy, 2 * xy), angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  const Vec3 most = std::cos(angle) * first + std::sin(angle) * second;
-  const double bent = kBent * static_cast<double>(normals.size());
-  const auto length = [&](double value) { return std::sqrt(std::max(0.0, 1 - value / bent)); };
-  return {{length(0.5 * (xx + yy + apart)) * most, length(0.5 * (xx + yy - apart)) * cross(middle, most)}};
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  const Vec3 most = std::cos(angle) * first + std::sin(angle) * second, least = cross(middle, most);
+  const auto freed = [&](const Vec3& axis) {
+    double off = 0;
+    for (const Vec3& normal : normals) off = std::max(off, dot(normal, axis) * dot(normal, axis));
+    return std::sqrt(std::max(0.0, 1 - off / kBent)) * axis;
+  };
+  return {{freed(most), freed(least)}};
 }
 
 }  // namespace tetloom::layers

@@ -81,6 +81,38 @@ TEST_CASE("layers that are thicker than their triangles are wide lean away from 
   CHECK(result.layers.coverage.first_height_within_10pct > 0.95);
 }
 
+TEST_CASE("layers that leave a third of a box's width have all of their thickness") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.25);
+  options.layers = on_faces(*box, heights(0.005, 20));  // 3.7 edges together
+  const LayerFigures figures = meshed(*box, options).layers;
+  CHECK(figures.coverage.full_count > 0.9);
+  CHECK(figures.coverage.thickness > 0.95);
+  CHECK(figures.scaled_jacobian_p1 > 0.4);
+}
+
+TEST_CASE("what is beside the direction of growth narrows no gap") {
+  // Across the square ends, layers along the edges are 1.4 times as long as they are high.
+  const auto bar = make_box({0, 0, 0}, {3, 3, 4});
+  MeshOptions options = options_of_size(0.25);
+  options.layers = on_faces(*bar, heights(0.005, 20));
+  const MeshResult result = meshed(*bar, options);
+  CHECK(std::ranges::none_of(result.layers.limited,
+                             [](const LimitedLayers& limited) { return limited.reason == LayerLimit::Gap; }));
+}
+
+TEST_CASE("a front is free along its edges, and nowhere at its corners") {
+  const std::array<Vec3, 3> flat{Vec3{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  const Vec3 way{1, 2, 3};
+  CHECK(distance(find_freedom(flat).within(way), Vec3{1, 2, 0}) < 1e-12);
+  const std::array<Vec3, 5> edge{Vec3{0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {0, 0, 1}};
+  CHECK(distance(find_freedom(edge).within(way), Vec3{0, 2, 0}) < 1e-12);
+  const std::array<Vec3, 3> corner{Vec3{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  CHECK(norm(find_freedom(corner).within(way)) < 1e-12);
+  const std::array<Vec3, 2> opposite{Vec3{0, 0, 1}, {0, 0, -1}};
+  CHECK(norm(find_freedom(opposite).within(way)) == 0);
+}
+
 TEST_CASE("a front is spread where it shrinks unevenly, and stays where it shrinks evenly") {
   for (const bool is_even : {true, false}) {
     const auto pipe = make_cylinder(1, 4);
