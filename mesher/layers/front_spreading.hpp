@@ -16,7 +16,7 @@ struct ShrinkingFront {
   std::span<const Vec3> points;
   std::span<const std::uint8_t> is_free;  ///< may be moved within the front
   std::span<const FrontFreedom> freedom;
-  std::span<const double> most;           ///< how far it may be moved
+  std::span<const double> most;  ///< how far it may be moved
 };
 
 /// Refers to the walls.

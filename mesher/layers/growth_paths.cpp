@@ -18,7 +18,7 @@ constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
 constexpr double kMostStretch = 2;
 constexpr double kStep = 0.3;                                 // of the width
 constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
-constexpr double kPaceSlope = 0.01;  // of the widths that steps are taken from
+constexpr double kPaceSlope = 0.01;                           // of the widths that steps are taken from
 constexpr int kPaceSweeps = 60;
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
@@ -172,7 +172,8 @@ class Marching {
         if (sum == Vec3{}) return;
         thread_local std::vector<Vec3> normals;
         gather_normals(c, normals);
-        const Vec3 tried = constrain(c, normalized(direction_[c] + 0.5 * freedom_[c].within(normalized(sum) - direction_[c])));
+        const Vec3 tried =
+            constrain(c, normalized(direction_[c] + 0.5 * freedom_[c].within(normalized(sum) - direction_[c])));
         smoothed[c] = visibility_of(tried, normals) >= kept * visibility_[c] ? tried : direction_[c];
       });
       direction_ = smoothed;
@@ -180,8 +181,7 @@ class Marching {
   }
 
   void find_lengths() {
-    WantedHeights wanted =
-        find_wanted_heights({mesh_, face_to_sides_, walls_, sides_, direction_, stretch_}, runner_);
+    WantedHeights wanted = find_wanted_heights({mesh_, face_to_sides_, walls_, sides_, direction_, stretch_}, runner_);
     wanted_ = std::move(wanted.heights);
     even_out_pace();
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
