@@ -57,12 +57,13 @@ class WallSearch {
       tree_.for_each_along(mesh_.points[foot], along, [&](std::uint32_t t) {
         const auto& verts = mesh_.tri_to_vert[t];
         if (std::ranges::count(verts, foot) > 0) return;
-        const double at = crossing(tree_.corners_of(t), mesh_.points[foot], along) * norm(along);
-        if (at >= std::min(reach, nearest.distance)) return;
+        const double met = crossing(tree_.corners_of(t), mesh_.points[foot], along) * norm(along);
+        if (met >= std::min(reach, nearest.distance)) return;
         const bool is_front = faces(t, ray);
         const FaceSides& sides = face_to_sides_[mesh_.tri_to_entity[t]];
         if ((is_front ? sides.front : sides.back).value != region || !opposes(t, is_front, direction)) return;
-        nearest = {at, has_layers_[2 * t + is_front] != 0};
+        const double at = std::max(met, met * dot(normal_of(t), ray) / dot(normal_of(t), direction));
+        if (at < nearest.distance) nearest = {at, has_layers_[2 * t + is_front] != 0};
       });
     }
     return nearest;

@@ -16,7 +16,8 @@ struct Clearance {
 };
 
 /// For every curve the nearest triangle of its region within a cone of 25 degrees about its direction that faces it,
-/// as far as `reach`, which is per curve. Errors: Cancelled.
+/// as far as `reach`, which is per curve; of those beside the direction, where it would meet their plane, if that is
+/// farther away. Errors: Cancelled.
 std::vector<Clearance> find_clearances(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
                                        const intersection::TriangleTree& tree, std::span<const Vec3> directions,
                                        std::span<const double> reach, const TaskRunner& runner);

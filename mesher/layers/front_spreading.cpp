@@ -54,8 +54,7 @@ Vec3 FrontSpreading::shift_at(const ShrinkingFront& front, const std::vector<Vec
     sum += weight * (way(front, other) + shifts[other]);
     weights += weight;
   });
-  const Vec3 goal = sum / weights - way(front, curve);
-  const Vec3 within = goal - dot(goal, front.normals[curve]) * front.normals[curve];
+  const Vec3 within = front.freedom[curve].within(sum / weights - way(front, curve));
   return std::min(1.0, front.most[curve] / std::max(norm(within), 1e-300)) * within;
 }
 

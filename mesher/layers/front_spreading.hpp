@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/walls.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -14,8 +15,8 @@ namespace tetloom::layers {
 struct ShrinkingFront {
   std::span<const Vec3> points;
   std::span<const std::uint8_t> is_free;  ///< may be moved within the front
-  std::span<const Vec3> normals;          ///< of length 1
-  std::span<const double> most;           ///< how far it may be moved
+  std::span<const FrontFreedom> freedom;
+  std::span<const double> most;  ///< how far it may be moved
 };
 
 /// Refers to the walls.

@@ -1,6 +1,7 @@
 #include "mesher/layers/growth_direction.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetloom::layers {
 namespace {
@@ -12,6 +13,7 @@ Vec3 axis_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   return dot(axis, a) < 0 ? -axis : axis;
 }
 
+constexpr double kBent = 0.3;     // squared sine off the middle: a front that turns by 66 degrees has an edge
 constexpr double kWithin = 1e-9;  // of cosines: within the cone
 
 class SmallestCone {
@@ -62,6 +64,26 @@ double visibility_of(const Vec3& direction, std::span<const Vec3> normals) {
 GrowthDirection most_normal_direction(std::span<const Vec3> normals) {
   const Vec3 axis = SmallestCone(normals).axis();
   return {axis, axis == Vec3{} ? 0 : visibility_of(axis, normals)};
+}
+
+FrontFreedom find_freedom(std::span<const Vec3> normals) {
+  const Vec3 middle = SmallestCone(normals).axis();
+  if (middle == Vec3{}) return {};
+  const Vec3 first = normalized(cross(middle, std::abs(middle.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  const Vec3 second = cross(middle, first);
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vec3& normal : normals) {
+    const double x = dot(normal, first), y = dot(normal, second);
+    xx += x * x, xy += x * y, yy += y * y;
+  }
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  const Vec3 most = std::cos(angle) * first + std::sin(angle) * second, least = cross(middle, most);
+  const auto freed = [&](const Vec3& axis) {
+    double off = 0;
+    for (const Vec3& normal : normals) off = std::max(off, dot(normal, axis) * dot(normal, axis));
+    return std::sqrt(std::max(0.0, 1 - off / kBent)) * axis;
+  };
+  return {{freed(most), freed(least)}};
 }
 
 }  // namespace tetloom::layers

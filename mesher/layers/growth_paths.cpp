@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "mesher/intersection/triangle_tree.hpp"
-#include "mesher/layers/clearance.hpp"
 #include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
+#include "mesher/layers/wanted_heights.hpp"
 
 namespace tetloom::layers {
 namespace {
@@ -19,6 +18,8 @@ constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
 constexpr double kMostStretch = 2;
 constexpr double kStep = 0.3;                                 // of the width
 constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
+constexpr double kPaceSlope = 0.01;                           // of the widths that steps are taken from
+constexpr int kPaceSweeps = 60;
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
@@ -27,8 +28,6 @@ constexpr double kMostShift = 1.5;  // of the step
 constexpr double kLeastShape = 0.01;
 constexpr double kTilt = 0.02;       // of a front above a flat wall, where steps differ: no reason to stretch heights
 constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less above narrow triangles
-constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
-constexpr double kLeftInGap = 0.9;                 // widths that stay for other elements
 
 class Marching {
  public:
@@ -39,10 +38,11 @@ class Marching {
         walls_(walls),
         sides_(sides),
         runner_(runner),
+        pace_(walls.curve_to_width),
         wanted_(walls.curve_count(), 0),
         step_(walls.curve_count(), 0),
         stretch_(walls.curve_count(), 1),
-        middle_(walls.curve_count()),
+        freedom_(walls.curve_count()),
         direction_(walls.curve_count()),
         front_(feet(mesh, walls)),
         spreading_(walls, front_) {
@@ -59,6 +59,8 @@ class Marching {
     find_directions(true);
     find_lengths();
     for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
+      if (direction_[c] != Vec3{} && is_growing(c)) paths_.limits[c] = LayerLimit::Concave;
     return std::move(paths_);
   }
 
@@ -78,6 +80,22 @@ class Marching {
       const std::array prism{front_[a],          front_[b],          front_[c],
                              front_[a] + height, front_[b] + height, front_[c] + height};
       shapes_.push_back(static_cast<float>(std::max(scaled_jacobian(prism), kLeastShape)));
+    }
+  }
+
+  // Neighbours go on at about one speed, or the front would tilt without a reason; but no slower than ends in time.
+  void even_out_pace() {
+    constexpr double kInTime = 0.5;
+    std::vector<double> next = pace_;
+    for (int sweep = 0; sweep < kPaceSweeps; ++sweep) {
+      for_each_curve([&](std::uint32_t c) {
+        const double least = std::min(pace_[c], wanted_[c] / (kInTime * kMostSteps * kStep));
+        for (const std::uint32_t w : walls_.triangles_at(c))
+          for (const std::uint32_t other : walls_.triangles[w].curves)
+            next[c] = std::min(next[c], pace_[other] + kPaceSlope * distance(front_[c], front_[other]));
+        next[c] = std::max(next[c], least);
+      });
+      pace_ = next;
     }
   }
 
@@ -111,6 +129,7 @@ class Marching {
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
       direction_[c] = constrain(c, most_normal_direction(normals).direction);
+      freedom_[c] = find_freedom(normals);
       visibility_[c] = visibility_of(direction_[c], normals);
       if (is_first) judge(c);
     });
@@ -121,9 +140,6 @@ class Marching {
       gather_normals(c, normals);
       const double stretch = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
       if (is_first || std::abs(stretch - stretch_[c]) > kTilt * stretch_[c]) stretch_[c] = stretch;
-      Vec3 sum;
-      for (const Vec3& normal : normals) sum += normal;
-      middle_[c] = normalized(sum);
     });
     if (is_first) paths_.stretch = stretch_;
   }
@@ -156,7 +172,8 @@ class Marching {
         if (sum == Vec3{}) return;
         thread_local std::vector<Vec3> normals;
         gather_normals(c, normals);
-        const Vec3 tried = constrain(c, normalized(direction_[c] + normalized(sum)));
+        const Vec3 tried =
+            constrain(c, normalized(direction_[c] + 0.5 * freedom_[c].within(normalized(sum) - direction_[c])));
         smoothed[c] = visibility_of(tried, normals) >= kept * visibility_[c] ? tried : direction_[c];
       });
       direction_ = smoothed;
@@ -164,36 +181,13 @@ class Marching {
   }
 
   void find_lengths() {
-    std::vector<double> reach(walls_.curve_count());
-    for_each_curve([&](std::uint32_t c) {
-      if (direction_[c] == Vec3{}) return;
-      const LayerHeights& heights = walls_.curve_to_heights[c];
-      wanted_[c] = heights.sum(heights.count);
-      step_[c] = kStep * walls_.curve_to_width[c];
-      const double length = wanted_[c] * stretch_[c];
-      reach[c] = std::max(length / kOfGap, 2 * length + kLeftInGap * walls_.curve_to_width[c]);
-      if (const CurveSides* sides = sides_.at(c)) shorten(c, sides->room, LayerLimit::SideAngle);
-    });
-    const intersection::TriangleTree tree(mesh_.points, mesh_.tri_to_vert, runner_);
-    const std::vector<Clearance> clearances =
-        find_clearances(mesh_, face_to_sides_, walls_, tree, direction_, reach, runner_);
-    for_each_curve([&](std::uint32_t c) {
-      if (direction_[c] != Vec3{}) shorten(c, length_in_gap(c, clearances[c]), LayerLimit::Gap);
-    });
-  }
-
-  // What leaves room for other elements, but one layer where it takes no more than its share.
-  double length_in_gap(std::uint32_t curve, const Clearance& clearance) const {
-    const double share = (clearance.has_layers ? kOfGap : kOfFreeGap) * clearance.distance;
-    const double left = clearance.distance - kLeftInGap * walls_.curve_to_width[curve];
-    const double one = walls_.curve_to_heights[curve].first * stretch_[curve];
-    return std::max(std::min(share, clearance.has_layers ? left / 2 : left), one <= share ? one : 0);
-  }
-
-  void shorten(std::uint32_t curve, double length, LayerLimit limit) {
-    if (length >= wanted_[curve] * stretch_[curve]) return;
-    wanted_[curve] = length / stretch_[curve];
-    paths_.limits[curve] = limit;
+    WantedHeights wanted = find_wanted_heights({mesh_, face_to_sides_, walls_, sides_, direction_, stretch_}, runner_);
+    wanted_ = std::move(wanted.heights);
+    even_out_pace();
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      if (wanted.limits[c] != LayerLimit::None) paths_.limits[c] = wanted.limits[c];
+      step_[c] = std::max(full_step(c), std::min(walls_.curve_to_heights[c].first, kStep * walls_.curve_to_width[c]));
+    }
   }
 
   // One step of all curves. False when there is nothing left to do.
@@ -284,10 +278,10 @@ class Marching {
       is_free[c] = direction_[c] != Vec3{} && !sides_.is_along_edge(c) && is_growing(c);
       most[c] = kMostShift * full_step(c);
     });
-    return spreading_.find_shifts({next, is_free, middle_, most}, runner_);
+    return spreading_.find_shifts({next, is_free, freedom_, most}, runner_);
   }
 
-  double full_step(std::uint32_t curve) const { return kStep * walls_.curve_to_width[curve]; }
+  double full_step(std::uint32_t curve) const { return kStep * pace_[curve]; }
 
   double height_of_step(std::uint32_t curve) const {
     constexpr double kRest = 1.3;  // rather one longer step than a short one behind it
@@ -298,7 +292,7 @@ class Marching {
   void halve(std::uint32_t curve, std::uint8_t& is_moving, Vec3& next) {
     step_[curve] = 0.5 * std::min(step_[curve], height_of_step(curve));
     const double least = paths_.fronts.size() == 1 ? kLeastFirstStep : kLeastStep;
-    if (step_[curve] >= least * walls_.curve_to_width[curve]) return;
+    if (step_[curve] >= least * pace_[curve]) return;
     is_moving = 0;
     next = front_[curve];
     wanted_[curve] = paths_.reached[curve];
@@ -344,8 +338,9 @@ class Marching {
   const Walls& walls_;
   const SideFaces& sides_;
   const TaskRunner& runner_;
+  std::vector<double> pace_;                     // widths, varying little from curve to curve
   std::vector<double> wanted_, step_, stretch_;  // heights, and lengths over heights
-  std::vector<Vec3> middle_;                     // of the normals around
+  std::vector<FrontFreedom> freedom_;            // within the front
   std::vector<Vec3> direction_, front_, normals_;
   std::vector<double> visibility_;
   std::vector<float> shapes_;  // scaled Jacobian of straight prisms, per wall triangle

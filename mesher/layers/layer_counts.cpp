@@ -30,10 +30,6 @@ LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& 
     int& count = counts_[c];
     count = count_within(c, paths.reached[c] * stretch_[c]);
     if (count == heights.count) limits_[c] = LayerLimit::None;
-    while (count > 1 && heights.last(count) > walls.curve_to_width[c]) {
-      --count;
-      limits_[c] = LayerLimit::Isotropy;
-    }
     begin_[c + 1] = begin_[c] + static_cast<std::size_t>(count);
   }
   points_.resize(begin_.back());

@@ -14,7 +14,7 @@ namespace tetloom::layers {
 /// keep their heights.
 class LayerCounts {
  public:
-  /// All layers that fit, but no higher than wide. Refers to `walls`. Errors: Cancelled.
+  /// All layers that fit on the paths. Refers to `walls`. Errors: Cancelled.
   LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
               const TaskRunner& runner);
 

@@ -24,7 +24,7 @@ Mesh layered_box(bool all_tets = false) {
   for (std::uint32_t f = 0; f < 4; ++f) {
     WallLayers wall;
     wall.face = ModelFaceId(f);
-    wall.first_height = 0.02, wall.count = 14;
+    wall.first_height = 0.02, wall.count = f % 2 == 0 ? 14 : 8;
     options.layers.walls.push_back(wall);
   }
   MeshResult result = make_mesh(*box, options);

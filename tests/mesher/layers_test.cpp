@@ -81,6 +81,38 @@ TEST_CASE("layers that are thicker than their triangles are wide lean away from 
   CHECK(result.layers.coverage.first_height_within_10pct > 0.95);
 }
 
+TEST_CASE("layers that leave a third of a box's width have all of their thickness") {
+  const auto box = make_box({0, 0, 0}, {4, 4, 4});
+  MeshOptions options = options_of_size(0.25);
+  options.layers = on_faces(*box, heights(0.005, 20));  // 3.7 edges together
+  const LayerFigures figures = meshed(*box, options).layers;
+  CHECK(figures.coverage.full_count > 0.9);
+  CHECK(figures.coverage.thickness > 0.95);
+  CHECK(figures.scaled_jacobian_p1 > 0.4);
+}
+
+TEST_CASE("what is beside the direction of growth narrows no gap") {
+  // Across the square ends, layers along the edges are 1.4 times as long as they are high.
+  const auto bar = make_box({0, 0, 0}, {3, 3, 4});
+  MeshOptions options = options_of_size(0.25);
+  options.layers = on_faces(*bar, heights(0.005, 20));
+  const MeshResult result = meshed(*bar, options);
+  CHECK(std::ranges::none_of(result.layers.limited,
+                             [](const LimitedLayers& limited) { return limited.reason == LayerLimit::Gap; }));
+}
+
+TEST_CASE("a front is free along its edges, and nowhere at its corners") {
+  const std::array<Vec3, 3> flat{Vec3{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  const Vec3 way{1, 2, 3};
+  CHECK(distance(find_freedom(flat).within(way), Vec3{1, 2, 0}) < 1e-12);
+  const std::array<Vec3, 5> edge{Vec3{0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {0, 0, 1}};
+  CHECK(distance(find_freedom(edge).within(way), Vec3{0, 2, 0}) < 1e-12);
+  const std::array<Vec3, 3> corner{Vec3{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  CHECK(norm(find_freedom(corner).within(way)) < 1e-12);
+  const std::array<Vec3, 2> opposite{Vec3{0, 0, 1}, {0, 0, -1}};
+  CHECK(norm(find_freedom(opposite).within(way)) == 0);
+}
+
 TEST_CASE("a front is spread where it shrinks unevenly, and stays where it shrinks evenly") {
   for (const bool is_even : {true, false}) {
     const auto pipe = make_cylinder(1, 4);
@@ -90,17 +122,19 @@ TEST_CASE("a front is spread where it shrinks unevenly, and stays where it shrin
     options.layers = on_faces(*pipe, heights(0.02, 6), caps_of(*pipe, 1));
     const Walls walls = find_walls(mesh, pipe->topology().face_to_sides, options.layers);
     std::vector<Vec3> feet, front, normals;
+    std::vector<FrontFreedom> freedom;
     for (const std::uint32_t v : walls.curve_to_vert) {
       const Vec3 foot = mesh.points[v], in = -normalized(Vec3{foot.x, foot.y, 0});
       feet.push_back(foot);
       normals.push_back(in);
+      freedom.push_back(find_freedom({&in, 1}));
       front.push_back(foot + 0.3 * in);
       if (!is_even) front.back().z += foot.z < 1 ? 0.2 * (1 - foot.z) : 0;  // pushed together from below
     }
     const std::vector<std::uint8_t> is_free(feet.size(), 1);
     const std::vector<double> most(feet.size(), 1);
     const TaskRunner runner(2, {});
-    const std::vector<Vec3> shifts = FrontSpreading(walls, feet).find_shifts({front, is_free, normals, most}, runner);
+    const std::vector<Vec3> shifts = FrontSpreading(walls, feet).find_shifts({front, is_free, freedom, most}, runner);
     double along = 0, out = 0;
     for (std::size_t c = 0; c < feet.size(); ++c) {
       if (feet[c].z > 0.8 && feet[c].z < 1.2) along = std::max(along, shifts[c].z);
