@@ -2,16 +2,34 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/mesh/mid_nodes.hpp"
+#include "mesher/second_order/mend_tets.hpp"
 #include "mesher/second_order/mid_node_places.hpp"
 #include "mesher/second_order/straighten.hpp"
 
 namespace tetloom::second_order {
+namespace {
+
+// Other tets where moving mid nodes inside does not help. What is made may be in the way of what is left.
+std::size_t mend_hopeless_tets(std::vector<CurvedNode>& curved, double least, Mesh& mesh, const TaskRunner& runner) {
+  constexpr int kRounds = 2;
+  std::size_t sum = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<std::uint32_t> hopeless = find_hopeless_tets(curved, least, mesh, runner);
+    const std::size_t mended = hopeless.empty() ? 0 : mend_tets(hopeless, least, curved, mesh, runner);
+    sum += mended;
+    if (mended == 0) break;
+  }
+  return sum;
+}
+
+}  // namespace
 
 SecondOrderFigures make_second_order(const GeometricModel& model, double min_scaled_jacobian, Mesh& mesh,
                                      const TaskRunner& runner) {
   Stopwatch watch;
   SecondOrderFigures figures;
   MidNodePlaces places = place_mid_nodes(model, mesh, runner);
+  mend_hopeless_tets(places.curved, min_scaled_jacobian, mesh, runner);
   const Straightening straightening = straighten(places.curved, min_scaled_jacobian, mesh, runner);
   figures.mid_nodes = mesh.mid_to_vert.size();
   figures.curved = places.curved.size() - straightening.off_model.size();

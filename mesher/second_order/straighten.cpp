@@ -50,6 +50,12 @@ class Straightener {
     return conclude();
   }
 
+  std::vector<std::uint32_t> find_hopeless() const {
+    std::vector<std::uint32_t> bad = mesh_.find_bad(curved_tets_);
+    std::erase_if(bad, [&](std::uint32_t tet) { return may_be_mended_inside(tet); });
+    return bad;
+  }
+
  private:
   // The tets at all mid nodes of `bad`: they may be bad next, as nodes move.
   void collect_tets_at(const std::vector<std::uint32_t>& bad) {
@@ -227,6 +233,11 @@ class Straightener {
 };
 
 }  // namespace
+
+std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved, double least, Mesh& mesh,
+                                              const TaskRunner& runner) {
+  return Straightener(curved, least, mesh, runner).find_hopeless();
+}
 
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner) {
   return Straightener(curved, least, mesh, runner).run();
