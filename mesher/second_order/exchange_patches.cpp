@@ -38,8 +38,7 @@ class Exchange {
 
   void run() {
     for (const BadPatch& patch : patches_)
-      for (const std::uint32_t tet : patch.to_tet)
-        add_edges(mesh_.tet_to_vert[tet], mesh_.tet_to_entity[tet], before_);
+      for (const std::uint32_t tet : patch.to_tet) add_edges(mesh_.tet_to_vert[tet], mesh_.tet_to_entity[tet], before_);
     for (const BadPatch& patch : patches_) take(patch);
     fill_holes();
     make_unique(before_);

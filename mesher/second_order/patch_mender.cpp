@@ -204,8 +204,8 @@ PatchMender::Change PatchMender::fan_at(const Vec3& point) {
 Vec3 PatchMender::step_at(const Vec3& point) {
   star_.clear();
   for (const auto& [verts, behind] : cavity_.facets)
-    star_.push_back(tets::star_tet(mesh_.point(verts[0]) - point, mesh_.point(verts[1]) - point,
-                                   mesh_.point(verts[2]) - point));
+    star_.push_back(
+        tets::star_tet(mesh_.point(verts[0]) - point, mesh_.point(verts[1]) - point, mesh_.point(verts[2]) - point));
   if (!std::ranges::all_of(star_, [](const tets::StarTet& tet) { return tet.is_surely_positive_at({}); })) return {};
   return find_newton_step(star_, point, tets::kSurelyPositive);
 }

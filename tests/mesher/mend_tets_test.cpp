@@ -1,4 +1,5 @@
 // Tets that cannot be valid with their mid nodes on the model give way to others.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -17,8 +18,8 @@ namespace {
 
 constexpr double kLeast = 0.1;
 
-/// Caps of unit spheres, four points of the sphere and one inside for each: a tet has two faces on the sphere, two close
-/// what lies below it.
+/// Caps of unit spheres, four points of the sphere and one inside for each: a tet has two faces on the sphere, two
+/// close what lies below it.
 struct Caps {
   Mesh mesh;  ///< mid nodes of the faces on the spheres lie on them
   std::vector<CurvedNode> curved;
@@ -32,7 +33,8 @@ struct Caps {
         mesh.points.push_back(center + normalized(x));
       mesh.points.push_back(center + Vec3{0, 0, 0.5});
       mesh.tet_to_vert.insert(mesh.tet_to_vert.end(), {{a, c, b, d}, {a, d, c, inner}, {b, c, d, inner}});
-      mesh.tri_to_vert.insert(mesh.tri_to_vert.end(), {{a, c, b}, {a, b, d}, {a, d, inner}, {d, b, inner}, {b, c, inner}, {c, a, inner}});
+      mesh.tri_to_vert.insert(mesh.tri_to_vert.end(),
+                              {{a, c, b}, {a, b, d}, {a, d, inner}, {d, b, inner}, {b, c, inner}, {c, a, inner}});
       mesh.tri_to_entity.insert(mesh.tri_to_entity.end(), {0, 0, 1, 1, 1, 1});
     }
     for (auto& tet : mesh.tet_to_vert)
