@@ -9,17 +9,15 @@
 namespace tetloom::second_order {
 namespace {
 
-// Other tets where moving mid nodes inside does not help. What is made may be in the way of what is left.
-std::size_t mend_hopeless_tets(std::vector<CurvedNode>& curved, double least, Mesh& mesh, const TaskRunner& runner) {
+// Other tets first where moving mid nodes inside does not help. What is made may be in the way of what is left.
+Straightening mend_and_straighten(std::vector<CurvedNode>& curved, double least, Mesh& mesh, const TaskRunner& runner) {
   constexpr int kRounds = 2;
-  std::size_t sum = 0;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<std::uint32_t> hopeless = find_hopeless_tets(curved, least, mesh, runner);
-    const std::size_t mended = hopeless.empty() ? 0 : mend_tets(hopeless, least, curved, mesh, runner);
-    sum += mended;
-    if (mended == 0) break;
+    std::vector<std::uint32_t> hopeless;
+    if (auto done = straighten_unless_hopeless(curved, least, mesh, hopeless, runner)) return std::move(*done);
+    if (mend_tets(hopeless, least, curved, mesh, runner) == 0) break;
   }
-  return sum;
+  return straighten(curved, least, mesh, runner);
 }
 
 }  // namespace
@@ -29,8 +27,7 @@ SecondOrderFigures make_second_order(const GeometricModel& model, double min_sca
   Stopwatch watch;
   SecondOrderFigures figures;
   MidNodePlaces places = place_mid_nodes(model, mesh, runner);
-  mend_hopeless_tets(places.curved, min_scaled_jacobian, mesh, runner);
-  const Straightening straightening = straighten(places.curved, min_scaled_jacobian, mesh, runner);
+  const Straightening straightening = mend_and_straighten(places.curved, min_scaled_jacobian, mesh, runner);
   figures.mid_nodes = mesh.mid_to_vert.size();
   figures.curved = places.curved.size() - straightening.off_model.size();
   figures.moved = straightening.moved.size();

@@ -2,6 +2,7 @@
 // Mid nodes are moved until every tet of second order is proven valid.
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,5 +34,10 @@ std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved
 /// Pre: mesh.mid_to_vert is there, its nodes inside of regions are in the middle, tets are positive, 0 <= least < 1.
 /// Errors: what the runner throws.
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner);
+
+/// The same where there are no hopeless tets. Else nothing is moved inside or pulled back, and `hopeless` has them, as
+/// `find_hopeless_tets` does.
+std::optional<Straightening> straighten_unless_hopeless(std::span<const CurvedNode> curved, double least, Mesh& mesh,
+                                                        std::vector<std::uint32_t>& hopeless, const TaskRunner& runner);
 
 }  // namespace tetloom::second_order
