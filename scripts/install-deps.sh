@@ -32,7 +32,7 @@ declare -A packages=(
   [openfoam]="openfoam python3 python3-numpy"
   [dolfinx]="python3-dolfinx python3-meshio"
   [readers]="calculix-ccx cgns-convert code-saturne-bin freefem++ gmsh libexodusii5 libmed-tools openfoam
-    python3 python3-getfem python3-meshio python3-netcdf4 python3-numpy python3-vtk9"
+    python3 python3-getfem python3-h5py python3-meshio python3-netcdf4 python3-numpy python3-vtk9"
   [tsan]="dpkg-dev"
 )
 

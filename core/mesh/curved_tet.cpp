@@ -157,7 +157,7 @@ bool has_positive_jacobian(const Mesh& mesh, const MidNodes& mids, std::size_t t
 
 // With control points b_ii = x_i and b_ij = 2 m_ij - (x_i + x_j) / 2 the derivative along the edge from vertex 0 to k
 // is twice the sum of l_i (b_ik - b_i0) over the barycentric coordinates l_i.
-TetJacobian tet_jacobian(const TetNodes& nodes) {
+TetJacobian tet_determinant(const TetNodes& nodes) {
   std::array<std::array<Vec3, 4>, 4> control;
   for (std::size_t i = 0; i < 4; ++i) {
     control[i][i] = nodes[i];
@@ -173,9 +173,15 @@ TetJacobian tet_jacobian(const TetNodes& nodes) {
       const Vec3 normal = cross(along[1][j], along[2][k]);
       for (std::size_t i = 0; i < 4; ++i) sums[kProducts[i][j][k]] += dot(along[0][i], normal);
     }
-  const double straight = dot(nodes[1] - nodes[0], cross(nodes[2] - nodes[0], nodes[3] - nodes[0]));
-  for (std::size_t c = 0; c < kCoefficients; ++c) sums[c] *= 8 / (straight * kProductCounts[c]);
+  for (std::size_t c = 0; c < kCoefficients; ++c) sums[c] *= 8 / kProductCounts[c];
   return sums;
+}
+
+TetJacobian tet_jacobian(const TetNodes& nodes) {
+  TetJacobian jacobian = tet_determinant(nodes);
+  const double straight = dot(nodes[1] - nodes[0], cross(nodes[2] - nodes[0], nodes[3] - nodes[0]));
+  for (double& coefficient : jacobian) coefficient /= straight;
+  return jacobian;
 }
 
 double least_jacobian(const TetJacobian& jacobian, double enough) {

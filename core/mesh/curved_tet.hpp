@@ -30,6 +30,10 @@ bool is_straight_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 /// of products of control points). Not finite where the straight tet is flat.
 TetJacobian tet_jacobian(const TetNodes& nodes);
 
+/// The same without division: six times the volume throughout for a straight tet. Where the mid nodes of the edges at a
+/// vertex stay in their middles, all coefficients are affine in the place of this vertex.
+TetJacobian tet_determinant(const TetNodes& nodes);
+
 /// A lower bound of the polynomial on the tet: at least `enough`, or within .001 of the least value that was found
 /// there, which then is less. Halves the tet where the bound of the coefficients is not sharp enough.
 double least_jacobian(const TetJacobian& jacobian, double enough);

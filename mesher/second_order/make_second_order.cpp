@@ -2,17 +2,32 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/mesh/mid_nodes.hpp"
+#include "mesher/second_order/mend_tets.hpp"
 #include "mesher/second_order/mid_node_places.hpp"
 #include "mesher/second_order/straighten.hpp"
 
 namespace tetloom::second_order {
+namespace {
+
+// Other tets first where moving mid nodes inside does not help. What is made may be in the way of what is left.
+Straightening mend_and_straighten(std::vector<CurvedNode>& curved, double least, Mesh& mesh, const TaskRunner& runner) {
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<std::uint32_t> hopeless;
+    if (auto done = straighten_unless_hopeless(curved, least, mesh, hopeless, runner)) return std::move(*done);
+    if (mend_tets(hopeless, least, curved, mesh, runner) == 0) break;
+  }
+  return straighten(curved, least, mesh, runner);
+}
+
+}  // namespace
 
 SecondOrderFigures make_second_order(const GeometricModel& model, double min_scaled_jacobian, Mesh& mesh,
                                      const TaskRunner& runner) {
   Stopwatch watch;
   SecondOrderFigures figures;
   MidNodePlaces places = place_mid_nodes(model, mesh, runner);
-  const Straightening straightening = straighten(places.curved, min_scaled_jacobian, mesh, runner);
+  const Straightening straightening = mend_and_straighten(places.curved, min_scaled_jacobian, mesh, runner);
   figures.mid_nodes = mesh.mid_to_vert.size();
   figures.curved = places.curved.size() - straightening.off_model.size();
   figures.moved = straightening.moved.size();

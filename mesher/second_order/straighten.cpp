@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "core/tets/deep_point.hpp"
 #include "mesher/second_order/curved_mesh.hpp"
@@ -37,17 +38,23 @@ class Straightener {
     }
   }
 
-  Straightening run() {
-    for (int round = 0;; ++round) {
-      const std::vector<std::uint32_t> bad = mesh_.find_bad(curved_tets_);
-      if (bad.empty()) break;
+  Straightening run(std::vector<std::uint32_t> bad) {
+    for (int round = 0; !bad.empty(); ++round) {
       collect_tets_at(bad);
       for (const std::uint32_t tet : bad) {
         mesh_.runner().check_cancelled();
         mend(tet, round);
       }
+      bad = find_bad();
     }
     return conclude();
+  }
+
+  std::vector<std::uint32_t> find_bad() const { return mesh_.find_bad(curved_tets_); }
+
+  std::vector<std::uint32_t> hopeless_of(std::vector<std::uint32_t> bad) const {
+    std::erase_if(bad, [&](std::uint32_t tet) { return may_be_mended_inside(tet); });
+    return bad;
   }
 
  private:
@@ -228,8 +235,25 @@ class Straightener {
 
 }  // namespace
 
+std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved, double least, Mesh& mesh,
+                                              const TaskRunner& runner) {
+  const Straightener straightener(curved, least, mesh, runner);
+  return straightener.hopeless_of(straightener.find_bad());
+}
+
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner) {
-  return Straightener(curved, least, mesh, runner).run();
+  Straightener straightener(curved, least, mesh, runner);
+  return straightener.run(straightener.find_bad());
+}
+
+std::optional<Straightening> straighten_unless_hopeless(std::span<const CurvedNode> curved, double least, Mesh& mesh,
+                                                        std::vector<std::uint32_t>& hopeless,
+                                                        const TaskRunner& runner) {
+  Straightener straightener(curved, least, mesh, runner);
+  std::vector<std::uint32_t> bad = straightener.find_bad();
+  hopeless = straightener.hopeless_of(bad);
+  if (!hopeless.empty()) return std::nullopt;
+  return straightener.run(std::move(bad));
 }
 
 }  // namespace tetloom::second_order
