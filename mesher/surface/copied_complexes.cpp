@@ -1,29 +1,16 @@
 #include "mesher/surface/copied_complexes.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
+
+#include "core/base/pairing.hpp"
 
 namespace tetloom {
 namespace {
 
 // Of the model's diagonal: rounding of places far from the origin.
 constexpr double kSamePlace = 1e-10;
-
-// Numbers on one side to numbers on the other, one to one.
-class Pairing {
- public:
-  // False where one of them has another partner.
-  bool pair(std::uint32_t first, std::uint32_t second) {
-    return to_second_.emplace(first, second).first->second == second &&
-           to_first_.emplace(second, first).first->second == first;
-  }
-  const std::map<std::uint32_t, std::uint32_t>& to_second() const { return to_second_; }
-
- private:
-  std::map<std::uint32_t, std::uint32_t> to_second_, to_first_;
-};
 
 // Pairs what bounds the faces of two complexes, from loop to loop.
 class ComplexMatcher {

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <unordered_map>
 #include <utility>
 
+#include "core/base/pairing.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/sizing/size_change.hpp"
 
@@ -15,18 +15,6 @@ namespace tetloom::volume {
 namespace {
 
 constexpr double kSamePlace = 1e-8;  // of the diagonal of a complex
-
-// Values of one side to values of the other, one to one.
-class Pairing {
- public:
-  bool pair(std::uint64_t first, std::uint64_t second) {
-    return to_second_.emplace(first, second).first->second == second &&
-           to_first_.emplace(second, first).first->second == first;
-  }
-
- private:
-  std::unordered_map<std::uint64_t, std::uint64_t> to_second_, to_first_;
-};
 
 std::uint64_t number_of(ModelEntity entity) { return std::uint64_t{entity.dim} << 32 | entity.index; }
 
