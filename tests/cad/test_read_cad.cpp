@@ -309,6 +309,26 @@ TEST_CASE("imprinting keeps names and colours") {
   CHECK(lids == 1);
 }
 
+TEST_CASE("instances of a part have its faces in other places") {
+  const TemporaryFolder scratch;
+  test::write_gearbox(scratch / "gearbox.step");
+  const ModelDocument document = read_model(scratch / "gearbox.step");
+  const GeometricModel& model = *document.model;
+  const auto& region_to_faces = model.topology().region_to_faces;
+  REQUIRE(region_to_faces.size() == 3);
+  REQUIRE(region_to_faces[1].size() == region_to_faces[2].size());
+  for (std::size_t i = 0; i < region_to_faces[1].size(); ++i) {
+    const ModelFaceId first = region_to_faces[1][i], second = region_to_faces[2][i];
+    const FacePlace here = model.place(first), there = model.place(second);
+    CHECK(here.shape == first.value);
+    CHECK(there.shape == first.value);
+    const Vec2 uv{0.5, 0.5};
+    const Vec3 moved = (there.motion * here.motion.inverse())(model.face_geometry(first)->evaluate(uv));
+    CHECK(distance(moved, model.face_geometry(second)->evaluate(uv)) < 1e-9);
+  }
+  CHECK(model.place(region_to_faces[0][0]).shape == region_to_faces[0][0].value);
+}
+
 TEST_CASE("solids that share a face have it on both their sides") {
   for (const char* name : {"sharing.brep", "sharing.step"}) {
     ReadOptions options;
