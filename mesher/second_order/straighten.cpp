@@ -235,12 +235,6 @@ class Straightener {
 
 }  // namespace
 
-std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved, double least, Mesh& mesh,
-                                              const TaskRunner& runner) {
-  const Straightener straightener(curved, least, mesh, runner);
-  return straightener.hopeless_of(straightener.find_bad());
-}
-
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner) {
   Straightener straightener(curved, least, mesh, runner);
   return straightener.run(straightener.find_bad());

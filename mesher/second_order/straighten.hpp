@@ -19,12 +19,6 @@ struct Straightening {
   std::size_t not_positive = 0;       ///< tets whose bound is not positive
 };
 
-/// Puts the nodes of `curved` on the model. Returns the tets, ascending, whose Jacobian is then less than `least` times
-/// that of the straight tet at a vertex all of whose edges lie on the surface: moving mid nodes inside does not help.
-/// Pre and errors: as `straighten`, but that nodes on the surface may be anywhere.
-std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved, double least, Mesh& mesh,
-                                              const TaskRunner& runner);
-
 /// Puts the nodes of `curved` on the model. Where the Jacobian of a tet is then less than `least` times that of the
 /// straight tet somewhere, mid nodes inside of the region move to where the least Jacobian of the tets around their
 /// edge is largest, as far as it takes; where that does not suffice, mid nodes of the tet are pulled towards the middle
@@ -35,8 +29,9 @@ std::vector<std::uint32_t> find_hopeless_tets(std::span<const CurvedNode> curved
 /// Errors: what the runner throws.
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner);
 
-/// The same where there are no hopeless tets. Else nothing is moved inside or pulled back, and `hopeless` has them, as
-/// `find_hopeless_tets` does.
+/// The same where there are no hopeless tets: those whose Jacobian is less at a vertex all of whose edges lie on the
+/// surface, so that moving mid nodes inside does not help. Else the nodes of `curved` are put on the model, nothing is
+/// moved inside or pulled back, and `hopeless` has them, ascending.
 std::optional<Straightening> straighten_unless_hopeless(std::span<const CurvedNode> curved, double least, Mesh& mesh,
                                                         std::vector<std::uint32_t>& hopeless, const TaskRunner& runner);
 

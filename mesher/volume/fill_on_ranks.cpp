@@ -119,10 +119,10 @@ class RankFiller {
         if (copy) filled_[i] = std::move(*copy);
       });
     });
-    std::vector<std::size_t> own, all;
+    std::vector<std::size_t> own;
     for (std::size_t i = 0; i < failed.size(); ++i)
       if (failed[i]) own.push_back(i);
-    all = gather_lists<std::size_t>(communicator_, own);
+    std::vector<std::size_t> all = gather_lists<std::size_t>(communicator_, own);
     std::ranges::sort(all);
     all.erase(std::ranges::unique(all).begin(), all.end());
     for (const std::size_t i : all) filled_[i] = {};

@@ -77,6 +77,14 @@ double volume_of(const Mesh& mesh) {
   return sum;
 }
 
+// Straightens the mesh where there are none.
+std::vector<std::uint32_t> find_hopeless(std::span<const CurvedNode> curved, Mesh& mesh, const TaskRunner& runner) {
+  std::vector<std::uint32_t> hopeless;
+  const auto done = straighten_unless_hopeless(curved, kLeast, mesh, hopeless, runner);
+  CHECK(done.has_value() == hopeless.empty());
+  return hopeless;
+}
+
 }  // namespace
 
 TEST_CASE("a tet with two faces on one smooth surface gives way to tets with one, and no mid node leaves it") {
@@ -85,7 +93,7 @@ TEST_CASE("a tet with two faces on one smooth surface gives way to tets with one
   REQUIRE(least_of(mesh) < 0.05);
   const double volume = volume_of(mesh);
   const TaskRunner runner(2);
-  const auto hopeless = find_hopeless_tets(cap.curved, kLeast, mesh, runner);
+  const auto hopeless = find_hopeless(cap.curved, mesh, runner);
   REQUIRE(hopeless == std::vector<std::uint32_t>{0});
   CHECK(mend_tets(hopeless, kLeast, cap.curved, mesh, runner) == 1);
   CHECK(volume_of(mesh) == Approx(volume));
@@ -94,7 +102,7 @@ TEST_CASE("a tet with two faces on one smooth surface gives way to tets with one
   CHECK(mesh.tet_to_entity.size() == 2);
   CHECK(vertex_count(mesh) == 5);
   CHECK(least_of(mesh) >= kLeast);
-  CHECK(find_hopeless_tets(cap.curved, kLeast, mesh, runner).empty());
+  CHECK(find_hopeless(cap.curved, mesh, runner).empty());
   CHECK(cap.curved.size() == 5);
   for (const CurvedNode& node : cap.curved) {
     CHECK(mesh.points[vertex_count(mesh) + node.mid] == node.on_model);
@@ -119,7 +127,7 @@ TEST_CASE("what becomes of tets does not depend on the number of threads") {
   for (const int threads : {1, 2, 5}) {
     Caps caps(7);
     const TaskRunner runner(threads);
-    const auto hopeless = find_hopeless_tets(caps.curved, kLeast, caps.mesh, runner);
+    const auto hopeless = find_hopeless(caps.curved, caps.mesh, runner);
     CHECK(mend_tets(hopeless, kLeast, caps.curved, caps.mesh, runner) == 7);
     CHECK(caps.mesh.tet_to_vert.size() == 14);
     CHECK_FALSE(find_mid_node_fault(caps.mesh));
