@@ -51,9 +51,9 @@ class CopyTest {
 
   std::optional<RigidMotion> run() const {
     if (original_.tri_to_vert != complex_.tri_to_vert || !have_same_sides() || !have_same_faces()) return std::nullopt;
-    if (plan_.freedom && !have_same_freedom(*plan_.freedom)) return std::nullopt;
     const auto motion = find_motion(original_.points, complex_.points);
-    return motion && has_same_sizes(*plan_.input.sizes, *motion, original_.points) ? motion : std::nullopt;
+    if (!motion || !has_same_sizes(*plan_.input.sizes, *motion, original_.points)) return std::nullopt;
+    return !plan_.freedom || have_same_freedom(*plan_.freedom) ? motion : std::nullopt;
   }
 
  private:
