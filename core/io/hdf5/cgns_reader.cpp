@@ -110,6 +110,7 @@ class CgnsReader {
     const std::vector<std::int64_t> nodes = in_.integers(path + "/ElementConnectivity/ data");
     std::span<const std::int64_t> left = nodes;
     std::int64_t number = range[0];
+    Section section{std::string(group_in(name_of(path))), {kNone, kNone, kNone, kNone}};
     for (std::size_t e = 0; !left.empty(); ++e) {
       if (e % kItemsBetweenLooks == 0) file_.check_cancelled();
       std::int64_t type = types[0];
@@ -121,20 +122,21 @@ class CgnsReader {
       if (!known) refuse_elements(file_, "ElementType_t " + std::to_string(type));
       const std::size_t size = vertices_of(known->block) + (known->is_second ? edges_of(known->block).size() : 0);
       if (size > left.size()) file_.fail(ErrorCode::InputUnreadable, "'" + path + "' ends within an element");
-      add_element(*known, left.first(size), name_of(path), number++);
+      add_element(*known, left.first(size), section, number++);
       left = left.subspan(size);
     }
   }
 
-  void add_element(ElementType type, std::span<const std::int64_t> nodes, const std::string& section,
-                   std::int64_t number) {
-    const std::string_view group = group_in(section);
-    const int dim = dimension_of(type.block);
-    if (group != last_group_ || dim != last_dim_) {
-      last_group_ = group;
-      last_dim_ = dim;
-      last_number_ = groups_[static_cast<std::size_t>(dim)].find(group);
-    }
+  // The number of a group is asked for when its first element of a dimension comes.
+  struct Section {
+    std::string group;
+    std::array<std::uint32_t, 4> number_in_dim;
+  };
+
+  void add_element(ElementType type, std::span<const std::int64_t> nodes, Section& section, std::int64_t number) {
+    const auto dim = static_cast<std::size_t>(dimension_of(type.block));
+    std::uint32_t& group = section.number_in_dim[dim];
+    if (group == kNone) group = groups_[dim].find(section.group);
     visit_block(mesh_, type.block, [&](auto& elements, auto& entities) {
       typename std::remove_reference_t<decltype(elements)>::value_type verts;
       const auto index = [&](std::size_t i) { return stored_index(static_cast<std::uint64_t>(nodes[i]) - 1); };
@@ -142,7 +144,7 @@ class CgnsReader {
       if (type.is_second) add_mids(type.block, verts, index);
       if (dim == 2) faces_.push_back({number, type.block, static_cast<std::uint32_t>(elements.size())});
       elements.push_back(verts);
-      entities.push_back(last_number_);
+      entities.push_back(group);
     });
   }
 
@@ -198,9 +200,6 @@ class CgnsReader {
   Hdf5Reader in_;
   std::string zone_;
   std::array<GroupTags, 4> groups_{GroupTags(0), GroupTags(1), GroupTags(2), GroupTags(3)};
-  std::string last_group_;
-  int last_dim_ = -1;
-  std::uint32_t last_number_ = 0;
   std::vector<Face> faces_;  // by their numbers, once all are read
   MidNodeReader mids_;
   Mesh mesh_;

@@ -158,7 +158,8 @@ class InpReader {
     const std::optional<InpType> type = find_type(upper_case(name));
     if (!type) refuse_elements(file_, "'" + name + "'");
     type_ = *type;
-    set_ = parameter("ELSET");
+    const std::string set = parameter("ELSET");
+    numbers_ = set.empty() ? nullptr : &sets_[set];
     read_line_ = &InpReader::read_element;
   }
 
@@ -172,19 +173,19 @@ class InpReader {
     if (pending_.size() > type_.nodes() + 1) file_.fail_at_line("an element has too many nodes", cursor_.at() - 1);
     elements_.push_back({pending_[0], type_, nodes_.size()});
     nodes_.insert(nodes_.end(), pending_.begin() + 1, pending_.end());
-    if (!set_.empty()) sets_[set_].push_back(pending_[0]);
+    if (numbers_ != nullptr) numbers_->push_back(pending_[0]);
     pending_.clear();
   }
 
   void begin_set() {
     set_ = parameter("ELSET");
     is_generated_ = parameters_.contains("GENERATE");
-    sets_[set_];
+    numbers_ = &sets_[set_];
     read_line_ = &InpReader::read_set;
   }
 
   void read_set() {
-    std::vector<std::uint64_t>& set = sets_[set_];
+    std::vector<std::uint64_t>& set = *numbers_;
     if (is_generated_) {
       const auto first = number_in<std::uint64_t>(take_word()), last = number_in<std::uint64_t>(take_word());
       const std::string_view word = take_word();
@@ -233,9 +234,14 @@ class InpReader {
     std::uint32_t group = kNone;
   };
 
+  // Numbers that follow each other are found at once.
   Element* find_element(std::uint64_t number) {
+    if (last_found_ + 1 < elements_.size() && elements_[last_found_ + 1].number == number)
+      return &elements_[++last_found_];
     const auto at = std::ranges::lower_bound(elements_, number, {}, &Element::number);
-    return at != elements_.end() && at->number == number ? &*at : nullptr;
+    if (at == elements_.end() || at->number != number) return nullptr;
+    last_found_ = static_cast<std::size_t>(at - elements_.begin());
+    return &*at;
   }
 
   Mesh finish() {
@@ -244,7 +250,8 @@ class InpReader {
     if (mesh_.points.size() >= kNone) file_.fail(ErrorCode::InputUnsuitable, "the file has too many nodes");
     NodeTags nodes;
     nodes.finish(file_, std::move(node_tags_), mesh_.points, mesh_.point_to_entity);
-    std::ranges::stable_sort(elements_, {}, &Element::number);
+    if (!std::ranges::is_sorted(elements_, {}, &Element::number))
+      std::ranges::stable_sort(elements_, {}, &Element::number);
     if (std::ranges::adjacent_find(elements_, {}, &Element::number) != elements_.end())
       file_.fail(ErrorCode::InputUnreadable, "two elements have the same number");
     const bool has_cells =
@@ -262,16 +269,21 @@ class InpReader {
   // Elements of dimension `dim` get the first set that has them, in the order of names.
   void group_elements(int dim) {
     GroupTags groups(dim);
-    const auto put = [&](Element* element, const std::string& name) {
-      if (element != nullptr && element->group == kNone && dimension_of(element->type.block) == dim)
-        element->group = groups.find(name);
+    const auto put = [&](Element* element, const std::string& name, std::uint32_t& group) {
+      if (element == nullptr || element->group != kNone || dimension_of(element->type.block) != dim) return;
+      if (group == kNone) group = groups.find(name);
+      element->group = group;
     };
-    for (const auto& [name, numbers] : sets_)
-      for (const std::uint64_t number : numbers) put(find_element(number), name);
-    for (const Range& range : ranges_)
+    for (const auto& [name, numbers] : sets_) {
+      std::uint32_t group = kNone;
+      for (const std::uint64_t number : numbers) put(find_element(number), name, group);
+    }
+    for (const Range& range : ranges_) {
+      std::uint32_t group = kNone;
       for (auto at = std::ranges::lower_bound(elements_, range.first, {}, &Element::number);
            at != elements_.end() && at->number <= range.last; ++at)
-        if ((at->number - range.first) % range.step == 0) put(&*at, range.set);
+        if ((at->number - range.first) % range.step == 0) put(&*at, range.set, group);
+    }
     const std::vector<std::uint32_t> index_of = groups.assign(mesh_.entities);
     for (Element& element : elements_)
       if (element.group != kNone) element.group = index_of[element.group];
@@ -326,7 +338,7 @@ class InpReader {
   }
   // Between two regions a surface may name cells of both; all its elements point out of the lower one.
   void turn_surfaces() {
-    const CellFaces faces(mesh_, serial_loop());
+    const CellFaces faces(mesh_, serial_loop(), FacesOf::Surface);
     const auto turn = [&](std::size_t number, auto& verts) {
       const std::uint32_t face = faces.find_surface(static_cast<std::uint32_t>(number));
       const std::uint32_t twin = face == kNone ? kNone : faces.twin(face);
@@ -366,12 +378,14 @@ class InpReader {
   int parts_ = 0;
   InpType type_{Block::Tet};
   std::string set_;
+  std::vector<std::uint64_t>* numbers_ = nullptr;  // of the set that elements or numbers are added to
   bool is_generated_ = false;
   std::uint32_t surface_ = 0;
   std::vector<std::uint64_t> pending_;  // of an element that goes on
   Mesh mesh_;
   std::vector<std::uint64_t> node_tags_, nodes_;
   std::vector<Element> elements_;
+  std::size_t last_found_ = 0;
   std::map<std::string, std::vector<std::uint64_t>, std::less<>> sets_;
   std::vector<Range> ranges_;
   GroupTags faces_{2};
