@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "mesher/surface/constrained_delaunay.hpp"
+#include "core/spatial/constrained_delaunay.hpp"
 
 namespace tetloom::bench {
 namespace {

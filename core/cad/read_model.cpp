@@ -14,6 +14,7 @@
 #include "core/cad/detail/occt_guard.hpp"
 #include "core/cad/detail/rebuild.hpp"
 #include "core/cad/detail/validity.hpp"
+#include "core/discrete/discrete_builder.hpp"
 
 namespace tetloom {
 namespace {
@@ -111,7 +112,8 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
 std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const std::vector<ModelRegionId>& solids,
                                             const CancelToken* cancel, const BlockLoop& loop) {
   const auto* model = dynamic_cast<const cad::CadModel*>(document.model.get());
-  if (!model || solids.empty()) return {};
+  if (!model) return detail::rebuild_regions(document, solids, cancel);
+  if (solids.empty()) return {};
   const cad::ReadingSession session;
   return cad::translate_failures({}, ErrorCode::InputUnsuitable, "making solids anew", [&] {
     cad::Document changed = model->document();

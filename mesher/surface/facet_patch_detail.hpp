@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mesher/surface/facet_patch.hpp"
-#include "mesher/surface/triangulation.hpp"
+#include "core/spatial/triangulation.hpp"
 #include "tetloom/model.hpp"
 
 namespace tetloom::detail {

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/surface/triangulation.hpp"
+#include "core/spatial/triangulation.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
 #include "tetloom/vec.hpp"

@@ -2,7 +2,7 @@
 // A smooth face before anything is inside: its rim with places, and the triangulation of the plane polygon.
 #include <span>
 
-#include "mesher/surface/constrained_delaunay.hpp"
+#include "core/spatial/constrained_delaunay.hpp"
 #include "mesher/surface/face_mesher.hpp"
 #include "mesher/surface/face_rim.hpp"
 #include "mesher/surface/patch.hpp"

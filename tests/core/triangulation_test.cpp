@@ -1,4 +1,4 @@
-#include "mesher/surface/triangulation.hpp"
+#include "core/spatial/triangulation.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

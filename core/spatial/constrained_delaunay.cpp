@@ -1,4 +1,4 @@
-#include "mesher/surface/constrained_delaunay.hpp"
+#include "core/spatial/constrained_delaunay.hpp"
 
 #include <algorithm>
 #include <deque>

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/surface/triangulation.hpp"
+#include "core/spatial/triangulation.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom {

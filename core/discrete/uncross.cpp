@@ -1,0 +1,143 @@
+#include "core/discrete/uncross.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/discrete/cut_facets.hpp"
+#include "core/discrete/facet_edges.hpp"
+#include "core/discrete/facet_piercings.hpp"
+
+namespace tetloom::detail {
+namespace {
+
+constexpr int kAttempts = 12;
+constexpr double kSmallestMove = 1e-12;  // of the diagonal; twice as far in every further attempt
+constexpr double kMostDoubt = 0.05;      // of a winding number, beside a whole one
+
+double random_share(std::uint64_t seed) {  // from -1 to 1
+  seed += 0x9e3779b97f4a7c15ULL;
+  seed = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  seed = (seed ^ (seed >> 27)) * 0x94d049bb133111ebULL;
+  return static_cast<double>(static_cast<std::int64_t>(seed ^ (seed >> 31))) * 0x1p-63;
+}
+
+// Where facets touch there is no telling on which side of each other they lie: vertices move a little, always the same.
+void move_a_little(std::span<const std::uint32_t> verts, double step, int attempt, std::vector<Vec3>& points) {
+  for (const std::uint32_t v : verts)
+    for (int axis = 0; axis < 3; ++axis)
+      points[v][axis] += step * random_share((std::uint64_t{v} << 8) + static_cast<std::uint64_t>(3 * attempt + axis));
+}
+
+/// Pieces that are joined by edges of two facets, from 0 on.
+struct Patches {
+  std::vector<std::uint32_t> of_tri;
+  std::uint32_t count = 0;
+};
+
+Patches find_patches(std::span<const Triangle> tris, std::size_t point_count) {
+  const FacetEdges edges = find_edges(tris, point_count);
+  Patches patches{std::vector<std::uint32_t>(tris.size(), kNone), 0};
+  std::vector<std::uint32_t> reached;
+  for (std::uint32_t seed = 0; seed < tris.size(); ++seed) {
+    if (patches.of_tri[seed] != kNone) continue;
+    patches.of_tri[seed] = patches.count;
+    reached.assign(1, seed);
+    for (std::size_t next = 0; next < reached.size(); ++next)
+      for (std::uint32_t half = 3 * reached[next]; half < 3 * reached[next] + 3; ++half) {
+        if (edges.halves(edges.half_to_edge[half]).size() != 2) continue;
+        const std::uint32_t other = half_to_tri(edges.twin(half));
+        if (patches.of_tri[other] != kNone) continue;
+        patches.of_tri[other] = patches.count;
+        reached.push_back(other);
+      }
+    ++patches.count;
+  }
+  return patches;
+}
+
+// A facet has the winding number of its front before it and one more behind it: in its plane it is the mean of both.
+// Nothing where that is no whole number and a half.
+std::optional<bool> parts_inside_from_outside(std::span<const Vec3> points, std::span<const Triangle> tris,
+                                              std::uint32_t tri) {
+  const auto& [a, b, c] = tris[tri];
+  const double winding = winding_number(points, tris, (points[a] + points[b] + points[c]) / 3, tri);
+  const double in_front = std::round(winding - 0.5);
+  if (!(std::abs(winding - 0.5 - in_front) <= kMostDoubt)) return {};
+  return in_front == 0;
+}
+
+// Whether each piece stays; nothing where that is in doubt. A patch is judged by its largest piece.
+std::optional<std::vector<bool>> find_kept(const CutFacets& cut) {
+  const Patches patches = find_patches(cut.tris, cut.points.size());
+  std::vector<std::uint32_t> largest(patches.count, kNone);
+  std::vector<double> size(patches.count, -1);
+  for (std::uint32_t t = 0; t < cut.tris.size(); ++t) {
+    const double area = norm(facet_normal(cut.points, cut.tris[t]));
+    const std::uint32_t patch = patches.of_tri[t];
+    if (area > size[patch]) size[patch] = area, largest[patch] = t;
+  }
+  std::vector<bool> is_kept(patches.count);
+  for (std::uint32_t patch = 0; patch < patches.count; ++patch) {
+    const std::optional<bool> verdict = parts_inside_from_outside(cut.points, cut.tris, largest[patch]);
+    if (!verdict) return {};
+    is_kept[patch] = *verdict;
+  }
+  std::vector<bool> kept(cut.tris.size());
+  for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = is_kept[patches.of_tri[t]];
+  return kept;
+}
+
+std::optional<UncrossedFacets> select(CutFacets&& cut) {
+  const std::optional<std::vector<bool>> kept = find_kept(cut);
+  if (!kept) return {};
+  UncrossedFacets result;
+  for (std::size_t t = 0; t < cut.tris.size(); ++t) {
+    if (!(*kept)[t]) continue;
+    result.tris.push_back(cut.tris[t]);
+    result.tri_to_cut.push_back(cut.tri_to_cut[t]);
+  }
+  if (result.tris.empty()) return {};
+  result.points = std::move(cut.points);
+  return result;
+}
+
+}  // namespace
+
+double winding_number(std::span<const Vec3> points, std::span<const Triangle> tris, const Vec3& point,
+                      std::uint32_t left_out) {
+  double angle = 0;  // half of the solid angle
+  for (std::uint32_t tri = 0; tri < tris.size(); ++tri) {
+    if (tri == left_out) continue;
+    const auto& [i, j, k] = tris[tri];
+    const Vec3 a = points[i] - point, b = points[j] - point, c = points[k] - point;
+    const double la = norm(a), lb = norm(b), lc = norm(c);
+    angle += std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  }
+  return angle / (2 * std::numbers::pi);
+}
+
+std::optional<UncrossedFacets> uncross_facets(std::span<const Vec3> points, std::span<const Triangle> tris,
+                                              const CancelToken* cancel) {
+  Box3 box;
+  for (const Vec3& p : points) box.add(p);
+  std::vector<Vec3> moved(points.begin(), points.end());
+  const FacetEdges edges = find_edges(tris, points.size());
+  double step = kSmallestMove * box.diagonal();
+  for (int attempt = 0; attempt < kAttempts; ++attempt, step *= 2) {
+    const FacetPiercings piercings = find_piercings(moved, tris, edges, cancel);
+    if (piercings.all.empty() && piercings.in_the_way.empty()) return {};
+    std::vector<std::uint32_t> in_the_way = piercings.in_the_way;
+    if (in_the_way.empty()) {
+      CutFacets cut = cut_facets(moved, tris, edges, piercings.all, cancel);
+      if (cut.in_the_way.empty()) return select(std::move(cut));
+      in_the_way = std::move(cut.in_the_way);
+    }
+    move_a_little(in_the_way, step, attempt, moved);
+  }
+  return {};
+}
+
+}  // namespace tetloom::detail
