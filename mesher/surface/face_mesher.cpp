@@ -227,16 +227,47 @@ class FaceMesher {
     extract(patch);
   }
 
+  using Chord = std::array<std::uint32_t, 2>;  // two nodes, ascending
+
+  // The nodes that an edge of the patch joins; nothing where one of its ends is none.
+  static std::optional<Chord> chord_of(const Patch& patch, std::uint32_t h) {
+    const std::uint32_t a = patch.vertices[patch.topology.origin(h)].node;
+    const std::uint32_t b = patch.vertices[patch.topology.target(h)].node;
+    if (a == Triangulation::kNone || b == Triangulation::kNone || a == b) return {};
+    return Chord{std::min(a, b), std::max(a, b)};
+  }
+
+  static bool is_inner(const Triangulation& topology, std::uint32_t h) {
+    return topology.twin(h) != Triangulation::kNone && !topology.fixed(h);
+  }
+
+  // Nodes that several edges of the patch join, one of them inside: as where both sides of a sharp corner belong to one
+  // face. Both sides of an edge within the face are one edge.
+  static std::vector<Chord> find_repeated_chords(const Patch& patch) {
+    const Triangulation& topology = patch.topology;
+    std::vector<std::pair<Chord, bool>> chords;
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
+      if (!topology.alive(h / 3) || (topology.twin(h) != Triangulation::kNone && topology.twin(h) < h)) continue;
+      if (const std::optional<Chord> chord = chord_of(patch, h)) chords.emplace_back(*chord, is_inner(topology, h));
+    }
+    std::ranges::sort(chords);
+    std::vector<Chord> repeated;
+    for (std::size_t i = 1; i < chords.size(); ++i)
+      if (chords[i].first == chords[i - 1].first && chords[i].second) repeated.push_back(chords[i].first);
+    return repeated;
+  }
+
   void split_taken_chords(Patch& patch, const PatchSurface& surface) const {
-    if (taken_chords_.empty()) return;
     Triangulation& topology = patch.topology;
+    const std::vector<Chord> repeated = patch.has_poles ? find_repeated_chords(patch) : std::vector<Chord>{};
+    if (taken_chords_.empty() && repeated.empty()) return;
     const std::uint32_t end = topology.half_edges();
     for (std::uint32_t h = 0; h < end; ++h) {
-      if (!topology.alive(h / 3) || topology.twin(h) == Triangulation::kNone || topology.fixed(h)) continue;
+      if (!topology.alive(h / 3) || !is_inner(topology, h)) continue;
+      const std::optional<Chord> chord = chord_of(patch, h);
+      if (!chord || (!std::ranges::binary_search(taken_chords_, *chord) && !std::ranges::binary_search(repeated, *chord)))
+        continue;
       const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
-      if (a.node == Triangulation::kNone || b.node == Triangulation::kNone) continue;
-      const std::array chord{std::min(a.node, b.node), std::max(a.node, b.node)};
-      if (!std::binary_search(taken_chords_.begin(), taken_chords_.end(), chord)) continue;
       const PatchPlace middle = surface.midpoint(a.place, b.place);
       patch.vertices.push_back({middle, surface.size_at(middle.point), Triangulation::kNone});
       topology.split_edge(h, topology.add_vertex());
