@@ -124,13 +124,70 @@ struct FacePair {
   std::vector<TriangleIntersection> crossings;
 };
 
+double longest_edge(const Mesh& mesh, const TriangleIntersection& crossing) {
+  return std::max(longest_edge(mesh, crossing.first), longest_edge(mesh, crossing.second));
+}
+
+/// The facets of faces that reach into a ball's box; points in one place are one.
+class NearFacets {
+ public:
+  NearFacets(const Vec3& center, double radius) {
+    const Vec3 reach{radius, radius, radius};
+    box_.add(center - reach), box_.add(center + reach);
+  }
+  void add(FaceGeometry& face) {
+    const Tessellation facets = face.tessellate(0, 0);
+    for (const auto& verts : facets.tri_to_vert) {
+      Box3 around;
+      for (const std::uint32_t v : verts) around.add(facets.points[v]);
+      if (!around.overlaps(box_)) continue;
+      auto& added = tris_.emplace_back();
+      for (std::size_t i = 0; i < 3; ++i) added[i] = number_of(facets.points[verts[i]]);
+    }
+  }
+  std::optional<Vec3> find_crossing() const {
+    IntersectionSearch search{points_, tris_};
+    for (const TriangleIntersection& found : find_self_intersections(search, TaskRunner(1)))
+      if (found.kind == IntersectionKind::Crossing) return found.point;
+    return {};
+  }
+
+ private:
+  std::uint32_t number_of(const Vec3& p) {
+    const auto [at, is_new] = known_.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(points_.size()));
+    if (is_new) points_.push_back(p);
+    return at->second;
+  }
+
+  Box3 box_;
+  std::map<std::array<double, 3>, std::uint32_t> known_;
+  std::vector<Vec3> points_;
+  std::vector<std::array<std::uint32_t, 3>> tris_;
+};
+
+// Facets are the surface itself: where they cross beside crossing triangles, the model does. A face may cross itself.
+std::optional<TriangleIntersection> find_crossing_of_facets(const FacePair& pair, FaceArea& first, FaceArea& second,
+                                                            const Mesh& surface) {
+  for (TriangleIntersection crossing : pair.crossings) {
+    NearFacets facets(crossing.point, longest_edge(surface, crossing));
+    facets.add(first.geometry());
+    if (pair.first != pair.second) facets.add(second.geometry());
+    if (const std::optional<Vec3> point = facets.find_crossing()) {
+      crossing.point = *point;
+      return crossing;
+    }
+  }
+  return {};
+}
+
 std::optional<TriangleIntersection> find_crossing(const FacePair& pair, const Mesh& surface,
                                                   const GeometricModel& model) {
   constexpr double kLeastDepth = 1e-3;  // of the triangles' edges
   FaceArea first(model, pair.first), second(model, pair.second);
-  if (!first.has_plane() || !second.has_plane()) return {};
+  if (!first.has_plane() && !second.has_plane()) return find_crossing_of_facets(pair, first, second, surface);
+  if (!first.has_plane() || !second.has_plane() || pair.first == pair.second) return {};
   for (TriangleIntersection crossing : pair.crossings) {
-    const double length = std::max(longest_edge(surface, crossing.first), longest_edge(surface, crossing.second));
+    const double length = longest_edge(surface, crossing);
     const auto common = find_common_point(first.geometry(), second.geometry(), crossing.point, length);
     if (!common || !first.holds(common->first, kLeastDepth * length) ||
         !second.holds(common->second, kLeastDepth * length))
@@ -148,7 +205,7 @@ std::vector<FacePair> group_by_faces(std::span<const TriangleIntersection> cross
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;
   for (const TriangleIntersection& crossing : crossings) {
     const std::uint32_t a = surface.tri_to_entity[crossing.first], b = surface.tri_to_entity[crossing.second];
-    if (crossing.kind != IntersectionKind::Crossing || a == b || !share_region(sides[a], sides[b])) continue;
+    if (crossing.kind != IntersectionKind::Crossing || !share_region(sides[a], sides[b])) continue;
     const auto [at, is_new] = known.try_emplace(std::minmax(a, b), pairs.size());
     if (is_new) pairs.push_back({ModelFaceId(a), ModelFaceId(b), {}});
     if (pairs[at->second].crossings.size() < kMostTries) pairs[at->second].crossings.push_back(crossing);
