@@ -1,9 +1,13 @@
 // Facet models (STL, OBJ) through the whole mesher: their faces have no parameter plane and are remeshed in space.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <string>
 
 #include "mesher/surface/surface_mesher.hpp"
 #include "tests/support/analytic_model.hpp"
@@ -141,6 +145,108 @@ TEST_CASE("a sharp edge that fades out in a smooth face stays sharp") {
   double farthest = 0;
   for (const Vec3& p : result.mesh.points) farthest = std::max(farthest, p.x);
   CHECK(farthest > 0.995);
+}
+
+namespace {
+
+// Two sheets over a sector, with a sharp corner where its straight sides meet; away from there they swell to a round rim.
+std::unique_ptr<GeometricModel> make_sharp_leaf(double feature_angle) {
+  constexpr int kRings = 24, kRays = 12;
+  constexpr double kWidth = 1.05, kThin = 0.02, kThick = 1.2;
+  std::vector<Vec3> points{{0, 0, 0}};
+  std::map<std::array<int, 3>, std::uint32_t> known;
+  const auto point = [&](int ring, int ray, int sheet) {
+    if (ring == 0) return std::uint32_t{0};
+    if (ray == 0 || ray == kRays || ring == kRings) sheet = 0;
+    const auto [at, is_new] = known.try_emplace({ring, ray, sheet}, static_cast<std::uint32_t>(points.size()));
+    if (is_new) {
+      const double r = 1.0 * ring / kRings, across = 1.0 * ray / kRays, angle = (across - 0.5) * kWidth;
+      const double slope = kThin + (kThick - kThin) * r * r;
+      points.push_back({r * std::cos(angle), r * std::sin(angle),
+                        sheet * r * slope * std::sin(std::numbers::pi * across) * std::sqrt(1 - r * r)});
+    }
+    return at->second;
+  };
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (const int sheet : {1, -1})
+    for (int i = 0; i < kRings; ++i)
+      for (int j = 0; j < kRays; ++j) {
+        const std::uint32_t a = point(i, j, sheet), b = point(i + 1, j, sheet), c = point(i + 1, j + 1, sheet),
+                            d = point(i, j + 1, sheet);
+        using Triangle = std::array<std::uint32_t, 3>;
+        for (Triangle t : j < kRays / 2 ? std::array{Triangle{a, b, d}, Triangle{b, c, d}}
+                                        : std::array{Triangle{a, b, c}, Triangle{a, c, d}}) {
+          if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+          if (sheet < 0) std::swap(t[1], t[2]);
+          triangles.push_back(t);
+        }
+      }
+  return make_discrete_model(points, triangles, feature_angle);
+}
+
+// A ring whose section is round and which is twisted so far that it passes through itself: a tube along an 8.
+ModelDocument make_crossing_tube() {
+  constexpr std::uint32_t kAlong = 96, kAround = 16;
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t j = 0; j < kAlong; ++j)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double t = 2 * std::numbers::pi * j / kAlong + 0.01, a = 2 * std::numbers::pi * i / kAround;
+      const Vec3 along = normalized({2 * std::cos(t), 2 * std::cos(2 * t), 0.2 * std::cos(t + 1)});
+      const Vec3 side = normalized(cross(along, {0, 0, 1})), up = cross(side, along);
+      points.push_back(Vec3{2 * std::sin(t), std::sin(2 * t), 0.2 * std::sin(t + 1)} +
+                       0.3 * (std::cos(a) * side - std::sin(a) * up));
+      const std::uint32_t p = j * kAround + i, q = j * kAround + (i + 1) % kAround;
+      const auto next = [&](std::uint32_t v) { return (v + kAround) % (kAlong * kAround); };
+      triangles.push_back({p, q, next(q)}), triangles.push_back({p, next(q), next(p)});
+    }
+  ModelDocument document;
+  document.model = make_discrete_model(points, triangles, 40 * std::numbers::pi / 180);
+  return document;
+}
+
+}  // namespace
+
+TEST_CASE("both sides of a sharp corner may belong to one face: no triangle lies on another one") {
+  const auto leaf = make_sharp_leaf(100 * std::numbers::pi / 180);
+  REQUIRE(leaf->topology().face_count() == 1);
+  REQUIRE(leaf->topology().edge_count() == 2);
+  for (const double size : {0.3, 0.15, 0.1, 0.05}) {
+    CAPTURE(size);
+    MeshOptions options;
+    options.sizes.size = size;
+    const MeshResult result = make_mesh(*leaf, options);
+    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+    REQUIRE(result.status == MeshStatus::Ok);
+    CHECK(validate_mesh(result.mesh).problems.empty());
+    if (size <= 0.1) CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a scan that passes through itself is known at once, and meshed when it is made anew") {
+  const ModelDocument crossing = make_crossing_tube();
+  MeshOptions options;
+  options.sizes.size = 0.12;
+  options.stop_where_model_crosses = true;
+  const MeshResult first = make_mesh(*crossing.model, options);
+  CHECK(first.stopped_early);
+  CHECK(first.refinement.rounds == 0);
+  const std::vector<ModelRegionId> regions = regions_that_cross(first, crossing.model->topology());
+  REQUIRE(regions == std::vector{ModelRegionId(0)});
+  const std::optional<ModelDocument> rebuilt = rebuild_solids(crossing, regions);
+  REQUIRE(rebuilt.has_value());
+  std::vector<std::string> digests;
+  for (const int threads : {1, 2}) {
+    options.threads = threads;
+    const MeshResult result = make_mesh(*rebuilt->model, options);
+    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+    REQUIRE(result.status == MeshStatus::Ok);
+    CHECK(validate_mesh(result.mesh).problems.empty());
+    CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.03));
+    CHECK(result.model_volume < crossing.model->volume(ModelRegionId(0)));
+    digests.push_back(mesh_digest(result.mesh));
+  }
+  CHECK(digests[0] == digests[1]);
 }
 
 #ifdef TETLOOM_WORKER
