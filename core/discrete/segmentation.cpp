@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/discrete/creases.hpp"
+#include "core/discrete/pinched_points.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -11,13 +12,15 @@ namespace {
 /// Links the walls into model edges.
 class ChainTracer {
  public:
-  ChainTracer(const FacetSurface& surface, const std::vector<bool>& walls, double feature_angle, Segmentation& result)
+  ChainTracer(const FacetSurface& surface, const std::vector<bool>& walls, std::span<const std::uint32_t> pinched,
+              double feature_angle, Segmentation& result)
       : surface_(surface), least_cosine_(std::cos(feature_angle)), result_(result) {
     for (std::uint32_t edge = 0; edge < surface.edges.size(); ++edge) {
       if (walls[edge]) rims_.push_back(edge);
     }
     collect_incidence();
     find_breaks();
+    for (const std::uint32_t v : pinched) is_break_[v] = true;
   }
 
   void run() {
@@ -191,9 +194,11 @@ std::uint32_t next_rim_half(const FacetSurface& surface, const Segmentation& seg
 
 Segmentation segment_surface(const FacetSurface& surface, double feature_angle) {
   Segmentation result;
-  const std::vector<bool> walls = find_walls(surface, feature_angle);
+  std::vector<bool> walls = find_walls(surface, feature_angle);
+  const std::vector<std::uint32_t> pinched = find_pinched_points(surface);
+  add_walls_at(pinched, surface, walls);
   result.tri_to_face = flood_between_walls(surface, walls, result.face_count);
-  ChainTracer(surface, walls, feature_angle, result).run();
+  ChainTracer(surface, walls, pinched, feature_angle, result).run();
   LoopTracer(surface, result).run();
   return result;
 }

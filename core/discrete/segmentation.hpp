@@ -4,8 +4,8 @@
 // Faces are the largest sets of facets of one group and one leaf that can be walked without crossing a wall (see
 // creases.hpp). Model edges are chains of walls: between different faces, at the rims of leaves, and within one face
 // where a crease fades out in it; such an edge appears twice in the face, once in each direction. Model vertices lie
-// where chains end, meet, change their faces or turn by more than the feature angle; a closed chain without any gets
-// one at its lowest point.
+// where chains end, meet, change their faces or turn by more than the feature angle, and where the surface touches
+// itself in a point, at which each fan of facets gets an edge; a closed chain without any gets one at its lowest point.
 #include <cstdint>
 #include <vector>
 
