@@ -1,8 +1,8 @@
 #include "core/discrete/pinched_points.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
+#include <utility>
 
 namespace tetloom::detail {
 namespace {
@@ -14,14 +14,15 @@ class FanWalker {
  public:
   explicit FanWalker(const FacetSurface& surface) : surface_(surface) {}
 
-  // The half-edges of the fan that `start` belongs to, from the same point.
-  void collect(std::uint32_t start, Halves& fan) const {
+  // The half-edges of the fan that `start` belongs to, from the same point. Whether the fan goes all around it.
+  bool collect(std::uint32_t start, Halves& fan) const {
     fan.assign(1, start);
     for (std::uint32_t half = left_of(start); half != kNone; half = left_of(half)) {
-      if (half == start) return;
+      if (half == start) return true;
       fan.push_back(half);
     }
     for (std::uint32_t half = right_of(start); half != kNone; half = right_of(half)) fan.push_back(half);
+    return false;
   }
 
  private:
@@ -61,11 +62,11 @@ class SlitMaker {
     const auto edge_of = [&](std::uint32_t half) { return surface_.edges.half_to_edge[half]; };
     if (std::ranges::any_of(fan, [&](std::uint32_t half) { return walls_[edge_of(half)]; })) return;
     if (std::ranges::any_of(fan, [&](std::uint32_t half) { return walls_[edge_of(previous_half(half))]; })) return;
-    // A point that is on no wall yet, so that the slit does not part the face.
+    // An edge between two points that are on no other wall has the same corners on both of its sides, so there are two.
     const auto free = std::ranges::find_if(fan, [&](std::uint32_t half) { return !is_on_wall_[surface_.head(half)]; });
-    const std::uint32_t half = free == fan.end() ? fan.front() : *free;
-    const std::uint32_t ahead = free == fan.end() ? kNone : straight_on(half);
-    add(edge_of(half));
+    if (free == fan.end()) return add(edge_of(fan.front()));
+    const std::uint32_t ahead = straight_on(*free);
+    add(edge_of(*free));
     if (ahead != kNone) add(edge_of(ahead));
   }
 
@@ -78,19 +79,19 @@ class SlitMaker {
     mark(edge);
   }
 
-  // The half-edge from the head of `half` that turns least and ends on no wall.
+  // The half-edge from the head of `half` that turns least, of those that end on no wall where there are any.
   std::uint32_t straight_on(std::uint32_t half) const {
     Halves fan;
-    const std::uint32_t start = next_half(half);
-    FanWalker(surface_).collect(start, fan);
-    const Vec3 from = surface_.points[surface_.origin(half)], middle = surface_.points[surface_.head(half)];
-    const Vec3 along = normalized(middle - from);
+    FanWalker(surface_).collect(next_half(half), fan);
+    const Vec3 middle = surface_.points[surface_.head(half)];
+    const Vec3 along = normalized(middle - surface_.points[surface_.origin(half)]);
     std::uint32_t best = kNone;
-    double straightest = 0;
+    std::pair<bool, double> best_worth;
     for (const std::uint32_t next : fan) {
-      if (is_on_wall_[surface_.head(next)] || surface_.head(next) == surface_.origin(half)) continue;
-      const double cosine = dot(along, normalized(surface_.points[surface_.head(next)] - middle));
-      if (cosine > straightest) straightest = cosine, best = next;
+      const std::uint32_t head = surface_.head(next);
+      if (head == surface_.origin(half)) continue;
+      const std::pair worth{!is_on_wall_[head], dot(along, normalized(surface_.points[head] - middle))};
+      if (best == kNone || worth > best_worth) best = next, best_worth = worth;
     }
     return best;
   }
@@ -109,13 +110,16 @@ std::vector<std::uint32_t> find_pinched_points(const FacetSurface& surface) {
     if (count[v]++ == 0) first[v] = half;
   }
   const FanWalker walker(surface);
-  std::vector<std::uint32_t> pinched;
+  std::vector<std::uint32_t> candidates, pinched;
   Halves fan;
   for (std::uint32_t v = 0; v < surface.points.size(); ++v) {
     if (count[v] == 0) continue;
     walker.collect(first[v], fan);
-    if (fan.size() < count[v]) pinched.push_back(v);
+    if (fan.size() < count[v]) candidates.push_back(v);
   }
+  // Where all fans end at edges that are no joints, as along an edge of four facets, these bound faces already.
+  for (const auto& [v, halves] : halves_from(candidates, surface))
+    if (std::ranges::any_of(halves, [&](std::uint32_t half) { return walker.collect(half, fan); })) pinched.push_back(v);
   return pinched;
 }
 

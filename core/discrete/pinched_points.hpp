@@ -7,7 +7,8 @@
 
 namespace tetloom::detail {
 
-/// The points around which the facets are not one fan but several, as where two tips touch; ascending.
+/// The points around which the facets are not one fan but several, one of them all around the point, as where two tips
+/// touch; ascending.
 std::vector<std::uint32_t> find_pinched_points(const FacetSurface& surface);
 
 /// Adds walls so that pinched points lie on the rim of a face in each of their fans: in a fan without any, one or two

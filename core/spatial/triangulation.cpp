@@ -195,7 +195,8 @@ bool Triangulation::collapse_keeps_topology(std::uint32_t h) const {
   bool allowed = true;
   std::uint32_t shared = 0;
   for_each_outgoing(from, [&](std::uint32_t spoke) {
-    if (fixed_[spoke] || twin_[spoke] == kNone || fixed_[prev(spoke)] || twin_[prev(spoke)] == kNone) {
+    const bool is_second = target(spoke) == to && spoke != h;  // it would become a loop
+    if (is_second || fixed_[spoke] || twin_[spoke] == kNone || fixed_[prev(spoke)] || twin_[prev(spoke)] == kNone) {
       allowed = false;
       return false;
     }

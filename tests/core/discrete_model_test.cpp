@@ -371,3 +371,23 @@ TEST_CASE("a model is the same whatever way it is made twice") {
   }
   CHECK(a->topology().region_count() == 1);
 }
+
+TEST_CASE("where a surface touches itself in a point, each side has an edge that begins there") {
+  // A ring whose hole has shrunk to a point.
+  Facets horn = make_torus(1, 1, 32, 24);
+  for (Vec3& p : horn.points)
+    if (std::hypot(p.x, p.y) < 1e-9) p = {0, 0, 0};
+  const auto model = make_discrete_model(horn.points, horn.triangles, 40 * M_PI / 180);
+  const ModelTopology& topology = model->topology();
+  CHECK(topology.face_count() == 1);
+  CHECK(topology.region_count() == 1);
+  std::size_t at_point = 0;
+  for (std::uint32_t v = 0; v < topology.vertex_count; ++v)
+    if (model->vertex_point(ModelVertexId(v)) == Vec3{}) ++at_point;
+  CHECK(at_point == 1);
+  REQUIRE(topology.edge_count() == 2);
+  for (const ModelEdgeTopology& edge : topology.edges) {
+    const auto is_middle = [&](ModelVertexId v) { return model->vertex_point(v) == Vec3{}; };
+    CHECK((is_middle(edge.vertices[0]) || is_middle(edge.vertices[1])));
+  }
+}

@@ -1,6 +1,7 @@
 #include "core/spatial/triangulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <random>
 #include <set>
@@ -86,6 +87,16 @@ TEST_CASE("a collapse is refused for a vertex on the rim or on a fixed edge") {
   CHECK(mesh.collapse_keeps_topology(mesh.find_half_edge(4, 1)));
   mesh.fix(mesh.find_half_edge(4, 5), 1);
   CHECK_FALSE(mesh.collapse_keeps_topology(mesh.find_half_edge(4, 1)));
+}
+
+TEST_CASE("an edge is not collapsed where another one joins its ends") {
+  // Two discs of two triangles each, glued along both of the edges from a to b.
+  Triangulation mesh;
+  const std::uint32_t a = mesh.add_vertex(), b = mesh.add_vertex(), c = mesh.add_vertex(), d = mesh.add_vertex();
+  mesh.add_triangle(a, b, c), mesh.add_triangle(b, a, c), mesh.add_triangle(b, a, d), mesh.add_triangle(a, b, d);
+  for (const auto& [h, g] : {std::array{1u, 5u}, {2u, 4u}, {7u, 11u}, {8u, 10u}, {0u, 6u}, {3u, 9u}}) mesh.link(h, g);
+  REQUIRE(mesh.validate());
+  for (const std::uint32_t h : {0u, 3u, 6u, 9u}) CHECK_FALSE(mesh.collapse_keeps_topology(h));
 }
 
 TEST_CASE("random flips, splits and collapses keep the topology of a disc") {

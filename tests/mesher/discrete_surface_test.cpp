@@ -223,6 +223,38 @@ TEST_CASE("both sides of a sharp corner may belong to one face: no triangle lies
   }
 }
 
+TEST_CASE("a surface that touches itself in a point is meshed on both sides of it") {
+  // A ring whose hole has shrunk to a point.
+  constexpr std::uint32_t kAlong = 32, kAround = 24;
+  std::vector<Vec3> points{{0, 0, 0}};
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const auto point = [](std::uint32_t i, std::uint32_t j) {
+    return j == 0 || j == kAround ? 0 : 1 + (j - 1) * kAlong + i % kAlong;
+  };
+  for (std::uint32_t j = 1; j < kAround; ++j)
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      const double a = 2 * std::numbers::pi * i / kAlong, b = 2 * std::numbers::pi * j / kAround;
+      points.push_back({(1 - std::cos(b)) * std::cos(a), (1 - std::cos(b)) * std::sin(a), -std::sin(b)});
+    }
+  for (std::uint32_t j = 0; j < kAround; ++j)
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      const std::uint32_t a = point(i, j), b = point(i + 1, j), c = point(i + 1, j + 1), d = point(i, j + 1);
+      if (a != b) triangles.push_back({a, b, c});
+      if (c != d) triangles.push_back({a, c, d});
+    }
+  const auto horn = make_discrete_model(points, triangles, 40 * std::numbers::pi / 180);
+  for (const double size : {0.3, 0.1}) {
+    CAPTURE(size);
+    MeshOptions options;
+    options.sizes.size = size;
+    const MeshResult result = make_mesh(*horn, options);
+    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+    REQUIRE(result.status == MeshStatus::Ok);
+    CHECK(validate_mesh(result.mesh).problems.empty());
+    CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.05));
+  }
+}
+
 TEST_CASE("a scan that passes through itself is known at once, and meshed when it is made anew") {
   const ModelDocument crossing = make_crossing_tube();
   MeshOptions options;
