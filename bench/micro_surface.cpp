@@ -13,8 +13,8 @@
 
 #include "bench/support/sphere_surface.hpp"
 #include "bench/support/wavy_face.hpp"
-#include "mesher/intersection/self_intersection.hpp"
 #include "core/spatial/constrained_delaunay.hpp"
+#include "mesher/intersection/self_intersection.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
 #include "tetloom/size_field.hpp"

@@ -13,8 +13,8 @@
 namespace tetloom::detail {
 namespace {
 
-using FacetPair = std::array<std::uint32_t, 2>;     // ascending
-using FacetTriple = std::array<std::uint32_t, 3>;   // ascending
+using FacetPair = std::array<std::uint32_t, 2>;    // ascending
+using FacetTriple = std::array<std::uint32_t, 3>;  // ascending
 using Segment2 = std::array<std::uint32_t, 2>;
 
 /// What two facets have in common: a chain of points, in the order in which they lie on the segment.

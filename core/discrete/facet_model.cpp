@@ -59,8 +59,7 @@ void FacetModel::measure() {
     const Triangle& t = surface.tri_to_vert[tri];
     const std::uint32_t face = parts_->segmentation().tri_to_face[tri];
     face_to_area_[face] += norm(facet_normal(surface.points, t)) / 2;
-    const Vec3 a = surface.points[t[0]] - center, b = surface.points[t[1]] - center,
-               c = surface.points[t[2]] - center;
+    const Vec3 a = surface.points[t[0]] - center, b = surface.points[t[1]] - center, c = surface.points[t[2]] - center;
     const double volume = dot(a, cross(b, c)) / 6;
     const FaceSides& sides = topology_.face_to_sides[face];
     if (sides.back.valid()) region_to_volume_[sides.back.value] += volume;

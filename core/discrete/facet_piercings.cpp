@@ -21,8 +21,8 @@ Vec2 without_axis(const Vec3& p, int axis) {
 bool meet_in_plane(const std::array<Vec3, 3>& triangle, const Vec3& from, const Vec3& to) {
   const Vec3 normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
   const int axis = std::abs(normal.x) > std::max(std::abs(normal.y), std::abs(normal.z)) ? 0
-                   : std::abs(normal.y) > std::abs(normal.z)                              ? 1
-                                                                                          : 2;
+                   : std::abs(normal.y) > std::abs(normal.z)                             ? 1
+                                                                                         : 2;
   std::array<Vec2, 3> t;
   for (std::size_t i = 0; i < 3; ++i) t[i] = without_axis(triangle[i], axis);
   const Vec2 a = without_axis(from, axis), b = without_axis(to, axis);

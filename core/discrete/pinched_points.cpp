@@ -119,7 +119,8 @@ std::vector<std::uint32_t> find_pinched_points(const FacetSurface& surface) {
   }
   // Where all fans end at edges that are no joints, as along an edge of four facets, these bound faces already.
   for (const auto& [v, halves] : halves_from(candidates, surface))
-    if (std::ranges::any_of(halves, [&](std::uint32_t half) { return walker.collect(half, fan); })) pinched.push_back(v);
+    if (std::ranges::any_of(halves, [&](std::uint32_t half) { return walker.collect(half, fan); }))
+      pinched.push_back(v);
   return pinched;
 }
 

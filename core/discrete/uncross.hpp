@@ -11,14 +11,14 @@ namespace tetloom::detail {
 
 /// Facets without crossings, in place of those given.
 struct UncrossedFacets {
-  std::vector<Vec3> points;               ///< those given, some of them moved by a few 1e-9 of the diagonal at most, and others
-  std::vector<Triangle> tris;             ///< oriented as before
+  std::vector<Vec3> points;    ///< those given, some of them moved by a few 1e-9 of the diagonal at most, and others
+  std::vector<Triangle> tris;  ///< oriented as before
   std::vector<std::uint32_t> tri_to_cut;  ///< the facet that each is a piece of, or is
 };
 
-/// How often the facets, seen as a closed surface with normals pointing outwards, wind around `point`, but for the facet
-/// `left_out`: for a point on that one, the mean of both of its sides. Linear. After van Oosterom & Strackee, "The solid
-/// angle of a plane triangle" (1983).
+/// How often the facets, seen as a closed surface with normals pointing outwards, wind around `point`, but for the
+/// facet `left_out`: for a point on that one, the mean of both of its sides. Linear. After van Oosterom & Strackee,
+/// "The solid angle of a plane triangle" (1983).
 double winding_number(std::span<const Vec3> points, std::span<const Triangle> tris, const Vec3& point,
                       std::uint32_t left_out = 0xffffffffu);
 

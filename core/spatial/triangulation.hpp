@@ -89,8 +89,8 @@ class Triangulation {
   /// Moves the origin of h onto its target and removes the one or two triangles at the edge.
   /// Pre: the link condition holds (see `collapse_keeps_topology`).
   void collapse(std::uint32_t h);
-  /// The link condition: the ends of h share only this edge and the apexes of the triangles at it, and the origin is not
-  /// on a fixed edge.
+  /// The link condition: the ends of h share only this edge and the apexes of the triangles at it, and the origin is
+  /// not on a fixed edge.
   bool collapse_keeps_topology(std::uint32_t h) const;
 
   /// Drops dead slots. Half-edge and triangle numbers change, vertex numbers do not.

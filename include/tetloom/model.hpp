@@ -226,11 +226,10 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
                          const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
 /// A document with some of its solids made anew from the space that their boundary encloses: for those whose boundary
-/// crosses itself. Names and colours follow the faces; all else is as it was, but for the numbering. Facets are cut where
-/// they cross, and those inside left out; what the surface winds around at least once is inside. Solids of facets that
-/// have others on the other side of a face stay as they are. None where no solid can be made anew. `solids` are regions
-/// of the document's model.
-/// Errors and thread safety: as read_model.
+/// crosses itself. Names and colours follow the faces; all else is as it was, but for the numbering. Facets are cut
+/// where they cross, and those inside left out; what the surface winds around at least once is inside. Solids of facets
+/// that have others on the other side of a face stay as they are. None where no solid can be made anew. `solids` are
+/// regions of the document's model. Errors and thread safety: as read_model.
 std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const std::vector<ModelRegionId>& solids,
                                             const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 

@@ -265,7 +265,8 @@ class FaceMesher {
     for (std::uint32_t h = 0; h < end; ++h) {
       if (!topology.alive(h / 3) || !is_inner(topology, h)) continue;
       const std::optional<Chord> chord = chord_of(patch, h);
-      if (!chord || (!std::ranges::binary_search(taken_chords_, *chord) && !std::ranges::binary_search(repeated, *chord)))
+      if (!chord ||
+          (!std::ranges::binary_search(taken_chords_, *chord) && !std::ranges::binary_search(repeated, *chord)))
         continue;
       const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
       const PatchPlace middle = surface.midpoint(a.place, b.place);

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/surface/facet_patch.hpp"
 #include "core/spatial/triangulation.hpp"
+#include "mesher/surface/facet_patch.hpp"
 #include "tetloom/model.hpp"
 
 namespace tetloom::detail {

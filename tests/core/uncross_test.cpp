@@ -71,7 +71,8 @@ TEST_CASE("winding numbers of a sphere and of one within another") {
   CHECK(detail::winding_number(spheres.points, spheres.triangles, {0.1, 0.2, 0.3}) == Approx(1));
   CHECK(detail::winding_number(spheres.points, spheres.triangles, {2, 0, 0}) == Approx(0).margin(1e-12));
   const Vec3 on = (spheres.points[spheres.triangles[0][0]] + spheres.points[spheres.triangles[0][1]] +
-                   spheres.points[spheres.triangles[0][2]]) / 3;
+                   spheres.points[spheres.triangles[0][2]]) /
+                  3;
   CHECK(detail::winding_number(spheres.points, spheres.triangles, on, 0) == Approx(0.5));
   append(spheres, make_sphere({0, 0, 0}, 0.5, 2));
   CHECK(detail::winding_number(spheres.points, spheres.triangles, {0.1, 0.2, 0.3}) == Approx(2));
@@ -143,8 +144,7 @@ TEST_CASE("a region of facets that crosses itself is made anew, with its groups"
 
 TEST_CASE("what cannot be made anew is left alone") {
   const Facets box = make_box({0, 0, 0}, {1, 1, 1});
-  const ModelDocument plain =
-      detail::build_discrete_model({box.points, box.triangles, {}, {}, {}}, {}, nullptr);
+  const ModelDocument plain = detail::build_discrete_model({box.points, box.triangles, {}, {}, {}}, {}, nullptr);
   CHECK_FALSE(detail::rebuild_regions(plain, {}, nullptr).has_value());
   CHECK_FALSE(detail::rebuild_regions(plain, {ModelRegionId(7)}, nullptr).has_value());
   CHECK_FALSE(detail::rebuild_regions(plain, {ModelRegionId(0)}, nullptr).has_value());

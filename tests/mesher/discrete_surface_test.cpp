@@ -1,7 +1,7 @@
 // Facet models (STL, OBJ) through the whole mesher: their faces have no parameter plane and are remeshed in space.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <array>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -149,7 +149,8 @@ TEST_CASE("a sharp edge that fades out in a smooth face stays sharp") {
 
 namespace {
 
-// Two sheets over a sector, with a sharp corner where its straight sides meet; away from there they swell to a round rim.
+// Two sheets over a sector, with a sharp corner where its straight sides meet; away from there they swell to a round
+// rim.
 std::unique_ptr<GeometricModel> make_sharp_leaf(double feature_angle) {
   constexpr int kRings = 24, kRays = 12;
   constexpr double kWidth = 1.05, kThin = 0.02, kThick = 1.2;
