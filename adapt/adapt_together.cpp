@@ -96,6 +96,7 @@ void adapt_together(const AdaptCall& call, const SharedWork& work, AdaptReport& 
                                  : AdapterInput{call.mesh, call.mesh_given_up, std::move(metric)};
     adapter.emplace(std::move(input), call.function, call.options, work);
   });
+  adapter->spread();
   report.stages.set_up = watch.lap();
   adapter->run(report);
   watch.lap();

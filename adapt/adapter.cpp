@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adapt/metric/tet_edges.hpp"
+#include "adapt/parts/make_tiles.hpp"
 #include "adapt/parts/model_fit.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/geometry/model_projector.hpp"
@@ -118,11 +119,31 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
       whole_(make_whole_mesh(input.mesh, runner_)) {
   if (options.model) require_model_fits(whole_, mesh_, *options.model, runner_);
   if (input.given_up) drop_elements(*input.given_up, options.transfer);
+  MetricField metric = function ? MetricField() : std::move(input.metric);
   const std::size_t given = whole_.points.size();
   touching_ = separate_fans(whole_, runner_);
+  // Fields are carried over from a mesh in one piece.
+  if (work_.rank_count() > 1 && options.transfer.empty()) {
+    keep_share(given, std::move(metric));
+    return;
+  }
   WholeMesh rest;
   links_ = take_share(whole_, work_, &rest);
-  keep_background(rest.size() > 0 ? rest : whole_, given, function ? MetricField() : std::move(input.metric));
+  keep_background(rest.size() > 0 ? rest : whole_, given, std::move(metric));
+}
+
+void Adapter::keep_share(std::size_t given, MetricField&& metric) {
+  const WholeFindings found = find_in_whole(whole_, touching_, given, runner_);
+  links_ = take_share(whole_, work_);
+  share_verts_ = verts_of_share(whole_, links_, touching_, found, metric);
+  metric = MetricField();
+}
+
+void Adapter::spread() {
+  if (background_) return;
+  tiles_ = make_tiles(whole_, links_, share_verts_, work_);
+  share_verts_ = ShareVerts();
+  background_.emplace(*tiles_);
 }
 
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.
@@ -159,6 +180,7 @@ void Adapter::follow_stages() {
 
 void Adapter::approach_metric() {
   implied_ = {};  // which only stages ask for
+  if (tiles_) work_.each([&] { tiles_->drop_implied(); });
   round(HUGE_VAL, {refine, kPasses.longest});
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kEnd.most_rounds && idle < 2; ++i) {
@@ -218,7 +240,7 @@ void Adapter::carry_fields(AdaptReport& report) {
     });
     report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
   }
-  background_.reset(), implied_ = {};
+  background_.reset(), tiles_.reset(), implied_ = {};
   whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
 }
 
@@ -269,17 +291,39 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
   return sum;
 }
 
+// Calls look_up(v) for all vertices; again where the tile that has one was not at hand. In together.
+template <class LookUp>
+void Adapter::look_up_verts(const MetricStage& stage, const LookUp& look_up) {
+  const std::size_t count = whole_.points.size();
+  if (!tiles_ || !stage.looks_up()) {
+    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) look_up(v);
+    });
+    return;
+  }
+  std::vector<std::uint32_t> tiles;
+  std::vector<std::vector<std::uint32_t>> waiting((count + kGrain - 1) / kGrain);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    tiles.push_back(whole_.to_hint[v] / kTileTets);
+    waiting[v / kGrain].push_back(v);
+  }
+  tiles_->fetch_only(std::move(tiles), work_);
+  tiles_->until_found(work_, [&] {
+    runner_.for_each(waiting.size(), [&](std::size_t block) {
+      std::erase_if(waiting[block], [&](std::uint32_t v) { return tiles_->finds([&] { look_up(v); }); });
+    });
+  });
+}
+
 // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
 double Adapter::refinement() {
   const MetricStage stage(*background_, implied_, function_, 1);
   const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
   std::vector<double> most(blocks, 0);
-  runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      std::uint32_t hint = whole_.to_hint[v];
-      most[begin / kGrain] = std::max(most[begin / kGrain], stage.refinement_at(whole_.points[v], hint));
-      whole_.to_hint[v] = hint;
-    }
+  look_up_verts(stage, [&](std::size_t v) {
+    std::uint32_t hint = whole_.to_hint[v];
+    most[v / kGrain] = std::max(most[v / kGrain], stage.refinement_at(whole_.points[v], hint));
+    whole_.to_hint[v] = hint;
   });
   std::array<double, 1> all{0};
   for (const double one : most) all[0] = std::max(all[0], one);
@@ -288,15 +332,13 @@ double Adapter::refinement() {
 }
 
 void Adapter::set_metric(const MetricStage& stage) {
-  runner_.for_blocks(whole_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      std::uint32_t hint = whole_.to_hint[v];
-      const Tensor tensor = stage.at(whole_.points[v], hint);
-      // Where the stage asks for something else than the last one, everything is looked at again.
-      if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
-      whole_.to_metric[v] = {tensor, det(tensor)};
-      whole_.to_hint[v] = hint;
-    }
+  look_up_verts(stage, [&](std::size_t v) {
+    std::uint32_t hint = whole_.to_hint[v];
+    const Tensor tensor = stage.at(whole_.points[v], hint);
+    // Where the stage asks for something else than the last one, everything is looked at again.
+    if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
+    whole_.to_metric[v] = {tensor, det(tensor)};
+    whole_.to_hint[v] = hint;
   });
 }
 
@@ -329,7 +371,8 @@ void Adapter::round(double ratio, const Work& work) {
     counts[number] = passes.counts();
   };
   const SideSplitOptions sides{work.longest, pass_options.floor, pass_options.most_tets, options_.model != nullptr};
-  const std::size_t split = adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides}, work_);
+  BackgroundTiles* const tiles = stage.looks_up() ? tiles_.get() : nullptr;
+  const std::size_t split = adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides, tiles}, work_);
   seconds_.parts += watch.lap();
   last_counts_ = PassCounts();
   for (const PassCounts& part : counts) last_counts_.add(part);

@@ -1,6 +1,7 @@
 #pragma once
 // The rounds of one adaptation.
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/share_in_parts.hpp"
+#include "adapt/parts/share_verts.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
@@ -33,6 +35,8 @@ class Adapter {
   /// fit; Cancelled.
   Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options, const SharedWork& work);
 
+  /// Spreads the mesh that was given over the ranks. To be called in together before `run`.
+  void spread();
   /// Adapts, and fills in what the report says of fields, operations, rounds and stages.
   void run(AdaptReport& report);
 
@@ -62,7 +66,10 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
+  void keep_share(std::size_t given, MetricField&& metric);
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
+  template <class LookUp>
+  void look_up_verts(const MetricStage& stage, const LookUp& look_up);
   double refinement();
   void follow_stages();
   void approach_metric();
@@ -86,6 +93,8 @@ class Adapter {
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
+  ShareVerts share_verts_;                  // until the tiles are made
+  std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;
   CarriedFields carried_;            // for this rank's share, after the last round
