@@ -6,6 +6,7 @@
 #include "adapt/metric/tet_edges.hpp"
 #include "adapt/parts/make_tiles.hpp"
 #include "adapt/parts/model_fit.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/geometry/model_projector.hpp"
 
@@ -111,32 +112,43 @@ bool Adapter::Fit::is_better_than(const Fit& other) const {
 
 Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options,
                  const SharedWork& work)
-    : mesh_(input.mesh),
-      function_(function),
-      options_(options),
-      work_(work),
-      runner_(work.runner()),
-      whole_(make_whole_mesh(input.mesh, runner_)) {
-  if (options.model) require_model_fits(whole_, mesh_, *options.model, runner_);
-  if (input.given_up) drop_elements(*input.given_up, options.transfer);
-  MetricField metric = function ? MetricField() : std::move(input.metric);
-  const std::size_t given = whole_.points.size();
-  touching_ = separate_fans(whole_, runner_);
+    : mesh_(input.mesh), function_(function), options_(options), work_(work), runner_(work.runner()) {
+  if (function) input.metric = MetricField();
   // Fields are carried over from a mesh in one piece.
-  if (work_.rank_count() > 1 && options.transfer.empty()) {
-    keep_share(given, std::move(metric));
-    return;
-  }
-  WholeMesh rest;
-  links_ = take_share(whole_, work_, &rest);
-  keep_background(rest.size() > 0 ? rest : whole_, given, std::move(metric));
+  if (work_.rank_count() > 1 && options.transfer.empty())
+    keep_share(std::move(input));
+  else
+    keep_all(std::move(input));
 }
 
-void Adapter::keep_share(std::size_t given, MetricField&& metric) {
-  const WholeFindings found = find_in_whole(whole_, touching_, given, runner_);
+void Adapter::keep_all(AdapterInput&& input) {
+  whole_ = make_whole_mesh(mesh_, runner_);
+  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  if (input.given_up) drop_elements(*input.given_up, options_.transfer);
+  const std::size_t given = whole_.points.size();
+  touching_ = separate_fans(whole_, runner_);
+  WholeMesh rest;
+  links_ = take_share(whole_, work_, &rest);
+  keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
+}
+
+// What there is at vertices is known before tets are linked, so that not all of it is there at once.
+void Adapter::keep_share(AdapterInput&& input) {
+  ShareVerts verts;
+  const auto look = [&](const tets::TetMesh& tets) {
+    const std::vector<std::uint32_t> firsts = equal_ranges(tets.size(), static_cast<std::size_t>(work_.rank_count()));
+    const std::size_t rank = static_cast<std::size_t>(work_.rank()), first = firsts[rank];
+    verts = verts_of_tets(tets, first, firsts[rank + 1] - first, input.metric, runner_);
+    input.metric = MetricField();
+    give_back_free_memory();
+  };
+  whole_ = make_whole_mesh(mesh_, runner_, {input.given_up, false, look});
+  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  if (input.given_up) drop_elements(*input.given_up, options_.transfer);
+  const std::size_t given = whole_.points.size();
+  touching_ = separate_fans(whole_, runner_);
   links_ = take_share(whole_, work_);
-  share_verts_ = verts_of_share(whole_, links_, touching_, found, metric);
-  metric = MetricField();
+  share_verts_ = as_in_share(verts, whole_, links_, touching_, given);
 }
 
 void Adapter::spread() {
@@ -180,7 +192,7 @@ void Adapter::follow_stages() {
 
 void Adapter::approach_metric() {
   implied_ = {};  // which only stages ask for
-  if (tiles_) work_.each([&] { tiles_->drop_implied(); });
+  if (tiles_) work_.each([&] { tiles_->drop_implied(), give_back_free_memory(); });
   round(HUGE_VAL, {refine, kPasses.longest});
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kEnd.most_rounds && idle < 2; ++i) {

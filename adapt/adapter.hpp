@@ -66,7 +66,8 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
-  void keep_share(std::size_t given, MetricField&& metric);
+  void keep_all(AdapterInput&& input);
+  void keep_share(AdapterInput&& input);
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
   template <class LookUp>
   void look_up_verts(const MetricStage& stage, const LookUp& look_up);

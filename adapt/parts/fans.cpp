@@ -115,8 +115,8 @@ class Separator {
   }
 
   std::uint32_t add_vert(std::uint32_t v) {
-    whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
-    whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
+    whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
+    if (!whole_.to_metric.empty()) whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
     whole_.to_hint.push_back(std::uint32_t{whole_.to_hint[v]});
     whole_.to_state.push_back(std::uint8_t{whole_.to_state[v]});
     to_slot_.push_back(to_slot_[v]);
@@ -175,26 +175,13 @@ TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
   return Separator(whole, std::move(pinches)).run();
 }
 
-std::uint32_t vert_before_fans(const WholeMesh& whole, const TouchingVerts& touching, std::size_t given,
-                               std::uint32_t vert) {
-  return vert < given ? vert : touching.verts[whole.to_entity[vert].unpack().index - touching.first];
-}
-
 std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
                                                            std::size_t given, const TaskRunner& runner) {
   auto tets = tets_of(whole, runner);
   if (whole.points.size() == given) return tets;
   for (auto& tet : tets)
-    for (std::uint32_t& v : tet) v = vert_before_fans(whole, touching, given, v);
-  return tets;
-}
-
-std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
-                                                           std::size_t given, std::size_t first, std::size_t count) {
-  std::vector<std::array<std::uint32_t, 4>> tets(count);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = 0; j < 4; ++j)
-      tets[i][j] = vert_before_fans(whole, touching, given, whole.to_vert[(first + i) * 4 + j]);
+    for (std::uint32_t& v : tet)
+      if (v >= given) v = touching.verts[whole.to_entity[v].unpack().index - touching.first];
   return tets;
 }
 

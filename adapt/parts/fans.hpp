@@ -35,14 +35,9 @@ struct TouchingVerts {
 /// Complexity: linear in the tets, and sorting for the surface.
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner);
 
-/// A vertex of a mesh of `given` points, as it was before `separate_fans`.
-std::uint32_t vert_before_fans(const WholeMesh& whole, const TouchingVerts& touching, std::size_t given,
-                               std::uint32_t vert);
-/// The vertices of all tets of such a mesh, and those of `count` tets from `first` on.
+/// The vertices of the tets of a mesh of `given` points as they were before `separate_fans`.
 std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
                                                            std::size_t given, const TaskRunner& runner);
-std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
-                                                           std::size_t given, std::size_t first, std::size_t count);
 
 /// Makes one vertex of those that `separate_fans` made of one. Returns, of each vertex that is left, the number that it
 /// had, ascending; empty where all are left. Neighbours, hints and states are of no use then.

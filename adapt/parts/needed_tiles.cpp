@@ -6,20 +6,34 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kAtOnce = 8;    // neighbouring tets that are asked for together
-constexpr double kBeside = 0.1;       // of a tet's box
-constexpr std::size_t kGrain = 1024;  // such groups
+constexpr double kBeside = 0.1;   // of a tet's box
+constexpr double kTogether = 2;   // boxes of tets are joined up to so many times the diagonal of one
+constexpr std::size_t kGrain = std::size_t{1} << 12;
 
-// Around some tets of a part, with what lies beside each of them.
-Box3 box_of_tets(const CavityMesh& part, std::size_t begin, std::size_t end) {
-  Box3 all;
-  for (std::size_t tet = begin; tet < end; ++tet) {
-    Box3 box;
-    for (std::size_t i = 0; i < 4; ++i) box.add(part.point(part.mesh.to_vert[tet * 4 + i]));
-    const Vec3 beside = kBeside * (box.hi - box.lo);
-    all.add(box.lo - beside), all.add(box.hi + beside);
+// Around a tet, with what lies beside it.
+Box3 box_of_tet(const CavityMesh& part, std::size_t tet) {
+  Box3 box;
+  for (std::size_t i = 0; i < 4; ++i) box.add(part.point(part.mesh.to_vert[tet * 4 + i]));
+  const Vec3 beside = kBeside * (box.hi - box.lo);
+  box.add(box.lo - beside), box.add(box.hi + beside);
+  return box;
+}
+
+// Tets that follow each other are mostly neighbours, and asked for together.
+void find_tiles(const CavityMesh& part, std::size_t begin, std::size_t end, const BackgroundTiles& tiles,
+                std::vector<std::uint32_t>& found) {
+  Box3 all = box_of_tet(part, begin);
+  for (std::size_t tet = begin + 1; tet < end; ++tet) {
+    const Box3 box = box_of_tet(part, tet);
+    Box3 joined = all;
+    joined.add(box);
+    if (joined.diagonal() > kTogether * box.diagonal()) {
+      tiles.find_tiles(all, found);
+      joined = box;
+    }
+    all = joined;
   }
-  return all;
+  tiles.find_tiles(all, found);
 }
 
 void sort_unique(std::vector<std::uint32_t>& tiles) {
@@ -33,13 +47,9 @@ std::vector<std::uint32_t> needed_tiles(std::span<const PartOfWhole> parts, cons
                                         const TaskRunner& runner) {
   std::vector<std::uint32_t> needed;
   for (const PartOfWhole& part : parts) {
-    const std::size_t count = part.mesh.mesh.size(), groups = (count + kAtOnce - 1) / kAtOnce;
-    const auto blocks = map_blocks(runner, groups, kGrain, std::vector<std::uint32_t>(),
+    const auto blocks = map_blocks(runner, part.mesh.mesh.size(), kGrain, std::vector<std::uint32_t>(),
                                    [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) {
-                                     for (std::size_t i = begin; i < end; ++i)
-                                       tiles.find_tiles(box_of_tets(part.mesh, i * kAtOnce,
-                                                                    std::min(count, (i + 1) * kAtOnce)),
-                                                        found);
+                                     find_tiles(part.mesh, begin, end, tiles, found);
                                      sort_unique(found);
                                    });
     for (const auto& found : blocks) needed.insert(needed.end(), found.begin(), found.end());

@@ -33,7 +33,7 @@ class ShareTaker {
       to_local_[v] = static_cast<std::uint32_t>(to_number.size());
       to_number.push_back(v);
       share_.points.push_back(whole_.points[v]);
-      share_.to_metric.push_back(whole_.to_metric[v]);
+      share_.to_metric.push_back(whole_.to_metric.empty() ? VertexMetric() : whole_.to_metric[v]);
       share_.to_entity.push_back(whole_.to_entity[v]);
       share_.to_hint.push_back(whole_.to_hint[v]);
       share_.to_state.push_back(whole_.to_state[v]);
@@ -81,12 +81,6 @@ bool uses_all_points(const WholeMesh& whole) {
   std::vector<std::uint8_t> used(whole.points.size(), 0);
   for (const std::uint32_t v : whole.to_vert) used[v] = 1;
   return std::ranges::count(used, 0) == 0;
-}
-
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
-  std::vector<std::uint32_t> firsts;
-  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
-  return firsts;
 }
 
 // The face of a tet that a triangle is.
@@ -149,6 +143,12 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
+  std::vector<std::uint32_t> firsts;
+  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
+  return firsts;
+}
 
 FaceCode ShareLinks::behind(FaceCode face) const {
   const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);

@@ -34,7 +34,10 @@ struct ShareLinks {
   FaceCode behind(FaceCode face) const;
 };
 
-/// Keeps this rank's share of `whole`, which all ranks have alike, in equal numbers of tets; points that no tet has
+/// Where the numbers of each rank begin, where all have equally many, and how many there are.
+std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks);
+
+/// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
 /// go. Where that is not all of it, `rest` takes the mesh that it was. In SharedWork::together.
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest = nullptr);
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "adapt/metric/start_grid.hpp"
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/share.hpp"
+#include "core/tets/tet_mesh.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -19,17 +19,14 @@ struct ShareVerts {
   std::vector<std::uint32_t> to_start;  ///< number of a tet near by
 };
 
-/// Of a mesh of `given` points, before it is shared out.
-struct WholeFindings {
-  std::size_t given = 0;
-  StartGrid grid;
-  std::vector<Tensor> implied;
-};
-WholeFindings find_in_whole(const WholeMesh& whole, const TouchingVerts& touching, std::size_t given,
-                            const TaskRunner& runner);
+/// At the vertices of `count` tets from `first` on, ascending. `metric`: one per point, or none. A rank needs 12 bytes
+/// for each tet of the whole meanwhile.
+ShareVerts verts_of_tets(const tets::TetMesh& whole, std::size_t first, std::size_t count, const MetricField& metric,
+                         const TaskRunner& runner);
 
-/// `metric`: one per point that was given, or none.
-ShareVerts verts_of_share(const WholeMesh& share, const ShareLinks& links, const TouchingVerts& touching,
-                          const WholeFindings& found, const MetricField& metric);
+/// The same as the vertices stand in the share that has these tets, where the mesh had `given` points before fans had
+/// vertices of their own.
+ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const ShareLinks& links,
+                       const TouchingVerts& touching, std::size_t given);
 
 }  // namespace tetloom::adapt

@@ -32,7 +32,8 @@ constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 class Builder {
  public:
-  Builder(const Mesh& mesh, const TaskRunner& runner) : mesh_(mesh), runner_(runner) {}
+  Builder(const Mesh& mesh, const TaskRunner& runner, const WholeOptions& options)
+      : mesh_(mesh), runner_(runner), options_(options) {}
 
   WholeMesh run() {
     check_cells(mesh_);
@@ -43,7 +44,7 @@ class Builder {
     WholeMesh whole;
     whole.to_hint.resize(tets_.points.size(), kNone);
     whole.to_state.resize(tets_.points.size(), kHasChanged | kUnsettled);
-    whole.to_metric.resize(tets_.points.size());
+    if (options_.metrics) whole.to_metric.resize(tets_.points.size());
     whole.points = std::move(tets_.points);
     whole.to_entity = std::move(to_entity_);
     whole.to_vert = std::move(tets_.to_vert), whole.to_neighbor = std::move(tets_.to_neighbor);
@@ -55,7 +56,12 @@ class Builder {
  private:
   void link() {
     tets_.points = GrowingArray<Vec3>(std::span<const Vec3>(mesh_.points));
-    const tets::Fault fault = tets::link_tets(tets_, mesh_.tet_to_vert, mesh_.tri_to_vert, runner_);
+    tets::Fault fault = tets::place_tets(tets_, mesh_.tet_to_vert, runner_);
+    if (options_.given_up) options_.given_up->points = {}, options_.given_up->tet_to_vert = {};
+    if (!fault.any()) {
+      if (options_.look) options_.look(tets_);
+      fault = tets::link_placed(tets_, mesh_.tri_to_vert, runner_);
+    }
     if (fault.any()) {
       Diagnostic diagnostic{ErrorCode::InputUnsuitable, fault.message, {}, fault.point, {}};
       diagnostic.elements.assign(fault.triangles.begin(), fault.triangles.end());
@@ -66,7 +72,7 @@ class Builder {
 
   // Every triangle with its tets; every face of the hull, and between regions, must be a triangle.
   void find_triangles() {
-    const tets::TriangleIndex index(mesh_.tri_to_vert, mesh_.points.size());
+    const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
     triangles_.resize(mesh_.tri_to_vert.size());
     const auto unnamed =
         map_blocks(runner_, tets_.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
@@ -174,6 +180,7 @@ class Builder {
 
   const Mesh& mesh_;
   const TaskRunner& runner_;
+  const WholeOptions& options_;
   TetMesh tets_;
   std::vector<LinkedTriangle> triangles_;
   std::vector<ModelEdgePiece> edges_;
@@ -200,7 +207,9 @@ std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const 
   return tets;
 }
 
-WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner, const WholeOptions& options) {
+  return Builder(mesh, runner, options).run();
+}
 
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner) {
   Mesh mesh;

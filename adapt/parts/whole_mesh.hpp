@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
@@ -71,12 +72,19 @@ void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visi
   }
 }
 
+/// How a whole mesh is made.
+struct WholeOptions {
+  Mesh* given_up = nullptr;  ///< the same mesh, where nobody needs its points and the vertices of its tets any more
+  bool metrics = true;       ///< zero; otherwise there are none
+  std::function<void(const TetMesh&)> look;  ///< sees the tets as they will be, before they are linked
+};
+
 /// From the tets, triangles and edges of `mesh`. Where it names no entities, faces of the hull without a triangle get
 /// one without an entity, and edges between triangles of different entities, or of other than two, become pieces of
 /// model edges that are named after them. Metrics are left at zero.
 /// Errors: InputUnsuitable with place and element: cells that are no tets, tets without volume, faces of three tets,
 /// triangles that no tet has, tets of two regions that meet without a triangle.
-WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner, const WholeOptions& options = {});
 
 /// The vertices of its tets.
 std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner);

@@ -1,0 +1,10 @@
+#pragma once
+// Memory that nobody uses and the process still has.
+
+namespace tetloom {
+
+/// Gives pages of the heap on which nothing lies back to the system, wherever they are; nothing where the system knows
+/// no such call. For the ends of stages: what is asked for next has to be touched anew.
+void give_back_free_memory() noexcept;
+
+}  // namespace tetloom
