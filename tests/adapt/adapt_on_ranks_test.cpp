@@ -184,6 +184,29 @@ TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of 
   }
 }
 
+TEST_CASE("ranks look metrics up at points in a mesh that none of them has as a whole", "[adapt][ranks]") {
+  const Mesh cube = unit_cube(11);  // 8,000 tets in 16 tiles
+  // Half of it far coarser than it was, half of it finer by several stages.
+  const auto sizes = [](const Vec3& x) { return adapt::isotropic(x.x < 0.5 ? 0.3 : 0.042); };
+  const auto thin = [](const Vec3& x) { return adapt::diagonal(9, 9, x.x < 0.5 ? 900 : 9); };
+  for (const Metric& metric : {Metric(sizes), Metric(thin)}) {
+    const adapt::MetricField field = adapt::metric_from_function(metric, cube.points);
+    const AdaptResult alone = adapt_mesh(cube, field, in_parts(3000));
+    REQUIRE(alone.status == AdaptStatus::Ok);
+    CHECK(alone.report.most_parts > 1);
+    for (const int ranks : {1, 2, 3, 5}) {
+      CAPTURE(ranks);
+      std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+        results[static_cast<std::size_t>(communicator.rank())] =
+            adapt_mesh_on_ranks(cube, field, in_parts(3000, ranks == 3 ? 2 : 1), communicator);
+      });
+      check_same(alone, results[0]);
+      check_same(alone.mesh, results[0].mesh);
+    }
+  }
+}
+
 TEST_CASE("ranks follow a model", "[adapt][ranks]") {
   const auto model = test_models::make_cylinder(0.5, 1);
   const Mesh mesh = test::meshed(*model, 0.25);
