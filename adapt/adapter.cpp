@@ -122,8 +122,7 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
 }
 
 void Adapter::keep_all(AdapterInput&& input) {
-  whole_ = make_whole_mesh(mesh_, runner_);
-  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  make_whole();
   if (input.given_up) drop_elements(*input.given_up, options_.transfer);
   const std::size_t given = whole_.points.size();
   touching_ = separate_fans(whole_, runner_);
@@ -132,27 +131,50 @@ void Adapter::keep_all(AdapterInput&& input) {
   keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
 }
 
-// What there is at vertices is known before tets are linked, so that not all of it is there at once.
+// What there is at vertices is known first, so that not all of it is there at once.
 void Adapter::keep_share(AdapterInput&& input) {
-  ShareVerts verts;
-  const auto look = [&](const tets::TetMesh& tets) {
-    const std::vector<std::uint32_t> firsts = equal_ranges(tets.size(), static_cast<std::size_t>(work_.rank_count()));
-    const std::size_t rank = static_cast<std::size_t>(work_.rank()), first = firsts[rank];
-    verts = verts_of_tets(tets, first, firsts[rank + 1] - first, input.metric, runner_);
-    input.metric = MetricField();
-    give_back_free_memory();
-  };
-  whole_ = make_whole_mesh(mesh_, runner_, {input.given_up, false, look});
+  given_up_ = input.given_up;
+  const auto rank = static_cast<std::size_t>(work_.rank());
+  const std::vector<std::uint32_t> firsts =
+      equal_ranges(mesh_.tet_to_vert.size(), static_cast<std::size_t>(work_.rank_count()));
+  const TetSlice slice = slice_around(mesh_, firsts[rank], firsts[rank + 1] - firsts[rank]);
+  given_verts_ = verts_of_mesh(mesh_, slice.is_own, input.metric, runner_);
+  input.metric = MetricField();
+  give_back_free_memory();
+  try {
+    whole_ = make_slice_mesh(mesh_, slice, runner_);
+    if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled) throw;
+    make_whole();  // which says what is wrong as one process does
+    throw;
+  }
+  touches_ = has_fans_at(whole_, slice.is_own, runner_);
+  if (!touches_) links_ = take_share(whole_, slice, mesh_.tet_to_vert.size(), work_);
+}
+
+void Adapter::make_whole() {
+  whole_ = make_whole_mesh(mesh_, runner_);
   if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
-  if (input.given_up) drop_elements(*input.given_up, options_.transfer);
-  const std::size_t given = whole_.points.size();
-  touching_ = separate_fans(whole_, runner_);
-  links_ = take_share(whole_, work_);
-  share_verts_ = as_in_share(verts, whole_, links_, touching_, given);
 }
 
 void Adapter::spread() {
   if (background_) return;
+  std::array<double, 1> touches{touches_ ? 1.0 : 0.0};
+  work_.max(touches);
+  const std::size_t given = mesh_.points.size();
+  work_.each([&] {
+    // Fans are named after each other, all over the mesh.
+    if (touches[0] > 0) {
+      make_whole();
+      touching_ = separate_fans(whole_, runner_);
+      links_ = take_share(whole_, work_);
+    }
+    if (given_up_) drop_elements(*given_up_, options_.transfer);
+    share_verts_ = as_in_share(given_verts_, whole_, links_, touching_, given);
+    given_verts_ = ShareVerts();
+    give_back_free_memory();
+  });
   tiles_ = make_tiles(whole_, links_, share_verts_, work_);
   share_verts_ = ShareVerts();
   background_.emplace(*tiles_);

@@ -68,6 +68,7 @@ class Adapter {
 
   void keep_all(AdapterInput&& input);
   void keep_share(AdapterInput&& input);
+  void make_whole();
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
   template <class LookUp>
   void look_up_verts(const MetricStage& stage, const LookUp& look_up);
@@ -94,7 +95,10 @@ class Adapter {
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
-  ShareVerts share_verts_;                  // until the tiles are made
+  // Until the tiles are made.
+  Mesh* given_up_ = nullptr;
+  ShareVerts given_verts_, share_verts_;  // as they were given, and as they stand in the share
+  bool touches_ = false;                  // whether this rank knows of a place where fans touch
   std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;

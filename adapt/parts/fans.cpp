@@ -169,6 +169,11 @@ class Separator {
 
 }  // namespace
 
+bool has_fans_at(const WholeMesh& whole, const std::vector<std::uint8_t>& is_own, const TaskRunner& runner) {
+  const Pinches pinches(whole, runner);
+  return std::ranges::any_of(pinches.verts, [&](std::uint32_t v) { return is_own[v] != 0; });
+}
+
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
   Pinches pinches(whole, runner);
   if (pinches.verts.empty()) return {};

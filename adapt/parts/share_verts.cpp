@@ -1,61 +1,68 @@
 #include "adapt/parts/share_verts.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/metric/start_grid.hpp"
+#include "core/predicates/predicates.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kAtOnce = std::size_t{1} << 15;
+constexpr std::size_t kAtOnce = std::size_t{1} << 15, kGrain = std::size_t{1} << 10;
 
-// Calls visit(tets) for some tets after the other.
+// Calls visit(tets) for some tets after the other, turned so that their volumes are positive.
 template <class Visit>
-void for_some_tets(const tets::TetMesh& whole, const Visit& visit) {
+void for_some_tets(const Mesh& mesh, const TaskRunner& runner, const Visit& visit) {
   std::vector<TetVerts> tets;
-  for (std::size_t first = 0; first < whole.size(); first += kAtOnce) {
-    tets.resize(std::min(kAtOnce, whole.size() - first));
-    for (std::size_t i = 0; i < tets.size(); ++i) std::copy_n(&whole.to_vert[(first + i) * 4], 4, tets[i].begin());
-    visit(TetView{whole.points.span(), tets});
+  for (std::size_t first = 0; first < mesh.tet_to_vert.size(); first += kAtOnce) {
+    tets.resize(std::min(kAtOnce, mesh.tet_to_vert.size() - first));
+    runner.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto& [a, b, c, d] = tets[i] = mesh.tet_to_vert[first + i];
+        if (orient3d(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) < 0)
+          std::swap(tets[i][2], tets[i][3]);
+      }
+    });
+    visit(TetView{mesh.points, tets});
   }
 }
 
-StartGrid grid_of(const tets::TetMesh& whole) {
+// The order of a tet's vertices decides about the last bits of its centre.
+StartGrid grid_of(const Mesh& mesh, const TaskRunner& runner) {
   Box3 box;
-  for (const std::uint32_t v : whole.to_vert) box.add(whole.points[v]);
-  StartGrid grid(box, whole.size());
-  for_some_tets(whole, [&](const TetView& some) { grid.add(some); });
+  for (const TetVerts& tet : mesh.tet_to_vert)
+    for (const std::uint32_t v : tet) box.add(mesh.points[v]);
+  StartGrid grid(box, mesh.tet_to_vert.size());
+  for_some_tets(mesh, runner, [&](const TetView& some) { grid.add(some); });
   grid.finish();
   return grid;
 }
 
-std::vector<Tensor> implied_of(const tets::TetMesh& whole, const TaskRunner& runner) {
-  ImpliedMetric implied(whole.points.size());
-  for_some_tets(whole, [&](const TetView& some) { implied.add(some, runner); });
+std::vector<Tensor> implied_of(const Mesh& mesh, const TaskRunner& runner) {
+  ImpliedMetric implied(mesh.points.size());
+  for_some_tets(mesh, runner, [&](const TetView& some) { implied.add(some, runner); });
   return implied.finish();
 }
 
 }  // namespace
 
-ShareVerts verts_of_tets(const tets::TetMesh& whole, std::size_t first, std::size_t count, const MetricField& metric,
+ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
                          const TaskRunner& runner) {
   ShareVerts verts;
   verts.has_metric = metric.size() > 0;
-  std::vector<std::uint8_t> is_used(whole.points.size(), 0);
-  for (std::size_t i = first * 4; i < (first + count) * 4; ++i) is_used[whole.to_vert[i]] = 1;
-  for (std::uint32_t v = 0; v < is_used.size(); ++v)
-    if (is_used[v] != 0) verts.to_given.push_back(v);
-  is_used = {};
-  const auto of_used = [&](const std::vector<Tensor>& all, std::vector<Tensor>& used) {
-    used.reserve(verts.to_given.size());
-    for (const std::uint32_t v : verts.to_given) used.push_back(all[v]);
+  for (std::uint32_t v = 0; v < is_own.size(); ++v)
+    if (is_own[v] != 0) verts.to_given.push_back(v);
+  const auto of_own = [&](const std::vector<Tensor>& all, std::vector<Tensor>& own) {
+    own.reserve(verts.to_given.size());
+    for (const std::uint32_t v : verts.to_given) own.push_back(all[v]);
   };
-  if (verts.has_metric) of_used(metric.logs, verts.logs);
-  of_used(implied_of(whole, runner), verts.implied);
-  const StartGrid grid = grid_of(whole);
-  for (const std::uint32_t v : verts.to_given) verts.to_start.push_back(grid.tet_near(whole.points[v]));
+  if (verts.has_metric) of_own(metric.logs, verts.logs);
+  of_own(implied_of(mesh, runner), verts.implied);
+  const StartGrid grid = grid_of(mesh, runner);
+  for (const std::uint32_t v : verts.to_given) verts.to_start.push_back(grid.tet_near(mesh.points[v]));
   return verts;
 }
 

@@ -1,11 +1,10 @@
 #pragma once
-// What there is at the vertices of a share, found while a rank has the whole mesh.
+// What there is at the vertices of a share, found while a rank has the mesh that was given.
 #include <cstdint>
 #include <vector>
 
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/share.hpp"
-#include "core/tets/tet_mesh.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -19,9 +18,9 @@ struct ShareVerts {
   std::vector<std::uint32_t> to_start;  ///< number of a tet near by
 };
 
-/// At the vertices of `count` tets from `first` on, ascending. `metric`: one per point, or none. A rank needs 12 bytes
-/// for each tet of the whole meanwhile.
-ShareVerts verts_of_tets(const tets::TetMesh& whole, std::size_t first, std::size_t count, const MetricField& metric,
+/// At the points for which `is_own` is not 0, ascending. `metric`: one per point, or none. A rank needs 12 bytes for
+/// each tet of the whole meanwhile. Pre: all tets have volumes, or nobody uses what this says.
+ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
                          const TaskRunner& runner);
 
 /// The same as the vertices stand in the share that has these tets, where the mesh had `given` points before fans had

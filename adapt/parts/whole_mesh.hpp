@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
@@ -72,19 +71,26 @@ void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visi
   }
 }
 
-/// How a whole mesh is made.
-struct WholeOptions {
-  Mesh* given_up = nullptr;  ///< the same mesh, where nobody needs its points and the vertices of its tets any more
-  bool metrics = true;       ///< zero; otherwise there are none
-  std::function<void(const TetMesh&)> look;  ///< sees the tets as they will be, before they are linked
-};
-
 /// From the tets, triangles and edges of `mesh`. Where it names no entities, faces of the hull without a triangle get
 /// one without an entity, and edges between triangles of different entities, or of other than two, become pieces of
 /// model edges that are named after them. Metrics are left at zero.
 /// Errors: InputUnsuitable with place and element: cells that are no tets, tets without volume, faces of three tets,
 /// triangles that no tet has, tets of two regions that meet without a triangle.
-WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner, const WholeOptions& options = {});
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
+
+/// Some tets of a mesh, all those around them, and the triangles there.
+struct TetSlice {
+  std::size_t begin = 0, end = 0;        ///< of the some, in to_number
+  std::vector<std::uint8_t> is_own;      ///< of every point of the mesh: some have it, so that all tets there are here
+  std::vector<std::uint32_t> to_number;  ///< of all tets of the slice, ascending
+  std::vector<std::uint32_t> triangles;  ///< of the mesh: those with a vertex of the some, or of no tet, ascending
+};
+/// Around the `count` tets from `first` on. Linear.
+TetSlice slice_around(const Mesh& mesh, std::size_t first, std::size_t count);
+
+/// What make_whole_mesh says of a slice, with all points and edges, but without metrics: right for what has a vertex
+/// of the slice's own. Errors: as those of the whole, where they are in the slice; they may be worded otherwise.
+WholeMesh make_slice_mesh(const Mesh& mesh, const TetSlice& slice, const TaskRunner& runner);
 
 /// The vertices of its tets.
 std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner);

@@ -83,26 +83,18 @@ Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const
 
 }  // namespace
 
-Fault place_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert, const BlockLoop& loop) {
+Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert,
+                std::span<const TriangleVerts> triangles, const BlockLoop& loop) {
   mesh.to_vert.reserve(tet_to_vert.size() * 4);
   for (const auto& tet : tet_to_vert) mesh.to_vert.append(std::span<const std::uint32_t>(tet));
+  mesh.to_neighbor.resize(tet_to_vert.size() * 4, kNone);
   mesh.to_region.resize(tet_to_vert.size(), kNone);
   mesh.to_fixed.resize(tet_to_vert.size(), 0);
-  return turn_tets(mesh, loop);
-}
-
-Fault link_placed(TetMesh& mesh, std::span<const TriangleVerts> triangles, const BlockLoop& loop) {
-  mesh.to_neighbor.resize(mesh.to_vert.size(), kNone);
+  if (Fault fault = turn_tets(mesh, loop); fault.any()) return fault;
   const TriangleIndex index(triangles, mesh.points.size());
   std::vector<FaceCode> tri_to_face(triangles.size(), kNone);
   if (Fault fault = link_faces(mesh, index, tri_to_face, loop); fault.any()) return fault;
   return fix_surface(mesh, triangles, index, tri_to_face);
-}
-
-Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert,
-                std::span<const TriangleVerts> triangles, const BlockLoop& loop) {
-  if (Fault fault = place_tets(mesh, tet_to_vert, loop); fault.any()) return fault;
-  return link_placed(mesh, triangles, loop);
 }
 
 }  // namespace tetloom::tets

@@ -18,8 +18,4 @@ namespace tetloom::tets {
 Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert,
                 std::span<const TriangleVerts> triangles, const BlockLoop& loop);
 
-/// The same in two steps. The first one needs nothing more of `tet_to_vert` afterwards; the second one links them.
-Fault place_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet_to_vert, const BlockLoop& loop);
-Fault link_placed(TetMesh& mesh, std::span<const TriangleVerts> triangles, const BlockLoop& loop);
-
 }  // namespace tetloom::tets

@@ -43,14 +43,12 @@ struct Spread {
 
   Spread(const Mesh& mesh, const MetricField& metric, const SharedWork& work)
       : runner(work.runner()), whole(tets_of(mesh), metric, runner), implied(implied_metric(whole.mesh())) {
-    ShareVerts verts;
     const std::size_t given = mesh.points.size();
-    const auto look = [&](const tets::TetMesh& all) {
-      const auto firsts = equal_ranges(all.size(), static_cast<std::size_t>(work.rank_count()));
-      const auto rank = static_cast<std::size_t>(work.rank());
-      verts = verts_of_tets(all, firsts[rank], firsts[rank + 1] - firsts[rank], metric, runner);
-    };
-    share = make_whole_mesh(mesh, runner, {nullptr, false, look});
+    const auto firsts = equal_ranges(mesh.tet_to_vert.size(), static_cast<std::size_t>(work.rank_count()));
+    const auto rank = static_cast<std::size_t>(work.rank());
+    const TetSlice slice = slice_around(mesh, firsts[rank], firsts[rank + 1] - firsts[rank]);
+    const ShareVerts verts = verts_of_mesh(mesh, slice.is_own, metric, runner);
+    share = make_whole_mesh(mesh, runner);
     touching = separate_fans(share, runner);
     links = take_share(share, work);
     tiles = make_tiles(share, links, as_in_share(verts, share, links, touching, given), work);
