@@ -99,6 +99,11 @@ void drop_elements(Mesh& mesh, const std::vector<std::string>& transfer) {
   mesh = std::move(kept);
 }
 
+// Names and components stay.
+void drop_values(std::vector<MeshField>& fields) {
+  for (MeshField& field : fields) field.values = {};
+}
+
 }  // namespace
 
 bool Adapter::Fit::is_good() const {
@@ -114,8 +119,8 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
                  const SharedWork& work)
     : mesh_(input.mesh), function_(function), options_(options), work_(work), runner_(work.runner()) {
   if (function) input.metric = MetricField();
-  // Fields are carried over from a mesh in one piece.
-  if (work_.rank_count() > 1 && options.transfer.empty())
+  // Fields on tets are carried over from a mesh in one piece.
+  if (work_.rank_count() > 1 && !carries_on_tets(mesh_, options.transfer))
     keep_share(std::move(input));
   else
     keep_all(std::move(input));
@@ -138,7 +143,9 @@ void Adapter::keep_share(AdapterInput&& input) {
   const std::vector<std::uint32_t> firsts =
       equal_ranges(mesh_.tet_to_vert.size(), static_cast<std::size_t>(work_.rank_count()));
   const TetSlice slice = slice_around(mesh_, firsts[rank], firsts[rank + 1] - firsts[rank]);
-  given_verts_ = verts_of_mesh(mesh_, slice.is_own, input.metric, runner_);
+  FiguresBefore fields(mesh_, options_.transfer);
+  given_verts_ = verts_of_mesh(mesh_, slice.is_own, input.metric, fields, runner_);
+  fields_before_ = std::move(fields.figures);
   input.metric = MetricField();
   give_back_free_memory();
   try {
@@ -170,7 +177,7 @@ void Adapter::spread() {
       touching_ = separate_fans(whole_, runner_);
       links_ = take_share(whole_, work_);
     }
-    if (given_up_) drop_elements(*given_up_, options_.transfer);
+    if (given_up_) drop_elements(*given_up_, options_.transfer), drop_values(given_up_->point_fields);
     share_verts_ = as_in_share(given_verts_, whole_, links_, touching_, given);
     given_verts_ = ShareVerts();
     give_back_free_memory();
@@ -259,23 +266,34 @@ std::vector<double> Adapter::gather(std::vector<double>&& own) const {
 
 // Each rank for its share. Nothing is looked up afterwards.
 void Adapter::carry_fields(AdaptReport& report) {
-  carrier_.emplace(mesh_, *background_, options_.transfer);
+  carrier_.emplace(mesh_, *background_, options_.transfer, std::move(fields_before_));
   if (!carrier_->has_none()) {
     std::vector<TetVerts> tets;
     const auto share = [&] { return TetsInRegions{{whole_.points.span(), tets}, whole_.to_region.span()}; };
-    work_.each([&] {
-      tets = tets_of(whole_, runner_);
-      // The hints of vertices are those of any number of ranks, and so are the places.
-      std::vector<BackgroundPlace> places(whole_.points.size());
-      runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]);
+    work_.each([&] { tets = tets_of(whole_, runner_); });
+    // The hints of vertices are those of any number of ranks, and so are the places.
+    if (tiles_)
+      carry_from_tiles();
+    else
+      work_.each([&] {
+        std::vector<BackgroundPlace> places(whole_.points.size());
+        look_up_verts([&](std::size_t v) { places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]); });
+        carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
       });
-      carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
-    });
     report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
   }
   background_.reset(), tiles_.reset(), implied_ = {};
   whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
+}
+
+void Adapter::carry_from_tiles() {
+  std::size_t n = 0;
+  for (const FieldInfo& field : carrier_->infos_on_points()) n += static_cast<std::size_t>(field.components);
+  carried_.on_points.resize(whole_.points.size() * n);
+  look_up_verts([&](std::size_t v) {
+    const BackgroundPlace place = background_->locate(whole_.points[v], whole_.to_hint[v]);
+    tiles_->fields_at(place, std::span(carried_.on_points).subspan(v * n, n));
+  });
 }
 
 Adapter::Whole Adapter::take_whole() {
@@ -325,11 +343,12 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
   return sum;
 }
 
-// Calls look_up(v) for all vertices; again where the tile that has one was not at hand. In together.
+// Calls look_up(v) for all vertices; again where the tile that has one was not at hand. In together where there are
+// tiles.
 template <class LookUp>
-void Adapter::look_up_verts(const MetricStage& stage, const LookUp& look_up) {
+void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
   const std::size_t count = whole_.points.size();
-  if (!tiles_ || !stage.looks_up()) {
+  if (!tiles_ || !needs_tiles) {
     runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) look_up(v);
     });
@@ -354,7 +373,7 @@ double Adapter::refinement() {
   const MetricStage stage(*background_, implied_, function_, 1);
   const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
   std::vector<double> most(blocks, 0);
-  look_up_verts(stage, [&](std::size_t v) {
+  look_up_verts([&](std::size_t v) {
     std::uint32_t hint = whole_.to_hint[v];
     most[v / kGrain] = std::max(most[v / kGrain], stage.refinement_at(whole_.points[v], hint));
     whole_.to_hint[v] = hint;
@@ -366,14 +385,15 @@ double Adapter::refinement() {
 }
 
 void Adapter::set_metric(const MetricStage& stage) {
-  look_up_verts(stage, [&](std::size_t v) {
+  const auto look_up = [&](std::size_t v) {
     std::uint32_t hint = whole_.to_hint[v];
     const Tensor tensor = stage.at(whole_.points[v], hint);
     // Where the stage asks for something else than the last one, everything is looked at again.
     if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
     whole_.to_metric[v] = {tensor, det(tensor)};
     whole_.to_hint[v] = hint;
-  });
+  };
+  look_up_verts(look_up, stage.looks_up());
 }
 
 // One round at a stage of the metric.

@@ -71,7 +71,7 @@ class Adapter {
   void make_whole();
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
   template <class LookUp>
-  void look_up_verts(const MetricStage& stage, const LookUp& look_up);
+  void look_up_verts(const LookUp& look_up, bool needs_tiles = true);
   double refinement();
   void follow_stages();
   void approach_metric();
@@ -83,6 +83,7 @@ class Adapter {
   Fit measure() const;
   std::vector<double> gather(std::vector<double>&& own) const;
   void carry_fields(AdaptReport& report);
+  void carry_from_tiles();
   void note_rounds(AdaptReport& report) const;
   PassCounts sum_of(const PassCounts& counts) const;
 
@@ -99,6 +100,7 @@ class Adapter {
   Mesh* given_up_ = nullptr;
   ShareVerts given_verts_, share_verts_;  // as they were given, and as they stand in the share
   bool touches_ = false;                  // whether this rank knows of a place where fans touch
+  std::vector<FieldFigures> fields_before_;
   std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;

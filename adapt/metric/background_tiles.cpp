@@ -100,6 +100,16 @@ BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
   return nearest;
 }
 
+void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> values) const {
+  const Tile& tile = tile_of(place.tet);
+  const auto& verts = tile.to_vert[place.tet % kTileTets];
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += place.weights[i] * tile.fields[verts[i] * values.size() + c];
+    values[c] = sum;
+  }
+}
+
 void BackgroundTiles::find_tiles(const Box3& box, std::vector<std::uint32_t>& tiles) const {
   for_each_near(tets_, box, [&](std::uint32_t item) {
     const TileBox& one = index_.tets[item];

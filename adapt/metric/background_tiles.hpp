@@ -55,6 +55,9 @@ class BackgroundTiles {
     return mean_of_corners(tile.implied, place, tile.to_vert[place.tet % kTileTets]);
   }
 
+  /// The values of all fields there; see BackgroundMesh::value_at.
+  void fields_at(const BackgroundPlace& place, std::span<double> values) const;
+
   /// Adds the tiles that have something in the box.
   void find_tiles(const Box3& box, std::vector<std::uint32_t>& tiles) const;
 

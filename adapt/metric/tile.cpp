@@ -11,6 +11,7 @@ Tile Tile::read(const Bytes& bytes) {
   Tile tile;
   tile.points = reader.get_view<Vec3>();
   tile.logs = reader.get_view<Tensor>(), tile.implied = reader.get_view<Tensor>();
+  tile.fields = reader.get_view<double>();
   tile.to_vert = reader.get_view<std::array<std::uint16_t, 4>>();
   tile.links = reader.get_view<std::array<std::uint32_t, 4>>();
   tile.numbers = reader.get_view<std::uint32_t>();
@@ -21,6 +22,7 @@ Tile Tile::read(const Bytes& bytes) {
 void put_tile(const Tile& tile, MessageWriter& writer) {
   writer.put_array(tile.points);
   writer.put_array(tile.logs), writer.put_array(tile.implied);
+  writer.put_array(tile.fields);
   writer.put_array(tile.to_vert), writer.put_array(tile.links);
   writer.put_array(tile.numbers);
   writer.put_array(tile.boundary);
@@ -29,7 +31,7 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
 Bytes bytes_of(const Tile& tile) {
   constexpr std::size_t kLengths = 128;
   MessageWriter writer;
-  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() +
+  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() + tile.fields.size_bytes() +
                  tile.to_vert.size_bytes() + tile.links.size_bytes() + tile.numbers.size_bytes() +
                  tile.boundary.size_bytes());
   put_tile(tile, writer);

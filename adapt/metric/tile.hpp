@@ -23,6 +23,7 @@ struct Tile {
   std::span<const Vec3> points;
   std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function
   std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
+  std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
   std::span<const std::array<std::uint32_t, 4>> links;  ///< as of link_tets, with the names of tets above
   std::span<const std::uint32_t> numbers;               ///< of tets, in the mesh that was given

@@ -39,6 +39,7 @@ void put_lists(const std::vector<std::vector<T>>& lists, std::span<MessageWriter
 struct HomeVerts {
   std::vector<Vec3> points;
   std::vector<Tensor> logs, implied;
+  std::vector<double> fields;
   std::vector<std::vector<std::uint32_t>> from_slots;  // of each rank's message
 };
 
@@ -228,8 +229,9 @@ class TileMaker {
       }
     }
     constexpr std::size_t kLengths = 128, kBytesOfTet = 2 * sizeof(FourVerts) + 2 * sizeof(std::uint32_t);
-    constexpr std::size_t kBytesOfVert = sizeof(std::uint32_t) + sizeof(Vec3) + 2 * sizeof(Tensor);
-    writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * kBytesOfVert);
+    const std::size_t bytes_of_vert =
+        sizeof(std::uint32_t) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
+    writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * bytes_of_vert);
     put([&](std::uint32_t tet) { return to_name_[tet]; }, own);
     put([&](std::uint32_t tet) { return first_number() + tet; }, own);
     const auto four = [](std::uint32_t tet, const auto& of) -> FourVerts {
@@ -241,6 +243,10 @@ class TileMaker {
     put([&](std::uint32_t v) { return share_.points[v]; }, verts);
     put([&](std::uint32_t v) { return verts_.has_metric ? verts_.logs[v] : Tensor(); }, verts);
     put([&](std::uint32_t v) { return verts_.implied[v]; }, verts);
+    const auto fields = writer.put_room<double>(verts.size() * verts_.components);
+    for (std::size_t i = 0; i < verts.size(); ++i)
+      std::copy_n(verts_.fields.begin() + static_cast<std::ptrdiff_t>(verts[i] * verts_.components), verts_.components,
+                  fields.begin() + static_cast<std::ptrdiff_t>(i * verts_.components));
     for (const std::uint32_t v : verts) to_slot[v] = kNone;
   }
 
@@ -252,14 +258,16 @@ class TileMaker {
       to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourVerts>();
       to_given = reader.get_view<std::uint32_t>(), points = reader.get_view<Vec3>();
       logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
+      fields = reader.get_view<double>();
     }
     std::span<const std::uint32_t> names, numbers, to_given;
     std::span<const FourVerts> to_vert, links;
     std::span<const Vec3> points;
     std::span<const Tensor> logs, implied;
+    std::span<const double> fields;
   };
 
-  static HomeVerts join_verts(const std::vector<Bytes>& given) {
+  HomeVerts join_verts(const std::vector<Bytes>& given) const {
     struct Came {
       std::uint32_t number, rank, slot;
       auto operator<=>(const Came&) const = default;
@@ -278,6 +286,8 @@ class TileMaker {
         verts.points.push_back(packets[one.rank].points[one.slot]);
         verts.logs.push_back(packets[one.rank].logs[one.slot]);
         verts.implied.push_back(packets[one.rank].implied[one.slot]);
+        for (std::size_t c = 0; c < verts_.components; ++c)
+          verts.fields.push_back(packets[one.rank].fields[one.slot * verts_.components + c]);
       }
       verts.from_slots[one.rank][one.slot] = static_cast<std::uint32_t>(verts.points.size() - 1);
     }
@@ -329,9 +339,12 @@ class TileMaker {
     verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
     std::vector<Vec3> points;
     std::vector<Tensor> logs, implied;
+    std::vector<double> fields;
     for (const std::uint32_t v : verts) {
       points.push_back(home_verts_.points[v]), implied.push_back(home_verts_.implied[v]);
       if (verts_.has_metric) logs.push_back(home_verts_.logs[v]);
+      for (std::size_t c = 0; c < verts_.components; ++c)
+        fields.push_back(home_verts_.fields[v * verts_.components + c]);
     }
     std::vector<std::array<std::uint16_t, 4>> to_vert(count);
     std::vector<std::uint16_t> boundary;
@@ -342,7 +355,7 @@ class TileMaker {
         if (home_tets_.links[begin + i][j] == kNone) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
       }
     }
-    return bytes_of({points, logs, implied, to_vert, std::span(home_tets_.links).subspan(begin, count),
+    return bytes_of({points, logs, implied, fields, to_vert, std::span(home_tets_.links).subspan(begin, count),
                      std::span(home_tets_.numbers).subspan(begin, count), boundary});
   }
 

@@ -41,16 +41,20 @@ StartGrid grid_of(const Mesh& mesh, const TaskRunner& runner) {
   return grid;
 }
 
-std::vector<Tensor> implied_of(const Mesh& mesh, const TaskRunner& runner) {
+std::vector<Tensor> find_implied(const Mesh& mesh, FiguresBefore& fields, const TaskRunner& runner) {
   ImpliedMetric implied(mesh.points.size());
-  for_some_tets(mesh, runner, [&](const TetView& some) { implied.add(some, runner); });
+  for_some_tets(mesh, runner, [&](const TetView& some) {
+    implied.add(some, runner);
+    fields.add(some, runner);
+  });
+  fields.finish();
   return implied.finish();
 }
 
 }  // namespace
 
 ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
-                         const TaskRunner& runner) {
+                         FiguresBefore& fields, const TaskRunner& runner) {
   ShareVerts verts;
   verts.has_metric = metric.size() > 0;
   for (std::uint32_t v = 0; v < is_own.size(); ++v)
@@ -60,7 +64,14 @@ ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_o
     for (const std::uint32_t v : verts.to_given) own.push_back(all[v]);
   };
   if (verts.has_metric) of_own(metric.logs, verts.logs);
-  of_own(implied_of(mesh, runner), verts.implied);
+  of_own(find_implied(mesh, fields, runner), verts.implied);
+  for (const MeshField* field : fields.fields) verts.components += static_cast<std::size_t>(field->components);
+  for (const std::uint32_t v : verts.to_given) {
+    for (const MeshField* field : fields.fields) {
+      const auto n = static_cast<std::ptrdiff_t>(field->components), at = static_cast<std::ptrdiff_t>(v) * n;
+      verts.fields.insert(verts.fields.end(), field->values.begin() + at, field->values.begin() + at + n);
+    }
+  }
   const StartGrid grid = grid_of(mesh, runner);
   for (const std::uint32_t v : verts.to_given) verts.to_start.push_back(grid.tet_near(mesh.points[v]));
   return verts;
@@ -69,7 +80,7 @@ ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_o
 ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const ShareLinks& links,
                        const TouchingVerts& touching, std::size_t given) {
   ShareVerts own;
-  own.has_metric = verts.has_metric;
+  own.has_metric = verts.has_metric, own.components = verts.components;
   for (std::uint32_t v = 0; v < share.points.size(); ++v) {
     std::uint32_t number = links.number_of(v);
     if (number >= given) number = touching.verts[share.to_entity[v].unpack().index - touching.first];
@@ -79,6 +90,7 @@ ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const Sh
     if (own.has_metric) own.logs.push_back(verts.logs[at]);
     own.implied.push_back(verts.implied[at]);
     own.to_start.push_back(verts.to_start[at]);
+    for (std::size_t c = 0; c < own.components; ++c) own.fields.push_back(verts.fields[at * own.components + c]);
   }
   return own;
 }

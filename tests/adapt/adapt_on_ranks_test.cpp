@@ -163,6 +163,11 @@ TEST_CASE("ranks follow an anisotropic metric, and carry fields over", "[adapt][
   const AdaptResult result = check_like_one_process(cube, layered, options);
   CHECK(result.report.most_parts > 3);
   CHECK(result.report.transfers.size() == 2);
+  MeshField flow{"flow", 3, {}};
+  for (const Vec3& x : cube.points) flow.values.insert(flow.values.end(), {x.x, x.y * x.y, std::sin(9 * x.z)});
+  cube.point_fields.push_back(flow);
+  options.transfer = {"flow", "heat"};  // on points alone, out of tiles
+  CHECK(check_like_one_process(cube, layered, options, {2, 3, 5}).report.transfers.size() == 2);
 }
 
 TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of one process", "[adapt][ranks]") {

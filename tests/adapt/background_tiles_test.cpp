@@ -47,7 +47,8 @@ struct Spread {
     const auto firsts = equal_ranges(mesh.tet_to_vert.size(), static_cast<std::size_t>(work.rank_count()));
     const auto rank = static_cast<std::size_t>(work.rank());
     const TetSlice slice = slice_around(mesh, firsts[rank], firsts[rank + 1] - firsts[rank]);
-    const ShareVerts verts = verts_of_mesh(mesh, slice.is_own, metric, runner);
+    FiguresBefore figures(mesh, {});
+    const ShareVerts verts = verts_of_mesh(mesh, slice.is_own, metric, figures, runner);
     share = make_whole_mesh(mesh, runner);
     touching = separate_fans(share, runner);
     links = take_share(share, work);
