@@ -46,6 +46,13 @@ void visit_near_first(const Bvh& bvh, const Vec3& x, const Reach& reach2, const 
 
 }  // namespace
 
+std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks) {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t i = 0; i < marks.size(); ++i)
+    if (marks[i] != 0) all.push_back(i);
+  return all;
+}
+
 BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int rank, const TaskRunner& runner)
     : index_(std::move(index)),
       first_own_(index_.first_tiles[static_cast<std::size_t>(rank)]),
@@ -110,22 +117,13 @@ void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> 
   }
 }
 
-void BackgroundTiles::find_tiles(const Box3& box, std::vector<std::uint32_t>& tiles) const {
-  for_each_near(tets_, box, [&](std::uint32_t item) {
-    const TileBox& one = index_.tets[item];
-    if (one.box.overlaps(box)) tiles.push_back(one.tile);
-  });
-}
-
-std::vector<std::uint32_t> BackgroundTiles::with_ring(std::vector<std::uint32_t>&& tiles) const {
-  sort_unique(tiles);
-  std::vector<std::uint32_t> all = tiles;
+std::vector<std::uint32_t> BackgroundTiles::with_ring(std::span<const std::uint32_t> tiles) const {
+  std::vector<std::uint8_t> marks(tile_count(), 0);
   for (const std::uint32_t tile : tiles) {
     auto at = std::ranges::lower_bound(index_.tets, tile, {}, &TileBox::tile);
-    for (; at != index_.tets.end() && at->tile == tile; ++at) find_tiles(at->box, all);
+    for (; at != index_.tets.end() && at->tile == tile; ++at) mark_tiles(at->box, marks);
   }
-  sort_unique(all);
-  return all;
+  return marked(marks);
 }
 
 void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const SharedWork& work) {

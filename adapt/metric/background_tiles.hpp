@@ -58,8 +58,14 @@ class BackgroundTiles {
   /// The values of all fields there; see BackgroundMesh::value_at.
   void fields_at(const BackgroundPlace& place, std::span<double> values) const;
 
-  /// Adds the tiles that have something in the box.
-  void find_tiles(const Box3& box, std::vector<std::uint32_t>& tiles) const;
+  std::size_t tile_count() const { return held_.size(); }
+  /// Sets `marks` to 1, one of each tile, for the tiles that have something in the box.
+  void mark_tiles(const Box3& box, std::span<std::uint8_t> marks) const {
+    for_each_near(tets_, box, [&](std::uint32_t item) {
+      const TileBox& one = index_.tets[item];
+      if (marks[one.tile] == 0 && one.box.overlaps(box)) marks[one.tile] = 1;
+    });
+  }
 
   /// These tiles are at hand afterwards, and no others but those at home. In SharedWork::together.
   void fetch_only(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
@@ -91,7 +97,7 @@ class BackgroundTiles {
   }
   bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
   void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, std::uint32_t& number) const;
-  std::vector<std::uint32_t> with_ring(std::vector<std::uint32_t>&& tiles) const;
+  std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;
   void fetch(std::span<const std::uint32_t> tiles, const SharedWork& work);
   bool fetch_missing(const SharedWork& work);
 
@@ -103,6 +109,9 @@ class BackgroundTiles {
   mutable std::vector<std::uint32_t> missing_;
   std::size_t refetched_ = 0;
 };
+
+/// Those whose mark is not 0, ascending.
+std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks);
 
 /// As BackgroundTiles::finds; true where there are no tiles.
 inline bool finds(const BackgroundTiles* tiles, const std::function<void()>& look_up) {

@@ -7,8 +7,8 @@ namespace tetloom::adapt {
 namespace {
 
 constexpr double kBeside = 0.1;   // of a tet's box
-constexpr double kTogether = 2;   // boxes of tets are joined up to so many times the diagonal of one
-constexpr std::size_t kGrain = std::size_t{1} << 12;
+constexpr double kTogether = 4;   // boxes of tets are joined up to so many times the diagonal of one
+constexpr std::size_t kGrain = std::size_t{1} << 15;
 
 // Around a tet, with what lies beside it.
 Box3 box_of_tet(const CavityMesh& part, std::size_t tet) {
@@ -20,42 +20,37 @@ Box3 box_of_tet(const CavityMesh& part, std::size_t tet) {
 }
 
 // Tets that follow each other are mostly neighbours, and asked for together.
-void find_tiles(const CavityMesh& part, std::size_t begin, std::size_t end, const BackgroundTiles& tiles,
-                std::vector<std::uint32_t>& found) {
+void mark_tiles(const CavityMesh& part, std::size_t begin, std::size_t end, const BackgroundTiles& tiles,
+                std::span<std::uint8_t> marks) {
   Box3 all = box_of_tet(part, begin);
   for (std::size_t tet = begin + 1; tet < end; ++tet) {
     const Box3 box = box_of_tet(part, tet);
     Box3 joined = all;
     joined.add(box);
     if (joined.diagonal() > kTogether * box.diagonal()) {
-      tiles.find_tiles(all, found);
+      tiles.mark_tiles(all, marks);
       joined = box;
     }
     all = joined;
   }
-  tiles.find_tiles(all, found);
-}
-
-void sort_unique(std::vector<std::uint32_t>& tiles) {
-  std::ranges::sort(tiles);
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+  tiles.mark_tiles(all, marks);
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> needed_tiles(std::span<const PartOfWhole> parts, const BackgroundTiles& tiles,
                                         const TaskRunner& runner) {
-  std::vector<std::uint32_t> needed;
+  std::vector<std::uint8_t> all(tiles.tile_count(), 0);
   for (const PartOfWhole& part : parts) {
-    const auto blocks = map_blocks(runner, part.mesh.mesh.size(), kGrain, std::vector<std::uint32_t>(),
-                                   [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& found) {
-                                     find_tiles(part.mesh, begin, end, tiles, found);
-                                     sort_unique(found);
+    const auto blocks = map_blocks(runner, part.mesh.mesh.size(), kGrain, std::vector<std::uint8_t>(),
+                                   [&](std::size_t begin, std::size_t end, std::vector<std::uint8_t>& marks) {
+                                     marks.resize(all.size(), 0);
+                                     mark_tiles(part.mesh, begin, end, tiles, marks);
                                    });
-    for (const auto& found : blocks) needed.insert(needed.end(), found.begin(), found.end());
-    sort_unique(needed);
+    for (const auto& marks : blocks)
+      for (std::size_t tile = 0; tile < all.size(); ++tile) all[tile] |= marks[tile];
   }
-  return needed;
+  return marked(all);
 }
 
 }  // namespace tetloom::adapt

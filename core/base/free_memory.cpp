@@ -14,4 +14,12 @@ void give_back_free_memory() noexcept {
 #endif
 }
 
+void return_freed_memory() noexcept {
+#ifdef __GLIBC__
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 8 << 20);
+  ::mallopt(M_TOP_PAD, 1 << 20);
+#endif
+}
+
 }  // namespace tetloom

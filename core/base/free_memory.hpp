@@ -7,4 +7,7 @@ namespace tetloom {
 /// no such call. For the ends of stages: what is asked for next has to be touched anew.
 void give_back_free_memory() noexcept;
 
+/// From now on what is large goes back when it is freed, and not only at the ends of stages.
+void return_freed_memory() noexcept;
+
 }  // namespace tetloom
