@@ -426,7 +426,8 @@ void Adapter::round(double ratio, const Work& work) {
   };
   const SideSplitOptions sides{work.longest, pass_options.floor, pass_options.most_tets, options_.model != nullptr};
   BackgroundTiles* const tiles = stage.looks_up() ? tiles_.get() : nullptr;
-  const std::size_t split = adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides, tiles}, work_);
+  const std::size_t split =
+      adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides, tiles}, work_);
   seconds_.parts += watch.lap();
   last_counts_ = PassCounts();
   for (const PassCounts& part : counts) last_counts_.add(part);

@@ -33,8 +33,8 @@ class BackgroundMesh {
   BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<std::uint32_t>&& links,
                  MetricField&& metric, const TaskRunner& runner);
 
-  /// The mesh that lies in `tiles`, to which this refers. Then `mesh`, `metric` and `links` are empty, tets are named as
-  /// there, and what is asked for may throw MissingTile. Hints must not be kNone.
+  /// The mesh that lies in `tiles`, to which this refers. Then `mesh`, `metric` and `links` are empty, tets are named
+  /// as there, and what is asked for may throw MissingTile. Hints must not be kNone.
   explicit BackgroundMesh(const BackgroundTiles& tiles) : tiles_(&tiles) {}
 
   TetView mesh() const { return {points_, tets_}; }

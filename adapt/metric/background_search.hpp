@@ -65,8 +65,7 @@ class BackgroundSearch {
 
   // True with the tet that holds x; false, with the last tet, where the walk leaves the mesh or gets nowhere.
   bool walk(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const {
-    const std::size_t most =
-        1000 + 16 * static_cast<std::size_t>(std::cbrt(static_cast<double>(source_.tet_count())));
+    const std::size_t most = 1000 + 16 * static_cast<std::size_t>(std::cbrt(static_cast<double>(source_.tet_count())));
     std::uint32_t tet = start;
     std::size_t came_through = 4;
     for (std::size_t step = 0; step < most; ++step) {

@@ -162,8 +162,7 @@ void BackgroundTiles::fetch(std::span<const std::uint32_t> tiles, const SharedWo
   work.each([&] {
     for (std::size_t r = 0; r < given.size(); ++r) {
       MessageReader reader(given[r]);
-      for (const std::uint32_t tile : wanted[r])
-        held_[tile] = std::make_unique<Held>(reader.get_array<std::byte>());
+      for (const std::uint32_t tile : wanted[r]) held_[tile] = std::make_unique<Held>(reader.get_array<std::byte>());
       given[r] = Bytes();
     }
   });

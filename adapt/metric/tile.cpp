@@ -31,9 +31,9 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
 Bytes bytes_of(const Tile& tile) {
   constexpr std::size_t kLengths = 128;
   MessageWriter writer;
-  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() + tile.fields.size_bytes() +
-                 tile.to_vert.size_bytes() + tile.links.size_bytes() + tile.numbers.size_bytes() +
-                 tile.boundary.size_bytes());
+  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() +
+                 tile.fields.size_bytes() + tile.to_vert.size_bytes() + tile.links.size_bytes() +
+                 tile.numbers.size_bytes() + tile.boundary.size_bytes());
   put_tile(tile, writer);
   return writer.take();
 }

@@ -64,8 +64,7 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
   });
   if (round.tiles != nullptr) fetch_tiles(parts, *round.tiles, work);
   std::size_t split = 0;
-  if (part_count > 1 && std::isfinite(round.sides.longest))
-    split = split_sides(moved, links, parts, round, work);
+  if (part_count > 1 && std::isfinite(round.sides.longest)) split = split_sides(moved, links, parts, round, work);
   std::vector<std::uint8_t> done(parts.size(), 0);
   until_found(round.tiles, work, [&] { adapt_parts(parts, first, own_work, round, done, work.runner()); });
   if (round.tiles != nullptr) round.tiles->drop_fetched();

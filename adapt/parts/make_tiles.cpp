@@ -139,7 +139,8 @@ class TileMaker {
     all = {};
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r)
-        to[r].put_array(std::span<const std::uint32_t>(names).subspan(first_from[r], first_from[r + 1] - first_from[r]));
+        to[r].put_array(
+            std::span<const std::uint32_t>(names).subspan(first_from[r], first_from[r + 1] - first_from[r]));
     });
     to_name_.resize(share_.size());
     for (std::size_t r = 0; r < ranks(); ++r) {
@@ -186,8 +187,7 @@ class TileMaker {
       const std::size_t r = rank_in(links_.first_tets, verts_.to_start[v]);
       wanted[r].push_back(verts_.to_start[v]), verts[r].push_back(v);
     }
-    const std::vector<Bytes> asked =
-        work_.exchange([&](std::span<MessageWriter> to) { put_lists(wanted, to); });
+    const std::vector<Bytes> asked = work_.exchange([&](std::span<MessageWriter> to) { put_lists(wanted, to); });
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r) {
         const auto numbers = MessageReader(asked[r]).get_view<std::uint32_t>();
@@ -300,8 +300,7 @@ class TileMaker {
       const Packet packet(given[r]);
       for (std::size_t i = 0; i < packet.names.size(); ++i) {
         const std::size_t at = packet.names[i] - first_name_;
-        for (std::size_t j = 0; j < 4; ++j)
-          home_tets_.to_vert[at][j] = home_verts_.from_slots[r][packet.to_vert[i][j]];
+        for (std::size_t j = 0; j < 4; ++j) home_tets_.to_vert[at][j] = home_verts_.from_slots[r][packet.to_vert[i][j]];
         home_tets_.links[at] = packet.links[i], home_tets_.numbers[at] = packet.numbers[i];
       }
       given[r] = Bytes();

@@ -6,8 +6,8 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kBeside = 0.1;   // of a tet's box
-constexpr double kTogether = 4;   // boxes of tets are joined up to so many times the diagonal of one
+constexpr double kBeside = 0.1;  // of a tet's box
+constexpr double kTogether = 4;  // boxes of tets are joined up to so many times the diagonal of one
 constexpr std::size_t kGrain = std::size_t{1} << 15;
 
 // Around a tet, with what lies beside it.

@@ -27,9 +27,7 @@ class ShareTaker {
     return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
   }
 
-  FaceCode by_number(FaceCode face) const {
-    return to_number_.empty() ? face : to_number_[face / 4] * 4 + face % 4;
-  }
+  FaceCode by_number(FaceCode face) const { return to_number_.empty() ? face : to_number_[face / 4] * 4 + face % 4; }
 
   void take_verts(std::vector<std::uint32_t>& to_number) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;

@@ -84,8 +84,7 @@ ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const Sh
   for (std::uint32_t v = 0; v < share.points.size(); ++v) {
     std::uint32_t number = links.number_of(v);
     if (number >= given) number = touching.verts[share.to_entity[v].unpack().index - touching.first];
-    const auto at =
-        static_cast<std::size_t>(std::ranges::lower_bound(verts.to_given, number) - verts.to_given.begin());
+    const auto at = static_cast<std::size_t>(std::ranges::lower_bound(verts.to_given, number) - verts.to_given.begin());
     own.to_given.push_back(number);
     if (own.has_metric) own.logs.push_back(verts.logs[at]);
     own.implied.push_back(verts.implied[at]);

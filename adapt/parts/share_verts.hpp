@@ -12,17 +12,18 @@
 namespace tetloom::adapt {
 
 struct ShareVerts {
-  std::vector<std::uint32_t> to_given;  ///< number in the mesh that was given; those that fans made of one have the same
-  bool has_metric = false;              ///< the same on all ranks
-  std::vector<Tensor> logs;             ///< of the metric; none where there is none
-  std::vector<Tensor> implied;          ///< logarithms; see ImpliedMetric
-  std::size_t components = 0;           ///< of all fields that are carried over
-  std::vector<double> fields;           ///< their values, all components of a vertex side by side
+  std::vector<std::uint32_t>
+      to_given;                 ///< number in the mesh that was given; those that fans made of one have the same
+  bool has_metric = false;      ///< the same on all ranks
+  std::vector<Tensor> logs;     ///< of the metric; none where there is none
+  std::vector<Tensor> implied;  ///< logarithms; see ImpliedMetric
+  std::size_t components = 0;   ///< of all fields that are carried over
+  std::vector<double> fields;   ///< their values, all components of a vertex side by side
   std::vector<std::uint32_t> to_start;  ///< number of a tet near by
 };
 
-/// At the points for which `is_own` is not 0, ascending. `metric`: one per point, or none. `fields`: to be filled in. A rank needs 12 bytes for
-/// each tet of the whole meanwhile. Pre: all tets have volumes, or nobody uses what this says.
+/// At the points for which `is_own` is not 0, ascending. `metric`: one per point, or none. `fields`: to be filled in. A
+/// rank needs 12 bytes for each tet of the whole meanwhile. Pre: all tets have volumes, or nobody uses what this says.
 ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
                          FiguresBefore& fields, const TaskRunner& runner);
 

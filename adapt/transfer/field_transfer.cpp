@@ -183,9 +183,8 @@ FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, c
 }
 
 bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names) {
-  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    return find_field(mesh.cell_fields, name) != nullptr;
-  });
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return find_field(mesh.cell_fields, name) != nullptr; });
 }
 
 FiguresBefore::FiguresBefore(const Mesh& mesh, const std::vector<std::string>& names) {

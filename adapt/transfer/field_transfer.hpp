@@ -61,8 +61,8 @@ bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names);
 class FieldCarrier {
  public:
   FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names);
-  /// The same for fields on points of a mesh that lies in tiles. `before`: what is said of them; of `from` no values are
-  /// asked for then, and `carry` is not called.
+  /// The same for fields on points of a mesh that lies in tiles. `before`: what is said of them; of `from` no values
+  /// are asked for then, and `carry` is not called.
   FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names,
                std::vector<FieldFigures>&& before);
 

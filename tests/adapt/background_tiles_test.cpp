@@ -122,9 +122,8 @@ TEST_CASE("without a hint vertices begin in the tet of the whole mesh's grid", "
     const StartGrid grid(tets_of(mesh));
     for (std::size_t v = 0; v < spread.share.points.size(); ++v) {
       std::uint32_t number = kNone;
-      spread.tiles->until_found(work, [&] {
-        spread.tiles->finds([&] { number = spread.tiles->number(spread.share.to_hint[v]); });
-      });
+      spread.tiles->until_found(
+          work, [&] { spread.tiles->finds([&] { number = spread.tiles->number(spread.share.to_hint[v]); }); });
       wrong[static_cast<std::size_t>(work.rank())] += number != grid.tet_near(spread.share.points[v]);
       if (v >= 50) break;  // ranks must look up equally often
     }
