@@ -7,6 +7,7 @@
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
 #include "adapt/touching_edges.hpp"
+#include "core/base/free_memory.hpp"
 
 namespace tetloom::adapt {
 
@@ -79,15 +80,23 @@ std::optional<RefinedInput> split_touching(const AdaptCall& call, const MetricFi
   return refined;
 }
 
+// Many ranks on a machine have no room for what each of them might need again.
+void give_back_where_shared(const SharedWork& work) {
+  if (work.rank_count() > 1) give_back_free_memory();
+}
+
 }  // namespace
 
 void adapt_together(const AdaptCall& call, const SharedWork& work, AdaptReport& report,
                     const std::function<void(Adapter&)>& finish) {
   Stopwatch watch;
   MetricField metric;
+  give_back_where_shared(work);
   work.each([&] { metric = prepare_metric(call, work.runner(), report); });
+  give_back_where_shared(work);
   require_same_input(call.mesh, metric, call.options, work);
   report.before = conformity_before(call.mesh, metric, work);
+  give_back_where_shared(work);
   std::optional<RefinedInput> refined;
   std::optional<Adapter> adapter;
   work.each([&] {
@@ -96,6 +105,10 @@ void adapt_together(const AdaptCall& call, const SharedWork& work, AdaptReport& 
                                  : AdapterInput{call.mesh, call.mesh_given_up, std::move(metric)};
     adapter.emplace(std::move(input), call.function, call.options, work);
   });
+  metric = MetricField();
+  give_back_where_shared(work);
+  adapter->spread();
+  give_back_where_shared(work);
   report.stages.set_up = watch.lap();
   adapter->run(report);
   watch.lap();

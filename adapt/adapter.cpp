@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "adapt/metric/tet_edges.hpp"
+#include "adapt/parts/make_tiles.hpp"
 #include "adapt/parts/model_fit.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/geometry/model_projector.hpp"
 
@@ -97,6 +99,11 @@ void drop_elements(Mesh& mesh, const std::vector<std::string>& transfer) {
   mesh = std::move(kept);
 }
 
+// Names and components stay.
+void drop_values(std::vector<MeshField>& fields) {
+  for (MeshField& field : fields) field.values = {};
+}
+
 }  // namespace
 
 bool Adapter::Fit::is_good() const {
@@ -110,19 +117,74 @@ bool Adapter::Fit::is_better_than(const Fit& other) const {
 
 Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options,
                  const SharedWork& work)
-    : mesh_(input.mesh),
-      function_(function),
-      options_(options),
-      work_(work),
-      runner_(work.runner()),
-      whole_(make_whole_mesh(input.mesh, runner_)) {
-  if (options.model) require_model_fits(whole_, mesh_, *options.model, runner_);
-  if (input.given_up) drop_elements(*input.given_up, options.transfer);
+    : mesh_(input.mesh), function_(function), options_(options), work_(work), runner_(work.runner()) {
+  if (function) input.metric = MetricField();
+  // Fields on tets are carried over from a mesh in one piece.
+  if (work_.rank_count() > 1 && !carries_on_tets(mesh_, options.transfer))
+    keep_share(std::move(input));
+  else
+    keep_all(std::move(input));
+}
+
+void Adapter::keep_all(AdapterInput&& input) {
+  make_whole();
+  if (input.given_up) drop_elements(*input.given_up, options_.transfer);
   const std::size_t given = whole_.points.size();
   touching_ = separate_fans(whole_, runner_);
   WholeMesh rest;
   links_ = take_share(whole_, work_, &rest);
-  keep_background(rest.size() > 0 ? rest : whole_, given, function ? MetricField() : std::move(input.metric));
+  keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
+}
+
+// What there is at vertices is known first, so that not all of it is there at once.
+void Adapter::keep_share(AdapterInput&& input) {
+  given_up_ = input.given_up;
+  const auto rank = static_cast<std::size_t>(work_.rank());
+  const std::vector<std::uint32_t> firsts =
+      equal_ranges(mesh_.tet_to_vert.size(), static_cast<std::size_t>(work_.rank_count()));
+  const TetSlice slice = slice_around(mesh_, firsts[rank], firsts[rank + 1] - firsts[rank]);
+  FiguresBefore fields(mesh_, options_.transfer);
+  given_verts_ = verts_of_mesh(mesh_, slice.is_own, input.metric, fields, runner_);
+  fields_before_ = std::move(fields.figures);
+  input.metric = MetricField();
+  give_back_free_memory();
+  try {
+    whole_ = make_slice_mesh(mesh_, slice, runner_);
+    if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled) throw;
+    make_whole();  // which says what is wrong as one process does
+    throw;
+  }
+  touches_ = has_fans_at(whole_, slice.is_own, runner_);
+  if (!touches_) links_ = take_share(whole_, slice, mesh_.tet_to_vert.size(), work_);
+}
+
+void Adapter::make_whole() {
+  whole_ = make_whole_mesh(mesh_, runner_);
+  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+}
+
+void Adapter::spread() {
+  if (background_) return;
+  std::array<double, 1> touches{touches_ ? 1.0 : 0.0};
+  work_.max(touches);
+  const std::size_t given = mesh_.points.size();
+  work_.each([&] {
+    // Fans are named after each other, all over the mesh.
+    if (touches[0] > 0) {
+      make_whole();
+      touching_ = separate_fans(whole_, runner_);
+      links_ = take_share(whole_, work_);
+    }
+    if (given_up_) drop_elements(*given_up_, options_.transfer), drop_values(given_up_->point_fields);
+    share_verts_ = as_in_share(given_verts_, whole_, links_, touching_, given);
+    given_verts_ = ShareVerts();
+    give_back_free_memory();
+  });
+  tiles_ = make_tiles(whole_, links_, share_verts_, work_);
+  share_verts_ = ShareVerts();
+  background_.emplace(*tiles_);
 }
 
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.
@@ -159,6 +221,7 @@ void Adapter::follow_stages() {
 
 void Adapter::approach_metric() {
   implied_ = {};  // which only stages ask for
+  if (tiles_) work_.each([&] { tiles_->drop_implied(), give_back_free_memory(); });
   round(HUGE_VAL, {refine, kPasses.longest});
   Fit best;
   for (std::size_t i = 0, idle = 0; i < kEnd.most_rounds && idle < 2; ++i) {
@@ -203,23 +266,34 @@ std::vector<double> Adapter::gather(std::vector<double>&& own) const {
 
 // Each rank for its share. Nothing is looked up afterwards.
 void Adapter::carry_fields(AdaptReport& report) {
-  carrier_.emplace(mesh_, *background_, options_.transfer);
+  carrier_.emplace(mesh_, *background_, options_.transfer, std::move(fields_before_));
   if (!carrier_->has_none()) {
     std::vector<TetVerts> tets;
     const auto share = [&] { return TetsInRegions{{whole_.points.span(), tets}, whole_.to_region.span()}; };
-    work_.each([&] {
-      tets = tets_of(whole_, runner_);
-      // The hints of vertices are those of any number of ranks, and so are the places.
-      std::vector<BackgroundPlace> places(whole_.points.size());
-      runner_.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]);
+    work_.each([&] { tets = tets_of(whole_, runner_); });
+    // The hints of vertices are those of any number of ranks, and so are the places.
+    if (tiles_)
+      carry_from_tiles();
+    else
+      work_.each([&] {
+        std::vector<BackgroundPlace> places(whole_.points.size());
+        look_up_verts([&](std::size_t v) { places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]); });
+        carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
       });
-      carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
-    });
     report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
   }
-  background_.reset(), implied_ = {};
+  background_.reset(), tiles_.reset(), implied_ = {};
   whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
+}
+
+void Adapter::carry_from_tiles() {
+  std::size_t n = 0;
+  for (const FieldInfo& field : carrier_->infos_on_points()) n += static_cast<std::size_t>(field.components);
+  carried_.on_points.resize(whole_.points.size() * n);
+  look_up_verts([&](std::size_t v) {
+    const BackgroundPlace place = background_->locate(whole_.points[v], whole_.to_hint[v]);
+    tiles_->fields_at(place, std::span(carried_.on_points).subspan(v * n, n));
+  });
 }
 
 Adapter::Whole Adapter::take_whole() {
@@ -269,17 +343,40 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
   return sum;
 }
 
+// Calls look_up(v) for all vertices; again where the tile that has one was not at hand. In together where there are
+// tiles.
+template <class LookUp>
+void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
+  const std::size_t count = whole_.points.size();
+  if (!tiles_ || !needs_tiles) {
+    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) look_up(v);
+    });
+    return;
+  }
+  std::vector<std::uint32_t> tiles;
+  std::vector<std::vector<std::uint32_t>> waiting((count + kGrain - 1) / kGrain);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    tiles.push_back(whole_.to_hint[v] / kTileTets);
+    waiting[v / kGrain].push_back(v);
+  }
+  tiles_->fetch_only(std::move(tiles), work_);
+  tiles_->until_found(work_, [&] {
+    runner_.for_each(waiting.size(), [&](std::size_t block) {
+      std::erase_if(waiting[block], [&](std::uint32_t v) { return tiles_->finds([&] { look_up(v); }); });
+    });
+  });
+}
+
 // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
 double Adapter::refinement() {
   const MetricStage stage(*background_, implied_, function_, 1);
   const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
   std::vector<double> most(blocks, 0);
-  runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      std::uint32_t hint = whole_.to_hint[v];
-      most[begin / kGrain] = std::max(most[begin / kGrain], stage.refinement_at(whole_.points[v], hint));
-      whole_.to_hint[v] = hint;
-    }
+  look_up_verts([&](std::size_t v) {
+    std::uint32_t hint = whole_.to_hint[v];
+    most[v / kGrain] = std::max(most[v / kGrain], stage.refinement_at(whole_.points[v], hint));
+    whole_.to_hint[v] = hint;
   });
   std::array<double, 1> all{0};
   for (const double one : most) all[0] = std::max(all[0], one);
@@ -288,16 +385,15 @@ double Adapter::refinement() {
 }
 
 void Adapter::set_metric(const MetricStage& stage) {
-  runner_.for_blocks(whole_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      std::uint32_t hint = whole_.to_hint[v];
-      const Tensor tensor = stage.at(whole_.points[v], hint);
-      // Where the stage asks for something else than the last one, everything is looked at again.
-      if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
-      whole_.to_metric[v] = {tensor, det(tensor)};
-      whole_.to_hint[v] = hint;
-    }
-  });
+  const auto look_up = [&](std::size_t v) {
+    std::uint32_t hint = whole_.to_hint[v];
+    const Tensor tensor = stage.at(whole_.points[v], hint);
+    // Where the stage asks for something else than the last one, everything is looked at again.
+    if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;
+    whole_.to_metric[v] = {tensor, det(tensor)};
+    whole_.to_hint[v] = hint;
+  };
+  look_up_verts(look_up, stage.looks_up());
 }
 
 // One round at a stage of the metric.
@@ -329,7 +425,9 @@ void Adapter::round(double ratio, const Work& work) {
     counts[number] = passes.counts();
   };
   const SideSplitOptions sides{work.longest, pass_options.floor, pass_options.most_tets, options_.model != nullptr};
-  const std::size_t split = adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides}, work_);
+  BackgroundTiles* const tiles = stage.looks_up() ? tiles_.get() : nullptr;
+  const std::size_t split =
+      adapt_in_parts(whole_, links_, std::move(dealing), {adapt_part, &stage, sides, tiles}, work_);
   seconds_.parts += watch.lap();
   last_counts_ = PassCounts();
   for (const PassCounts& part : counts) last_counts_.add(part);

@@ -1,6 +1,7 @@
 #pragma once
 // The rounds of one adaptation.
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "adapt/parts/fans.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/share_in_parts.hpp"
+#include "adapt/parts/share_verts.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
@@ -33,6 +35,8 @@ class Adapter {
   /// fit; Cancelled.
   Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options, const SharedWork& work);
 
+  /// Spreads the mesh that was given over the ranks. To be called in together before `run`.
+  void spread();
   /// Adapts, and fills in what the report says of fields, operations, rounds and stages.
   void run(AdaptReport& report);
 
@@ -62,7 +66,12 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
+  void keep_all(AdapterInput&& input);
+  void keep_share(AdapterInput&& input);
+  void make_whole();
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
+  template <class LookUp>
+  void look_up_verts(const LookUp& look_up, bool needs_tiles = true);
   double refinement();
   void follow_stages();
   void approach_metric();
@@ -74,6 +83,7 @@ class Adapter {
   Fit measure() const;
   std::vector<double> gather(std::vector<double>&& own) const;
   void carry_fields(AdaptReport& report);
+  void carry_from_tiles();
   void note_rounds(AdaptReport& report) const;
   PassCounts sum_of(const PassCounts& counts) const;
 
@@ -86,6 +96,12 @@ class Adapter {
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
+  // Until the tiles are made.
+  Mesh* given_up_ = nullptr;
+  ShareVerts given_verts_, share_verts_;  // as they were given, and as they stand in the share
+  bool touches_ = false;                  // whether this rank knows of a place where fans touch
+  std::vector<FieldFigures> fields_before_;
+  std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;
   CarriedFields carried_;            // for this rank's share, after the last round

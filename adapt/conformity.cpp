@@ -12,6 +12,7 @@ namespace adapt {
 namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 10;
+constexpr std::size_t kSlices = 4;  // of the vertices, whose tets are known one slice after the other
 
 MetricConformity nothing_yet() {
   MetricConformity blank;
@@ -65,11 +66,16 @@ class Measure {
 
   // Sums that are not yet divided by their counts.
   MetricConformity run() {
-    find_stars();
-    add_blocks(metrics_.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
-      std::vector<std::uint32_t> ends;
-      for (std::size_t v = begin; v < end; ++v) add_edges(static_cast<std::uint32_t>(v), ends, sum);
-    });
+    const std::size_t slice = (metrics_.size() / kSlices / kGrain + 1) * kGrain;
+    for (std::size_t first = 0; first < metrics_.size(); first += slice) {
+      const std::size_t count = std::min(slice, metrics_.size() - first);
+      find_stars(first, count);
+      add_blocks(count, [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
+        std::vector<std::uint32_t> ends;
+        for (std::size_t v = begin; v < end; ++v) add_edges(first + v, stars_[v], ends, sum);
+      });
+    }
+    stars_ = Grouping();
     add_blocks(mesh_.tets.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
       for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tets[tet], sum);
     });
@@ -89,19 +95,24 @@ class Measure {
     for (const MetricConformity& sum : sums) add(sum, all_);
   }
 
-  void find_stars() {
-    stars_ = Grouping(mesh_.points.size(), mesh_.tets.size() * 4, [&](const auto& visit) {
+  // Of the vertices from `first` on.
+  void find_stars(std::size_t first, std::size_t count) {
+    stars_ = Grouping();
+    stars_ = Grouping(count, [&](const auto& visit) {
       loop_.for_blocks(mesh_.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet)
-          for (const std::uint32_t v : mesh_.tets[tet]) visit(static_cast<std::uint32_t>(tet), v);
+          for (const std::uint32_t v : mesh_.tets[tet])
+            if (v - first < count) visit(static_cast<std::uint32_t>(tet), v - first);
       });
     });
   }
 
   // Those to higher vertices.
-  void add_edges(std::uint32_t a, std::vector<std::uint32_t>& ends, MetricConformity& sum) const {
+  void add_edges(std::size_t from, std::span<const std::uint32_t> star, std::vector<std::uint32_t>& ends,
+                 MetricConformity& sum) const {
+    const auto a = static_cast<std::uint32_t>(from);
     ends.clear();
-    for (const std::uint32_t tet : stars_[a])
+    for (const std::uint32_t tet : star)
       for (const std::uint32_t v : mesh_.tets[tet])
         if (v > a) ends.push_back(v);
     std::sort(ends.begin(), ends.end());
@@ -133,7 +144,7 @@ class Measure {
   const ForeignEdges& foreign_;
   const BlockLoop& loop_;
   MetricConformity all_;
-  Grouping stars_;  // tets by their vertices
+  Grouping stars_;  // tets by some of their vertices
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ void check_metric(const MetricField& metric, const Mesh& mesh);
 /// How much an adaptation holds.
 struct AdaptLoad {
   double complexity = 0;     ///< of the metric
-  double given = 0;          ///< tets, which every rank keeps
+  double given = 0;          ///< tets, which every rank has while they are made ready
   int ranks = 1;             ///< that share the result
   int ranks_on_machine = 1;  ///< and what is free there
 };

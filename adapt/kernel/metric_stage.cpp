@@ -32,10 +32,7 @@ Tensor MetricStage::asked_at(const Vec3& x, const BackgroundPlace& place) const 
 }
 
 Tensor MetricStage::implied_log_at(const BackgroundPlace& place) const {
-  const TetVerts& tet = background_.mesh().tets[place.tet];
-  Tensor sum;
-  for (std::size_t i = 0; i < 4; ++i) sum += place.weights[i] * implied_[tet[i]];
-  return sum;
+  return background_.implied_log_at(place, implied_);
 }
 
 Tensor MetricStage::at(const Vec3& x, std::uint32_t& hint) const {
@@ -57,33 +54,41 @@ double MetricStage::refinement_at(const Vec3& x, std::uint32_t& hint) const {
   return std::sqrt(eigen(between(exp(-0.5 * implied_log_at(place)), asked_at(x, place))).values[2]);
 }
 
-std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop& loop) {
+void ImpliedMetric::add(const TetView& some, const BlockLoop& loop) {
   // Added up in the order of the tets, some of which are computed at a time.
   constexpr std::size_t kGrain = std::size_t{1} << 12, kAtOnce = 64 * kGrain;
   struct Weighted {
     Tensor logarithm;
     double volume = 0;
   };
-  std::vector<Weighted> tets(std::min(kAtOnce, mesh.tets.size()));
-  std::vector<Tensor> logs(mesh.points.size());
-  std::vector<double> volumes(mesh.points.size(), 0);
-  for (std::size_t first = 0; first < mesh.tets.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, mesh.tets.size() - first);
+  std::vector<Weighted> tets(std::min(kAtOnce, some.tets.size()));
+  for (std::size_t first = 0; first < some.tets.size(); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, some.tets.size() - first);
     loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const TetVerts& v = mesh.tets[first + i];
-        const Vec3& x = mesh.points[v[0]];
-        const Vec3 e1 = mesh.points[v[1]] - x, e2 = mesh.points[v[2]] - x, e3 = mesh.points[v[3]] - x;
+        const TetVerts& v = some.tets[first + i];
+        const Vec3& x = some.points[v[0]];
+        const Vec3 e1 = some.points[v[1]] - x, e2 = some.points[v[2]] - x, e3 = some.points[v[3]] - x;
         tets[i] = {log(implied_by(e1, e2, e3)), std::abs(dot(cross(e1, e2), e3))};
       }
     });
     for (std::size_t i = 0; i < count; ++i)
-      for (const std::uint32_t vert : mesh.tets[first + i])
-        logs[vert] += tets[i].volume * tets[i].logarithm, volumes[vert] += tets[i].volume;
+      for (const std::uint32_t vert : some.tets[first + i])
+        logs_[vert] += tets[i].volume * tets[i].logarithm, volumes_[vert] += tets[i].volume;
   }
-  for (std::size_t v = 0; v < logs.size(); ++v)
-    if (volumes[v] > 0) logs[v] *= 1 / volumes[v];
-  return logs;
+}
+
+std::vector<Tensor> ImpliedMetric::finish() {
+  for (std::size_t v = 0; v < logs_.size(); ++v)
+    if (volumes_[v] > 0) logs_[v] *= 1 / volumes_[v];
+  volumes_ = {};
+  return std::move(logs_);
+}
+
+std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop& loop) {
+  ImpliedMetric metric(mesh.points.size());
+  metric.add(mesh, loop);
+  return metric.finish();
 }
 
 }  // namespace tetloom::adapt

@@ -1,5 +1,6 @@
 #pragma once
 // Where the metric of a new or moved vertex comes from.
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -25,6 +26,8 @@ class MetricStage {
               double ratio)
       : background_(background), implied_(implied), function_(function), ratio_(ratio) {}
 
+  /// Whether places are looked up in the background at all.
+  bool looks_up() const { return !function_ || std::isfinite(ratio_); }
   /// The metric at `x`. `hint` is a tet of the background near there, or kNone; afterwards the one that has `x`.
   Tensor at(const Vec3& x, std::uint32_t& hint) const;
   /// By how much the sizes asked for at `x` are smaller than those that the mesh started with, in the worst direction.
@@ -41,7 +44,20 @@ class MetricStage {
 };
 
 /// The logarithms of the implied metric at the vertices of a mesh: the mean over their tets, by volume, of those in
-/// which the tets are regular with edges of length 1. Pre: positive volumes.
+/// which the tets are regular with edges of length 1. Tets may be given some at a time, in their order.
+class ImpliedMetric {
+ public:
+  explicit ImpliedMetric(std::size_t points) : logs_(points), volumes_(points, 0) {}
+  /// Pre: positive volumes.
+  void add(const TetView& some, const BlockLoop& loop);
+  std::vector<Tensor> finish();
+
+ private:
+  std::vector<Tensor> logs_;
+  std::vector<double> volumes_;
+};
+
+/// That of a whole mesh.
 std::vector<Tensor> implied_metric(const TetView& mesh, const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom::adapt

@@ -87,13 +87,16 @@ bool SideSplits::can_split(const SideEdge& edge) {
   return good;
 }
 
-void SideSplits::split(const SideEdge& edge, PackedEntity entity) {
+SideSpot SideSplits::spot(const SideEdge& edge) const {
   const auto [a, b] = edge.ends;
+  SideSpot spot{place_of_split(mesh_, a, b), {}, mesh_.to_hint[a]};
+  spot.metric = source_.at(spot.place, spot.hint);
+  return spot;
+}
+
+void SideSplits::split(const SideEdge& edge, PackedEntity entity, const SideSpot& spot) {
   mesh_.collect(edge.ends, edge.tet, cavity_);
-  const Vec3 place = place_of_split(mesh_, a, b);
-  std::uint32_t hint = mesh_.to_hint[a];
-  const Tensor metric = source_.at(place, hint);
-  const std::uint32_t p = mesh_.add_vertex(place, metric, entity, hint);
+  const std::uint32_t p = mesh_.add_vertex(spot.place, spot.metric, entity, spot.hint);
   mesh_.to_frozen[p] = 1;
   mesh_.evaluate(cavity_, p, -1, made_);
   mesh_.reconnect(cavity_, p, made_);

@@ -26,6 +26,13 @@ struct SideEdge {
   PackedEntity entity;  ///< what this part knows of: of all parts that of the lowest dimension is right
 };
 
+/// A vertex to be.
+struct SideSpot {
+  Vec3 place;
+  Tensor metric;
+  std::uint32_t hint = kNone;
+};
+
 /// Of one part. `names`: of its vertices; those of shared ones order all edges in all parts alike.
 /// Pre: the part has been started, and every face that it shares is open and has frozen vertices.
 class SideSplits {
@@ -37,8 +44,10 @@ class SideSplits {
   /// All edges of sides that are longer than they should be, by their names. Refused are also those that are not the
   /// longest in each of their tets.
   std::vector<SideEdge> find();
-  /// Splits an edge at a new, frozen vertex, which has the same place and metric in all parts.
-  void split(const SideEdge& edge, PackedEntity entity);
+  /// What the new vertex of an edge will be, the same in all parts, whatever else is split.
+  SideSpot spot(const SideEdge& edge) const;
+  /// Splits an edge at a new, frozen vertex.
+  void split(const SideEdge& edge, PackedEntity entity, const SideSpot& spot);
 
  private:
   std::vector<SideEdge> long_edges() const;

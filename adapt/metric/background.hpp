@@ -6,7 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "adapt/metric/background_place.hpp"
+#include "adapt/metric/background_tiles.hpp"
 #include "adapt/metric/boundary_tree.hpp"
+#include "adapt/metric/start_grid.hpp"
 #include "adapt/metric/tet_links.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/metric.hpp"
@@ -14,13 +17,8 @@
 
 namespace tetloom::adapt {
 
-/// A place in a background mesh: a tet and barycentric coordinates in it.
-struct BackgroundPlace {
-  std::uint32_t tet = kNone;
-  std::array<double, 4> weights{};  ///< not negative, sum 1 up to round-off
-};
-
-/// A copy of the tets, points and metrics of a mesh. Immutable after construction, so any number of threads may ask.
+/// A copy of the tets, points and metrics of a mesh, or what a rank has of one in tiles. Immutable after construction,
+/// so any number of threads may ask.
 ///
 /// A point outside of the mesh, such as one on a curved surface of which the mesh has the chords, stands for the
 /// nearest point of the boundary. About 90 bytes per tet.
@@ -34,6 +32,10 @@ class BackgroundMesh {
   /// The same, of arrays that it takes over.
   BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<std::uint32_t>&& links,
                  MetricField&& metric, const TaskRunner& runner);
+
+  /// The mesh that lies in `tiles`, to which this refers. Then `mesh`, `metric` and `links` are empty, tets are named
+  /// as there, and what is asked for may throw MissingTile. Hints must not be kNone.
+  explicit BackgroundMesh(const BackgroundTiles& tiles) : tiles_(&tiles) {}
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }
@@ -49,10 +51,11 @@ class BackgroundMesh {
 
   /// The logarithm of the metric there: the mean of those of the corners. Pre: there is a metric.
   Tensor log_metric_at(const BackgroundPlace& place) const {
-    const TetVerts& tet = tets_[place.tet];
-    Tensor sum = place.weights[0] * metric_.logs[tet[0]];
-    for (std::size_t i = 1; i < 4; ++i) sum += place.weights[i] * metric_.logs[tet[i]];
-    return sum;
+    return tiles_ ? tiles_->log_metric_at(place) : mean_of_corners(metric_.logs, place, tets_[place.tet]);
+  }
+  /// The same of `implied`, one tensor per point of this mesh; of tiles that of theirs.
+  Tensor implied_log_at(const BackgroundPlace& place, std::span<const Tensor> implied) const {
+    return tiles_ ? tiles_->implied_log_at(place) : mean_of_corners(implied, place, tets_[place.tet]);
   }
 
   /// The value of component `c` of a point field there. Linear fields are exact inside the mesh.
@@ -69,25 +72,13 @@ class BackgroundMesh {
                         const BlockLoop& loop = serial_loop()) const;
 
  private:
-  using Weights = std::array<double, 4>;
-
-  Weights weights_in(std::uint32_t tet, const Vec3& x) const;
-  std::uint32_t start_near(const Vec3& x) const;
-  bool walk(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const;
-  bool search_around(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const;
-  BackgroundPlace on_boundary(const BoundaryTree::Nearest& nearest) const;
-  BackgroundPlace locate_from_boundary(const Vec3& x, std::uint32_t last) const;
-  void build_grid();
-  std::size_t cell_of(const Vec3& x) const;
-
   std::vector<Vec3> points_;
   std::vector<TetVerts> tets_;
   std::vector<std::uint32_t> links_;  ///< see link_tets
   MetricField metric_;
   BoundaryTree boundary_;
-  Box3 box_;
-  std::array<std::size_t, 3> cells_{1, 1, 1};  ///< of the grid, along each axis
-  std::vector<std::uint32_t> cell_to_tet_;     ///< a tet in or near each cell
+  StartGrid grid_;
+  const BackgroundTiles* tiles_ = nullptr;
 };
 
 }  // namespace tetloom::adapt

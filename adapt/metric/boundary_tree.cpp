@@ -1,6 +1,7 @@
 #include "adapt/metric/boundary_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "adapt/metric/tet_links.hpp"
 #include "core/spatial/distances.hpp"
@@ -9,11 +10,7 @@
 namespace tetloom::adapt {
 namespace {
 
-std::array<Vec3, 3> corners_of(const TetView& mesh, std::uint32_t face) {
-  const TetVerts& tet = mesh.tets[face / 4];
-  const auto& f = kFaceVerts[face % 4];
-  return {mesh.points[tet[f[0]]], mesh.points[tet[f[1]]], mesh.points[tet[f[2]]]};
-}
+constexpr double kRounded = 1e-12;  // of coordinates and distances
 
 TrianglePoint at(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, const std::array<double, 3>& weights) {
   return {weights, norm2(x - (weights[0] * a + weights[1] * b + weights[2] * c))};
@@ -23,6 +20,18 @@ TrianglePoint at(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, con
 double along(double to_a, double to_b) { return to_a <= 0 ? 0 : to_b <= 0 ? 1 : to_a / (to_a + to_b); }
 
 }  // namespace
+
+std::array<Vec3, 3> corners_of_face(const TetView& mesh, std::uint32_t face) {
+  const TetVerts& tet = mesh.tets[face / 4];
+  const auto& f = kFaceVerts[face % 4];
+  return {mesh.points[tet[f[0]]], mesh.points[tet[f[1]]], mesh.points[tet[f[2]]]};
+}
+
+double reach_of_boxes(double distance2, const Vec3& x) {
+  const double distance = std::sqrt(distance2);
+  const double reach = distance + kRounded * (distance + std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}));
+  return reach * reach;
+}
 
 TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac);
@@ -48,7 +57,7 @@ BoundaryTree::BoundaryTree(const TetView& mesh, std::vector<std::uint32_t> faces
   std::vector<Box3> boxes(faces.size());
   runner.for_blocks(faces.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (const Vec3& corner : corners_of(mesh, faces[i])) boxes[i].add(corner);
+      for (const Vec3& corner : corners_of_face(mesh, faces[i])) boxes[i].add(corner);
   });
   bvh_ = build_bvh(boxes, runner);
   faces_.reserve(faces.size());
@@ -60,20 +69,22 @@ BoundaryTree::Nearest BoundaryTree::find_nearest(const TetView& mesh, const Vec3
   Nearest nearest;
   nearest.point.distance2 = limit2;
   if (bvh_.nodes.empty()) return nearest;
+  double reach2 = reach_of_boxes(limit2, x);
   std::array<std::uint32_t, 64> stack;  // as deep as a balanced tree of 2^32 leaves needs, twice over
   std::size_t size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const std::uint32_t index = stack[--size];
     const BvhNode& node = bvh_.nodes[index];
-    if (squared_distance_to_box(x, node.box) > nearest.point.distance2) continue;
+    if (squared_distance_to_box(x, node.box) > reach2) continue;
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const std::array<Vec3, 3> c = corners_of(mesh, faces_[i]);
+        const std::array<Vec3, 3> c = corners_of_face(mesh, faces_[i]);
         const TrianglePoint point = closest_on_triangle(x, c[0], c[1], c[2]);
         const bool nearer = point.distance2 < nearest.point.distance2;
         const bool equal = point.distance2 == nearest.point.distance2 && nearest.face != kNone;
         if (nearer || (equal && faces_[i] < nearest.face)) nearest = {faces_[i], point};
+        if (nearer) reach2 = reach_of_boxes(point.distance2, x);
       }
       continue;
     }

@@ -20,6 +20,14 @@ struct TrianglePoint {
 /// After Ericson, "Real-time collision detection" (2005), 5.1.5.
 TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// The corners of a face tet · 4 + face, in the order of kFaceVerts.
+std::array<Vec3, 3> corners_of_face(const TetView& mesh, std::uint32_t face);
+
+/// How far boxes may be away, squared, that are to be looked into where something at a squared distance of `distance2`
+/// from x is known: a little more than that, so that what is found as near does not depend on the order of looking,
+/// whatever was rounded.
+double reach_of_boxes(double distance2, const Vec3& x);
+
 /// Immutable, and thread-safe therefore.
 class BoundaryTree {
  public:

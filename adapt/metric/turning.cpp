@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "tetloom/metric.hpp"
@@ -22,24 +24,31 @@ constexpr double kWorthIt = 1.5;   // complexity of the limited metric by that a
 constexpr double kMostDearer = 4;  // the same, where sizes become larger
 constexpr double kTolerance = 1.1;
 constexpr int kMostScalings = 12;
+constexpr std::size_t kSlices = 8;  // of the vertices, whose tets are known one slice after the other
 
-/// The tets of every vertex.
+/// The tets of some vertices, ascending.
 class TetsOfVerts {
  public:
-  explicit TetsOfVerts(const TetView& mesh) : first_(mesh.points.size() + 1, 0), tets_(mesh.tets.size() * 4) {
+  /// Of the vertices from `first` on.
+  TetsOfVerts(const TetView& mesh, std::size_t first, std::size_t count) : first_vert_(first), begins_(count + 2, 0) {
     for (const TetVerts& verts : mesh.tets)
-      for (const std::uint32_t v : verts) ++first_[v + 1];
-    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-    std::vector<std::size_t> next = first_;
+      for (const std::uint32_t v : verts)
+        if (v - first < count) ++begins_[v - first + 2];
+    for (std::size_t v = 2; v < begins_.size(); ++v) begins_[v] += begins_[v - 1];
+    tets_.resize(begins_.back());
+    // begins_[v + 1] is where the next tet of v goes, and ends up as the end of v's.
     for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet)
-      for (const std::uint32_t v : mesh.tets[tet]) tets_[next[v]++] = tet;
+      for (const std::uint32_t v : mesh.tets[tet])
+        if (v - first < count) tets_[begins_[v - first + 1]++] = tet;
   }
   std::span<const std::uint32_t> at(std::size_t vert) const {
-    return std::span(tets_).subspan(first_[vert], first_[vert + 1] - first_[vert]);
+    const std::size_t v = vert - first_vert_;
+    return std::span(tets_).subspan(begins_[v], begins_[v + 1] - begins_[v]);
   }
 
  private:
-  std::vector<std::size_t> first_;
+  std::size_t first_vert_;
+  std::vector<std::size_t> begins_;
   std::vector<std::uint32_t> tets_;
 };
 
@@ -117,26 +126,19 @@ double spread(const Tensor& m) {
 
 class Turning {
  public:
-  Turning(const TetView& mesh, const BlockLoop& loop) : mesh_(mesh), tets_(mesh), loop_(loop) {
+  Turning(const TetView& mesh, const BlockLoop& loop) : mesh_(mesh), loop_(loop) {
     Box3 box;
     for (const Vec3& x : mesh.points) box.add(x);
     largest_ = box.diagonal();
   }
 
-  /// Returns whether anything was limited.
-  bool limit(MetricField& metric) const {
-    std::vector<Tensor> logs = metric.logs;
-    const auto changed =
-        map_blocks(loop_, logs.size(), kGrain, char{0}, [&](std::size_t begin, std::size_t end, char& any) {
-          for (std::size_t v = begin; v < end; ++v) {
-            if (spread(metric.logs[v]) < kLeastGap) continue;
-            VertexSizes sizes(metric.logs[v], largest_);
-            for (const std::uint32_t tet : tets_.at(v)) sizes.limit(Slope(metric, mesh_, mesh_.tets[tet]));
-            if (sizes.is_limited()) logs[v] = sizes.limited_log(), any = 1;
-          }
-        });
-    metric.logs = std::move(logs);
-    return std::find(changed.begin(), changed.end(), 1) != changed.end();
+  /// The metric within its limits; nothing where it is already.
+  std::optional<MetricField> limited(const MetricField& metric) const {
+    std::optional<MetricField> result;
+    const std::size_t count = metric.size(), slice = std::max(kGrain, (count + kSlices - 1) / kSlices);
+    for (std::size_t first = 0; first < count; first += slice)
+      limit(metric, first, std::min(slice, count - first), result);
+    return result;
   }
 
   /// No size is larger than the mesh.
@@ -148,8 +150,32 @@ class Turning {
   }
 
  private:
+  // Of the vertices from `first` on.
+  void limit(const MetricField& metric, std::size_t first, std::size_t count, std::optional<MetricField>& all) const {
+    if (!turns_anywhere(metric, first, count)) return;
+    const TetsOfVerts tets(mesh_, first, count);
+    std::vector<Tensor> logs(metric.logs.begin() + static_cast<std::ptrdiff_t>(first),
+                             metric.logs.begin() + static_cast<std::ptrdiff_t>(first + count));
+    const auto changed = map_blocks(loop_, count, kGrain, char{0}, [&](std::size_t begin, std::size_t end, char& any) {
+      for (std::size_t v = first + begin; v < first + end; ++v) {
+        if (spread(metric.logs[v]) < kLeastGap) continue;
+        VertexSizes sizes(metric.logs[v], largest_);
+        for (const std::uint32_t tet : tets.at(v)) sizes.limit(Slope(metric, mesh_, mesh_.tets[tet]));
+        if (sizes.is_limited()) logs[v - first] = sizes.limited_log(), any = 1;
+      }
+    });
+    if (std::find(changed.begin(), changed.end(), 1) == changed.end()) return;
+    if (!all) all = metric;
+    std::copy(logs.begin(), logs.end(), all->logs.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+
+  static bool turns_anywhere(const MetricField& metric, std::size_t first, std::size_t count) {
+    for (std::size_t v = first; v < first + count; ++v)
+      if (!(spread(metric.logs[v]) < kLeastGap)) return true;
+    return false;
+  }
+
   const TetView& mesh_;
-  TetsOfVerts tets_;
   const BlockLoop& loop_;
   double largest_ = 0;
 };
@@ -158,15 +184,13 @@ class Turning {
 
 TurningResult limit_turning(MetricField& metric, const TetView& mesh, const BlockLoop& loop) {
   const Turning turning(mesh, loop);
-  const MetricField base = metric;
+  std::optional<MetricField> limited = turning.limited(metric);
+  if (!limited) return {};
   TurningResult result;
-  if (!turning.limit(metric)) return result;
-  result.asked = turning.complexity_of(base), result.followed = turning.complexity_of(metric);
-  if (!(result.followed > kWorthIt * result.asked)) {
-    metric = base;
-    return {};
-  }
+  result.asked = turning.complexity_of(metric), result.followed = turning.complexity_of(*limited);
+  if (!(result.followed > kWorthIt * result.asked)) return {};
   result.turns = true;
+  const MetricField base = std::exchange(metric, *std::move(limited));
   double shift = 0;
   for (int scaling = 0; scaling < kMostScalings; ++scaling) {
     const double dearer = result.followed / (kMostDearer * result.asked);
@@ -174,7 +198,7 @@ TurningResult limit_turning(MetricField& metric, const TetView& mesh, const Bloc
     shift -= 2.0 / 3 * std::log(dearer);
     metric = base;
     for (Tensor& logarithm : metric.logs) logarithm += diagonal(shift, shift, shift);
-    turning.limit(metric);
+    if ((limited = turning.limited(metric))) metric = *std::move(limited);
     result.followed = turning.complexity_of(metric);
   }
   return result;

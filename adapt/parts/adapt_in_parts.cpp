@@ -2,6 +2,7 @@
 
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/join_parts.hpp"
+#include "adapt/parts/needed_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/split_sides.hpp"
 
@@ -23,6 +24,28 @@ void finish(PartOfWhole& part) {
   part.mesh.to_quality.release(), part.mesh.vert_to_tet.release();
 }
 
+// Adapts the parts that have not been `done`. One that lacks a tile is as it was before.
+void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<const double> part_work,
+                 const RoundWork& round, std::span<std::uint8_t> done, const TaskRunner& runner) {
+  runner.for_each_largest_first(part_work, [&](std::size_t p) {
+    if (done[p] != 0) return;
+    CavityMesh before;
+    if (round.tiles != nullptr) before = parts[p].mesh;
+    if (finds(round.tiles, [&] { round.adapt(first + p, parts[p].mesh); })) {
+      finish(parts[p]);
+      done[p] = 1;
+    } else {
+      parts[p].mesh = std::move(before);
+    }
+  });
+}
+
+void fetch_tiles(std::span<const PartOfWhole> parts, BackgroundTiles& tiles, const SharedWork& work) {
+  std::vector<std::uint32_t> needed;
+  work.each([&] { needed = needed_tiles(parts, tiles, work.runner()); });
+  tiles.fetch_only(std::move(needed), work);
+}
+
 }  // namespace
 
 std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealing, const RoundWork& round,
@@ -39,15 +62,12 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
     parts = cut_parts(moved, first, static_cast<std::uint32_t>(own_work.size()), work.runner());
     work.runner().for_each(parts.size(), [&](std::size_t p) { parts[p].mesh.start(); });
   });
+  if (round.tiles != nullptr) fetch_tiles(parts, *round.tiles, work);
   std::size_t split = 0;
-  if (part_count > 1 && std::isfinite(round.sides.longest))
-    split = split_sides(moved, links, parts, *round.source, round.sides, work);
-  work.each([&] {
-    work.runner().for_each_largest_first(own_work, [&](std::size_t p) {
-      round.adapt(first + p, parts[p].mesh);
-      finish(parts[p]);
-    });
-  });
+  if (part_count > 1 && std::isfinite(round.sides.longest)) split = split_sides(moved, links, parts, round, work);
+  std::vector<std::uint8_t> done(parts.size(), 0);
+  until_found(round.tiles, work, [&] { adapt_parts(parts, first, own_work, round, done, work.runner()); });
+  if (round.tiles != nullptr) round.tiles->drop_fetched();
   share = join_parts(moved, parts, links, work);
   return split;
 }

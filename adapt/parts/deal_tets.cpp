@@ -25,26 +25,6 @@ struct Sample {
   std::int64_t units = 0;
 };
 
-Box3 box_of(const WholeMesh& share, const SharedWork& work) {
-  // All of its points are in use.
-  const auto boxes = map_blocks(work.runner(), share.points.size(), kGrain, Box3(),
-                                [&](std::size_t begin, std::size_t end, Box3& result) {
-                                  Box3 box;
-                                  for (std::size_t v = begin; v < end; ++v) box.add(share.points[v]);
-                                  result = box;
-                                });
-  std::array<double, 6> ends;
-  ends.fill(-std::numeric_limits<double>::infinity());
-  for (const Box3& box : boxes) {
-    const std::array<double, 6> own{box.hi.x, box.hi.y, box.hi.z, -box.lo.x, -box.lo.y, -box.lo.z};
-    for (std::size_t i = 0; i < 6; ++i) ends[i] = std::max(ends[i], own[i]);
-  }
-  work.max(ends);
-  Box3 box;
-  box.add(Vec3{ends[0], ends[1], ends[2]}), box.add(Vec3{-ends[3], -ends[4], -ends[5]});
-  return box;
-}
-
 // Along a curve through a box that is larger than the mesh and lies otherwise in each round.
 class Curve {
  public:
@@ -146,6 +126,26 @@ std::vector<std::uint64_t> find_cuts(std::vector<Sample> samples, std::size_t pa
 }
 
 }  // namespace
+
+Box3 box_of(const WholeMesh& share, const SharedWork& work) {
+  // All of its points are in use.
+  const auto boxes = map_blocks(work.runner(), share.points.size(), kGrain, Box3(),
+                                [&](std::size_t begin, std::size_t end, Box3& result) {
+                                  Box3 box;
+                                  for (std::size_t v = begin; v < end; ++v) box.add(share.points[v]);
+                                  result = box;
+                                });
+  std::array<double, 6> ends;
+  ends.fill(-std::numeric_limits<double>::infinity());
+  for (const Box3& box : boxes) {
+    const std::array<double, 6> own{box.hi.x, box.hi.y, box.hi.z, -box.lo.x, -box.lo.y, -box.lo.z};
+    for (std::size_t i = 0; i < 6; ++i) ends[i] = std::max(ends[i], own[i]);
+  }
+  work.max(ends);
+  Box3 box;
+  box.add(Vec3{ends[0], ends[1], ends[2]}), box.add(Vec3{-ends[3], -ends[4], -ends[5]});
+  return box;
+}
 
 double sum_of_work(std::span<const float> to_work, const SharedWork& work) {
   const auto sums = map_blocks(work.runner(), to_work.size(), kGrain, std::int64_t{0},

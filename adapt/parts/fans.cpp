@@ -115,8 +115,8 @@ class Separator {
   }
 
   std::uint32_t add_vert(std::uint32_t v) {
-    whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
-    whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
+    whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
+    if (!whole_.to_metric.empty()) whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
     whole_.to_hint.push_back(std::uint32_t{whole_.to_hint[v]});
     whole_.to_state.push_back(std::uint8_t{whole_.to_state[v]});
     to_slot_.push_back(to_slot_[v]);
@@ -168,6 +168,11 @@ class Separator {
 };
 
 }  // namespace
+
+bool has_fans_at(const WholeMesh& whole, const std::vector<std::uint8_t>& is_own, const TaskRunner& runner) {
+  const Pinches pinches(whole, runner);
+  return std::ranges::any_of(pinches.verts, [&](std::uint32_t v) { return is_own[v] != 0; });
+}
 
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
   Pinches pinches(whole, runner);

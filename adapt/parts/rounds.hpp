@@ -7,11 +7,15 @@
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/kernel/side_splits.hpp"
+#include "adapt/metric/background_tiles.hpp"
 #include "adapt/parts/share.hpp"
 #include "adapt/parts/whole_mesh.hpp"
 #include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
+
+/// Around the points of all shares. In together.
+Box3 box_of(const WholeMesh& share, const SharedWork& work);
 
 /// The work of all tets of all ranks; added up in whole numbers, so in any order. In together.
 double sum_of_work(std::span<const float> to_work, const SharedWork& work);
@@ -32,6 +36,7 @@ struct RoundWork {
   std::function<void(std::size_t, CavityMesh&)> adapt;  ///< each part, by its number
   const MetricStage* source = nullptr;                  ///< where `sides` have an end to lengths
   SideSplitOptions sides = {};                          ///< of edges between parts, before
+  BackgroundTiles* tiles = nullptr;                     ///< that `source` looks up in; null: it needs none
 };
 
 /// Cuts, splits edges between parts, calls `adapt` for every part on one rank, the one of most work first, and puts

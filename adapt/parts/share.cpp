@@ -9,8 +9,9 @@ namespace {
 // Cuts a rank's tets out of the mesh that all ranks have.
 class ShareTaker {
  public:
-  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end)
-      : whole_(whole), begin_(begin), end_(end), to_local_(whole.points.size(), kNone) {}
+  /// `to_number`: of the tets that are there; empty: as they stand.
+  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const std::uint32_t> to_number = {})
+      : whole_(whole), begin_(begin), end_(end), to_number_(to_number), to_local_(whole.points.size(), kNone) {}
 
   WholeMesh run(ShareLinks& links) {
     take_verts(links.to_number);
@@ -26,6 +27,8 @@ class ShareTaker {
     return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
   }
 
+  FaceCode by_number(FaceCode face) const { return to_number_.empty() ? face : to_number_[face / 4] * 4 + face % 4; }
+
   void take_verts(std::vector<std::uint32_t>& to_number) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;
     for (std::uint32_t v = 0; v < to_local_.size(); ++v) {
@@ -33,7 +36,7 @@ class ShareTaker {
       to_local_[v] = static_cast<std::uint32_t>(to_number.size());
       to_number.push_back(v);
       share_.points.push_back(whole_.points[v]);
-      share_.to_metric.push_back(whole_.to_metric[v]);
+      share_.to_metric.push_back(whole_.to_metric.empty() ? VertexMetric() : whole_.to_metric[v]);
       share_.to_entity.push_back(whole_.to_entity[v]);
       share_.to_hint.push_back(whole_.to_hint[v]);
       share_.to_state.push_back(whole_.to_state[v]);
@@ -46,7 +49,7 @@ class ShareTaker {
       share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
       const FaceCode behind = whole_.to_neighbor[i];
       const bool outside = behind != kNone && !has(behind / 4);
-      if (outside) faces.push_back({static_cast<FaceCode>(i) - first, behind});
+      if (outside) faces.push_back({static_cast<FaceCode>(i) - first, by_number(behind)});
       share_.to_neighbor.push_back(outside || behind == kNone ? kNone : behind - first);
     }
     for (std::size_t tet = begin_; tet < end_; ++tet) share_.to_region.push_back(whole_.to_region[tet]);
@@ -73,6 +76,7 @@ class ShareTaker {
 
   const WholeMesh& whole_;
   std::size_t begin_, end_;
+  std::span<const std::uint32_t> to_number_;
   std::vector<std::uint32_t> to_local_;
   WholeMesh share_;
 };
@@ -81,12 +85,6 @@ bool uses_all_points(const WholeMesh& whole) {
   std::vector<std::uint8_t> used(whole.points.size(), 0);
   for (const std::uint32_t v : whole.to_vert) used[v] = 1;
   return std::ranges::count(used, 0) == 0;
-}
-
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
-  std::vector<std::uint32_t> firsts;
-  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
-  return firsts;
 }
 
 // The face of a tet that a triangle is.
@@ -150,6 +148,12 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
+std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
+  std::vector<std::uint32_t> firsts;
+  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
+  return firsts;
+}
+
 FaceCode ShareLinks::behind(FaceCode face) const {
   const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
   return at == faces.end() || at->face != face ? kNone : at->behind;
@@ -165,6 +169,15 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest)
   if (rest != nullptr) *rest = std::move(whole);
   whole = std::move(share);
   if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);
+  return links;
+}
+
+ShareLinks take_share(WholeMesh& slice_mesh, const TetSlice& slice, std::size_t tet_count, const SharedWork& work) {
+  const auto ranks = static_cast<std::size_t>(work.rank_count());
+  ShareLinks links;
+  links.first_tets = equal_ranges(tet_count, ranks);
+  links.first_verts = equal_ranges(slice_mesh.points.size(), ranks);
+  slice_mesh = ShareTaker(slice_mesh, slice.begin, slice.end, slice.to_number).run(links);
   return links;
 }
 

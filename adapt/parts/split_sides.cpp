@@ -29,12 +29,13 @@ void keep_lowest(PackedEntity& entity, PackedEntity other) {
 
 class SideSplitter {
  public:
-  SideSplitter(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts, const MetricStage& source,
-               const SideSplitOptions& options, const SharedWork& work)
+  SideSplitter(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts, const RoundWork& round,
+               const SharedWork& work)
       : share_(share),
         parts_(parts),
-        source_(source),
-        options_(options),
+        source_(*round.source),
+        options_(round.sides),
+        tiles_(round.tiles),
         work_(work),
         next_number_(links.first_verts.back()),
         edges_(parts.size()) {}
@@ -43,6 +44,7 @@ class SideSplitter {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       work_.each([&] { find(); });
       if (!agree()) break;
+      look_up();
       work_.each([&] { split(); });
     }
     return split_count_;
@@ -128,14 +130,33 @@ class SideSplitter {
     share_.outside.first.push_back(static_cast<std::uint32_t>(share_.outside.parts.size()));
   }
 
+  const OwnEdge& own_of(const SideEdge& edge) const {
+    return *std::ranges::lower_bound(own_, edge.names, {}, &OwnEdge::ends);
+  }
+
+  // What the vertices to be are like.
+  void look_up() {
+    spots_.assign(parts_.size(), {});
+    until_found(tiles_, work_, [&] {
+      work_.runner().for_each(parts_.size(), [&](std::size_t p) {
+        const SideSplits splits(parts_[p].mesh, parts_[p].to_whole.span(), source_, options_);
+        // Where tiles are missing, from the same edge on, once they are there.
+        finds(tiles_, [&] {
+          for (std::size_t i = spots_[p].size(); i < edges_[p].size(); ++i)
+            spots_[p].push_back(own_of(edges_[p][i]).vert == kNone ? SideSpot() : splits.spot(edges_[p][i]));
+        });
+      });
+    });
+  }
+
   void split() {
     work_.runner().for_each(parts_.size(), [&](std::size_t p) {
       SideSplits splits(parts_[p].mesh, parts_[p].to_whole.span(), source_, options_);
-      for (const SideEdge& edge : edges_[p]) {
-        const auto own = std::ranges::lower_bound(own_, edge.names, {}, &OwnEdge::ends);
-        if (own->vert == kNone) continue;
-        splits.split(edge, own->entity);
-        parts_[p].to_whole.push_back(own->vert);
+      for (std::size_t i = 0; i < edges_[p].size(); ++i) {
+        const OwnEdge& own = own_of(edges_[p][i]);
+        if (own.vert == kNone) continue;
+        splits.split(edges_[p][i], own.entity, spots_[p][i]);
+        parts_[p].to_whole.push_back(own.vert);
       }
     });
   }
@@ -144,9 +165,11 @@ class SideSplitter {
   std::span<PartOfWhole> parts_;
   const MetricStage& source_;
   const SideSplitOptions& options_;
+  BackgroundTiles* tiles_;
   const SharedWork& work_;
   std::uint32_t next_number_;
   std::vector<std::vector<SideEdge>> edges_;  // of each part
+  std::vector<std::vector<SideSpot>> spots_;  // of each edge of each part
   std::vector<OwnEdge> own_;                  // ascending
   std::vector<std::uint32_t> ranks_;          // that have the edge at hand
   std::size_t split_count_ = 0;
@@ -155,8 +178,8 @@ class SideSplitter {
 }  // namespace
 
 std::size_t split_sides(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts,
-                        const MetricStage& source, const SideSplitOptions& options, const SharedWork& work) {
-  return SideSplitter(share, links, parts, source, options, work).run();
+                        const RoundWork& round, const SharedWork& work) {
+  return SideSplitter(share, links, parts, round, work).run();
 }
 
 }  // namespace tetloom::adapt

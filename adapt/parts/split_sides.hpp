@@ -4,6 +4,7 @@
 
 #include "adapt/kernel/side_splits.hpp"
 #include "adapt/parts/cut_parts.hpp"
+#include "adapt/parts/rounds.hpp"
 #include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
@@ -12,6 +13,6 @@ namespace tetloom::adapt {
 /// New vertices are shared ones of `share` from then on. Returns how many edges were split, each of them counted on one
 /// rank. The result depends on the parts alone. In SharedWork::together.
 std::size_t split_sides(RoundShare& share, const ShareLinks& links, std::span<PartOfWhole> parts,
-                        const MetricStage& source, const SideSplitOptions& options, const SharedWork& work);
+                        const RoundWork& round, const SharedWork& work);
 
 }  // namespace tetloom::adapt

@@ -32,7 +32,8 @@ constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 class Builder {
  public:
-  Builder(const Mesh& mesh, const TaskRunner& runner) : mesh_(mesh), runner_(runner) {}
+  Builder(const Mesh& mesh, const TetSlice* slice, const TaskRunner& runner)
+      : mesh_(mesh), slice_(slice), runner_(runner) {}
 
   WholeMesh run() {
     check_cells(mesh_);
@@ -43,7 +44,7 @@ class Builder {
     WholeMesh whole;
     whole.to_hint.resize(tets_.points.size(), kNone);
     whole.to_state.resize(tets_.points.size(), kHasChanged | kUnsettled);
-    whole.to_metric.resize(tets_.points.size());
+    if (!slice_) whole.to_metric.resize(tets_.points.size());
     whole.points = std::move(tets_.points);
     whole.to_entity = std::move(to_entity_);
     whole.to_vert = std::move(tets_.to_vert), whole.to_neighbor = std::move(tets_.to_neighbor);
@@ -55,19 +56,35 @@ class Builder {
  private:
   void link() {
     tets_.points = GrowingArray<Vec3>(std::span<const Vec3>(mesh_.points));
-    const tets::Fault fault = tets::link_tets(tets_, mesh_.tet_to_vert, mesh_.tri_to_vert, runner_);
+    const tets::Fault fault = slice_ ? link_slice() : tets::link_tets(tets_, mesh_.tet_to_vert, tris(), runner_);
     if (fault.any()) {
       Diagnostic diagnostic{ErrorCode::InputUnsuitable, fault.message, {}, fault.point, {}};
       diagnostic.elements.assign(fault.triangles.begin(), fault.triangles.end());
       throw Error(std::move(diagnostic));
     }
-    for (std::size_t tet = 0; tet < tets_.size(); ++tet) tets_.to_region[tet] = mesh_.tet_to_entity[tet];
+    for (std::size_t tet = 0; tet < tets_.size(); ++tet)
+      tets_.to_region[tet] = mesh_.tet_to_entity[slice_ ? slice_->to_number[tet] : tet];
+  }
+
+  tets::Fault link_slice() {
+    std::vector<std::array<std::uint32_t, 4>> tets;
+    tets.reserve(slice_->to_number.size()), tris_.reserve(slice_->triangles.size());
+    for (const std::uint32_t tet : slice_->to_number) tets.push_back(mesh_.tet_to_vert[tet]);
+    for (const std::uint32_t triangle : slice_->triangles) tris_.push_back(mesh_.tri_to_vert[triangle]);
+    return tets::link_tets(tets_, tets, tris(), runner_);
+  }
+
+  // Those that are looked at.
+  const std::vector<Triangle>& tris() const { return slice_ ? tris_ : mesh_.tri_to_vert; }
+  std::uint32_t entity_of_tri(std::size_t t) const { return mesh_.tri_to_entity[slice_ ? slice_->triangles[t] : t]; }
+  bool is_complete(FaceCode face) const {
+    return !slice_ || std::ranges::any_of(tets::verts_of(tets_, face), [&](auto v) { return slice_->is_own[v] != 0; });
   }
 
   // Every triangle with its tets; every face of the hull, and between regions, must be a triangle.
   void find_triangles() {
-    const tets::TriangleIndex index(mesh_.tri_to_vert, mesh_.points.size());
-    triangles_.resize(mesh_.tri_to_vert.size());
+    const tets::TriangleIndex index(tris(), tets_.points.size());
+    triangles_.resize(tris().size());
     const auto unnamed =
         map_blocks(runner_, tets_.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
           for (auto face = static_cast<FaceCode>(4 * begin); face < 4 * end; ++face)
@@ -89,11 +106,25 @@ class Builder {
     const std::uint32_t tet = face / 4;
     const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
     if ((!between && !tets_.is_fixed(face)) || (behind != kNone && behind < face)) return true;
+    if (!is_complete(face)) return true;
     const auto* found = index.find(tets::sorted(tets::verts_of(tets_, face)));
-    if (!found || mesh_.tri_to_entity[found->triangle] == kNone) return false;
-    triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
+    if (!found || entity_of_tri(found->triangle) == kNone) return false;
+    triangles_[found->triangle] = {{tris()[found->triangle], entity_of_tri(found->triangle)},
                                    {tet, behind == kNone ? kNone : behind / 4}};
     return true;
+  }
+
+  // The triangles of the whole mesh, of repeated ones the first.
+  template <class Visit>
+  void for_each_on_surface(const Visit& visit) const {
+    if (!slice_) {
+      for (const LinkedTriangle& t : triangles_) visit(t.triangle.verts, t.triangle.face);
+      return;
+    }
+    const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
+    for (std::uint32_t t = 0; t < mesh_.tri_to_vert.size(); ++t)
+      if (index.find(tets::sorted(mesh_.tri_to_vert[t]))->triangle == t)
+        visit(mesh_.tri_to_vert[t], mesh_.tri_to_entity[t]);
   }
 
   // Pieces of model edges: those that the mesh has, and edges where two model faces meet without one.
@@ -112,12 +143,12 @@ class Builder {
       auto operator<=>(const Use&) const = default;
     };
     std::vector<Use> uses;
-    for (const LinkedTriangle& t : triangles_) {
+    for_each_on_surface([&](const Triangle& verts, std::uint32_t face) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = t.triangle.verts[i], b = t.triangle.verts[(i + 1) % 3];
-        uses.push_back({{std::min(a, b), std::max(a, b)}, t.triangle.face});
+        const std::uint32_t a = verts[i], b = verts[(i + 1) % 3];
+        uses.push_back({{std::min(a, b), std::max(a, b)}, face});
       }
-    }
+    });
     std::sort(uses.begin(), uses.end());
     std::map<std::vector<std::uint32_t>, std::uint32_t> names;  // of edges by the faces that meet there
     std::vector<ModelEdgePiece> found;
@@ -173,7 +204,9 @@ class Builder {
   }
 
   const Mesh& mesh_;
+  const TetSlice* slice_;  // null: all
   const TaskRunner& runner_;
+  std::vector<Triangle> tris_;  // of the slice
   TetMesh tets_;
   std::vector<LinkedTriangle> triangles_;
   std::vector<ModelEdgePiece> edges_;
@@ -200,7 +233,35 @@ std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const 
   return tets;
 }
 
-WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, runner).run(); }
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, nullptr, runner).run(); }
+
+TetSlice slice_around(const Mesh& mesh, std::size_t first, std::size_t count) {
+  TetSlice slice;
+  slice.is_own.resize(mesh.points.size(), 0);
+  for (std::size_t tet = first; tet < first + count; ++tet)
+    for (const std::uint32_t v : mesh.tet_to_vert[tet]) slice.is_own[v] = 1;
+  const auto is_near = [&](const auto& verts) {
+    return std::ranges::any_of(verts, [&](std::uint32_t v) { return slice.is_own[v] != 0; });
+  };
+  std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
+  for (std::uint32_t tet = 0; tet < mesh.tet_to_vert.size(); ++tet) {
+    if (tet == first) slice.begin = slice.to_number.size();
+    if (is_near(mesh.tet_to_vert[tet])) slice.to_number.push_back(tet);
+    for (const std::uint32_t v : mesh.tet_to_vert[tet]) is_used[v] = 1;
+  }
+  if (count == 0) slice.begin = slice.to_number.size();
+  slice.end = slice.begin + count;
+  const auto is_lost = [&](const Triangle& verts) {
+    return std::ranges::none_of(verts, [&](std::uint32_t v) { return is_used[v] != 0; });
+  };
+  for (std::uint32_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+    if (is_near(mesh.tri_to_vert[t]) || is_lost(mesh.tri_to_vert[t])) slice.triangles.push_back(t);
+  return slice;
+}
+
+WholeMesh make_slice_mesh(const Mesh& mesh, const TetSlice& slice, const TaskRunner& runner) {
+  return Builder(mesh, &slice, runner).run();
+}
 
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner) {
   Mesh mesh;

@@ -45,8 +45,9 @@ struct JoinedValues {
   bool on_cells = false;
 };
 
-/// Of each component over some tets, without extremes.
-std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
+/// Adds what each component is over some tets, without extremes.
+void add_integrals(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop,
+                   std::vector<FieldFigures>& figures) {
   const std::size_t n = of.components;
   const auto add = [&](std::size_t begin, std::size_t end, std::vector<FieldFigures>& sums) {
     for (std::size_t tet = begin; tet < end; ++tet) {
@@ -63,10 +64,14 @@ std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& 
         for (const std::uint32_t v : mesh.tets[tet]) add_value(v, volume / 4);
     }
   };
-  std::vector<FieldFigures> figures(n);
-  for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, figures, add))
+  for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, std::vector<FieldFigures>(n), add))
     for (std::size_t c = 0; c < n; ++c)
       figures[c].integral += block[c].integral, figures[c].magnitude += block[c].magnitude;
+}
+
+std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
+  std::vector<FieldFigures> figures(of.components);
+  add_integrals(mesh, of, loop, figures);
   return figures;
 }
 
@@ -171,6 +176,33 @@ FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, c
   point_components_ = count_components(on_points_), tet_components_ = count_components(on_tets_);
 }
 
+FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names,
+                           std::vector<FieldFigures>&& before)
+    : FieldCarrier(from, background, names) {
+  before_ = std::move(before);
+}
+
+bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return find_field(mesh.cell_fields, name) != nullptr; });
+}
+
+FiguresBefore::FiguresBefore(const Mesh& mesh, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (const MeshField* const field = find_field(mesh.point_fields, name)) fields.push_back(field);
+  figures.resize(count_components(fields));
+  joined_ = join(fields, mesh.points.size(), figures.size());
+}
+
+void FiguresBefore::add(const TetView& some, const BlockLoop& loop) {
+  if (!figures.empty()) add_integrals(some, {joined_, figures.size(), false}, loop, figures);
+}
+
+void FiguresBefore::finish() {
+  if (!figures.empty()) note_extremes({joined_, figures.size(), false}, figures);
+  joined_ = {};
+}
+
 CellSource FieldCarrier::tet_source(std::span<const double> values) const {
   return {background_, from_.tet_to_entity, {values, tet_components_}};
 }
@@ -221,17 +253,23 @@ std::vector<FieldTransfer> FieldCarrier::finish(const TetsByPart& to, CarriedFie
   return transfers;
 }
 
+std::vector<FieldFigures> FieldCarrier::find_before(bool on_cells, const BlockLoop& loop) const {
+  const std::size_t n = on_cells ? tet_components_ : point_components_;
+  const TetView from = background_.mesh();
+  const std::vector<double> given =
+      join(on_cells ? on_tets_ : on_points_, on_cells ? from.tets.size() : from.points.size(), n);
+  std::vector<FieldFigures> before = integrals_of(from, {given, n, on_cells}, loop);
+  note_extremes({given, n, on_cells}, before);
+  return before;
+}
+
 // Of each component, before and after.
 std::array<std::vector<FieldFigures>, 2> FieldCarrier::compare(const TetsByPart& to, std::span<const double> carried,
                                                                bool on_cells, const SharedWork& work) const {
   const std::size_t n = on_cells ? tet_components_ : point_components_;
   std::vector<FieldFigures> before, of_parts, own(n);
   work.each([&] {
-    const TetView from = background_.mesh();
-    const std::vector<double> given =
-        join(on_cells ? on_tets_ : on_points_, on_cells ? from.tets.size() : from.points.size(), n);
-    before = integrals_of(from, {given, n, on_cells}, work.runner());
-    note_extremes({given, n, on_cells}, before);
+    before = before_.empty() ? find_before(on_cells, work.runner()) : before_;
     for (std::size_t p = 0; p < to.part_count(); ++p) {
       const std::span<const double> values = on_cells ? carried.subspan(to.first(p) * n, to.count(p) * n) : carried;
       const auto sums = integrals_of(to.part(p).mesh, {values, n, on_cells}, work.runner());

@@ -38,11 +38,33 @@ struct TetsByPart {
   }
 };
 
+/// What is said of the fields on points of a mesh before anything is done, component by component; for carriers that
+/// come too late to ask. `names`: some that fields on points have, and none on tets.
+struct FiguresBefore {
+  std::vector<const MeshField*> fields;  ///< in the order of the names
+  std::vector<FieldFigures> figures;
+
+  FiguresBefore(const Mesh& mesh, const std::vector<std::string>& names);
+  /// The next tets, positive ones; calls in the order of tets, with a multiple of 4096 of them but for the last.
+  void add(const TetView& some, const BlockLoop& loop);
+  void finish();
+
+ private:
+  std::vector<double> joined_;
+};
+
+/// Whether a field on tets has one of the names.
+bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names);
+
 /// Fields of `from` with certain names, on points by interpolation, on tets as in transfer_cells; of a name that is on
 /// both, both. `background` is `from`, tet by tet. Refers to all that it is given. Pre: check_transfer.
 class FieldCarrier {
  public:
   FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names);
+  /// The same for fields on points of a mesh that lies in tiles. `before`: what is said of them; of `from` no values
+  /// are asked for then, and `carry` is not called.
+  FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names,
+               std::vector<FieldFigures>&& before);
 
   bool has_none() const { return on_points_.empty() && on_tets_.empty(); }
   /// What the points and tets of `to` get, which may be some of the mesh: before integrals are put right. `places`: of
@@ -62,6 +84,7 @@ class FieldCarrier {
  private:
   CellSource tet_source(std::span<const double> values) const;
   void put_right(const TetsByPart& to, std::vector<double>& on_tets, const SharedWork& work) const;
+  std::vector<FieldFigures> find_before(bool on_cells, const BlockLoop& loop) const;
   std::array<std::vector<FieldFigures>, 2> compare(const TetsByPart& to, std::span<const double> carried, bool on_cells,
                                                    const SharedWork& work) const;
 
@@ -69,6 +92,7 @@ class FieldCarrier {
   const BackgroundMesh& background_;
   std::vector<const MeshField*> on_points_, on_tets_;
   std::size_t point_components_ = 0, tet_components_ = 0;
+  std::vector<FieldFigures> before_;  // where they are known
 };
 
 }  // namespace tetloom::adapt

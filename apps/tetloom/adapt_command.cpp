@@ -10,6 +10,7 @@
 #include "apps/tetloom/rank_figures.hpp"
 #include "apps/tetloom/run.hpp"
 #include "apps/tetloom/validation_report.hpp"
+#include "core/base/free_memory.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/io.hpp"
@@ -124,6 +125,7 @@ void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, co
 }
 
 void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& run) {
+  if (communicator.rank_count() > 1) return_freed_memory();
   AdaptInput input;
   adapt::MetricField metric;
   double metric_seconds = 0;

@@ -14,17 +14,17 @@ namespace tetloom {
 class Grouping {
  public:
   Grouping() = default;
-  /// `for_each(visit)` calls visit(item, group) for all of `item_count` items, several at once if it likes, and the
-  /// same ones whenever it is called. Pre: groups are below `group_count`.
+  /// `for_each(visit)` calls visit(item, group) for all items, several at once if it likes, and the same ones whenever
+  /// it is called. Pre: groups are below `group_count`.
   template <class ForEach>
-  Grouping(std::size_t group_count, std::size_t item_count, const ForEach& for_each) {
+  Grouping(std::size_t group_count, const ForEach& for_each) {
     // Counted, then placed from the ends to the begins. Partner of each access: the same for other items of the group.
     begins_.resize(group_count + 1, 0);
     for_each([&](std::uint32_t, std::size_t group) {
       std::atomic_ref(begins_[group]).fetch_add(1, std::memory_order_relaxed);
     });
     for (std::size_t g = 0; g < group_count; ++g) begins_[g + 1] += begins_[g];
-    items_.resize_for_overwrite(item_count);
+    items_.resize_for_overwrite(begins_[group_count]);
     for_each([&](std::uint32_t item, std::size_t group) {
       items_[std::atomic_ref(begins_[group]).fetch_sub(1, std::memory_order_relaxed) - 1] = item;
     });

@@ -15,10 +15,7 @@ using Edge = std::array<std::uint32_t, 2>;
 class EdgesByVertex {
  public:
   EdgesByVertex(const Mesh& mesh, const BlockLoop& loop) : vertices_(vertex_count(mesh)), loop_(loop) {
-    std::size_t uses = 0;
-    for_each_edge_owner(
-        mesh, [&](const auto& elements, std::span<const LocalEdge> edges) { uses += elements.size() * edges.size(); });
-    highs_ = Grouping(vertices_, uses, [&](const auto& file) {
+    highs_ = Grouping(vertices_, [&](const auto& file) {
       for_each_edge_owner(mesh, [&](const auto& elements, std::span<const LocalEdge> edges) {
         loop.for_blocks(elements.size(), kGrain, [&](std::size_t begin, std::size_t end) {
           for (std::size_t e = begin; e < end; ++e)

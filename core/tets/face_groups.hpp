@@ -20,7 +20,7 @@ void for_each_face_group(std::span<const std::uint32_t> to_vert, std::size_t poi
                          const Visit& visit) {
   constexpr std::size_t kGrain = 1 << 10;
   const auto verts_of_face = [to_vert](FaceCode face) { return sorted(verts_of(to_vert.data(), face)).verts; };
-  const Grouping by_lowest(point_count, to_vert.size(), [&](const auto& add) {
+  const Grouping by_lowest(point_count, [&](const auto& add) {
     loop.for_blocks(to_vert.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end) {
       for (auto face = static_cast<FaceCode>(begin); face < end; ++face) {
         const TriangleVerts v = verts_of(to_vert.data(), face);

@@ -174,8 +174,9 @@ MetricConformity measure_conformity(const Mesh& mesh, const adapt::MetricField& 
 // adapt_mesh by several ranks together, and for results in parts.
 
 /// As adapt_mesh, by all ranks together: parts of the mesh are dealt to them anew for every round. All of them give the
-/// same mesh, metric and options, and keep that mesh whole. What comes out is the mesh of one process, bit for bit, on
-/// rank 0, and an empty one on the others; all else in the result is the same on all ranks, but for the time.
+/// same mesh, metric and options; of that mesh each keeps a piece, or all where fields on tets are carried over. What
+/// comes out is the mesh of one process, bit for bit, on rank 0, and an empty one on the others; all else in the result
+/// is the same on all ranks, but for the time.
 ///
 /// A collective call. Errors: also InvalidArgument, where ranks give different meshes, metrics or options; what happens
 /// to one rank, its host's wish to stop too, is the same error on all of them. Thread safety: one call for each

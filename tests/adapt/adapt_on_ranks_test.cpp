@@ -112,6 +112,23 @@ AdaptResult check_like_one_process(const Mesh& mesh, const Metric& metric, Adapt
   return alone;
 }
 
+/// The same of a metric at points, on 1, 2, 3 and 5 ranks of one thread or two.
+void check_field_like_one_process(const Mesh& mesh, const adapt::MetricField& metric, AdaptOptions options) {
+  const AdaptResult alone = adapt_mesh(mesh, metric, options);
+  REQUIRE(alone.status == AdaptStatus::Ok);
+  CHECK(alone.report.most_parts > 1);
+  for (const int ranks : {1, 2, 3, 5}) {
+    CAPTURE(ranks);
+    options.threads = ranks == 3 ? 2 : 1;
+    std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      results[static_cast<std::size_t>(communicator.rank())] = adapt_mesh_on_ranks(mesh, metric, options, communicator);
+    });
+    for (const AdaptResult& result : results) check_same(alone, result);
+    check_same(alone.mesh, results[0].mesh);
+  }
+}
+
 /// Adds the vertices of all elements of a part.
 void add_verts(const PartMesh& part, std::vector<std::uint32_t>& verts) {
   const auto add = [&](const GrowingArray<std::uint32_t>& more) {
@@ -163,6 +180,11 @@ TEST_CASE("ranks follow an anisotropic metric, and carry fields over", "[adapt][
   const AdaptResult result = check_like_one_process(cube, layered, options);
   CHECK(result.report.most_parts > 3);
   CHECK(result.report.transfers.size() == 2);
+  MeshField flow{"flow", 3, {}};
+  for (const Vec3& x : cube.points) flow.values.insert(flow.values.end(), {x.x, x.y * x.y, std::sin(9 * x.z)});
+  cube.point_fields.push_back(flow);
+  options.transfer = {"flow", "heat"};  // on points alone, out of tiles
+  CHECK(check_like_one_process(cube, layered, options, {2, 3, 5}).report.transfers.size() == 2);
 }
 
 TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of one process", "[adapt][ranks]") {
@@ -182,6 +204,24 @@ TEST_CASE("random metrics, sizes of parts and numbers of ranks give the mesh of 
     const auto ranks = static_cast<int>(2 + random() % 5);
     check_like_one_process(cube, metric, in_parts(uniform(60, 2000)), {ranks});
   }
+}
+
+TEST_CASE("ranks look metrics up at points in a mesh that none of them has as a whole", "[adapt][ranks]") {
+  const Mesh cube = unit_cube(11);  // 8,000 tets in 16 tiles
+  // Half of it far coarser than it was, half of it finer by several stages.
+  const auto sizes = [](const Vec3& x) { return adapt::isotropic(x.x < 0.5 ? 0.3 : 0.042); };
+  const auto thin = [](const Vec3& x) { return adapt::diagonal(9, 9, x.x < 0.5 ? 900 : 9); };
+  for (const Metric& metric : {Metric(sizes), Metric(thin)})
+    check_field_like_one_process(cube, adapt::metric_from_function(metric, cube.points), in_parts(3000));
+}
+
+TEST_CASE("what is moved to a curved model is looked up at the nearest boundary of a mesh in tiles", "[adapt][ranks]") {
+  const auto model = test_models::make_cylinder(0.5, 1);
+  const Mesh mesh = test::meshed(*model, 0.1);
+  AdaptOptions options = in_parts(2000);
+  options.model = model.get();
+  const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.06 + 0.1 * std::abs(x.x)); };
+  check_field_like_one_process(mesh, adapt::metric_from_function(sizes, mesh.points), options);
 }
 
 TEST_CASE("ranks follow a model", "[adapt][ranks]") {

@@ -1,0 +1,218 @@
+#include "adapt/metric/background_tiles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "adapt/metric/tet_links.hpp"
+#include "core/spatial/distances.hpp"
+
+namespace tetloom::adapt {
+
+namespace {
+
+Bvh tree_over(const std::vector<TileBox>& all, const TaskRunner& runner) {
+  std::vector<Box3> boxes;
+  boxes.reserve(all.size());
+  for (const TileBox& one : all) boxes.push_back(one.box);
+  return build_bvh(boxes, runner);
+}
+
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+// Calls visit(item) for the items of nodes that are not farther away than reach2(), squared; the nearer child first.
+template <class Reach, class Visit>
+void visit_near_first(const Bvh& bvh, const Vec3& x, const Reach& reach2, const Visit& visit) {
+  if (bvh.nodes.empty()) return;
+  const auto far = [&](std::uint32_t index) { return squared_distance_to_box(x, bvh.nodes[index].box); };
+  std::array<std::uint32_t, 64> stack{0};
+  for (std::size_t size = 1; size > 0;) {
+    const std::uint32_t index = stack[--size];
+    const BvhNode& node = bvh.nodes[index];
+    if (far(index) > reach2()) continue;
+    if (node.right == 0) {
+      for (std::uint32_t i = node.begin; i < node.end; ++i) visit(bvh.order[i]);
+      continue;
+    }
+    const std::uint32_t left = index + 1, right = node.right;
+    const bool left_first = far(left) <= far(right);
+    stack[size++] = left_first ? right : left;
+    stack[size++] = left_first ? left : right;
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks) {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t i = 0; i < marks.size(); ++i)
+    if (marks[i] != 0) all.push_back(i);
+  return all;
+}
+
+BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int rank, const TaskRunner& runner)
+    : index_(std::move(index)),
+      first_own_(index_.first_tiles[static_cast<std::size_t>(rank)]),
+      last_own_(index_.first_tiles[static_cast<std::size_t>(rank) + 1]),
+      tets_(tree_over(index_.tets, runner)),
+      faces_(tree_over(index_.faces, runner)),
+      held_(index_.first_tiles.back()) {
+  for (std::uint32_t i = 0; i < own.size(); ++i) held_[first_own_ + i] = std::make_unique<Held>(std::move(own[i]));
+}
+
+void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest,
+                                  std::uint32_t& number) const {
+  const Tile& tile = held_[box.tile]->tile;
+  const std::size_t end = std::min<std::size_t>(tile.boundary.size(), box.first + kFacesOfBox);
+  for (std::size_t i = box.first; i < end; ++i) {
+    const std::uint32_t place = tile.boundary[i] / 4, face = tile.boundary[i] % 4;
+    const std::array<Vec3, 4> c = tile.corners(place);
+    const auto& f = kFaceVerts[face];
+    const TrianglePoint point = closest_on_triangle(x, c[f[0]], c[f[1]], c[f[2]]);
+    const std::uint32_t own = tile.numbers[place] * 4 + face;
+    const bool nearer = point.distance2 < nearest.point.distance2;
+    const bool equal = point.distance2 == nearest.point.distance2 && nearest.face != kNone;
+    if (!nearer && !(equal && own < number)) continue;
+    nearest = {(box.tile * kTileTets + place) * 4 + face, point};
+    number = own;
+  }
+}
+
+// Boxes whose tile is not at hand may still turn out to be too far away.
+BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
+  BoundaryTree::Nearest nearest;
+  std::uint32_t number = kNone;
+  double reach2 = HUGE_VAL;
+  std::vector<std::uint32_t> unknown;
+  const auto distance_to = [&](const TileBox& box) { return squared_distance_to_box(x, box.box); };
+  visit_near_first(
+      faces_, x, [&] { return reach2; },
+      [&](std::uint32_t item) {
+        const TileBox& box = index_.faces[item];
+        if (distance_to(box) > reach2) return;
+        if (held_[box.tile] == nullptr) return unknown.push_back(item);
+        look_in_box(box, x, nearest, number);
+        reach2 = reach_of_boxes(nearest.point.distance2, x);
+      });
+  const TileBox* missing = nullptr;
+  for (const std::uint32_t item : unknown) {
+    const TileBox& box = index_.faces[item];
+    if (distance_to(box) > reach2) continue;
+    if (missing == nullptr || distance_to(box) < distance_to(*missing)) missing = &box;
+  }
+  if (missing != nullptr) throw MissingTile{missing->tile};
+  return nearest;
+}
+
+void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> values) const {
+  const Tile& tile = tile_of(place.tet);
+  const auto& verts = tile.to_vert[place.tet % kTileTets];
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += place.weights[i] * tile.fields[verts[i] * values.size() + c];
+    values[c] = sum;
+  }
+}
+
+std::vector<std::uint32_t> BackgroundTiles::with_ring(std::span<const std::uint32_t> tiles) const {
+  std::vector<std::uint8_t> marks(tile_count(), 0);
+  for (const std::uint32_t tile : tiles) {
+    auto at = std::ranges::lower_bound(index_.tets, tile, {}, &TileBox::tile);
+    for (; at != index_.tets.end() && at->tile == tile; ++at) mark_tiles(at->box, marks);
+  }
+  return marked(marks);
+}
+
+void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const SharedWork& work) {
+  std::vector<std::uint32_t> lacking;
+  work.each([&] {
+    sort_unique(tiles);
+    for (std::uint32_t tile = 0; tile < held_.size(); ++tile)
+      if (held_[tile] && !is_own(tile) && !std::ranges::binary_search(tiles, tile)) held_[tile].reset();
+    for (const std::uint32_t tile : tiles)
+      if (!held_[tile]) lacking.push_back(tile);
+    tiles = {};
+  });
+  fetch(lacking, work);
+}
+
+// Ascending, of ranks that are not this one.
+void BackgroundTiles::fetch(std::span<const std::uint32_t> tiles, const SharedWork& work) {
+  const auto home_of = [&](std::uint32_t tile) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(index_.first_tiles, tile) - index_.first_tiles.begin()) -
+           1;
+  };
+  std::vector<std::vector<std::uint32_t>> wanted(static_cast<std::size_t>(work.rank_count()));
+  for (const std::uint32_t tile : tiles) wanted[home_of(tile)].push_back(tile);
+  const std::vector<Bytes> asked = work.exchange([&](std::span<MessageWriter> to) {
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const std::uint32_t>(wanted[r]));
+  });
+  std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      const auto numbers = MessageReader(asked[r]).get_view<std::uint32_t>();
+      std::size_t size = 0;
+      for (const std::uint32_t tile : numbers) size += held_[tile]->bytes.size() + sizeof(std::uint64_t);
+      to[r].reserve(size);
+      for (const std::uint32_t tile : numbers) to[r].put_array(std::span<const std::byte>(held_[tile]->bytes));
+    }
+  });
+  work.each([&] {
+    for (std::size_t r = 0; r < given.size(); ++r) {
+      MessageReader reader(given[r]);
+      for (const std::uint32_t tile : wanted[r]) held_[tile] = std::make_unique<Held>(reader.get_array<std::byte>());
+      given[r] = Bytes();
+    }
+  });
+}
+
+void BackgroundTiles::drop_fetched() {
+  for (std::uint32_t tile = 0; tile < held_.size(); ++tile)
+    if (!is_own(tile)) held_[tile].reset();
+}
+
+void BackgroundTiles::drop_implied() {
+  drop_fetched();
+  for (std::uint32_t tile = first_own_; tile < last_own_; ++tile) {
+    Tile without = held_[tile]->tile;
+    without.implied = {};
+    held_[tile] = std::make_unique<Held>(bytes_of(without));
+  }
+}
+
+bool BackgroundTiles::finds(const std::function<void()>& look_up) const {
+  try {
+    look_up();
+    return true;
+  } catch (const MissingTile& missing) {
+    const std::scoped_lock lock(mutex_);
+    missing_.push_back(missing.tile);
+    return false;
+  }
+}
+
+// What lies around what is missing is likely to be asked for next.
+bool BackgroundTiles::fetch_missing(const SharedWork& work) {
+  std::vector<std::uint32_t> lacking;
+  work.each([&] {
+    sort_unique(missing_);
+    refetched_ += missing_.size();
+    lacking = with_ring(std::exchange(missing_, {}));
+    std::erase_if(lacking, [&](std::uint32_t tile) { return held_[tile] != nullptr; });
+  });
+  std::array<std::int64_t, 1> count{static_cast<std::int64_t>(lacking.size())};
+  work.sum(count);
+  if (count[0] == 0) return false;
+  fetch(lacking, work);
+  return true;
+}
+
+void BackgroundTiles::until_found(const SharedWork& work, const std::function<void()>& attempt) {
+  do {
+    work.each(attempt);
+  } while (fetch_missing(work));
+}
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,128 @@
+#pragma once
+// The mesh that adaptation starts from, spread over ranks in tiles. A rank has the tiles that it is the *home* of, and
+// meanwhile those that its parts need.
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "adapt/metric/background_place.hpp"
+#include "adapt/metric/boundary_tree.hpp"
+#include "adapt/metric/tile.hpp"
+#include "core/spatial/bvh.hpp"
+#include "tetloom/metric.hpp"
+#include "threading/comm/shared_work.hpp"
+
+namespace tetloom::adapt {
+
+/// A tile was asked for that is not at hand. No error: see BackgroundTiles::until_found.
+struct MissingTile {
+  std::uint32_t tile;
+};
+
+/// Places and metrics are those that the whole mesh would give, bit by bit: what is not at hand is not guessed at but
+/// asked for. So which tiles are at hand decides about time alone.
+///
+/// Thread safety: any number of threads may look up; what fetches or drops is for one at a time.
+class BackgroundTiles {
+ public:
+  /// Which tiles there are. The same on all ranks but for `own`.
+  struct Index {
+    std::vector<std::uint32_t> first_tiles;  ///< of each rank, and how many there are
+    std::size_t tet_count = 0;
+    std::vector<TileBox> tets, faces;  ///< of all tiles
+  };
+  /// `own`: the bytes of the tiles at home here.
+  BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int rank, const TaskRunner& runner);
+
+  // What BackgroundSearch asks for. All throw MissingTile.
+
+  std::size_t tet_count() const { return index_.tet_count; }
+  std::array<Vec3, 4> corners(std::uint32_t tet) const { return tile_of(tet).corners(tet % kTileTets); }
+  std::uint32_t link(std::uint32_t tet, std::size_t i) const { return tile_of(tet).links[tet % kTileTets][i]; }
+  std::uint32_t number(std::uint32_t tet) const { return tile_of(tet).numbers[tet % kTileTets]; }
+  BoundaryTree::Nearest nearest(const Vec3& x) const;
+
+  Tensor log_metric_at(const BackgroundPlace& place) const {
+    const Tile& tile = tile_of(place.tet);
+    return mean_of_corners(tile.logs, place, tile.to_vert[place.tet % kTileTets]);
+  }
+  Tensor implied_log_at(const BackgroundPlace& place) const {
+    const Tile& tile = tile_of(place.tet);
+    return mean_of_corners(tile.implied, place, tile.to_vert[place.tet % kTileTets]);
+  }
+
+  /// The values of all fields there; see BackgroundMesh::value_at.
+  void fields_at(const BackgroundPlace& place, std::span<double> values) const;
+
+  std::size_t tile_count() const { return held_.size(); }
+  /// Sets `marks` to 1, one of each tile, for the tiles that have something in the box.
+  void mark_tiles(const Box3& box, std::span<std::uint8_t> marks) const {
+    for_each_near(tets_, box, [&](std::uint32_t item) {
+      const TileBox& one = index_.tets[item];
+      if (marks[one.tile] == 0 && one.box.overlaps(box)) marks[one.tile] = 1;
+    });
+  }
+
+  /// These tiles are at hand afterwards, and no others but those at home. In SharedWork::together.
+  void fetch_only(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
+  /// Gives back what came from elsewhere.
+  void drop_fetched();
+  /// Gives back the implied metrics, here and, as all ranks call it, elsewhere.
+  void drop_implied();
+
+  /// Calls `look_up`, and says whether it found all tiles. Any thread, several at once.
+  bool finds(const std::function<void()>& look_up) const;
+  /// Calls `attempt` on all ranks, each with SharedWork::each, and again with what was missing fetched, as long as
+  /// `finds` said on any rank that something is missing. In SharedWork::together.
+  void until_found(const SharedWork& work, const std::function<void()>& attempt);
+
+  std::size_t refetched() const { return refetched_; }  ///< tiles of this rank that were missing at first
+
+ private:
+  struct Held {
+    explicit Held(Bytes&& all) : bytes(std::move(all)), tile(Tile::read(bytes)) {}
+    Bytes bytes;
+    Tile tile;
+  };
+
+  const Tile& tile_of(std::uint32_t tet) const {
+    const Held* held = held_[tet / kTileTets].get();
+    if (held == nullptr) [[unlikely]]
+      throw MissingTile{tet / kTileTets};
+    return held->tile;
+  }
+  bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
+  void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, std::uint32_t& number) const;
+  std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;
+  void fetch(std::span<const std::uint32_t> tiles, const SharedWork& work);
+  bool fetch_missing(const SharedWork& work);
+
+  Index index_;
+  std::uint32_t first_own_, last_own_;
+  Bvh tets_, faces_;                         // over the boxes of the index
+  std::vector<std::unique_ptr<Held>> held_;  // by tile
+  mutable std::mutex mutex_;                 // around what follows
+  mutable std::vector<std::uint32_t> missing_;
+  std::size_t refetched_ = 0;
+};
+
+/// Those whose mark is not 0, ascending.
+std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks);
+
+/// As BackgroundTiles::finds; true where there are no tiles.
+inline bool finds(const BackgroundTiles* tiles, const std::function<void()>& look_up) {
+  if (tiles != nullptr) return tiles->finds(look_up);
+  look_up();
+  return true;
+}
+/// As BackgroundTiles::until_found; a single attempt where there are no tiles.
+inline void until_found(BackgroundTiles* tiles, const SharedWork& work, const std::function<void()>& attempt) {
+  if (tiles != nullptr) return tiles->until_found(work, attempt);
+  work.each(attempt);
+}
+
+}  // namespace tetloom::adapt

@@ -1,0 +1,52 @@
+#pragma once
+// A tile: a few hundred neighbouring tets of the mesh that adaptation starts from, with all that is looked up in them.
+// Tiles are made once and never changed, so they may be sent to whoever needs them.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "tetloom/communicator.hpp"
+#include "tetloom/metric.hpp"
+
+namespace tetloom::adapt {
+
+inline constexpr int kTileBits = 9;
+/// Tets of a tile, but for the last ones of each rank. Larger tiles have fewer vertices twice, smaller ones fit parts
+/// better.
+inline constexpr std::uint32_t kTileTets = std::uint32_t{1} << kTileBits;
+/// Faces of the boundary, and tets, that have one box in common.
+inline constexpr std::uint32_t kFacesOfBox = 32, kTetsOfBox = 128;
+
+/// Tets are named by their tile · kTileTets + their place in it. Non-owning; vertices are the tile's own.
+struct Tile {
+  std::span<const Vec3> points;
+  std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function
+  std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
+  std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
+  std::span<const std::array<std::uint16_t, 4>> to_vert;
+  std::span<const std::array<std::uint32_t, 4>> links;  ///< as of link_tets, with the names of tets above
+  std::span<const std::uint32_t> numbers;               ///< of tets, in the mesh that was given
+  std::span<const std::uint16_t> boundary;              ///< place · 4 + face of those with nothing behind
+
+  /// What put_tile has put; valid as long as the bytes are.
+  static Tile read(const Bytes& bytes);
+  std::array<Vec3, 4> corners(std::uint32_t place) const {
+    const auto& v = to_vert[place];
+    return {points[v[0]], points[v[1]], points[v[2]], points[v[3]]};
+  }
+};
+
+void put_tile(const Tile& tile, MessageWriter& writer);
+/// The bytes of a tile.
+Bytes bytes_of(const Tile& tile);
+
+/// A box around some tets, or some faces of the boundary, of a tile.
+struct TileBox {
+  Box3 box;
+  std::uint32_t tile = 0, first = 0;  ///< of kTetsOfBox places, or kFacesOfBox faces
+};
+/// Appends those of a tile.
+void add_boxes(const Tile& tile, std::uint32_t number, std::vector<TileBox>& tets, std::vector<TileBox>& faces);
+
+}  // namespace tetloom::adapt
