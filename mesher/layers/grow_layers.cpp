@@ -57,7 +57,7 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
   sides_.emplace(model, mesh_, walls_, runner);
   side_meshes_.resize(sides_->sides().size());
   const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner);
-  counts_.emplace(mesh_, walls_, *sides_, paths, runner);
+  counts_.emplace(walls_, *sides_, paths, runner);
   make_surface();
 }
 
