@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tetloom::layers {
 namespace {
@@ -124,7 +125,7 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
 }
 
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
-  std::vector<int> sound(walls_.triangles.size(), 0);
+  std::vector<int> sound(walls_.triangles.size(), std::numeric_limits<int>::max());
   const auto sound_levels = [&](std::uint32_t wall) {
     const auto& [a, b, c] = walls_.triangles[wall].curves;
     return sound_.levels(wall, {counts_[a], counts_[b], counts_[c]},
@@ -139,9 +140,7 @@ bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
   });
   bool any = false;
   for (std::size_t w = 0; w < sound.size(); ++w) {
-    const WallTriangle& wall = walls_.triangles[w];
-    if (!is_concerned(wall)) continue;
-    for (const std::uint32_t c : wall.curves) {
+    for (const std::uint32_t c : walls_.triangles[w].curves) {
       any = any || counts_[c] > sound[w];
       lower(c, sound[w], LayerLimit::Cell);
     }
