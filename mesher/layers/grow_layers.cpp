@@ -7,6 +7,7 @@
 #include "core/geometry/bad_geometry.hpp"
 #include "mesher/layers/crossings.hpp"
 #include "mesher/layers/growth_paths.hpp"
+#include "mesher/layers/room_above.hpp"
 
 namespace tetloom::layers {
 
@@ -81,7 +82,7 @@ void LayerGrowth::make_surface() {
     for (const auto& side : side_meshes_)
       if (side) meshes.push_back(*side);
     surface_ = make_layered_surface(mesh_, model_.topology().face_to_sides, walls_, *sides_, *counts_, meshes);
-    if (!lower_at_crossings(changed, hits)) return;
+    if (!lower_at_crossings(changed, hits) && !lower_where_room_lacks()) return;
   }
 }
 
@@ -116,6 +117,13 @@ bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, s
   const std::vector<std::uint8_t> is_hit =
       find_curves_in_the_way({model_.topology().face_to_sides, walls_, *sides_, *counts_, surface_, changed}, runner_);
   return lower_hit(is_hit, hits, LayerLimit::Crossing);
+}
+
+bool LayerGrowth::lower_where_room_lacks() {
+  const std::vector<double> lacking = find_lacking_room(walls_, *counts_, surface_, runner_);
+  for (std::uint32_t c = 0; c < lacking.size(); ++c)
+    if (lacking[c] > 0) counts_->thin(c, lacking[c], LayerLimit::Gap);
+  return std::ranges::any_of(lacking, [](double length) { return length > 0; });
 }
 
 // False where there is none.

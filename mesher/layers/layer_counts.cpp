@@ -84,6 +84,11 @@ void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
   changed_[curve] = unsettled_[curve] = 1;
 }
 
+void LayerCounts::thin(std::uint32_t curve, double thickness, LayerLimit limit) {
+  const int left = count_within(curve, thickness_of(curve, counts_[curve]) - thickness);
+  lower(curve, std::clamp(left, 1, counts_[curve] - 1), limit);
+}
+
 std::vector<std::uint8_t> LayerCounts::take_changes() {
   std::vector<std::uint8_t> changes(changed_.size(), 0);
   changes.swap(changed_);

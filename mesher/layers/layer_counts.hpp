@@ -30,6 +30,8 @@ class LayerCounts {
 
   /// Leaves at most so many.
   void lower(std::uint32_t curve, int count, LayerLimit limit);
+  /// Leaves so much less of the thickness, one layer at least. Pre: it has more than one.
+  void thin(std::uint32_t curve, double thickness, LayerLimit limit);
   /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, or one
   /// layer, and all cells are sound (SoundStacks). Errors: Cancelled.
   void settle(const TaskRunner& runner);
