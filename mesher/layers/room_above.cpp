@@ -17,10 +17,10 @@ class RoomSearch {
   RoomSearch(const Walls& walls, const LayerCounts& counts, const LayeredSurface& surface, const TaskRunner& runner)
       : walls_(walls), counts_(counts), surface_(surface), runner_(runner), looks_(walls.curve_count()) {}
 
-  std::vector<double> run() {
+  std::vector<double> run(std::span<const std::uint8_t> asked) {
     runner_.for_blocks(looks_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
-        if (counts_.count(c) > 1) looks_[c] = look_from(c);
+        if (asked[c] && counts_.count(c) > 1) looks_[c] = look_from(c);
     });
     std::vector<std::uint8_t> has_layers(2 * surface_.is_top.size(), 0);
     for (std::size_t t = 0; t < surface_.is_top.size(); ++t) has_layers[2 * t + 1] = surface_.is_top[t];
@@ -75,8 +75,8 @@ class RoomSearch {
 }  // namespace
 
 std::vector<double> find_lacking_room(const Walls& walls, const LayerCounts& counts, const LayeredSurface& surface,
-                                      const TaskRunner& runner) {
-  return RoomSearch(walls, counts, surface, runner).run();
+                                      std::span<const std::uint8_t> asked, const TaskRunner& runner) {
+  return RoomSearch(walls, counts, surface, runner).run(asked);
 }
 
 }  // namespace tetloom::layers
