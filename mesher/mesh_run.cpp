@@ -128,7 +128,8 @@ class MeshRun {
     std::vector<FaceSides> sides(mesh.tri_to_vert.size());
     for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
     VolumeParts volume = fill({mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
-                               mesh.point_to_entity, mesh.edge_to_vert});
+                               mesh.point_to_entity, mesh.edge_to_vert},
+                              options_.goals);
     note(volume);
     std::vector<Diagnostic> errors = std::move(volume.errors);
     if (errors.empty()) use_.take(std::move(volume), result_.mesh, work_);
@@ -136,11 +137,19 @@ class MeshRun {
     return errors;
   }
 
-  VolumeParts fill(const VolumeInput& input) {
+  VolumeParts fill(const VolumeInput& input, const QualityGoals& goals) {
     const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
-                                options_.max_memory,    options_.goals,       options_.lattice,
+                                options_.max_memory,    goals,                options_.lattice,
                                 options_.tets_per_part, options_.trace};
     return tetloom::fill_volume(input, options, work_.ranks(), runner_);
+  }
+
+  // Where the surface has to stay, the inside gets the rounds that the surface would have had.
+  QualityGoals goals_above_layers() const {
+    constexpr int kRoundsOfSurface = 4;
+    QualityGoals goals = options_.goals;
+    goals.rounds = std::min(100, kRoundsOfSurface * goals.rounds);
+    return goals;
   }
 
   void note(VolumeParts& volume) {
@@ -157,7 +166,7 @@ class MeshRun {
     result_.seconds.layers += watch.lap();
     std::vector<Diagnostic> errors;
     for (const double share : {0.5, 0.0, 0.0}) {
-      VolumeParts volume = fill(growth.surface().input(model_, result_.sizes));
+      VolumeParts volume = fill(growth.surface().input(model_, result_.sizes), goals_above_layers());
       result_.seconds.volume += watch.lap();
       errors = std::move(volume.errors);
       if (errors.empty()) {

@@ -38,32 +38,20 @@ double crossing(const std::array<Vec3, 3>& x, const Vec3& from, const Vec3& ray)
 
 class WallSearch {
  public:
-  WallSearch(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
-             const intersection::TriangleTree& tree)
-      : mesh_(mesh),
-        face_to_sides_(face_to_sides),
-        walls_(walls),
-        tree_(tree),
-        has_layers_(2 * mesh.tri_to_vert.size()) {
-    for (const WallTriangle& wall : walls.triangles) has_layers_[2 * wall.triangle + wall.is_front] = 1;
-  }
+  explicit WallSearch(const OppositeSurface& surface) : surface_(surface) {}
 
-  Clearance from(std::uint32_t curve, const Vec3& direction, double reach) const {
+  Clearance from(std::size_t number, const LookAhead& look) const {
     Clearance nearest;
-    const std::uint32_t foot = walls_.curve_to_vert[curve];
-    const std::uint32_t region = walls_.triangles[walls_.triangles_at(curve)[0]].region;
-    for (const Vec3& ray : rays_about(direction)) {
-      const Vec3 along = std::min(reach, nearest.distance) * ray;
-      tree_.for_each_along(mesh_.points[foot], along, [&](std::uint32_t t) {
-        const auto& verts = mesh_.tri_to_vert[t];
-        if (std::ranges::count(verts, foot) > 0) return;
-        const double met = crossing(tree_.corners_of(t), mesh_.points[foot], along) * norm(along);
-        if (met >= std::min(reach, nearest.distance)) return;
+    for (const Vec3& ray : rays_about(look.direction)) {
+      const Vec3 along = std::min(look.reach, nearest.distance) * ray;
+      surface_.tree.for_each_along(look.point, along, [&](std::uint32_t t) {
+        const double met = crossing(surface_.tree.corners_of(t), look.point, along) * norm(along);
+        if (met >= std::min(look.reach, nearest.distance) || surface_.is_beside(number, t)) return;
         const bool is_front = faces(t, ray);
-        const FaceSides& sides = face_to_sides_[mesh_.tri_to_entity[t]];
-        if ((is_front ? sides.front : sides.back).value != region || !opposes(t, is_front, direction)) return;
-        const double at = std::max(met, met * dot(normal_of(t), ray) / dot(normal_of(t), direction));
-        if (at < nearest.distance) nearest = {at, has_layers_[2 * t + is_front] != 0};
+        const FaceSides& sides = surface_.tri_to_sides[t];
+        if ((is_front ? sides.front : sides.back).value != look.region || !opposes(t, is_front, look.direction)) return;
+        const double at = std::max(met, met * dot(normal_of(t), ray) / dot(normal_of(t), look.direction));
+        if (at < nearest.distance) nearest = {at, surface_.has_layers[2 * t + is_front] != 0};
       });
     }
     return nearest;
@@ -71,7 +59,7 @@ class WallSearch {
 
  private:
   Vec3 normal_of(std::uint32_t triangle) const {
-    const auto [a, b, c] = tree_.corners_of(triangle);
+    const auto [a, b, c] = surface_.tree.corners_of(triangle);
     return normalized(cross(b - a, c - a));
   }
   // Whether the ray comes from the front of the triangle.
@@ -80,23 +68,18 @@ class WallSearch {
     return (is_front ? 1 : -1) * dot(normal_of(triangle), direction) < kFacing;
   }
 
-  const Mesh& mesh_;
-  std::span<const FaceSides> face_to_sides_;
-  const Walls& walls_;
-  const intersection::TriangleTree& tree_;
-  std::vector<std::uint8_t> has_layers_;  // 2 · triangle + is_front
+  const OppositeSurface& surface_;
 };
 
 }  // namespace
 
-std::vector<Clearance> find_clearances(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
-                                       const intersection::TriangleTree& tree, std::span<const Vec3> directions,
-                                       std::span<const double> reach, const TaskRunner& runner) {
-  const WallSearch search(mesh, face_to_sides, walls, tree);
-  std::vector<Clearance> clearances(walls.curve_count());
+std::vector<Clearance> find_clearances(const OppositeSurface& surface, std::span<const LookAhead> looks,
+                                       const TaskRunner& runner) {
+  const WallSearch search(surface);
+  std::vector<Clearance> clearances(looks.size());
   runner.for_blocks(clearances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      if (directions[c] != Vec3{}) clearances[c] = search.from(static_cast<std::uint32_t>(c), directions[c], reach[c]);
+    for (std::size_t i = begin; i < end; ++i)
+      if (looks[i].direction != Vec3{}) clearances[i] = search.from(i, looks[i]);
   });
   return clearances;
 }

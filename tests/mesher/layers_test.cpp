@@ -6,6 +6,7 @@
 #include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
+#include "mesher/layers/sound_stacks.hpp"
 #include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
 
@@ -22,6 +23,42 @@ struct Column {
   std::array<Vec3, 3> foot{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   Vec3 at(const LevelCorner& corner) const { return foot[corner.corner] + Vec3{0, 0, 0.1 * corner.level}; }
 };
+
+// Two triangles at an edge, which turn by so many degrees there; away from it, fronts become narrower by a factor from
+// level to level.
+constexpr int kSqueezedLevels = 20;
+
+Walls two_triangles() {
+  Walls walls;
+  walls.triangles = {{0, 0, true, {1, 0, 2}, {1, 0, 2}}, {1, 0, true, {0, 1, 3}, {0, 1, 3}}};
+  walls.curve_to_vert = {0, 1, 2, 3};
+  walls.curve_begin = {0, 2, 4, 5, 6};
+  walls.curve_triangles = {0, 1, 0, 1, 0, 1};
+  return walls;
+}
+
+double least_sine(const std::array<Vec3, 3>& x) {
+  std::array<double, 3> lengths{distance(x[0], x[1]), distance(x[1], x[2]), distance(x[2], x[0])};
+  std::ranges::sort(lengths);
+  return norm(cross(x[1] - x[0], x[2] - x[0])) / (lengths[1] * lengths[2]);
+}
+
+// Levels that are sound above the first triangle, the sine of its front there, and that one level further up.
+std::array<double, 3> squeezed_stack(double degrees, double factor) {
+  const double turn = degrees * std::numbers::pi / 180;
+  const auto point = [&](std::uint32_t curve, int level) -> Vec3 {
+    const double up = 0.3 * level, across = 0.8 * std::pow(factor, level);
+    if (curve < 2) return {0, curve == 0 ? 0.0 : 1.0, up};
+    const Vec3 away = curve == 2 ? Vec3{1, 0, 0} : Vec3{-std::cos(turn), 0, std::sin(turn)};
+    return across * away + Vec3{0, 0.5, up};
+  };
+  const std::array<Vec3, 4> feet{point(0, 0), point(1, 0), point(2, 0), point(3, 0)};
+  const Walls walls = two_triangles();
+  const SoundStacks stacks(walls, feet, TaskRunner(1, {}));
+  const int levels = stacks.levels(0, {kSqueezedLevels, kSqueezedLevels, kSqueezedLevels}, point);
+  const auto sine_at = [&](int level) { return least_sine({point(0, level), point(1, level), point(2, level)}); };
+  return {static_cast<double>(levels), sine_at(levels), sine_at(levels + 1)};
+}
 
 }  // namespace
 
@@ -70,6 +107,27 @@ TEST_CASE("the most normal direction is the middle of the smallest cone") {
   CHECK(most_normal_direction(corner).visibility == Approx(1 / std::sqrt(3.0)));
   const std::array<Vec3, 2> opposite{Vec3{0, 0, 1}, {0, 0, -1}};
   CHECK(most_normal_direction(opposite).visibility <= 0);
+}
+
+TEST_CASE("a stack ends where its front is too narrow, and sooner above a wall that bends") {
+  const std::array straight = squeezed_stack(0, 0.9), bent = squeezed_stack(15, 0.9), sharp = squeezed_stack(60, 0.9);
+  CHECK(straight[0] > bent[0]);
+  CHECK(sharp[0] == straight[0]);
+  for (const auto& [levels, sine, next_sine] : {straight, bent}) {
+    CHECK(levels > 1);
+    CHECK(levels < kSqueezedLevels);
+    CHECK(next_sine < sine);
+  }
+  CHECK(straight[1] >= std::sin(15 * std::numbers::pi / 180));
+  CHECK(straight[2] < std::sin(15.5 * std::numbers::pi / 180));
+  CHECK(bent[1] >= std::sin(22.5 * std::numbers::pi / 180));
+  CHECK(bent[2] < std::sin(23 * std::numbers::pi / 180));
+}
+
+TEST_CASE("a stack goes on where its front stretches, however narrow it becomes") {
+  const std::array stretched = squeezed_stack(15, 1.06);
+  CHECK(stretched[0] == kSqueezedLevels);
+  CHECK(stretched[1] < std::sin(22.5 * std::numbers::pi / 180));
 }
 
 TEST_CASE("layers that are thicker than their triangles are wide lean away from concave edges") {

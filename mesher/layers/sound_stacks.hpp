@@ -1,0 +1,70 @@
+#pragma once
+// How far up the cells above a wall triangle are good enough, for solvers and for the tets on top of them.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "mesher/layers/layer_cells.hpp"
+#include "mesher/layers/walls.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::layers {
+
+/// What cells have to be, per wall triangle. Refers to the walls.
+///
+/// All are positive in exact arithmetic, however they are split. The first layer has a scaled Jacobian of .02 at least;
+/// further ones have .25, or .8 of what the first one has. Fronts that are narrower than the wall keep all angles above
+/// 15 degrees where the wall is flat or has a sharp edge, and above 23 degrees where it bends: there a tet that lies
+/// over two narrow triangles at an angle of nearly 180 degrees is flat, and no other tets can take its place. Above
+/// narrow wall triangles .8 of the sine suffices.
+class SoundStacks {
+ public:
+  /// `feet` are the points of all curves on the walls. Errors: Cancelled.
+  SoundStacks(const Walls& walls, std::span<const Vec3> feet, const TaskRunner& runner);
+
+  /// How many levels of cells are sound, from the wall on; the highest of the counts where all are. point(curve, level)
+  /// is asked for levels from 0 to the curve's count.
+  template <class PointAt>
+  int levels(std::uint32_t wall, const std::array<int, 3>& counts, const PointAt& point) const;
+
+ private:
+  struct Limits {
+    float width = 0, sine = 0;  // fronts narrower than that have this sine at least
+  };
+  static constexpr double kLeastFirst = 0.02;
+
+  Limits limits_of(std::uint32_t wall, std::span<const Vec3> feet, std::span<const Vec3> normals) const;
+  bool is_bent_at(std::uint32_t wall, std::span<const Vec3> normals) const;
+  bool is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& front) const;
+  static double least_above(double jacobian_of_first);
+
+  const Walls& walls_;
+  std::vector<Limits> limits_;  // per wall triangle
+};
+
+template <class PointAt>
+int SoundStacks::levels(std::uint32_t wall, const std::array<int, 3>& counts, const PointAt& point) const {
+  const auto& curves = walls_.triangles[wall].curves;
+  int sound = std::ranges::max(counts), level = 0;
+  double least = kLeastFirst;
+  for_each_cell(counts, [&](CellKind, const auto& corners) {
+    if (level >= sound) return;
+    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(curves[corners[i].corner], corners[i].level);
+    std::array<Vec3, 3> front;
+    for (std::size_t i = 0; i < 3; ++i) front[i] = point(curves[i], std::min(level + 1, counts[i]));
+    const bool is_good = is_sound(x, least) && (level == 0 || is_wide_enough(wall, front));
+    if (level == 0 && is_good) least = least_above(scaled_jacobian(x));
+    if (is_good) {
+      ++level;
+    } else {
+      sound = level;
+    }
+  });
+  return sound;
+}
+
+}  // namespace tetloom::layers
