@@ -132,6 +132,56 @@ Mesh merge_points(const Soup& soup) {
   return mesh;
 }
 
+/// Lines along z through a box, evenly, and where they pass facets.
+class Columns {
+ public:
+  explicit Columns(const Mesh& facets) : passed_(std::size_t{kColumns} * kColumns) {
+    Box3 box;
+    for (const Vec3& p : facets.points) box.add(p);
+    // Steps that put no line through the corners of a regular model.
+    lo_ = box.lo, width_ = 1.0001 * (box.hi.x - box.lo.x) / kColumns,
+    depth_ = 1.0003 * (box.hi.y - box.lo.y) / kColumns;
+  }
+
+  void pass(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (area == 0) return;
+    const auto first = [](double from, double step) { return std::max(0, static_cast<int>(from / step) - 1); };
+    const double right = std::max({a.x, b.x, c.x}), far = std::max({a.y, b.y, c.y});
+    for (int i = first(std::min({a.x, b.x, c.x}) - lo_.x, width_); i < kColumns && x_of(i) <= right; ++i)
+      for (int j = first(std::min({a.y, b.y, c.y}) - lo_.y, depth_); j < kColumns && y_of(j) <= far; ++j) {
+        const double x = x_of(i) - a.x, y = y_of(j) - a.y;
+        const double wb = (x * (c.y - a.y) - (c.x - a.x) * y) / area, wc = ((b.x - a.x) * y - x * (b.y - a.y)) / area;
+        if (wb < 0 || wc < 0 || wb + wc > 1) continue;
+        passed_[static_cast<std::size_t>(i) * kColumns + static_cast<std::size_t>(j)].emplace_back(
+            a.z + wb * (b.z - a.z) + wc * (c.z - a.z), area > 0 ? 1 : -1);
+      }
+  }
+
+  /// Upwards, a facet that looks down is passed from without to within.
+  double volume(bool is_inside_out) {
+    double length = 0;
+    for (auto& column : passed_) {
+      std::ranges::sort(column);
+      int winding = 0;
+      for (std::size_t k = 0; k + 1 < column.size(); ++k) {
+        winding -= column[k].second;
+        if (is_inside_out ? winding < 0 : winding > 0) length += column[k + 1].first - column[k].first;
+      }
+    }
+    return length * width_ * depth_;
+  }
+
+ private:
+  static constexpr int kColumns = 512;  // in each direction
+  double x_of(int i) const { return lo_.x + (i + 0.49) * width_; }
+  double y_of(int j) const { return lo_.y + (j + 0.51) * depth_; }
+
+  Vec3 lo_;
+  double width_ = 0, depth_ = 0;
+  std::vector<std::vector<std::pair<double, int>>> passed_;  // height, and up or down
+};
+
 }  // namespace
 
 bool is_facet_file(const fs::path& path) {
@@ -169,6 +219,13 @@ double enclosed_volume(const Mesh& facets) {
   for (const auto& [a, b, c] : facets.tri_to_vert)
     six_volumes += dot(cross(facets.points[a] - origin, facets.points[b] - origin), facets.points[c] - origin);
   return six_volumes / 6;
+}
+
+double wound_volume(const Mesh& facets) {
+  Columns columns(facets);
+  for (const auto& verts : facets.tri_to_vert)
+    columns.pass(facets.points[verts[0]], facets.points[verts[1]], facets.points[verts[2]]);
+  return columns.volume(enclosed_volume(facets) < 0);
 }
 
 }  // namespace tetloom::bench

@@ -19,4 +19,8 @@ bool is_closed_manifold(const Mesh& facets);
 /// The signed volume that closed facets enclose; positive where they face outwards.
 double enclosed_volume(const Mesh& facets);
 
+/// The volume around which closed facets wind at least once, however often they pass through themselves; by 512 × 512
+/// columns, to some thousandths.
+double wound_volume(const Mesh& facets);
+
 }  // namespace tetloom::bench

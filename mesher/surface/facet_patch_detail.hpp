@@ -124,6 +124,12 @@ class PatchVertexRemover {
   /// copies of their nodes.
   bool may_join(std::uint32_t a, std::uint32_t b) const;
   bool connected_outside(std::uint32_t a, std::uint32_t b) const;
+  bool copies_may_join(std::uint32_t a, std::uint32_t b) const;
+  /// Whether the edge has a triangle that is not in the cavity; false for kNone.
+  bool is_outside(std::uint32_t half) const;
+  void note_edges_of_ring();
+  /// may_join() of two places of the ring, whose edges have been noted.
+  bool may_join_in_ring(std::size_t i, std::size_t j) const;
   double& best(std::size_t i, std::size_t j) { return best_[i * cavity_.ring.size() + j]; }
   enum class Facing { Surface, Any };
   /// Edges outside of the cavity, from and to, that join the ends of edges planned in it.
@@ -146,6 +152,7 @@ class PatchVertexRemover {
   std::set<std::pair<std::uint32_t, std::uint32_t>> forbidden_;  // pairs that force() may not join
   std::vector<double> best_;
   std::vector<std::size_t> split_;
+  std::vector<std::uint32_t> edge_to_;  // per pair of places in the ring: the half-edge from the first, or kNone
 };
 
 }  // namespace tetloom::detail

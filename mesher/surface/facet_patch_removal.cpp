@@ -1,6 +1,7 @@
 // Vertices out of a triangulation, one at a time.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mesher/surface/facet_patch_detail.hpp"
 
@@ -195,9 +196,7 @@ bool PatchVertexRemover::connected(std::uint32_t a, std::uint32_t b) const {
   return mesh_.find_half_edge(a, b) != kNone || mesh_.find_half_edge(b, a) != kNone;
 }
 
-bool PatchVertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
-  std::uint32_t half = mesh_.find_half_edge(a, b);
-  if (half == kNone) half = mesh_.find_half_edge(b, a);
+bool PatchVertexRemover::is_outside(std::uint32_t half) const {
   if (half == kNone) return false;
   const auto inside = [&](std::uint32_t h) {
     return h != kNone && std::binary_search(cavity_.tris.begin(), cavity_.tris.end(), h / 3);
@@ -205,8 +204,12 @@ bool PatchVertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) con
   return !inside(half) || !inside(mesh_.twin(half));
 }
 
-bool PatchVertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
-  if (connected_outside(a, b)) return false;
+bool PatchVertexRemover::connected_outside(std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t half = mesh_.find_half_edge(a, b);
+  return is_outside(half != kNone ? half : mesh_.find_half_edge(b, a));
+}
+
+bool PatchVertexRemover::copies_may_join(std::uint32_t a, std::uint32_t b) const {
   const std::uint32_t node_a = vertices_.node[a], node_b = vertices_.node[b];
   if (node_a == FacetPatch::kNoNode || node_b == FacetPatch::kNoNode) return true;
   if (node_a == node_b) return false;
@@ -220,9 +223,39 @@ bool PatchVertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
   return true;
 }
 
+bool PatchVertexRemover::may_join(std::uint32_t a, std::uint32_t b) const {
+  return !connected_outside(a, b) && copies_may_join(a, b);
+}
+
+// Looks once around each vertex of the ring: some have thousands of neighbours.
+void PatchVertexRemover::note_edges_of_ring() {
+  const std::size_t n = cavity_.ring.size();
+  std::vector<std::pair<std::uint32_t, std::size_t>> places(n);
+  for (std::size_t i = 0; i < n; ++i) places[i] = {cavity_.ring[i], i};
+  std::ranges::sort(places);
+  edge_to_.assign(n * n, kNone);
+  for (std::size_t i = 0; i < n; ++i)
+    mesh_.for_each_outgoing(cavity_.ring[i], [&](std::uint32_t h) {
+      const std::uint32_t to = mesh_.target(h);
+      auto at = std::ranges::lower_bound(places, std::pair{to, std::size_t{0}});
+      for (; at != places.end() && at->first == to; ++at)
+        if (std::uint32_t& edge = edge_to_[i * n + at->second]; edge == kNone) edge = h;
+      return true;
+    });
+}
+
+bool PatchVertexRemover::may_join_in_ring(std::size_t i, std::size_t j) const {
+  const std::size_t n = cavity_.ring.size();
+  const std::uint32_t half = edge_to_[i * n + j] != kNone ? edge_to_[i * n + j] : edge_to_[j * n + i];
+  return !is_outside(half) && copies_may_join(cavity_.ring[i], cavity_.ring[j]);
+}
+
 bool PatchVertexRemover::plan(double level, Facing facing) {
-  const auto allowed = [&](std::uint32_t a, std::uint32_t b) {
-    return facing == Facing::Surface ? may_join(a, b) : !forbidden_.contains({std::min(a, b), std::max(a, b)});
+  if (facing == Facing::Surface) note_edges_of_ring();
+  const auto allowed = [&](std::size_t i, std::size_t j) {
+    if (facing == Facing::Surface) return may_join_in_ring(i, j);
+    const auto [low, high] = std::minmax(cavity_.ring[i], cavity_.ring[j]);
+    return !forbidden_.contains({low, high});
   };
   const auto value_of = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return facing == Facing::Surface ? score(a, b, c, level) : score_any(a, b, c);
@@ -234,7 +267,7 @@ bool PatchVertexRemover::plan(double level, Facing facing) {
       const std::size_t j = i + length;
       best(i, j) = -1;
       const bool base = length == n - 1;
-      if (!base && !allowed(cavity_.ring[i], cavity_.ring[j])) continue;
+      if (!base && !allowed(i, j)) continue;
       for (std::size_t m = i + 1; m < j; ++m) {
         const double parts = std::min(best(i, m), best(m, j));
         if (parts <= best(i, j)) continue;

@@ -69,9 +69,16 @@ class LongEdgeHalver {
     return {std::min(a, b), std::max(a, b)};
   }
 
+  // Asked for once per vertex.
+  double size_of(std::uint32_t vertex) const {
+    if (vertex >= sizes_.size()) sizes_.resize(vertices_.size(), 0);
+    if (sizes_[vertex] == 0) sizes_[vertex] = size_at_(vertices_.points[vertex]);
+    return sizes_[vertex];
+  }
+
   double length(std::uint32_t half) const {
     const Vec3 &a = vertices_.points[mesh_.origin(half)], &b = vertices_.points[mesh_.target(half)];
-    return 2 * distance(a, b) / (size_at_(a) + size_at_(b));
+    return 2 * distance(a, b) / (size_of(mesh_.origin(half)) + size_of(mesh_.target(half)));
   }
 
   /// The longest side of the two triangles at an edge; the edge itself where none is longer. Where a longer one cannot
@@ -80,9 +87,10 @@ class LongEdgeHalver {
   std::uint32_t find_longer(std::uint32_t half) const {
     const std::uint32_t twin = mesh_.twin(half);
     std::uint32_t longest = half;
+    double most = length(half);
     for (const std::uint32_t side :
          {Triangulation::next(half), Triangulation::prev(half), Triangulation::next(twin), Triangulation::prev(twin)}) {
-      if (length(side) > length(longest)) longest = side;
+      if (const double of_side = length(side); of_side > most) longest = side, most = of_side;
     }
     return longest;
   }
@@ -99,6 +107,7 @@ class LongEdgeHalver {
   std::vector<bool> near_;  // the corners of the triangles at the centers, and what was added between them
   std::set<std::array<std::uint32_t, 2>> kept_;  // edges beside longer ones that cannot be halved
   std::priority_queue<Entry> queue_;
+  mutable std::vector<double> sizes_;  // per vertex; 0: not asked for yet
 };
 
 /// An edge between two nodes, or a side of one.

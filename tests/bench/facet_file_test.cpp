@@ -1,8 +1,11 @@
 #include "bench/support/facet_file.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/support/temporary_folder.hpp"
 #include "tetloom/io.hpp"
@@ -45,6 +48,31 @@ TEST_CASE("an OBJ file is closed when every edge has two facets") {
   CHECK_FALSE(is_closed_manifold(read_facet_file(write_text(folder / "fin.obj", fin))));
   const std::string needle = whole + "f 1 2 2\n";
   CHECK(is_closed_manifold(read_facet_file(write_text(folder / "needle.obj", needle))));
+}
+
+TEST_CASE("space that facets wind around twice counts once") {
+  // Two boxes that overlap by a fifth of each, seen as one surface; then the same inside out.
+  Mesh boxes;
+  for (const double from : {0.0, 0.8}) {
+    const auto first = static_cast<std::uint32_t>(boxes.points.size());
+    for (const double z : {0.0, 1.0})
+      for (const double y : {0.0, 1.0})
+        for (const double x : {from, from + 1}) boxes.points.push_back({x, y + 0.1 * from, z});
+    for (const auto& [a, b, c, d] : {std::array{0u, 2u, 3u, 1u},
+                                     {4u, 5u, 7u, 6u},
+                                     {0u, 1u, 5u, 4u},
+                                     {2u, 6u, 7u, 3u},
+                                     {0u, 4u, 6u, 2u},
+                                     {1u, 3u, 7u, 5u}}) {
+      boxes.tri_to_vert.push_back({first + a, first + b, first + c});
+      boxes.tri_to_vert.push_back({first + a, first + c, first + d});
+    }
+  }
+  CHECK(enclosed_volume(boxes) == Approx(2));
+  CHECK(wound_volume(boxes) == Approx(2 - 0.2 * 0.92).epsilon(0.005));
+  for (auto& [a, b, c] : boxes.tri_to_vert) std::swap(b, c);
+  CHECK(enclosed_volume(boxes) == Approx(-2));
+  CHECK(wound_volume(boxes) == Approx(2 - 0.2 * 0.92).epsilon(0.005));
 }
 
 TEST_CASE("polygons of an OBJ file are cut into fans") {
