@@ -70,7 +70,7 @@ std::optional<bool> parts_inside_from_outside(std::span<const Vec3> points, std:
 }
 
 // Whether each piece stays; nothing where that is in doubt. A patch is judged by its largest piece.
-std::optional<std::vector<bool>> find_kept(const CutFacets& cut) {
+std::optional<std::vector<bool>> find_kept(const CutFacets& cut, const CancelToken* cancel) {
   const Patches patches = find_patches(cut.tris, cut.points.size());
   std::vector<std::uint32_t> largest(patches.count, kNone);
   std::vector<double> size(patches.count, -1);
@@ -81,6 +81,7 @@ std::optional<std::vector<bool>> find_kept(const CutFacets& cut) {
   }
   std::vector<bool> is_kept(patches.count);
   for (std::uint32_t patch = 0; patch < patches.count; ++patch) {
+    check_cancelled(cancel);
     const std::optional<bool> verdict = parts_inside_from_outside(cut.points, cut.tris, largest[patch]);
     if (!verdict) return {};
     is_kept[patch] = *verdict;
@@ -90,8 +91,8 @@ std::optional<std::vector<bool>> find_kept(const CutFacets& cut) {
   return kept;
 }
 
-std::optional<UncrossedFacets> select(CutFacets&& cut) {
-  const std::optional<std::vector<bool>> kept = find_kept(cut);
+std::optional<UncrossedFacets> select(CutFacets&& cut, const CancelToken* cancel) {
+  const std::optional<std::vector<bool>> kept = find_kept(cut, cancel);
   if (!kept) return {};
   UncrossedFacets result;
   for (std::size_t t = 0; t < cut.tris.size(); ++t) {
@@ -132,7 +133,7 @@ std::optional<UncrossedFacets> uncross_facets(std::span<const Vec3> points, std:
     std::vector<std::uint32_t> in_the_way = piercings.in_the_way;
     if (in_the_way.empty()) {
       CutFacets cut = cut_facets(moved, tris, edges, piercings.all, cancel);
-      if (cut.in_the_way.empty()) return select(std::move(cut));
+      if (cut.in_the_way.empty()) return select(std::move(cut), cancel);
       in_the_way = std::move(cut.in_the_way);
     }
     move_a_little(in_the_way, step, attempt, moved);
