@@ -154,10 +154,12 @@ void Adapter::keep_share(AdapterInput&& input) {
   } catch (const Error& error) {
     if (error.code() == ErrorCode::Cancelled) throw;
     make_whole();  // which says what is wrong as one process does
-    throw;
+    needs_whole_ = true;
+    return;
   }
-  touches_ = has_fans_at(whole_, slice.is_own, runner_);
-  if (!touches_) links_ = take_share(whole_, slice, mesh_.tet_to_vert.size(), work_);
+  // Fans are named after each other, all over the mesh.
+  needs_whole_ = has_fans_at(whole_, slice.is_own, runner_);
+  if (!needs_whole_) links_ = take_share(whole_, slice, mesh_.tet_to_vert.size(), work_);
 }
 
 void Adapter::make_whole() {
@@ -167,12 +169,11 @@ void Adapter::make_whole() {
 
 void Adapter::spread() {
   if (background_) return;
-  std::array<double, 1> touches{touches_ ? 1.0 : 0.0};
-  work_.max(touches);
+  std::array<double, 1> needs_whole{needs_whole_ ? 1.0 : 0.0};
+  work_.max(needs_whole);
   const std::size_t given = mesh_.points.size();
   work_.each([&] {
-    // Fans are named after each other, all over the mesh.
-    if (touches[0] > 0) {
+    if (needs_whole[0] > 0) {
       make_whole();
       touching_ = separate_fans(whole_, runner_);
       links_ = take_share(whole_, work_);
