@@ -99,7 +99,7 @@ class Adapter {
   // Until the tiles are made.
   Mesh* given_up_ = nullptr;
   ShareVerts given_verts_, share_verts_;  // as they were given, and as they stand in the share
-  bool touches_ = false;                  // whether this rank knows of a place where fans touch
+  bool needs_whole_ = false;              // whether a slice of the mesh is not enough for this rank
   std::vector<FieldFigures> fields_before_;
   std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;

@@ -198,7 +198,6 @@ bool BackgroundTiles::fetch_missing(const SharedWork& work) {
   std::vector<std::uint32_t> lacking;
   work.each([&] {
     sort_unique(missing_);
-    refetched_ += missing_.size();
     lacking = with_ring(std::exchange(missing_, {}));
     std::erase_if(lacking, [&](std::uint32_t tile) { return held_[tile] != nullptr; });
   });

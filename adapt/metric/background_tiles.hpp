@@ -80,8 +80,6 @@ class BackgroundTiles {
   /// `finds` said on any rank that something is missing. In SharedWork::together.
   void until_found(const SharedWork& work, const std::function<void()>& attempt);
 
-  std::size_t refetched() const { return refetched_; }  ///< tiles of this rank that were missing at first
-
  private:
   struct Held {
     explicit Held(Bytes&& all) : bytes(std::move(all)), tile(Tile::read(bytes)) {}
@@ -107,7 +105,6 @@ class BackgroundTiles {
   std::vector<std::unique_ptr<Held>> held_;  // by tile
   mutable std::mutex mutex_;                 // around what follows
   mutable std::vector<std::uint32_t> missing_;
-  std::size_t refetched_ = 0;
 };
 
 /// Those whose mark is not 0, ascending.

@@ -201,6 +201,9 @@ class Builder {
         to_entity_[v] = PackedEntity(ModelEntity(0, next++));
       }
     }
+    // Of others not all triangles are known.
+    for (std::uint32_t v = 0; slice_ && v < pieces.size(); ++v)
+      if (slice_->is_own[v] == 0) to_entity_[v] = PackedEntity();
   }
 
   const Mesh& mesh_;

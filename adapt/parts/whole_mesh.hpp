@@ -89,7 +89,8 @@ struct TetSlice {
 TetSlice slice_around(const Mesh& mesh, std::size_t first, std::size_t count);
 
 /// What make_whole_mesh says of a slice, with all points and edges, but without metrics: right for what has a vertex
-/// of the slice's own. Errors: as those of the whole, where they are in the slice; they may be worded otherwise.
+/// of the slice's own; others lie on nothing. Errors: as those of the whole, where they are in the slice; they may be
+/// worded otherwise.
 WholeMesh make_slice_mesh(const Mesh& mesh, const TetSlice& slice, const TaskRunner& runner);
 
 /// The vertices of its tets.

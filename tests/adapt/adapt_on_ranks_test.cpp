@@ -224,6 +224,17 @@ TEST_CASE("what is moved to a curved model is looked up at the nearest boundary 
   check_field_like_one_process(mesh, adapt::metric_from_function(sizes, mesh.points), options);
 }
 
+TEST_CASE("vertices a little beside the model are borne on ranks as by one process", "[adapt][ranks]") {
+  const auto model = test_models::make_cylinder(0.5, 1);
+  Mesh mesh = test::meshed(*model, 0.15);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v)
+    if (mesh.point_to_entity[v].dim == 1) mesh.points[v].x *= 1.005, mesh.points[v].y *= 1.005;
+  AdaptOptions options = in_parts(1000);
+  options.model = model.get();
+  const auto sizes = [](const Vec3&) { return adapt::isotropic(0.12); };
+  check_field_like_one_process(mesh, adapt::metric_from_function(sizes, mesh.points), options);
+}
+
 TEST_CASE("ranks follow a model", "[adapt][ranks]") {
   const auto model = test_models::make_cylinder(0.5, 1);
   const Mesh mesh = test::meshed(*model, 0.25);
