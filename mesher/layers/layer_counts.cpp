@@ -8,13 +8,12 @@ namespace tetloom::layers {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr double kSlope = 0.7;   // of the thickness from curve to curve
+constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
 
 }  // namespace
 
-LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
-                         const TaskRunner& runner)
+LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner)
     : walls_(walls),
       feet_(paths.fronts.front()),
       sound_(walls, feet_, runner),
