@@ -138,9 +138,14 @@ class MeshRun {
   }
 
   VolumeParts fill(const VolumeInput& input, const QualityGoals& goals) {
-    const VolumeOptions options{options_.volume_worker, options_.worker_only, options_.improve_surface,
-                                options_.max_memory,    goals,                options_.lattice,
-                                options_.tets_per_part, options_.trace};
+    const VolumeOptions options{options_.volume_worker,
+                                options_.worker_only,
+                                options_.improve_surface,
+                                options_.max_memory,
+                                goals,
+                                options_.lattice,
+                                options_.tets_per_part,
+                                options_.trace};
     return tetloom::fill_volume(input, options, work_.ranks(), runner_);
   }
 

@@ -21,7 +21,7 @@ enum class LatticeKind { Bcc, A15 };
 struct QualityGoals {
   double dihedral = 15;     ///< degrees, 0 to 60: the smallest dihedral angle
   double mean_ratio = 0.5;  ///< 0 to .9
-  int rounds = 2;           ///< 0 to 100: at most so many inside, and four times as many with the surface
+  int rounds = 2;  ///< 0 to 100: at most so many inside, and four times as many with the surface or above layers
 };
 
 enum class AngleCause : std::uint8_t {

@@ -35,11 +35,11 @@ struct LayerOptions {
 /// Why there are fewer layers at a place than were asked for.
 enum class LayerLimit : std::uint8_t {
   None,
-  Gap,        ///< another wall is near
+  Gap,        ///< another wall, or the top of its layers, is near
   Concave,    ///< layers from different sides would run into each other
   Isotropy,   ///< the next layer would be higher than its triangle is wide
   NoNormal,   ///< no direction leads away from all faces at the place
-  Cell,       ///< a cell would have had no positive volume, or nearly none
+  Cell,       ///< a cell, or the front above it, would have been too poor
   Crossing,   ///< the top of the layers would have crossed a surface
   SideAngle,  ///< a face beside the wall meets it at less than 30 or more than 150 degrees, or has no room for layers
   Filling     ///< the space above the layers could not be filled

@@ -8,13 +8,12 @@ namespace tetloom::layers {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr double kSlope = 0.7;   // of the thickness from curve to curve
+constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
 
 }  // namespace
 
-LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths,
-                         const TaskRunner& runner)
+LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner)
     : walls_(walls),
       feet_(paths.fronts.front()),
       sound_(walls, feet_, runner),
@@ -23,7 +22,8 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
       counts_(walls.curve_count(), 0),
       limits_(paths.limits),
       changed_(walls.curve_count(), 1),
-      unsettled_(walls.curve_count(), 1) {
+      unsettled_(walls.curve_count(), 1),
+      unchecked_(walls.curve_count(), 1) {
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
@@ -81,7 +81,7 @@ void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
   if (count >= counts_[curve]) return;
   counts_[curve] = std::max(count, 0);
   limits_[curve] = limit;
-  changed_[curve] = unsettled_[curve] = 1;
+  changed_[curve] = unsettled_[curve] = unchecked_[curve] = 1;
 }
 
 void LayerCounts::thin(std::uint32_t curve, double thickness, LayerLimit limit) {
@@ -137,12 +137,13 @@ bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
                          [&](std::uint32_t curve, int level) { return point(curve, level); });
   };
   const auto is_concerned = [&](const WallTriangle& wall) {
-    return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unsettled_[c] != 0; });
+    return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
       if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(w);
   });
+  std::ranges::fill(unchecked_, 0);
   bool any = false;
   for (std::size_t w = 0; w < sound.size(); ++w) {
     for (const std::uint32_t c : walls_.triangles[w].curves) {

@@ -54,6 +54,7 @@ class LayerCounts {
   std::vector<int> counts_;
   std::vector<LayerLimit> limits_;
   std::vector<std::uint8_t> changed_, unsettled_;
+  std::vector<std::uint8_t> unchecked_;  // cells have not been judged since the count was lowered
 };
 
 }  // namespace tetloom::layers

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "mesher/layers/layer_counts.hpp"
+#include "mesher/layers/room_above.hpp"
 #include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
 
@@ -140,7 +141,47 @@ TEST_CASE("where layers are lowered late, those around them stay") {
   const SideFaces sides(*block, mesh, walls, runner);
   LayerCounts counts(walls, sides, make_paths(mesh, sides_of_faces, walls, sides, runner), runner);
   counts.settle(runner);
-  for (std::uint32_t c = 0; c < walls.curve_count(); c += 100) counts.lower(c, counts.count(c) / 2, LayerLimit::Crossing);
+  for (std::uint32_t c = 0; c < walls.curve_count(); c += 100)
+    counts.lower(c, counts.count(c) / 2, LayerLimit::Crossing);
   counts.settle(runner);
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) REQUIRE(counts.count(c) > 0);
+}
+
+TEST_CASE("fronts that come too near to each other give way, both of them") {
+  const auto plate = make_box({0, 0, 0}, {2, 2, 1});
+  MeshOptions options = options_of_size(0.5);
+  options.surface_only = true;
+  const Mesh mesh = meshed(*plate, options).mesh;
+  std::vector<std::uint32_t> others;  // than those of z 0 and 1
+  for (std::uint32_t f = 0; f < plate->topology().face_count(); ++f)
+    if (plate->area(ModelFaceId(f)) < 3) others.push_back(f);
+  const auto& sides_of_faces = plate->topology().face_to_sides;
+  const Walls walls = find_walls(mesh, sides_of_faces, on_faces(*plate, heights(0.05, 9, 1), others));
+  const TaskRunner runner(2, {});
+  const SideFaces sides(*plate, mesh, walls, runner);
+  GrowthPaths paths;
+  const std::vector<double> none(walls.curve_count(), 0), reached(walls.curve_count(), 0.45);
+  paths.fronts.resize(2), paths.heights = {none, reached}, paths.reached = reached;
+  for (const std::uint32_t v : walls.curve_to_vert) {
+    const Vec3 foot = mesh.points[v];
+    paths.fronts[0].push_back(foot);
+    paths.fronts[1].push_back({foot.x, foot.y, foot.z < 0.5 ? 0.45 : 0.55});  // a tenth is left
+  }
+  paths.stretch.assign(walls.curve_count(), 1);
+  paths.limits.assign(walls.curve_count(), LayerLimit::None);
+  LayerCounts counts(walls, sides, paths, runner);
+  const std::vector<std::uint8_t> all(walls.curve_count(), 1), nobody(walls.curve_count(), 0);
+  const auto find_lacking = [&](const std::vector<std::uint8_t>& asked) {
+    return find_lacking_room(walls, counts, make_layered_surface(mesh, sides_of_faces, walls, sides, counts, {}), asked,
+                             runner);
+  };
+  CHECK(find_lacking(nobody) == none);
+  const std::vector<double> lacking = find_lacking(all);
+  for (std::uint32_t c = 0; c < lacking.size(); ++c) {
+    CHECK(lacking[c] > 0.04);
+    CHECK(lacking[c] < 0.12);
+    counts.thin(c, lacking[c], LayerLimit::Gap);
+    CHECK(counts.count(c) > 4);
+  }
+  CHECK(find_lacking(all) == none);
 }

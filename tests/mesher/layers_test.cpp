@@ -221,6 +221,15 @@ TEST_CASE("layers on all faces of a box leave room in the middle, and the volume
   CHECK(figures.min_scaled_jacobian >= 0.02);
 }
 
+TEST_CASE("tets above layers get as many rounds of repairs as a surface that may change") {
+  const auto pipe = make_cylinder(1, 4);
+  MeshOptions options = options_of_size(0.2);
+  options.layers = on_faces(*pipe, heights(0.01, 14));  // three edges together
+  const MeshResult result = meshed(*pipe, options);
+  CHECK(result.layers.coverage.thickness > 0.9);
+  CHECK(result.filling.optimizer.below_dihedral <= 2);  // with two rounds: 5
+}
+
 TEST_CASE("heights above the middle of a flat wall are those asked for") {
   const auto box = make_box({0, 0, 0}, {4, 4, 4});
   MeshOptions options = options_of_size(0.4);
