@@ -259,7 +259,8 @@ class FaceMesher {
 
   void split_taken_chords(Patch& patch, const PatchSurface& surface) const {
     Triangulation& topology = patch.topology;
-    const std::vector<Chord> repeated = patch.has_poles ? find_repeated_chords(patch) : std::vector<Chord>{};
+    // In a plane, repeated chords are those of narrow tubes, which may stay.
+    const std::vector<Chord> repeated = surface.smooth() ? std::vector<Chord>{} : find_repeated_chords(patch);
     if (taken_chords_.empty() && repeated.empty()) return;
     const std::uint32_t end = topology.half_edges();
     for (std::uint32_t h = 0; h < end; ++h) {
