@@ -131,17 +131,26 @@ TEST_CASE("an open surface is no volume: it is meshed as a sheet, and said to be
   CHECK_FALSE(report["warnings"].empty());
 }
 
-TEST_CASE("a solid whose surface crosses itself names the faces and a point") {
+TEST_CASE("a solid whose surface crosses itself names the faces and a point, or is made anew") {
   // A cube with a corner pulled through the opposite face.
   const TestFolder folder;
   std::string text = cube_stl();
   for (std::size_t at = 0; (at = text.find("vertex 1 1 1", at)) != std::string::npos; ++at) {
     text.replace(at, 12, "vertex -1 -2 -3");
   }
-  check_failure(folder, folder.write("crossing.stl", text), 4, "self_intersection", {"--size", "0.3"});
+  const std::string input = folder.write("crossing.stl", text);
+  check_failure(folder, input, 4, "self_intersection", {"--size", "0.3", "--no-heal"});
   const nlohmann::json error = read_json(folder / "report.json")["errors"][0];
   CHECK_FALSE(error["entities"].empty());
   CHECK(error["point"].is_array());
+
+  const std::string report = folder / "healed.json";
+  const ProcessResult healed =
+      run_tetloom({"mesh", input, "-o", folder / "healed.vtu", "--size", "0.3", "--report", report});
+  CAPTURE(healed.err);
+  CHECK(healed.status == 0);
+  CHECK(read_json(report)["rebuilt"] == nlohmann::json::parse("[[1]]"));
+  CHECK(run_tetloom({"check", folder / "healed.vtu"}).status == 0);
 }
 
 TEST_CASE("an output that cannot be written is found before the work") {
