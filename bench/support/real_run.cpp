@@ -91,12 +91,14 @@ ModelFacts describe(const fs::path& path, const fs::path& folder, const RealRunO
   } catch (const std::exception& error) {
     facts.error = error.what();
   }
+  const std::vector<double> within = facts.volumes;  // as the file has it, apart from the command
   const fs::path report = folder / "info.json";
   const ChildResult info = run_child({options.command, "info", path, "--quiet", "--report", report}, {options.timeout});
   if (info.exit_status != 0)
     facts.error = end_of(info.output);
   else
     take_description(read_json(report), facts);
+  if (!within.empty() && facts.volumes.size() == 1) facts.volumes = within;
   return facts;
 }
 
