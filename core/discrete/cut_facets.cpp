@@ -17,10 +17,8 @@ using FacetPair = std::array<std::uint32_t, 2>;    // ascending
 using FacetTriple = std::array<std::uint32_t, 3>;  // ascending
 using Segment2 = std::array<std::uint32_t, 2>;
 
-/// What two facets have in common: a chain of points, in the order in which they lie on the segment.
-struct CommonSegment {
-  std::vector<std::uint32_t> points;
-};
+/// What two facets have in common: points in the order in which they lie on the segment.
+using Chain = std::vector<std::uint32_t>;
 
 FacetPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -75,12 +73,12 @@ class FacetCutter {
   void collect_segments() {
     for (std::size_t i = 0; i < piercings_.size(); ++i) {
       for (const std::uint32_t half : edges_.halves(piercings_[i].edge))
-        segments_[pair_of(half_to_tri(half), piercings_[i].tri)].points.push_back(point_of(i));
+        segments_[pair_of(half_to_tri(half), piercings_[i].tri)].push_back(point_of(i));
     }
     for (auto& [pair, segment] : segments_) {
       for (const std::uint32_t v : tris_[pair[0]])
-        if (std::ranges::count(tris_[pair[1]], v) > 0) segment.points.push_back(v);
-      if (segment.points.size() != 2) {
+        if (std::ranges::count(tris_[pair[1]], v) > 0) segment.push_back(v);
+      if (segment.size() != 2) {
         put_in_the_way(pair[0]), put_in_the_way(pair[1]);
         continue;
       }
@@ -112,7 +110,7 @@ class FacetCutter {
       const FacetPlane plane = plane_of(tri);
       std::vector<std::array<Vec2, 2>> flat;
       for (const FacetPair& pair : here) {
-        const auto& ends = segments_.at(pair).points;
+        const auto& ends = segments_.at(pair);
         flat.push_back({plane(cut_.points[ends[0]]), plane(cut_.points[ends[1]])});
       }
       for (std::size_t i = 0; i < here.size(); ++i)
@@ -130,7 +128,7 @@ class FacetCutter {
     std::ranges::sort(triple);
     const auto [at, is_new] = triples.try_emplace(triple, static_cast<std::uint32_t>(cut_.points.size()));
     if (!is_new) return;
-    const auto& ends = segments_.at(first).points;
+    const auto& ends = segments_.at(first);
     const Vec3 from = cut_.points[ends[0]], to = cut_.points[ends[1]];
     cut_.points.push_back(from + share * (to - from));
   }
@@ -142,15 +140,15 @@ class FacetCutter {
         for (const std::uint32_t tri : triple) put_in_the_way(tri);
         return;
       }
-      segment->second.points.push_back(point);
+      segment->second.push_back(point);
     }
   }
 
   // The ends come first in what is sorted.
-  void sort_along(CommonSegment& segment) const {
-    if (segment.points.size() < 3) return;
-    const Vec3 from = cut_.points[segment.points[0]], along = cut_.points[segment.points[1]] - from;
-    std::ranges::sort(segment.points, {}, [&](std::uint32_t p) { return dot(along, cut_.points[p] - from); });
+  void sort_along(Chain& segment) const {
+    if (segment.size() < 3) return;
+    const Vec3 from = cut_.points[segment[0]], along = cut_.points[segment[1]] - from;
+    std::ranges::sort(segment, {}, [&](std::uint32_t p) { return dot(along, cut_.points[p] - from); });
   }
 
   /// The points and segments of one facet, for its triangulation.
@@ -187,21 +185,21 @@ class FacetCutter {
       pieces.points.insert(pieces.points.end(), chain.begin(), chain.end());
     };
     for (std::uint32_t i = 0; i < 3; ++i) add_points(rim[i] = points_on(edges_.half_to_edge[3 * tri + i]));
-    for (const FacetPair& pair : segments_of_[tri]) add_points(segments_.at(pair).points);
+    for (const FacetPair& pair : segments_of_[tri]) add_points(segments_.at(pair));
     std::ranges::sort(pieces.points);
     pieces.points.erase(std::unique(pieces.points.begin(), pieces.points.end()), pieces.points.end());
     for (const auto& chain : rim) pieces.add_chain(chain, 1);
-    for (const FacetPair& pair : segments_of_[tri]) pieces.add_chain(segments_.at(pair).points, 2);
+    for (const FacetPair& pair : segments_of_[tri]) pieces.add_chain(segments_.at(pair), 2);
     return pieces;
   }
 
   void triangulate(std::uint32_t tri) {
-    const Pieces pieces = pieces_of(tri);
-    if (pieces.points.size() == 3 && pieces.segments.size() == 3) {
+    if (segments_of_[tri].empty()) {
       cut_.tris.push_back(tris_[tri]);
       cut_.tri_to_cut.push_back(tri);
       return;
     }
+    const Pieces pieces = pieces_of(tri);
     const FacetPlane plane = plane_of(tri);
     std::vector<Vec2> flat;
     for (const std::uint32_t point : pieces.points) flat.push_back(plane(cut_.points[point]));
@@ -218,7 +216,7 @@ class FacetCutter {
   const FacetEdges& edges_;
   std::span<const FacetPiercing> piercings_;
   std::size_t first_piercing_;
-  std::map<FacetPair, CommonSegment> segments_;
+  std::map<FacetPair, Chain> segments_;
   std::vector<std::vector<FacetPair>> segments_of_;  // per facet
   CutFacets cut_;
 };

@@ -1,11 +1,12 @@
 #include "core/discrete/uncross.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "core/base/disjoint_sets.hpp"
+#include "core/base/mix_bits.hpp"
 #include "core/discrete/cut_facets.hpp"
 #include "core/discrete/facet_edges.hpp"
 #include "core/discrete/facet_piercings.hpp"
@@ -18,10 +19,7 @@ constexpr double kSmallestMove = 1e-12;  // of the diagonal; twice as far in eve
 constexpr double kMostDoubt = 0.05;      // of a winding number, beside a whole one
 
 double random_share(std::uint64_t seed) {  // from -1 to 1
-  seed += 0x9e3779b97f4a7c15ULL;
-  seed = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  seed = (seed ^ (seed >> 27)) * 0x94d049bb133111ebULL;
-  return static_cast<double>(static_cast<std::int64_t>(seed ^ (seed >> 31))) * 0x1p-63;
+  return static_cast<double>(static_cast<std::int64_t>(mix_bits((seed + 1) * 0x9e3779b97f4a7c15u))) * 0x1p-63;
 }
 
 // Where facets touch there is no telling on which side of each other they lie: vertices move a little, always the same.
@@ -31,30 +29,13 @@ void move_a_little(std::span<const std::uint32_t> verts, double step, int attemp
       points[v][axis] += step * random_share((std::uint64_t{v} << 8) + static_cast<std::uint64_t>(3 * attempt + axis));
 }
 
-/// Pieces that are joined by edges of two facets, from 0 on.
-struct Patches {
-  std::vector<std::uint32_t> of_tri;
-  std::uint32_t count = 0;
-};
-
-Patches find_patches(std::span<const Triangle> tris, std::size_t point_count) {
-  const FacetEdges edges = find_edges(tris, point_count);
-  Patches patches{std::vector<std::uint32_t>(tris.size(), kNone), 0};
-  std::vector<std::uint32_t> reached;
-  for (std::uint32_t seed = 0; seed < tris.size(); ++seed) {
-    if (patches.of_tri[seed] != kNone) continue;
-    patches.of_tri[seed] = patches.count;
-    reached.assign(1, seed);
-    for (std::size_t next = 0; next < reached.size(); ++next)
-      for (std::uint32_t half = 3 * reached[next]; half < 3 * reached[next] + 3; ++half) {
-        if (edges.halves(edges.half_to_edge[half]).size() != 2) continue;
-        const std::uint32_t other = half_to_tri(edges.twin(half));
-        if (patches.of_tri[other] != kNone) continue;
-        patches.of_tri[other] = patches.count;
-        reached.push_back(other);
-      }
-    ++patches.count;
-  }
+// Pieces that are joined by edges of two facets.
+DisjointSets find_patches(const CutFacets& cut) {
+  const FacetEdges edges = find_edges(cut.tris, cut.points.size());
+  DisjointSets patches(cut.tris.size());
+  for (std::size_t edge = 0; edge < edges.size(); ++edge)
+    if (const auto halves = edges.halves(edge); halves.size() == 2)
+      patches.join(half_to_tri(halves[0]), half_to_tri(halves[1]));
   return patches;
 }
 
@@ -71,23 +52,23 @@ std::optional<bool> parts_inside_from_outside(std::span<const Vec3> points, std:
 
 // Whether each piece stays; nothing where that is in doubt. A patch is judged by its largest piece.
 std::optional<std::vector<bool>> find_kept(const CutFacets& cut, const CancelToken* cancel) {
-  const Patches patches = find_patches(cut.tris, cut.points.size());
-  std::vector<std::uint32_t> largest(patches.count, kNone);
-  std::vector<double> size(patches.count, -1);
-  for (std::uint32_t t = 0; t < cut.tris.size(); ++t) {
-    const double area = norm(facet_normal(cut.points, cut.tris[t]));
-    const std::uint32_t patch = patches.of_tri[t];
-    if (area > size[patch]) size[patch] = area, largest[patch] = t;
-  }
-  std::vector<bool> is_kept(patches.count);
-  for (std::uint32_t patch = 0; patch < patches.count; ++patch) {
+  DisjointSets patches = find_patches(cut);
+  std::vector<std::uint32_t> largest(cut.tris.size(), kNone);  // per patch
+  const auto area = [&](std::uint32_t t) { return norm(facet_normal(cut.points, cut.tris[t])); };
+  for (std::uint32_t t = 0; t < cut.tris.size(); ++t)
+    if (std::uint32_t& best = largest[patches.find(t)]; best == kNone || area(t) > area(best)) best = t;
+  std::vector<bool> kept(cut.tris.size());
+  for (std::uint32_t t = 0; t < kept.size(); ++t) {
+    const std::uint32_t patch = patches.find(t);
+    if (patch < t) {  // judged before
+      kept[t] = kept[patch];
+      continue;
+    }
     check_cancelled(cancel);
     const std::optional<bool> verdict = parts_inside_from_outside(cut.points, cut.tris, largest[patch]);
     if (!verdict) return {};
-    is_kept[patch] = *verdict;
+    kept[t] = *verdict;
   }
-  std::vector<bool> kept(cut.tris.size());
-  for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = is_kept[patches.of_tri[t]];
   return kept;
 }
 
