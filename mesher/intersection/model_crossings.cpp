@@ -135,8 +135,7 @@ class NearFacets {
     const Vec3 reach{radius, radius, radius};
     box_.add(center - reach), box_.add(center + reach);
   }
-  void add(FaceGeometry& face) {
-    const Tessellation facets = face.tessellate(0, 0);
+  void add(const Tessellation& facets) {
     for (const auto& verts : facets.tri_to_vert) {
       Box3 around;
       for (const std::uint32_t v : verts) around.add(facets.points[v]);
@@ -168,10 +167,11 @@ class NearFacets {
 // Facets are the surface itself: where they cross beside crossing triangles, the model does. A face may cross itself.
 std::optional<TriangleIntersection> find_crossing_of_facets(const FacePair& pair, FaceArea& first, FaceArea& second,
                                                             const Mesh& surface) {
+  std::vector<Tessellation> faces{first.geometry().tessellate(0, 0)};
+  if (pair.first != pair.second) faces.push_back(second.geometry().tessellate(0, 0));
   for (TriangleIntersection crossing : pair.crossings) {
     NearFacets facets(crossing.point, longest_edge(surface, crossing));
-    facets.add(first.geometry());
-    if (pair.first != pair.second) facets.add(second.geometry());
+    for (const Tessellation& face : faces) facets.add(face);
     if (const std::optional<Vec3> point = facets.find_crossing()) {
       crossing.point = *point;
       return crossing;
