@@ -206,6 +206,15 @@ ModelDocument make_crossing_tube() {
   return document;
 }
 
+// A valid mesh of the model, or a failure that says why there is none.
+MeshResult fill(const GeometricModel& model, const MeshOptions& options) {
+  MeshResult result = make_mesh(model, options);
+  for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+  REQUIRE(result.status == MeshStatus::Ok);
+  CHECK(validate_mesh(result.mesh).problems.empty());
+  return result;
+}
+
 }  // namespace
 
 TEST_CASE("both sides of a sharp corner may belong to one face: no triangle lies on another one") {
@@ -216,10 +225,7 @@ TEST_CASE("both sides of a sharp corner may belong to one face: no triangle lies
     CAPTURE(size);
     MeshOptions options;
     options.sizes.size = size;
-    const MeshResult result = make_mesh(*leaf, options);
-    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
-    REQUIRE(result.status == MeshStatus::Ok);
-    CHECK(validate_mesh(result.mesh).problems.empty());
+    const MeshResult result = fill(*leaf, options);
     if (size <= 0.1) CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.05));
   }
 }
@@ -248,10 +254,7 @@ TEST_CASE("a surface that touches itself in a point is meshed on both sides of i
     CAPTURE(size);
     MeshOptions options;
     options.sizes.size = size;
-    const MeshResult result = make_mesh(*horn, options);
-    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
-    REQUIRE(result.status == MeshStatus::Ok);
-    CHECK(validate_mesh(result.mesh).problems.empty());
+    const MeshResult result = fill(*horn, options);
     CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.05));
   }
 }
@@ -271,10 +274,7 @@ TEST_CASE("a scan that passes through itself is known at once, and meshed when i
   std::vector<std::string> digests;
   for (const int threads : {1, 2}) {
     options.threads = threads;
-    const MeshResult result = make_mesh(*rebuilt->model, options);
-    for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
-    REQUIRE(result.status == MeshStatus::Ok);
-    CHECK(validate_mesh(result.mesh).problems.empty());
+    const MeshResult result = fill(*rebuilt->model, options);
     CHECK(compute_quality(result.mesh).tets.volume == Approx(result.model_volume).epsilon(0.03));
     CHECK(result.model_volume < crossing.model->volume(ModelRegionId(0)));
     digests.push_back(mesh_digest(result.mesh));
