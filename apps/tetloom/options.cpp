@@ -387,8 +387,8 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
       ->group(kRun);
   mesh->add_option(
           "--tets-per-part", raw.tets_per_part,
-          "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: about 2.5e5. The mesh "
-          "depends on it, where parts meet")
+          "Volumes are filled in parts of about so many tetrahedra, inf: in one; default: about .4 s of work, and "
+          "at most 2.5e5. The mesh depends on it, where parts meet")
       ->type_name("N")
       ->group(kRun);
   mesh->add_option("--order", raw.order, "2: elements have mid nodes, on the curves and faces of the model; default: 1")

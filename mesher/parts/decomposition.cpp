@@ -14,10 +14,11 @@ namespace {
 // What it takes, measured over all steps, in microseconds: per size^3 of the core, per size^3 where sizes vary, and per
 // size^2 of surface. A cell that meets the surface is taken to hold its own width squared of that, and its whole
 // volume.
-constexpr double kCoreWork = 3, kVaryingWork = 15, kSurfaceWork = 10;
-// Small parts cost more at their boundaries than they give, and large ones leave cores idle.
-constexpr double kTetsPerPart = 2.5e5, kLeastOfTwo = 1.8e5, kLeastOfFour = 3.6e5;
-constexpr double kVaries = 1.1;  // ratio of the sizes in a cell from which on it is taken to vary
+constexpr double kCoreWork = 1.5, kVaryingWork = 30, kSurfaceWork = 6;
+// Small parts cost more at their boundaries than they give and have poorer tets there; large ones leave cores idle.
+constexpr double kWorkPerPart = 4e5, kTetsPerPart = 2.5e5;
+constexpr double kLeastOfTwo = 0.6;  // parts of the size above, from which on there are two
+constexpr double kVaries = 1.1;      // ratio of the sizes in a cell from which on it is taken to vary
 constexpr double kTetsPerCube = 9.5;
 constexpr std::size_t kCellsPerTask = 256;
 
@@ -67,20 +68,23 @@ double find_cut(std::span<const std::array<double, 3>> spans, double share) {
 
 }  // namespace
 
-double estimate_tets(const lattice::LatticeCells& cells) {
-  double tets = 0;
-  for (const lattice::LatticeCell& cell : cells.cells())
-    tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? 0.5 : 1);
-  return tets;
+VolumeEstimate estimate_volume(const lattice::LatticeCells& cells) {
+  VolumeEstimate estimate;
+  for (const lattice::LatticeCell& cell : cells.cells()) {
+    estimate.tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? 0.5 : 1);
+    estimate.work += work_of(cell);
+  }
+  return estimate;
 }
 
-std::size_t count_parts(double tets, double tets_per_part) {
+std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part) {
   constexpr double kMost = 1e5;
-  if (tets_per_part > 0) return static_cast<std::size_t>(std::clamp(std::round(tets / tets_per_part), 1.0, kMost));
+  if (tets_per_part > 0)
+    return static_cast<std::size_t>(std::clamp(std::round(volume.tets / tets_per_part), 1.0, kMost));
+  const double parts = std::max(volume.work / kWorkPerPart, volume.tets / kTetsPerPart);
+  if (parts < kLeastOfTwo) return 1;
   // An even number, so that two cores have as much to do as one another.
-  const double large = 2 * std::round(tets / (2 * kTetsPerPart));
-  const double small = tets < kLeastOfTwo ? 1 : tets < kLeastOfFour ? 2 : 4;
-  return static_cast<std::size_t>(std::clamp(large, small, kMost));
+  return static_cast<std::size_t>(std::clamp(2 * std::round(parts / 2), 2.0, kMost));
 }
 
 Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,

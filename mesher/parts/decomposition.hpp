@@ -19,12 +19,16 @@
 
 namespace tetloom::parts {
 
-/// How many tets the cells will hold, within some ten percent.
-double estimate_tets(const lattice::LatticeCells& cells);
+struct VolumeEstimate {
+  double tets = 0;  ///< within some ten percent
+  double work = 0;  ///< microseconds of one thread
+};
 
-/// In how many parts to fill so many tets: of about `tets_per_part` each, and where that is 0, of 2.5e5, or of fewer,
-/// down to 9e4, where that makes two or four parts of a smaller mesh. At least 1.
-std::size_t count_parts(double tets, double tets_per_part);
+VolumeEstimate estimate_volume(const lattice::LatticeCells& cells);
+
+/// In how many parts to fill it: of about `tets_per_part` tets each, and where that is 0, of about .4 s of work, but of
+/// no more than 2.5e5 tets. At least 1.
+std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part);
 
 /// Immutable; the same on all ranks. All of space belongs to some part: outer boxes are infinite.
 class Decomposition {
@@ -36,7 +40,7 @@ class Decomposition {
   std::size_t part_count() const { return boxes_.size(); }
   const Box3& box(PartId part) const { return boxes_[part.value]; }
   PartId owner_of(const Vec3& x) const;
-  /// Estimated seconds, in a unit of its own.
+  /// Estimated, in microseconds.
   double work(PartId part) const { return work_[part.value]; }
   /// Indices of the cells that reach into the part's box, ascending.
   std::span<const std::uint32_t> cells_of(PartId part) const { return part_to_cells_[part.value]; }

@@ -189,7 +189,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
       const TraceSpan span(trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
       cells.emplace(lattice, runner);
     }
-    const std::size_t parts = count_parts(estimate_tets(*cells), input.options.tets_per_part);
+    const std::size_t parts = count_parts(estimate_volume(*cells), input.options.tets_per_part);
     if (parts > 1) decomposition.emplace(*cells, parts, runner, trace);
   });
   if (!decomposition) return std::nullopt;

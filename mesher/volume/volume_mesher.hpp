@@ -41,7 +41,7 @@ struct VolumeOptions {
   QualityGoals goals = {};
   LatticeKind lattice = LatticeKind::Bcc;  ///< of the inside
   double tets_per_part = 0;  ///< complexes are filled in parts of so many estimated tets; infinite: in one; 0: a number
-                             ///< of parts that follows from the tets, see parts::count_parts
+                             ///< of parts that follows from the work, see parts::count_parts
   Trace* trace = nullptr;    ///< takes what the parts' tasks did; may be null
 };
 

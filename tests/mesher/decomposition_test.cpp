@@ -113,7 +113,7 @@ TEST_CASE("the number of tets is estimated within a fifth") {
   const SizeField sizes = SizeField::uniform(0.06);
   const Cells cells(surface, sizes);
   const VolumeMesh mesh = fill_volume(surface.input(sizes), {}, TaskRunner(2));
-  CHECK(estimate_tets(*cells.cells) == Approx(double(mesh.tet_to_vert.size())).epsilon(0.2));
+  CHECK(estimate_volume(*cells.cells).tets == Approx(double(mesh.tet_to_vert.size())).epsilon(0.2));
 }
 
 TEST_CASE("a part's cells are those that reach into its box") {
@@ -201,18 +201,18 @@ TEST_CASE("a part knows the triangles that meet its box, however large they are"
   CHECK(met == complex.tri_to_vert.size());
 }
 
-TEST_CASE("small meshes are cut into two or four parts, larger ones into an even number, and as asked") {
-  CHECK(count_parts(0, 0) == 1);
-  CHECK(count_parts(1.7e5, 0) == 1);
-  CHECK(count_parts(2e5, 0) == 2);
-  CHECK(count_parts(4e5, 0) == 4);
-  CHECK(count_parts(1.2e6, 0) == 4);
-  CHECK(count_parts(1.3e6, 0) == 6);
-  CHECK(count_parts(2e7, 0) == 80);
-  CHECK(count_parts(1e15, 0) == 100000);
-  CHECK(count_parts(1e6, HUGE_VAL) == 1);
-  CHECK(count_parts(1e6, 3e5) == 3);
-  CHECK(count_parts(1e5, 3e5) == 1);
+TEST_CASE("a volume is cut into an even number of parts by its work and its tets, and as asked") {
+  CHECK(count_parts({0, 0}, 0) == 1);
+  CHECK(count_parts({2e4, 2.3e5}, 0) == 1);
+  CHECK(count_parts({2e4, 2.5e5}, 0) == 2);
+  CHECK(count_parts({2e5, 5e4}, 0) == 2);
+  CHECK(count_parts({1.7e5, 1.3e6}, 0) == 4);
+  CHECK(count_parts({2e6, 1e7}, 0) == 26);
+  CHECK(count_parts({2e7, 8e6}, 0) == 80);
+  CHECK(count_parts({1e15, 0}, 0) == 100000);
+  CHECK(count_parts({1e6, 1e7}, HUGE_VAL) == 1);
+  CHECK(count_parts({1e6, 1e7}, 3e5) == 3);
+  CHECK(count_parts({1e5, 1e7}, 3e5) == 1);
 }
 
 TEST_CASE("of an open ball a part is told the points on its sphere and the nearest ones inside of it") {
