@@ -400,7 +400,7 @@ TEST_CASE("a mesh and a metric that are given up lead to the same mesh", "[adapt
 
 TEST_CASE("each rank needs what it keeps of the mesh and its share of the result", "[adapt][ranks]") {
   const double tets = 1e8;  // 15 GB, and 5 GB for as many that are given
-  adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, 1, 1};
+  adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, false, 1, 1};
   MemoryLimits limits;
   CHECK_NOTHROW(check_load(load, limits));
   limits.machine = 8'100'000'000;
