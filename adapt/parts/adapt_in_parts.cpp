@@ -32,6 +32,7 @@ void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<co
     CavityMesh before;
     if (round.tiles != nullptr) before = parts[p].mesh;
     if (finds(round.tiles, [&] { round.adapt(first + p, parts[p].mesh); })) {
+      before = CavityMesh();
       finish(parts[p]);
       done[p] = 1;
     } else {
