@@ -1,6 +1,7 @@
 // Meshes that lie in parts, adapted where they lie: the mesh of one process that has it all.
 #include <catch2/catch.hpp>
-#include <random>
+#include <atomic>
+#include <new>
 
 #include "adapt/metric/own_tets.hpp"
 #include "adapt/parts/slice_gradation.hpp"
@@ -178,4 +179,92 @@ TEST_CASE("parts are adapted from and to where they lie, also by a function", "[
     digests.push_back(mesh_digest(gathered));
   }
   CHECK(digests[0] == digests[1]);
+}
+
+namespace {
+
+/// What all of two ranks are told that adapt a mesh in 3 parts, after `change` of what the second of them gives.
+Diagnostic told_to_all(
+    const Mesh& given, const std::function<void(PerPart<MetricField>&, AdaptOptions&)>& change = [](auto&, auto&) {}) {
+  std::vector<AdaptResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    PartitionedMesh mesh = in_parts(given, 3, communicator);
+    PerPart<MetricField> metric = metric_of(mesh, layered);
+    AdaptOptions options = options_for(1000);
+    if (communicator.rank() == 1) change(metric, options);
+    results[static_cast<std::size_t>(communicator.rank())] =
+        adapt_mesh_on_ranks(std::move(mesh), std::move(metric), options);
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.status == AdaptStatus::Failed);
+    CHECK(result.errors[0].message == results[0].errors[0].message);
+  }
+  return results[0].errors[0];
+}
+
+}  // namespace
+
+TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][parts]") {
+  using Metric = PerPart<MetricField>;
+  const Mesh cube = unit_cube(3);
+  Diagnostic error = told_to_all(cube, [](Metric& metric, AdaptOptions&) {
+    metric.at(metric.local().front()).logs.pop_back();
+  });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("points of a part") != std::string::npos);
+  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.quality_floor = 0.2; });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("not given the same") != std::string::npos);
+  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.transfer = {"nothing"}; });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("nothing") != std::string::npos);
+}
+
+TEST_CASE("meshes in parts that cannot be adapted are refused with a place", "[adapt][parts]") {
+  Mesh unnamed = unit_cube(3);
+  unnamed.tri_to_entity[5] = kNone;
+  Diagnostic error = told_to_all(unnamed);
+  CHECK(error.code == ErrorCode::InputUnsuitable);
+  CHECK(error.message.find("triangle that names its model face") != std::string::npos);
+  CHECK(error.point);
+  Mesh flat = unit_cube(3);
+  const auto& v = flat.tet_to_vert[7];
+  flat.points[v[3]] = (1.0 / 3) * (flat.points[v[0]] + flat.points[v[1]] + flat.points[v[2]]);
+  error = told_to_all(flat);
+  CHECK(error.code == ErrorCode::InputUnsuitable);
+  CHECK(error.point);
+  Mesh endless = unit_cube(3);
+  endless.points[9].y = HUGE_VAL;
+  CHECK(told_to_all(endless).code == ErrorCode::InputUnsuitable);
+  Mesh mixed = test::make_mixed_box(4, 4, 4);
+  CHECK(told_to_all(mixed).message.find("only meshes of tetrahedra") != std::string::npos);
+}
+
+TEST_CASE("what one rank's metric throws ends the adaptation of parts on all", "[adapt][parts]") {
+  for (const int failing : {0, 2}) {
+    std::vector<AdaptResult> results(3);
+    test::on_simulated_ranks(3, [&](Communicator& communicator) {
+      const bool fails = communicator.rank() == failing;
+      std::atomic<int> asked{0};
+      const auto metric = [&](const Vec3& x) {
+        if (fails && ++asked > 300) throw std::bad_alloc();
+        return layered(x);
+      };
+      results[static_cast<std::size_t>(communicator.rank())] =
+          adapt_mesh_on_ranks(in_parts(unit_cube(4), 5, communicator), metric, options_for(800));
+    });
+    for (const AdaptResult& result : results) {
+      REQUIRE(result.errors.size() == 1);
+      CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
+    }
+  }
+}
+
+TEST_CASE("there may be more ranks than parts and than tets of a mesh in parts", "[adapt][parts]") {
+  Mesh tet;
+  tet.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tet.tet_to_vert = {{0, 1, 2, 3}}, tet.tet_to_entity = {0};
+  tet.tri_to_vert = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, tet.tri_to_entity = {0, 1, 2, 3};
+  check_like_whole(tet, 1, [](const Vec3&) { return isotropic(0.2); }, options_for(20), {1, 4});
 }
