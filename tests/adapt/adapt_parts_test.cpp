@@ -45,7 +45,7 @@ PartitionedMesh in_parts(const Mesh& mesh, std::size_t parts, Communicator& rank
   PartitionedMesh made = distribute_mesh(mesh, ranks);
   PerPart<Destinations> destinations(1, made.local());
   for (const PartId part : made.local())
-    for (std::size_t tet = 0; tet < mesh.tet_to_vert.size(); ++tet)
+    for (std::size_t tet = 0; tet < made.parts.at(part).mesh.cell_count(); ++tet)
       destinations.at(part).push_back(static_cast<std::uint32_t>(tet * 7 / 3 % parts));
   migrate(made, std::move(destinations), parts, runner);
   return made;
