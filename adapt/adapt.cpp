@@ -42,27 +42,44 @@ AdaptResult adapt_to(const AdaptCall& call, Communicator* ranks, const Host& hos
 }  // namespace
 
 AdaptResult adapt_mesh(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options, const Host& host) {
-  return adapt_to({mesh, &metric, {}, options}, nullptr, host);
+  return adapt_to({.options = options, .mesh = &mesh, .metric = &metric}, nullptr, host);
 }
 
 AdaptResult adapt_mesh(const Mesh& mesh, const std::function<Tensor(const Vec3&)>& metric, const AdaptOptions& options,
                        const Host& host) {
-  return adapt_to({mesh, nullptr, metric, options}, nullptr, host);
+  return adapt_to({.options = options, .mesh = &mesh, .function = metric}, nullptr, host);
 }
 
 AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
                                 Communicator& ranks, const Host& host) {
-  return adapt_to({mesh, &metric, {}, options}, &ranks, host);
+  return adapt_to({.options = options, .mesh = &mesh, .metric = &metric}, &ranks, host);
 }
 
 AdaptResult adapt_mesh_on_ranks(Mesh&& mesh, MetricField&& metric, const AdaptOptions& options, Communicator& ranks,
                                 const Host& host) {
-  return adapt_to({mesh, &metric, {}, options, &mesh, &metric}, &ranks, host);
+  const AdaptCall call{.options = options,
+                       .mesh = &mesh,
+                       .metric = &metric,
+                       .mesh_given_up = &mesh,
+                       .metric_given_up = &metric};
+  return adapt_to(call, &ranks, host);
 }
 
 AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const std::function<Tensor(const Vec3&)>& metric,
                                 const AdaptOptions& options, Communicator& ranks, const Host& host) {
-  return adapt_to({mesh, nullptr, metric, options}, &ranks, host);
+  return adapt_to({.options = options, .mesh = &mesh, .function = metric}, &ranks, host);
+}
+
+AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const AdaptOptions& options,
+                        const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_to({.options = options, .parts = &mesh, .parts_metric = &metric}, &ranks, host);
+}
+
+AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<Tensor(const Vec3&)>& metric,
+                        const AdaptOptions& options, const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_to({.options = options, .function = metric, .parts = &mesh}, &ranks, host);
 }
 
 }  // namespace tetloom

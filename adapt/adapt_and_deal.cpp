@@ -62,17 +62,34 @@ AdaptInPartsResult adapt_in_parts(const AdaptCall& call, Communicator& ranks, co
 
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const adapt::MetricField& metric, const AdaptOptions& options,
                                        Communicator& ranks, const Host& host) {
-  return adapt_in_parts({mesh, &metric, {}, options}, ranks, host);
+  return adapt_in_parts({.options = options, .mesh = &mesh, .metric = &metric}, ranks, host);
 }
 
 AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric, const AdaptOptions& options,
                                        Communicator& ranks, const Host& host) {
-  return adapt_in_parts({mesh, &metric, {}, options, &mesh, &metric}, ranks, host);
+  const AdaptCall call{.options = options,
+                       .mesh = &mesh,
+                       .metric = &metric,
+                       .mesh_given_up = &mesh,
+                       .metric_given_up = &metric};
+  return adapt_in_parts(call, ranks, host);
 }
 
 AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
                                        const AdaptOptions& options, Communicator& ranks, const Host& host) {
-  return adapt_in_parts({mesh, nullptr, metric, options}, ranks, host);
+  return adapt_in_parts({.options = options, .mesh = &mesh, .function = metric}, ranks, host);
+}
+
+AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, PerPart<MetricField>&& metric,
+                                        const AdaptOptions& options, const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_in_parts({.options = options, .parts = &mesh, .parts_metric = &metric}, ranks, host);
+}
+
+AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const std::function<Tensor(const Vec3&)>& metric,
+                                        const AdaptOptions& options, const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_in_parts({.options = options, .function = metric, .parts = &mesh}, ranks, host);
 }
 
 }  // namespace tetloom

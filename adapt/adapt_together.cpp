@@ -1,11 +1,13 @@
 #include "adapt/adapt_together.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <array>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
+#include "adapt/parts/slice_gradation.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/free_memory.hpp"
 
@@ -23,61 +25,10 @@ void check_options(const AdaptOptions& options) {
 }
 
 // What ranks give differs where they read different files, say; it would leave them waiting for each other.
-void require_same_input(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
-                        const SharedWork& work) {
-  if (work.rank_count() == 1) return;
-  std::uint64_t own = 0;
-  work.each([&] { own = fingerprint(mesh, metric, options, work.runner()); });
+void require_same(std::uint64_t own, const SharedWork& work) {
   for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(own); }))
     if (MessageReader(bytes).get<std::uint64_t>() != own)
       throw Error(ErrorCode::InvalidArgument, "the ranks were not given the same mesh, metric and options");
-}
-
-MetricField metric_of(const AdaptCall& call, const TaskRunner& runner) {
-  if (call.metric_given_up) return std::move(*call.metric_given_up);
-  return call.metric ? *call.metric : metric_from_function(call.function, call.mesh.points, runner);
-}
-
-// The metric asked for at the points of the mesh, limited as the options say.
-MetricField prepare_metric(const AdaptCall& call, const TaskRunner& runner, AdaptReport& report) {
-  const Mesh& mesh = call.mesh;
-  const AdaptOptions& options = call.options;
-  check_options(options);
-  check_mesh(mesh, runner);
-  check_transfer(mesh, options.transfer);
-  MetricField metric = metric_of(call, runner);
-  check_metric(metric, mesh);
-  if (!call.metric) return metric;
-  const TetView view{mesh.points, mesh.tet_to_vert};
-  if (options.gradation > 0) limit_gradation(metric, mesh.points, VertexGraph(view, runner), options.gradation, runner);
-  report.turning = limit_turning(metric, view, runner);
-  return metric;
-}
-
-// Found on the first rank, for all.
-MetricConformity conformity_before(const Mesh& mesh, const MetricField& metric, const SharedWork& work) {
-  MetricConformity before;
-  work.each([&] {
-    if (work.rank() == 0) before = measure_conformity(mesh, metric, work.runner_for_one());
-  });
-  const auto given = work.all_gather([&](MessageWriter& writer) { writer.put(before); });
-  if (work.rank() != 0) before = MessageReader(given[0]).get<MetricConformity>();
-  const AdaptLoad load{before.complexity, static_cast<double>(mesh.tet_to_vert.size()), work.rank_count(),
-                       work.ranks().ranks_on_machine()};
-  work.each([&] { check_load(load); });
-  return before;
-}
-
-// The mesh without edges at which it touches itself, and the metric there; nothing where it has none.
-std::optional<RefinedInput> split_touching(const AdaptCall& call, const MetricField& metric, double complexity,
-                                           const TaskRunner& runner) {
-  constexpr double kMostOfTouching = 2;  // times the tets that the metric asks for
-  const double most = static_cast<double>(call.mesh.tet_to_vert.size()) + kMostOfTouching * expected_tets(complexity);
-  auto refined =
-      split_touching_edges(call.mesh, metric, call.function, call.options.model, static_cast<std::size_t>(most));
-  // Errors name elements of the mesh that was given.
-  if (refined) make_whole_mesh(call.mesh, runner);
-  return refined;
 }
 
 // Many ranks on a machine have no room for what each of them might need again.
@@ -85,34 +36,209 @@ void give_back_where_shared(const SharedWork& work) {
   if (work.rank_count() > 1) give_back_free_memory();
 }
 
+// Names of fields, to be asked for, without values.
+Mesh fields_of(const PartitionedMesh& parts) {
+  Mesh names;
+  for (const FieldInfo& info : parts.vertex_fields) names.point_fields.push_back({info.name, info.components, {}});
+  for (const FieldInfo& info : parts.cell_fields) names.cell_fields.push_back({info.name, info.components, {}});
+  return names;
+}
+
+// From a call to an adapter that is ready to run.
+class Start {
+ public:
+  Start(const AdaptCall& call, const SharedWork& work, AdaptReport& report)
+      : call_(call), options_(call.options), work_(work), runner_(work.runner()), report_(report) {}
+
+  Adapter& run() {
+    give_back_where_shared(work_);
+    work_.each([&] { check_options(options_); });
+    call_.parts ? start_from_parts() : start_from_mesh();
+    give_back_where_shared(work_);
+    return *adapter_;
+  }
+
+ private:
+  bool is_alone() const { return work_.rank_count() == 1; }
+
+  void start_from_mesh() {
+    MetricField metric;
+    work_.each([&] {
+      check_mesh(*call_.mesh, runner_);
+      if (call_.mesh->tet_to_vert.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
+      check_transfer(*call_.mesh, options_.transfer);
+      metric = metric_of_mesh();
+      check_metric(metric, *call_.mesh);
+      if (!is_alone()) fingerprint_ = fingerprint(*call_.mesh, metric, options_, runner_);
+    });
+    if (!is_alone()) require_same(fingerprint_, work_);
+    // Fields on tets are carried over from a mesh in one piece.
+    if (is_alone() || carries_on_tets(*call_.mesh, options_.transfer))
+      return start_whole(*call_.mesh, call_.mesh_given_up, std::move(metric));
+    MeshSlice slice;
+    work_.each([&] {
+      slice = slice_of(*call_.mesh, metric, options_.transfer, work_.rank(), work_.rank_count());
+      metric = MetricField();
+      if (call_.mesh_given_up) *call_.mesh_given_up = Mesh();
+    });
+    start_slice(std::move(slice));
+  }
+
+  MetricField metric_of_mesh() const {
+    if (call_.metric_given_up) return std::move(*call_.metric_given_up);
+    return call_.metric ? *call_.metric : metric_from_function(call_.function, call_.mesh->points, runner_);
+  }
+
+  void start_from_parts() {
+    const Mesh fields = fields_of(*call_.parts);
+    work_.each([&] {
+      check_transfer(fields, options_.transfer);
+      fingerprint_ = fingerprint(fields, {}, options_, runner_);
+    });
+    require_same(fingerprint_, work_);
+    PerPart<MetricField> metric = metric_of_parts();
+    if (is_alone() || carries_on_tets(fields, options_.transfer)) {
+      gathered_ = gather_parts(std::move(*call_.parts), std::move(metric), work_);
+      work_.each([&] { check_input(gathered_.mesh, gathered_.metric); });
+      return start_whole(gathered_.mesh, &gathered_.mesh, std::move(gathered_.metric));
+    }
+    MeshSlice slice = slice_of(std::move(*call_.parts), std::move(metric), options_.transfer, work_);
+    work_.each([&] { check_input(slice.mesh, slice.metric); });
+    start_slice(std::move(slice));
+  }
+
+  PerPart<MetricField> metric_of_parts() const {
+    const PartitionedMesh& parts = *call_.parts;
+    if (call_.parts_metric) {
+      work_.each([&] { check_sizes(parts, *call_.parts_metric); });
+      return std::move(*call_.parts_metric);
+    }
+    PerPart<MetricField> metric(parts.part_count(), parts.local());
+    work_.each([&] {
+      for (const PartId part : parts.local())
+        metric.at(part) = metric_from_function(call_.function, parts.parts.at(part).mesh.points.span(), runner_);
+    });
+    return metric;
+  }
+
+  static void check_sizes(const PartitionedMesh& parts, const PerPart<MetricField>& metric) {
+    if (metric.part_count() != parts.part_count())
+      throw Error(ErrorCode::InvalidArgument, "the metric has " + std::to_string(metric.part_count()) + " parts for " +
+                                                  std::to_string(parts.part_count()));
+    for (const PartId part : parts.local())
+      if (metric.at(part).size() != parts.parts.at(part).mesh.vertex_count())
+        throw Error(ErrorCode::InvalidArgument,
+                    "the metric has " + std::to_string(metric.at(part).size()) + " values for " +
+                        std::to_string(parts.parts.at(part).mesh.vertex_count()) + " points of a part");
+  }
+
+  // Places in a slice mean nothing to others.
+  void check_input(const Mesh& mesh, const MetricField& metric) const {
+    try {
+      check_mesh(mesh, runner_);
+      check_metric(metric, mesh);
+    } catch (const Error& error) {
+      Diagnostic diagnostic = error.diagnostic();
+      diagnostic.elements.clear();
+      throw Error(std::move(diagnostic));
+    }
+  }
+
+  // Every rank has it all.
+  void start_whole(const Mesh& mesh, Mesh* given_up, MetricField&& metric) {
+    work_.each([&] {
+      const TetView view{mesh.points, mesh.tet_to_vert};
+      if (call_.function) return;
+      if (options_.gradation > 0)
+        limit_gradation(metric, mesh.points, VertexGraph(view, runner_), options_.gradation, runner_);
+      report_.turning = limit_turning(metric, view, runner_);
+    });
+    give_back_where_shared(work_);
+    work_.each([&] {
+      report_.before = measure_conformity(mesh, metric, runner_);
+      check_load(load_of(mesh.tet_to_vert.size(), false));
+    });
+    give_back_where_shared(work_);
+    work_.each([&] {
+      if (split_touching(mesh, metric)) given_up = &refined_->mesh, metric = std::move(refined_->metric);
+      AdapterInput input{refined_ ? refined_->mesh : mesh, given_up, std::move(metric)};
+      adapter_.emplace(std::move(input), call_.function, options_, work_);
+    });
+  }
+
+  AdaptLoad load_of(std::size_t tets, bool is_shared) const {
+    return {report_.before.complexity, static_cast<double>(tets), is_shared, work_.rank_count(),
+            work_.ranks().ranks_on_machine()};
+  }
+
+  // The mesh without edges at which it touches itself, and the metric there; nothing where it has none.
+  bool split_touching(const Mesh& mesh, const MetricField& metric) {
+    constexpr double kMostOfTouching = 2;  // times the tets that the metric asks for
+    const double most =
+        static_cast<double>(mesh.tet_to_vert.size()) + kMostOfTouching * expected_tets(report_.before.complexity);
+    refined_ = split_touching_edges(mesh, metric, call_.function, options_.model, static_cast<std::size_t>(most));
+    // Errors name elements of the mesh that was given.
+    if (refined_) make_whole_mesh(mesh, runner_);
+    return refined_.has_value();
+  }
+
+  void start_slice(MeshSlice&& slice) {
+    if (!call_.function) limit(slice);
+    report_.before = conformity_of(slice, work_);
+    work_.each([&] { check_load(load_of(slice.first_tets.back(), true)); });
+    give_back_where_shared(work_);
+    if (touches_itself(slice)) split_together(slice);
+    adapter_.emplace(share_of(std::move(slice), static_cast<bool>(call_.function), options_, work_), call_.function,
+                     options_, work_);
+  }
+
+  void limit(MeshSlice& slice) {
+    const TetView view = tets_of(slice.mesh);
+    if (options_.gradation > 0) limit_gradation(slice, options_.gradation, work_);
+    report_.turning = limit_turning(slice.metric, view, slice.own_tets(work_), runner_);
+    give_back_where_shared(work_);
+  }
+
+  bool touches_itself(const MeshSlice& slice) const {
+    std::array<double, 1> touches{0};
+    work_.each([&] { touches[0] = has_touching_edges(slice.mesh, slice.is_own) ? 1 : 0; });
+    work_.max(touches);
+    return touches[0] > 0;
+  }
+
+  // The longest edge of all is split first, so every rank does it all.
+  void split_together(MeshSlice& slice) {
+    MeshWithMetric whole = gather_slices(slice, work_);
+    work_.each([&] {
+      if (!split_touching(whole.mesh, whole.metric)) return;
+      whole = MeshWithMetric();
+      slice = slice_of(refined_->mesh, refined_->metric, options_.transfer, work_.rank(), work_.rank_count());
+      refined_.reset();
+    });
+  }
+
+  const AdaptCall& call_;
+  const AdaptOptions& options_;
+  const SharedWork& work_;
+  const TaskRunner& runner_;
+  AdaptReport& report_;
+  std::uint64_t fingerprint_ = 0;
+  MeshWithMetric gathered_;
+  std::optional<RefinedInput> refined_;
+  std::optional<Adapter> adapter_;
+};
+
 }  // namespace
 
 void adapt_together(const AdaptCall& call, const SharedWork& work, AdaptReport& report,
                     const std::function<void(Adapter&)>& finish) {
   Stopwatch watch;
-  MetricField metric;
-  give_back_where_shared(work);
-  work.each([&] { metric = prepare_metric(call, work.runner(), report); });
-  give_back_where_shared(work);
-  require_same_input(call.mesh, metric, call.options, work);
-  report.before = conformity_before(call.mesh, metric, work);
-  give_back_where_shared(work);
-  std::optional<RefinedInput> refined;
-  std::optional<Adapter> adapter;
-  work.each([&] {
-    refined = split_touching(call, metric, report.before.complexity, work.runner());
-    AdapterInput input = refined ? AdapterInput{refined->mesh, &refined->mesh, std::move(refined->metric)}
-                                 : AdapterInput{call.mesh, call.mesh_given_up, std::move(metric)};
-    adapter.emplace(std::move(input), call.function, call.options, work);
-  });
-  metric = MetricField();
-  give_back_where_shared(work);
-  adapter->spread();
-  give_back_where_shared(work);
+  Start start(call, work, report);
+  Adapter& adapter = start.run();
   report.stages.set_up = watch.lap();
-  adapter->run(report);
+  adapter.run(report);
   watch.lap();
-  finish(*adapter);
+  finish(adapter);
   report.stages.result += watch.lap();
 }
 

@@ -5,18 +5,21 @@
 #include "adapt/adapter.hpp"
 #include "core/base/failure.hpp"
 #include "core/base/stopwatch.hpp"
+#include "tetloom/partition.hpp"
 #include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 
-/// What adapt_mesh is called with.
+/// What adapt_mesh is called with: a mesh that all ranks have, or one in parts.
 struct AdaptCall {
-  const Mesh& mesh;
-  const MetricField* metric = nullptr;  ///< at the points; null: there is a function
-  MetricFunction function;
   const AdaptOptions& options;
+  const Mesh* mesh = nullptr;           ///< null: there are parts
+  const MetricField* metric = nullptr;  ///< at the points; null: there are parts, or a function
+  MetricFunction function = {};
   Mesh* mesh_given_up = nullptr;           ///< `mesh`, where nobody needs it any more
   MetricField* metric_given_up = nullptr;  ///< `metric`, the same
+  PartitionedMesh* parts = nullptr;        ///< emptied
+  PerPart<MetricField>* parts_metric = nullptr;
 };
 
 /// Checks what is given, adapts, and calls `finish`, which takes the mesh. In SharedWork::together. Errors: as those of

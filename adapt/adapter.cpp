@@ -297,6 +297,7 @@ void Adapter::round(double ratio, const Work& work) {
   const MetricStage stage(*background_, implied_, function_, ratio);
   // In a stage vertices keep the metric of where they are.
   if (ratio != ratio_) set_metric(stage);
+  if (tiles_) work_.each([&] { tiles_->drop_fetched(); });
   ratio_ = ratio;
   seconds_.metric += watch.lap();
   GrowingArray<float> to_work = work_per_tet();

@@ -9,9 +9,9 @@
 #include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
 #include "adapt/parts/fans.hpp"
+#include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/share_in_parts.hpp"
-#include "adapt/parts/share_verts.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
@@ -19,24 +19,36 @@
 
 namespace tetloom::adapt {
 
-/// What adaptation starts from.
+/// What adaptation starts from, where every rank has all of it.
 struct AdapterInput {
   const Mesh& mesh;          ///< of which fields, regions, names and sides are referred to
   Mesh* given_up = nullptr;  ///< the same, where nobody needs it any more: all else in it is freed on the way
   MetricField metric;        ///< one per point
 };
 
+/// What adaptation starts from on one of several ranks.
+struct AdapterShare {
+  Mesh source;  ///< names and sides, and fields without values
+  WholeMesh mesh;
+  ShareLinks links;
+  TouchingVerts touching;
+  std::unique_ptr<BackgroundTiles> tiles;
+  std::vector<FieldFigures> fields_before;
+};
+
+/// In SharedWork::together. `has_function`: the metric of the slice is not looked up. Errors: those of Adapter.
+AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work);
+
 /// Leads a mesh to a metric in stages, each of a few rounds (docs/decisions/0006), until it fits or gets no better.
-/// With ranks, all of them construct it inside of SharedWork::each and call it in together.
+/// With ranks, all of them construct it and call it in SharedWork::together.
 class Adapter {
  public:
   /// Refers to all of these but the metric. `function`: the metric asked for; empty: that of the input. Pre: what
   /// input_checks asks for. Errors: InputUnsuitable for a mesh that does not fit together, or that the model does not
   /// fit; Cancelled.
   Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options, const SharedWork& work);
+  Adapter(AdapterShare&& share, const MetricFunction& function, const AdaptOptions& options, const SharedWork& work);
 
-  /// Spreads the mesh that was given over the ranks. To be called in together before `run`.
-  void spread();
   /// Adapts, and fills in what the report says of fields, operations, rounds and stages.
   void run(AdaptReport& report);
 
@@ -66,9 +78,6 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
-  void keep_all(AdapterInput&& input);
-  void keep_share(AdapterInput&& input);
-  void make_whole();
   void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
   template <class LookUp>
   void look_up_verts(const LookUp& look_up, bool needs_tiles = true);
@@ -87,6 +96,7 @@ class Adapter {
   void note_rounds(AdaptReport& report) const;
   PassCounts sum_of(const PassCounts& counts) const;
 
+  const Mesh source_;  // where nobody else has it
   const Mesh& mesh_;
   const MetricFunction& function_;
   const AdaptOptions& options_;
@@ -96,11 +106,7 @@ class Adapter {
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
-  // Until the tiles are made.
-  Mesh* given_up_ = nullptr;
-  ShareVerts given_verts_, share_verts_;  // as they were given, and as they stand in the share
-  bool needs_whole_ = false;              // whether a slice of the mesh is not enough for this rank
-  std::vector<FieldFigures> fields_before_;
+  std::vector<FieldFigures> fields_before_;  // where they are known
   std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;

@@ -1,10 +1,10 @@
 // What an adaptation starts with: the share of each rank, and the background.
 #include <algorithm>
-#include <array>
 
 #include "adapt/adapter.hpp"
 #include "adapt/parts/make_tiles.hpp"
 #include "adapt/parts/model_fit.hpp"
+#include "adapt/parts/share_verts.hpp"
 #include "core/base/free_memory.hpp"
 
 namespace tetloom::adapt {
@@ -24,84 +24,80 @@ void drop_elements(Mesh& mesh, const std::vector<std::string>& transfer) {
   mesh = std::move(kept);
 }
 
-// Names and components stay.
-void drop_values(std::vector<MeshField>& fields) {
-  for (MeshField& field : fields) field.values = {};
+// Names and sides, and fields without values.
+Mesh take_names(Mesh& mesh) {
+  Mesh names;
+  names.face_to_sides = std::move(mesh.face_to_sides), names.entities = std::move(mesh.entities);
+  for (const MeshField& field : mesh.point_fields) names.point_fields.push_back({field.name, field.components, {}});
+  return names;
+}
+
+// The mesh that a slice has become has them too.
+void drop_elements(MeshSlice& slice) {
+  Mesh kept;
+  kept.point_fields = std::move(slice.mesh.point_fields);
+  slice.mesh = std::move(kept);
 }
 
 }  // namespace
+
+AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work) {
+  AdapterShare share;
+  share.mesh = make_slice_mesh(slice, work);
+  if (options.model)
+    require_model_fits(share.mesh, slice.mesh, *options.model, work.runner(), slice.to_vert_number);
+  share.source = take_names(slice.mesh);
+  drop_elements(slice);
+  if (has_function) slice.metric = MetricField();
+  SliceVerts verts;
+  work.each([&] {
+    verts.implied = implied_metric({share.mesh.points.span(), tets_of(share.mesh, work.runner())}, work.runner());
+    verts.starts = first_tets_of(share.mesh.to_vert.span(), share.mesh.points.size());
+  });
+  if (!options.transfer.empty()) {
+    const std::vector<TetVerts> tets = tets_of(share.mesh, work.runner());
+    const auto own = std::span(tets).subspan(slice.begin, slice.end - slice.begin);
+    share.fields_before = figures_before(slice, {share.mesh.points.span(), own}, options.transfer, work);
+  }
+  share.touching = separate_fans(share.mesh, slice, work);
+  share.links = take_share(share.mesh, slice);
+  const ShareVerts own =
+      verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
+  slice = MeshSlice(), verts = SliceVerts();
+  give_back_free_memory();
+  share.tiles = make_tiles(share.mesh, share.links, own, work);
+  return share;
+}
+
+Adapter::Adapter(AdapterShare&& share, const MetricFunction& function, const AdaptOptions& options,
+                 const SharedWork& work)
+    : source_(std::move(share.source)),
+      mesh_(source_),
+      function_(function),
+      options_(options),
+      work_(work),
+      runner_(work.runner()),
+      whole_(std::move(share.mesh)),
+      touching_(std::move(share.touching)),
+      links_(std::move(share.links)),
+      fields_before_(std::move(share.fields_before)),
+      tiles_(std::move(share.tiles)),
+      background_(std::in_place, *tiles_) {}
 
 Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options,
                  const SharedWork& work)
     : mesh_(input.mesh), function_(function), options_(options), work_(work), runner_(work.runner()) {
   if (function) input.metric = MetricField();
-  // Fields on tets are carried over from a mesh in one piece.
-  if (work_.rank_count() > 1 && !carries_on_tets(mesh_, options.transfer))
-    keep_share(std::move(input));
-  else
-    keep_all(std::move(input));
-}
-
-void Adapter::keep_all(AdapterInput&& input) {
-  make_whole();
+  whole_ = make_whole_mesh(mesh_, runner_);
+  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
   if (input.given_up) drop_elements(*input.given_up, options_.transfer);
   const std::size_t given = whole_.points.size();
+  const std::vector<std::uint32_t> starts = first_tets_of(whole_.to_vert.span(), given);
+  std::ranges::copy(starts, whole_.to_hint.begin());
   touching_ = separate_fans(whole_, runner_);
   WholeMesh rest;
   links_ = take_share(whole_, work_, &rest);
   keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
-}
-
-// What there is at vertices is known first, so that not all of it is there at once.
-void Adapter::keep_share(AdapterInput&& input) {
-  given_up_ = input.given_up;
-  const auto rank = static_cast<std::size_t>(work_.rank());
-  const std::vector<std::uint32_t> firsts =
-      equal_ranges(mesh_.tet_to_vert.size(), static_cast<std::size_t>(work_.rank_count()));
-  const TetSlice slice = slice_around(mesh_, firsts[rank], firsts[rank + 1] - firsts[rank]);
-  FiguresBefore fields(mesh_, options_.transfer);
-  given_verts_ = verts_of_mesh(mesh_, slice.is_own, input.metric, fields, runner_);
-  fields_before_ = std::move(fields.figures);
-  input.metric = MetricField();
-  give_back_free_memory();
-  try {
-    whole_ = make_slice_mesh(mesh_, slice, runner_);
-    if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::Cancelled) throw;
-    make_whole();  // which says what is wrong as one process does
-    needs_whole_ = true;
-    return;
-  }
-  // Fans are named after each other, all over the mesh.
-  needs_whole_ = has_fans_at(whole_, slice.is_own, runner_);
-  if (!needs_whole_) links_ = take_share(whole_, slice, mesh_.tet_to_vert.size(), work_);
-}
-
-void Adapter::make_whole() {
-  whole_ = make_whole_mesh(mesh_, runner_);
-  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
-}
-
-void Adapter::spread() {
-  if (background_) return;
-  std::array<double, 1> needs_whole{needs_whole_ ? 1.0 : 0.0};
-  work_.max(needs_whole);
-  const std::size_t given = mesh_.points.size();
-  work_.each([&] {
-    if (needs_whole[0] > 0) {
-      make_whole();
-      touching_ = separate_fans(whole_, runner_);
-      links_ = take_share(whole_, work_);
-    }
-    if (given_up_) drop_elements(*given_up_, options_.transfer), drop_values(given_up_->point_fields);
-    share_verts_ = as_in_share(given_verts_, whole_, links_, touching_, given);
-    given_verts_ = ShareVerts();
-    give_back_free_memory();
-  });
-  tiles_ = make_tiles(whole_, links_, share_verts_, work_);
-  share_verts_ = ShareVerts();
-  background_.emplace(*tiles_);
 }
 
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.

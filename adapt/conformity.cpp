@@ -1,6 +1,7 @@
 #include "adapt/conformity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/grouping.hpp"
@@ -60,9 +61,10 @@ class ForeignEdges {
 
 class Measure {
  public:
-  Measure(const TetView& mesh, std::span<const VertexMetric> metrics, const ForeignEdges& foreign,
+  /// An edge is counted where the first of its tets is one of the `own`.
+  Measure(const TetView& mesh, std::span<const VertexMetric> metrics, const ForeignEdges& foreign, const OwnTets& own,
           const BlockLoop& loop)
-      : mesh_(mesh), metrics_(metrics), foreign_(foreign), loop_(loop), all_(nothing_yet()) {}
+      : mesh_(mesh), metrics_(metrics), foreign_(foreign), own_(own), loop_(loop), all_(nothing_yet()) {}
 
   // Sums that are not yet divided by their counts.
   MetricConformity run() {
@@ -71,18 +73,23 @@ class Measure {
       const std::size_t count = std::min(slice, metrics_.size() - first);
       find_stars(first, count);
       add_blocks(count, [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
-        std::vector<std::uint32_t> ends;
+        std::vector<EdgeEnd> ends;
         for (std::size_t v = begin; v < end; ++v) add_edges(first + v, stars_[v], ends, sum);
       });
     }
     stars_ = Grouping();
-    add_blocks(mesh_.tets.size(), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
-      for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tets[tet], sum);
+    add_blocks(own_.count_of(mesh_.tets.size()), [&](std::size_t begin, std::size_t end, MetricConformity& sum) {
+      for (std::size_t tet = begin; tet < end; ++tet) add_tet(mesh_.tets[own_.first() + tet], sum);
     });
     return all_;
   }
 
  private:
+  struct EdgeEnd {
+    std::uint32_t vert, tet;
+    auto operator<=>(const EdgeEnd&) const = default;
+  };
+
   template <class Body>
   void add_blocks(std::size_t count, const Body& body) {
     const auto sums = map_blocks(loop_, count, kGrain, nothing_yet(),
@@ -108,17 +115,18 @@ class Measure {
   }
 
   // Those to higher vertices.
-  void add_edges(std::size_t from, std::span<const std::uint32_t> star, std::vector<std::uint32_t>& ends,
+  void add_edges(std::size_t from, std::span<const std::uint32_t> star, std::vector<EdgeEnd>& ends,
                  MetricConformity& sum) const {
     const auto a = static_cast<std::uint32_t>(from);
     ends.clear();
     for (const std::uint32_t tet : star)
       for (const std::uint32_t v : mesh_.tets[tet])
-        if (v > a) ends.push_back(v);
+        if (v > a) ends.push_back({v, tet});
     std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-    for (const std::uint32_t b : ends) {
-      if (foreign_.has(a, b)) continue;
+    const auto same = [](const EdgeEnd& one, const EdgeEnd& other) { return one.vert == other.vert; };
+    ends.erase(std::unique(ends.begin(), ends.end(), same), ends.end());
+    for (const auto [b, first_tet] : ends) {
+      if (foreign_.has(a, b) || first_tet < own_.begin || first_tet >= own_.end) continue;
       const double length = edge_length(metrics_[a].tensor, metrics_[b].tensor, mesh_.points[b] - mesh_.points[a]);
       ++sum.edges;
       sum.unit += length >= std::sqrt(0.5) && length <= std::sqrt(2.0);
@@ -142,16 +150,36 @@ class Measure {
   const TetView& mesh_;
   std::span<const VertexMetric> metrics_;
   const ForeignEdges& foreign_;
+  const OwnTets& own_;
   const BlockLoop& loop_;
   MetricConformity all_;
   Grouping stars_;  // tets by some of their vertices
 };
 
+std::vector<VertexMetric> metrics_of(const MetricField& metric, const BlockLoop& loop) {
+  std::vector<VertexMetric> metrics(metric.size());
+  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Tensor tensor = exp(metric.logs[v]);
+      metrics[v] = {tensor, det(tensor)};
+    }
+  });
+  return metrics;
+}
+
+// What the ranks have put.
+MetricConformity add_up(const std::vector<Bytes>& given) {
+  MetricConformity all = nothing_yet();
+  for (const Bytes& bytes : given)
+    for (const MetricConformity& sums : MessageReader(bytes).get_view<MetricConformity>()) add(sums, all);
+  return with_means(all);
+}
+
 }  // namespace
 
 MetricConformity conformity_of(const Mesh& mesh, std::span<const VertexMetric> metrics, const BlockLoop& loop) {
   const TetView view = tets_of(mesh);
-  return with_means(Measure(view, metrics, {}, loop).run());
+  return with_means(Measure(view, metrics, {}, {}, loop).run());
 }
 
 MetricConformity conformity_of(const PartsWithMetric& parts, const SharedWork& work) {
@@ -162,28 +190,32 @@ MetricConformity conformity_of(const PartsWithMetric& parts, const SharedWork& w
       const Part& part = parts.mesh.parts.at(local[i]);
       const std::vector<TetVerts> tets = tets_of(part.mesh);
       const TetView view{part.mesh.points.span(), tets};
-      sums[i] = Measure(view, parts.to_metric.at(local[i]).span(), ForeignEdges(part, local[i]), work.runner()).run();
+      sums[i] = Measure(view, parts.to_metric.at(local[i]).span(), ForeignEdges(part, local[i]), {}, work.runner())
+                    .run();
     });
     writer.put_array(std::span<const MetricConformity>(sums));
   });
-  MetricConformity all = nothing_yet();
-  for (const Bytes& bytes : given)
-    for (const MetricConformity& sums : MessageReader(bytes).get_view<MetricConformity>()) add(sums, all);
-  return with_means(all);
+  return add_up(given);
+}
+
+MetricConformity conformity_of(const MeshSlice& slice, const SharedWork& work) {
+  const TetView view = tets_of(slice.mesh);
+  const OwnTets own = slice.own_tets(work);
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    const std::vector<VertexMetric> metrics = metrics_of(slice.metric, work.runner());
+    const std::array<MetricConformity, 1> sums{Measure(view, metrics, {}, own, work.runner()).run()};
+    writer.put_array(std::span<const MetricConformity>(sums));
+  });
+  MetricConformity result = add_up(given);
+  result.complexity = complexity(slice.metric, view, own, work.runner());
+  return result;
 }
 
 }  // namespace adapt
 
 MetricConformity measure_conformity(const Mesh& mesh, const adapt::MetricField& metric, const BlockLoop& loop) {
   using namespace adapt;
-  std::vector<VertexMetric> metrics(mesh.points.size());
-  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const Tensor tensor = exp(metric.logs[v]);
-      metrics[v] = {tensor, det(tensor)};
-    }
-  });
-  MetricConformity result = conformity_of(mesh, metrics, loop);
+  MetricConformity result = conformity_of(mesh, metrics_of(metric, loop), loop);
   // The determinants of very small or large sizes are out of range, their logarithms are not.
   if (result.edges > 0) result.complexity = complexity(metric, tets_of(mesh), loop);
   return result;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "adapt/metric/vertex_metric.hpp"
+#include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/share_in_parts.hpp"
 #include "tetloom/adapt.hpp"
 #include "threading/comm/shared_work.hpp"
@@ -15,5 +16,9 @@ MetricConformity conformity_of(const Mesh& mesh, std::span<const VertexMetric> m
 /// The same of a mesh in parts, known to all ranks: edges count with their owners, and sums of parts are added up in
 /// the order of parts. In SharedWork::together.
 MetricConformity conformity_of(const PartsWithMetric& parts, const SharedWork& work);
+
+/// That of the whole mesh in the metric at its points, known to all ranks. In together. Memory: 56 bytes per point and
+/// 4 per tet of a slice.
+MetricConformity conformity_of(const MeshSlice& slice, const SharedWork& work);
 
 }  // namespace tetloom::adapt

@@ -18,8 +18,9 @@ namespace tetloom::adapt {
 namespace {
 
 // At the least.
-constexpr double kBytesPerTet = 150;   // of the result, on the rank that has it
-constexpr double kBytesPerGiven = 50;  // on every rank
+constexpr double kBytesPerTet = 150;         // of the result, on the rank that has it
+constexpr double kBytesPerGiven = 50;        // on every rank, where each has all of what is given
+constexpr double kBytesPerGivenInTiles = 85; // on the rank that has it: the tile at home, and copies elsewhere
 // Indices of entities: as many again are left for corners and edges that the mesh does not name, below kTouching.
 constexpr std::uint32_t kMostGiven = kTouching / 2;
 
@@ -99,7 +100,6 @@ void check_mesh(const Mesh& mesh, const BlockLoop& loop) {
   for (std::size_t v = 0; v < mesh.points.size(); ++v)
     if (!is_finite(mesh.points[v]))
       throw Error(Diagnostic{ErrorCode::InputUnsuitable, "the mesh has points that are not finite", {}, {}, {v}});
-  if (mesh.tet_to_vert.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
   require_entities_below(mesh, kMostGiven, loop);
   require_in_tables(mesh);
 }
@@ -122,7 +122,8 @@ void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
     throw Error(ErrorCode::OutOfMemory, "the metric asks for about " + text_of(tets) +
                                             " tetrahedra, more than can be counted; ask for larger sizes");
   const std::uint64_t room = limits.for_each_of(load.ranks_on_machine);
-  const double kept = kBytesPerGiven * load.given, shared = kBytesPerTet * tets;
+  const double kept = load.is_shared ? 0 : kBytesPerGiven * load.given;
+  const double shared = kBytesPerTet * tets + (load.is_shared ? kBytesPerGivenInTiles * load.given : 0);
   if (room == MemoryLimits::kUnlimited || kept + shared / load.ranks <= static_cast<double>(room)) return;
   std::string message = "the mesh would hold about " + text_of(tets) + " tetrahedra and need " +
                         text_of((kept + shared / load.ranks) / 1e9) + " GB of memory" +

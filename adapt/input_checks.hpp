@@ -6,8 +6,8 @@
 namespace tetloom::adapt {
 
 /// Throws Error(InvalidArgument) where arrays and indices of `mesh` do not fit, and InputUnsuitable for points that are
-/// not finite, for a mesh without tets, for tags of entities above 2^28, and for those of corners and edges that are
-/// not in the mesh's table where it has one.
+/// not finite, for tags of entities above 2^28, and for those of corners and edges that are not in the mesh's table
+/// where it has one.
 void check_mesh(const Mesh& mesh, const BlockLoop& loop);
 
 /// Throws Error(InvalidArgument) unless there is one metric per point, and InputUnsuitable where one is not finite.
@@ -16,7 +16,8 @@ void check_metric(const MetricField& metric, const Mesh& mesh);
 /// How much an adaptation holds.
 struct AdaptLoad {
   double complexity = 0;     ///< of the metric
-  double given = 0;          ///< tets, which every rank has while they are made ready
+  double given = 0;          ///< tets
+  bool is_shared = false;    ///< whether ranks share those too; else every rank has all
   int ranks = 1;             ///< that share the result
   int ranks_on_machine = 1;  ///< and what is free there
 };

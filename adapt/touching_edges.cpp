@@ -252,6 +252,12 @@ class Splitter {
 
 }  // namespace
 
+bool has_touching_edges(const Mesh& mesh, const std::vector<std::uint8_t>& is_own) {
+  return std::ranges::any_of(find_touching_edges(mesh), [&](const EdgeVerts& edge) {
+    return is_own[edge[0]] != 0 || is_own[edge[1]] != 0;
+  });
+}
+
 std::optional<RefinedInput> split_touching_edges(const Mesh& mesh, const MetricField& metric,
                                                  const MetricFunction& function, const GeometricModel* model,
                                                  std::size_t most_tets) {

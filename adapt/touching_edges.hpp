@@ -25,4 +25,7 @@ std::optional<RefinedInput> split_touching_edges(const Mesh& mesh, const MetricF
                                                  const MetricFunction& function, const GeometricModel* model,
                                                  std::size_t most_tets);
 
+/// Whether several fans touch at edges with an end for which `is_own` is not 0.
+bool has_touching_edges(const Mesh& mesh, const std::vector<std::uint8_t>& is_own);
+
 }  // namespace tetloom::adapt

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "adapt/metric/tet_links.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/spatial/distances.hpp"
 
 namespace tetloom::adapt {
@@ -135,12 +136,25 @@ void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const Share
     for (const std::uint32_t tile : tiles)
       if (!held_[tile]) lacking.push_back(tile);
     tiles = {};
+    give_back_free_memory();
   });
-  fetch(lacking, work);
+  fetch(std::move(lacking), work);
 }
 
-// Ascending, of ranks that are not this one.
-void BackgroundTiles::fetch(std::span<const std::uint32_t> tiles, const SharedWork& work) {
+// Some at a time, as messages are beside the tiles for a while. Each rank begins with those of the next one, so that
+// they do not all ask the same. `tiles`: ascending, of ranks that are not this one.
+void BackgroundTiles::fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work) {
+  constexpr std::size_t kAtOnce = 64;
+  std::ranges::rotate(tiles, std::ranges::lower_bound(tiles, last_own_));
+  std::array<double, 1> most{static_cast<double>(tiles.size())};
+  work.max(most);
+  for (std::size_t first = 0; first < static_cast<std::size_t>(most[0]); first += kAtOnce) {
+    const std::size_t begin = std::min(first, tiles.size());
+    fetch_some(std::span(tiles).subspan(begin, std::min(kAtOnce, tiles.size() - begin)), work);
+  }
+}
+
+void BackgroundTiles::fetch_some(std::span<const std::uint32_t> tiles, const SharedWork& work) {
   const auto home_of = [&](std::uint32_t tile) {
     return static_cast<std::size_t>(std::ranges::upper_bound(index_.first_tiles, tile) - index_.first_tiles.begin()) -
            1;
@@ -171,6 +185,7 @@ void BackgroundTiles::fetch(std::span<const std::uint32_t> tiles, const SharedWo
 void BackgroundTiles::drop_fetched() {
   for (std::uint32_t tile = 0; tile < held_.size(); ++tile)
     if (!is_own(tile)) held_[tile].reset();
+  give_back_free_memory();
 }
 
 void BackgroundTiles::drop_implied() {
@@ -204,7 +219,7 @@ bool BackgroundTiles::fetch_missing(const SharedWork& work) {
   std::array<std::int64_t, 1> count{static_cast<std::int64_t>(lacking.size())};
   work.sum(count);
   if (count[0] == 0) return false;
-  fetch(lacking, work);
+  fetch(std::move(lacking), work);
   return true;
 }
 

@@ -96,7 +96,8 @@ class BackgroundTiles {
   bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
   void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, std::uint32_t& number) const;
   std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;
-  void fetch(std::span<const std::uint32_t> tiles, const SharedWork& work);
+  void fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
+  void fetch_some(std::span<const std::uint32_t> tiles, const SharedWork& work);
   bool fetch_missing(const SharedWork& work);
 
   Index index_;

@@ -1,6 +1,7 @@
 // The number of elements that a metric asks for.
 #include <algorithm>
 
+#include "adapt/metric/own_tets.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/metric.hpp"
 
@@ -9,16 +10,15 @@ namespace {
 
 constexpr std::size_t kGrain = 1 << 12;
 
-/// Sums of blocks, added in their order.
+/// The exact sum of the terms from `first` on.
 template <class TermOf>
-double sum_of(std::size_t count, const BlockLoop& loop, const TermOf& term_of) {
-  const auto sums = map_blocks(loop, count, kGrain, 0.0, [&](std::size_t begin, std::size_t end, double& sum) {
-    double of_block = 0;
-    for (std::size_t i = begin; i < end; ++i) of_block += term_of(i);
-    sum = of_block;
-  });
-  double total = 0;
-  for (const double sum : sums) total += sum;
+ExactSum sum_of(std::size_t first, std::size_t count, const BlockLoop& loop, const TermOf& term_of) {
+  ExactSum total;
+  for (const ExactSum& sum : map_blocks(loop, count, kGrain, ExactSum(), [&](std::size_t begin, std::size_t end,
+                                                                             ExactSum& of_block) {
+         for (std::size_t i = begin; i < end; ++i) of_block.add(term_of(first + i));
+       }))
+    total.add(sum);
   return total;
 }
 
@@ -52,16 +52,22 @@ Spectrum bounded(Spectrum values, double shift, const MetricBounds& bounds) {
 }  // namespace
 
 double complexity(const MetricField& metric, const TetView& mesh, const BlockLoop& loop) {
+  return complexity(metric, mesh, OwnTets(), loop);
+}
+
+double complexity(const MetricField& metric, const TetView& mesh, const OwnTets& own, const BlockLoop& loop) {
   TETLOOM_ASSERT(metric.size() == mesh.points.size());
   std::vector<double> densities(metric.size());
   loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) densities[v] = std::exp(0.5 * trace(metric.logs[v]));
   });
-  return sum_of(mesh.tets.size(), loop, [&](std::size_t t) {
+  ExactSum sum = sum_of(own.first(), own.count_of(mesh.tets.size()), loop, [&](std::size_t t) {
     const TetVerts& tet = mesh.tets[t];
     return volume_of(mesh, tet) / 4 *
            ((densities[tet[0]] + densities[tet[1]]) + (densities[tet[2]] + densities[tet[3]]));
   });
+  own.add_up(sum);
+  return sum.value();
 }
 
 double scale_to_complexity(MetricField& metric, const TetView& mesh, double target, const MetricBounds& bounds,
@@ -74,10 +80,11 @@ double scale_to_complexity(MetricField& metric, const TetView& mesh, double targ
     for (std::size_t v = begin; v < end; ++v) spectra[v] = eigen(metric.logs[v]).values;
   });
   const auto complexity_at = [&](double shift) {
-    return sum_of(spectra.size(), loop, [&](std::size_t v) {
+    const auto term_of = [&](std::size_t v) {
       const Spectrum s = bounded(spectra[v], shift, bounds);
       return volumes[v] * std::exp(0.5 * (s[0] + s[1] + s[2]));
-    });
+    };
+    return sum_of(0, spectra.size(), loop, term_of).value();
   };
   // The complexity grows with the shift s as exp(3 s / 2) where nothing is bounded, more slowly where something is.
   constexpr int kMostSteps = 60;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <string>
 
+#include "adapt/metric/own_verts.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/metric.hpp"
 
@@ -49,8 +50,8 @@ bool has_positive_pivots(const Tensor& m) {
 class Gradation {
  public:
   Gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph, double growth,
-            const BlockLoop& loop)
-      : metric_(metric), points_(points), graph_(graph), loop_(loop), log_growth_(std::log(growth)) {}
+            const OwnVerts& own, const BlockLoop& loop)
+      : metric_(metric), points_(points), graph_(graph), own_(own), loop_(loop), log_growth_(std::log(growth)) {}
 
   GradationResult run() {
     const std::size_t count = points_.size();
@@ -63,7 +64,13 @@ class Gradation {
     pending_.assign(count, 1);
     while (take_smallest()) {
       ++result.rounds;
-      for (const std::uint32_t v : limit(targets())) ever[v] = pending_[v] = 1;
+      std::vector<std::uint32_t> changed = limit(targets());
+      if (own_.refresh) {
+        const std::vector<std::uint32_t> others = own_.refresh(changed, metric_.logs);
+        changed.insert(changed.end(), others.begin(), others.end());
+      }
+      find_sources(changed);
+      for (const std::uint32_t v : changed) ever[v] = pending_[v] = 1;
     }
     result.changed = static_cast<std::size_t>(std::count(ever.begin(), ever.end(), 1));
     return result;
@@ -81,6 +88,7 @@ class Gradation {
     double largest = -HUGE_VAL;
     for (std::size_t v = 0; v < pending_.size(); ++v)
       if (pending_[v]) largest = std::max(largest, trace(metric_.logs[v]));
+    if (own_.largest) own_.largest(std::span(&largest, 1));
     is_source_.assign(pending_.size(), 0);
     for (std::size_t v = 0; v < pending_.size(); ++v)
       if (pending_[v] && trace(metric_.logs[v]) >= largest - kBand) is_source_[v] = 1, pending_[v] = 0;
@@ -105,10 +113,13 @@ class Gradation {
         verts.push_back(limited.verts[i]);
         metric_.logs[limited.verts[i]] = limited.metrics[i];
       }
+    return verts;
+  }
+
+  void find_sources(const std::vector<std::uint32_t>& verts) {
     loop_.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) sources_[verts[i]] = source_of(metric_.logs[verts[i]]);
     });
-    return verts;
   }
 
   bool limit(std::uint32_t vert, Tensor& m) const {
@@ -131,7 +142,7 @@ class Gradation {
     return changes;
   }
 
-  /// The neighbours of sources, ascending.
+  /// Own neighbours of sources, ascending.
   std::vector<std::uint32_t> targets() const {
     std::vector<char> is_target(points_.size(), 0);
     for (std::size_t v = 0; v < is_source_.size(); ++v)
@@ -139,13 +150,14 @@ class Gradation {
         for (const std::uint32_t w : graph_.neighbors(v)) is_target[w] = 1;
     std::vector<std::uint32_t> found;
     for (std::size_t v = 0; v < is_target.size(); ++v)
-      if (is_target[v]) found.push_back(static_cast<std::uint32_t>(v));
+      if (is_target[v] && own_.has(v)) found.push_back(static_cast<std::uint32_t>(v));
     return found;
   }
 
   MetricField& metric_;
   std::span<const Vec3> points_;
   const VertexGraph& graph_;
+  const OwnVerts& own_;
   const BlockLoop& loop_;
   double log_growth_;
   std::vector<Source> sources_;
@@ -157,9 +169,14 @@ class Gradation {
 
 GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
                                 double growth, const BlockLoop& loop) {
+  return limit_gradation(metric, points, graph, growth, OwnVerts(), loop);
+}
+
+GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
+                                double growth, const OwnVerts& own, const BlockLoop& loop) {
   if (!(growth > 1) || !std::isfinite(growth))
     throw Error(ErrorCode::InvalidArgument, "the gradation must be larger than 1, not " + std::to_string(growth));
-  return Gradation(metric, points, graph, growth, loop).run();
+  return Gradation(metric, points, graph, growth, own, loop).run();
 }
 
 }  // namespace tetloom::adapt

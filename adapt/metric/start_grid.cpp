@@ -20,13 +20,18 @@ Box3 box_around(const TetView& mesh) {
 
 }  // namespace
 
-StartGrid::StartGrid(const TetView& mesh) : StartGrid(box_around(mesh), mesh.tets.size()) {
-  add(mesh);
-  finish();
+StartGrid::StartGrid(const TetView& mesh) : box_(box_around(mesh)) {
+  choose_cells(mesh.tets.size());
+  for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet) {
+    const auto corner = [&](std::size_t i) { return mesh.points[mesh.tets[tet][i]]; };
+    std::uint32_t& first = cell_to_tet_[cell_of(0.25 * ((corner(0) + corner(1)) + (corner(2) + corner(3))))];
+    first = std::min(first, tet);
+  }
+  fill_empty_cells();
 }
 
 // Cubic cells, but no more than wanted of them where the box is flat or thin.
-StartGrid::StartGrid(const Box3& box, std::size_t tet_count) : box_(box) {
+void StartGrid::choose_cells(std::size_t tet_count) {
   const Vec3 extent = box_.hi - box_.lo;
   const double wanted = std::max(1.0, static_cast<double>(tet_count) / kTetsPerCell);
   double edge = std::max({extent.x, extent.y, extent.z}) / wanted;
@@ -35,15 +40,6 @@ StartGrid::StartGrid(const Box3& box, std::size_t tet_count) : box_(box) {
   for (int axis = 0; axis < 3; ++axis)
     cells_[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(count_along(axis));
   cell_to_tet_.assign(cells_[0] * cells_[1] * cells_[2], kNone);
-}
-
-void StartGrid::add(const TetView& some) {
-  for (const TetVerts& v : some.tets) {
-    const Vec3 center = 0.25 * ((some.points[v[0]] + some.points[v[1]]) + (some.points[v[2]] + some.points[v[3]]));
-    std::uint32_t& tet = cell_to_tet_[cell_of(center)];
-    if (tet == kNone) tet = added_;
-    ++added_;
-  }
 }
 
 std::size_t StartGrid::cell_of(const Vec3& x) const {
@@ -60,7 +56,7 @@ std::size_t StartGrid::cell_of(const Vec3& x) const {
 
 // Cells name the first tet whose centre lies in them; cells without one take over that of the cell before or behind,
 // along x, then y, then z, so that the tet is near.
-void StartGrid::finish() {
+void StartGrid::fill_empty_cells() {
   std::size_t stride = 1;
   for (const std::size_t n : cells_) {
     for (std::size_t i = 0; i < cell_to_tet_.size(); ++i)

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "adapt/metric/own_tets.hpp"
 #include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
@@ -126,13 +127,17 @@ double spread(const Tensor& m) {
 
 class Turning {
  public:
-  Turning(const TetView& mesh, const BlockLoop& loop) : mesh_(mesh), loop_(loop) {
-    Box3 box;
-    for (const Vec3& x : mesh.points) box.add(x);
-    largest_ = box.diagonal();
+  Turning(const TetView& mesh, const OwnTets& own, const BlockLoop& loop)
+      : mesh_(mesh), own_(own), loop_(loop), largest_(box_of_all().diagonal()) {}
+
+  /// The metric within its limits; nothing where it is already, on all ranks.
+  std::optional<MetricField> limited_anywhere(const MetricField& metric) const {
+    std::optional<MetricField> result = limited(metric);
+    if (own_.largest_of(result ? 1 : 0) > 0 && !result) result = metric;
+    return result;
   }
 
-  /// The metric within its limits; nothing where it is already.
+  /// The same of this rank.
   std::optional<MetricField> limited(const MetricField& metric) const {
     std::optional<MetricField> result;
     const std::size_t count = metric.size(), slice = std::max(kGrain, (count + kSlices - 1) / kSlices);
@@ -146,10 +151,20 @@ class Turning {
     MetricBounds bounds;
     bounds.h_max = largest_;
     apply_bounds(metric, bounds, loop_);
-    return complexity(metric, mesh_, loop_);
+    return complexity(metric, mesh_, own_, loop_);
   }
 
  private:
+  Box3 box_of_all() const {
+    Box3 box;
+    for (const TetVerts& verts : mesh_.tets)
+      for (const std::uint32_t v : verts) box.add(mesh_.points[v]);
+    std::array<double, 6> ends{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+    if (own_.largest) own_.largest(ends);
+    box.lo = {-ends[0], -ends[1], -ends[2]}, box.hi = {ends[3], ends[4], ends[5]};
+    return box;
+  }
+
   // Of the vertices from `first` on.
   void limit(const MetricField& metric, std::size_t first, std::size_t count, std::optional<MetricField>& all) const {
     if (!turns_anywhere(metric, first, count)) return;
@@ -176,6 +191,7 @@ class Turning {
   }
 
   const TetView& mesh_;
+  const OwnTets& own_;
   const BlockLoop& loop_;
   double largest_ = 0;
 };
@@ -183,8 +199,12 @@ class Turning {
 }  // namespace
 
 TurningResult limit_turning(MetricField& metric, const TetView& mesh, const BlockLoop& loop) {
-  const Turning turning(mesh, loop);
-  std::optional<MetricField> limited = turning.limited(metric);
+  return limit_turning(metric, mesh, OwnTets(), loop);
+}
+
+TurningResult limit_turning(MetricField& metric, const TetView& mesh, const OwnTets& own, const BlockLoop& loop) {
+  const Turning turning(mesh, own, loop);
+  std::optional<MetricField> limited = turning.limited_anywhere(metric);
   if (!limited) return {};
   TurningResult result;
   result.asked = turning.complexity_of(metric), result.followed = turning.complexity_of(*limited);

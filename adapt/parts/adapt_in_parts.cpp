@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "adapt/parts/cut_parts.hpp"
@@ -32,6 +34,7 @@ void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<co
     CavityMesh before;
     if (round.tiles != nullptr) before = parts[p].mesh;
     if (finds(round.tiles, [&] { round.adapt(first + p, parts[p].mesh); })) {
+      before = CavityMesh();
       finish(parts[p]);
       done[p] = 1;
     } else {
@@ -40,11 +43,50 @@ void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<co
   });
 }
 
-void fetch_tiles(std::span<const PartOfWhole> parts, BackgroundTiles& tiles, const SharedWork& work) {
-  std::vector<std::uint32_t> needed;
-  work.each([&] { needed = needed_tiles(parts, tiles, work.runner()); });
-  tiles.fetch_only(std::move(needed), work);
-}
+// How a rank goes through its parts, and the tiles that they need: all at once, or where that is much more than its
+// share of all tiles, some at a time. All ranks do so equally often.
+class Batches {
+ public:
+  Batches(std::span<const PartOfWhole> parts, BackgroundTiles* tiles, const SharedWork& work)
+      : tiles_(tiles), work_(work), part_count_(parts.size()) {
+    if (tiles == nullptr) return;
+    work.each([&] {
+      for (const PartOfWhole& part : parts) needed_.push_back(needed_tiles({&part, 1}, *tiles, work.runner()));
+    });
+    std::array<double, 1> most{static_cast<double>(wanted())};
+    work.max(most);
+    count_ = static_cast<std::size_t>(most[0]);
+  }
+
+  std::size_t count() const { return count_; }
+  std::size_t begin(std::size_t batch) const { return part_count_ * batch / count_; }
+  std::size_t size(std::size_t batch) const { return begin(batch + 1) - begin(batch); }
+  /// Has the tiles of a batch at hand, and no others. In together.
+  void fetch(std::size_t batch) const {
+    if (tiles_ != nullptr) tiles_->fetch_only(tiles_of(begin(batch), begin(batch + 1)), work_);
+  }
+
+ private:
+  std::vector<std::uint32_t> tiles_of(std::size_t first, std::size_t last) const {
+    std::vector<std::uint8_t> marks(tiles_->tile_count(), 0);
+    for (std::size_t p = first; p < last; ++p)
+      for (const std::uint32_t tile : needed_[p]) marks[tile] = 1;
+    return marked(marks);
+  }
+
+  // Each leaves something to do for all threads.
+  std::size_t wanted() const {
+    const auto most = part_count_ / static_cast<std::size_t>(work_.runner().threads());
+    const double share = static_cast<double>(tiles_->tile_count()) / work_.rank_count();
+    const double needed = static_cast<double>(tiles_of(0, part_count_).size());
+    return std::clamp<std::size_t>(static_cast<std::size_t>(needed / share + 0.5), 1, std::max<std::size_t>(1, most));
+  }
+
+  BackgroundTiles* tiles_;
+  const SharedWork& work_;
+  std::size_t part_count_, count_ = 1;
+  std::vector<std::vector<std::uint32_t>> needed_;  // by each part
+};
 
 }  // namespace
 
@@ -62,11 +104,19 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
     parts = cut_parts(moved, first, static_cast<std::uint32_t>(own_work.size()), work.runner());
     work.runner().for_each(parts.size(), [&](std::size_t p) { parts[p].mesh.start(); });
   });
-  if (round.tiles != nullptr) fetch_tiles(parts, *round.tiles, work);
   std::size_t split = 0;
   if (part_count > 1 && std::isfinite(round.sides.longest)) split = split_sides(moved, links, parts, round, work);
-  std::vector<std::uint8_t> done(parts.size(), 0);
-  until_found(round.tiles, work, [&] { adapt_parts(parts, first, own_work, round, done, work.runner()); });
+  const Batches batches(parts, round.tiles, work);
+  for (std::size_t batch = 0; batch < batches.count(); ++batch) {
+    batches.fetch(batch);
+    const std::size_t begin = batches.begin(batch), size = batches.size(batch);
+    const std::span<const double> of_batch = std::span(own_work).subspan(begin, size);
+    std::vector<std::uint8_t> done(size, 0);
+    until_found(round.tiles, work, [&] {
+      adapt_parts(std::span(parts).subspan(begin, size), first + static_cast<std::uint32_t>(begin), of_batch, round,
+                  done, work.runner());
+    });
+  }
   if (round.tiles != nullptr) round.tiles->drop_fetched();
   share = join_parts(moved, parts, links, work);
   return split;

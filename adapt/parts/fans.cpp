@@ -1,6 +1,9 @@
 #include "adapt/parts/fans.hpp"
 #include "tetloom/tasks.hpp"
 
+#include <algorithm>
+#include <span>
+
 #include "core/base/disjoint_sets.hpp"
 #include "threading/runtime/parallel_sort.hpp"
 
@@ -58,6 +61,15 @@ class Pinches {
   std::vector<std::uint32_t> verts;  ///< ascending; the ends of all edges are among them
 };
 
+std::uint32_t first_free_corner(const WholeMesh& whole) {
+  std::uint32_t first = 0;
+  for (const PackedEntity packed : whole.to_entity) {
+    const ModelEntity entity = packed.unpack();
+    if (entity.valid() && entity.dim == 0) first = std::max(first, entity.index + 1);
+  }
+  return first;
+}
+
 class Separator {
  public:
   Separator(WholeMesh& whole, Pinches&& pinches) : whole_(whole), pinches_(std::move(pinches)) {}
@@ -75,10 +87,7 @@ class Separator {
  private:
   // Corners stay where they are.
   void name_corners() {
-    for (const PackedEntity packed : whole_.to_entity) {
-      const ModelEntity entity = packed.unpack();
-      if (entity.valid() && entity.dim == 0) touching_.first = std::max(touching_.first, entity.index + 1);
-    }
+    touching_.first = first_free_corner(whole_);
     for (const std::uint32_t v : pinches_.verts) {
       const auto number = touching_.first + static_cast<std::uint32_t>(touching_.to_entity.size());
       touching_.to_entity.push_back(whole_.to_entity[v]);
@@ -167,11 +176,92 @@ class Separator {
   std::vector<std::vector<std::uint32_t>> balls_;  // corners of tets, ascending
 };
 
+// A vertex at which fans touch, as all ranks know it.
+struct TouchingVert {
+  std::uint32_t number = kNone;
+  PackedEntity entity;
+  std::uint32_t added = 0;  // vertices of its fans, behind the first
+  auto operator<=>(const TouchingVert&) const = default;
+};
+
+// Those of all ranks, ascending.
+std::vector<TouchingVert> gather_touching(const std::vector<TouchingVert>& own, const SharedWork& work) {
+  std::vector<TouchingVert> all;
+  for (const Bytes& bytes :
+       work.all_gather([&](MessageWriter& writer) { writer.put_array(std::span<const TouchingVert>(own)); })) {
+    const auto list = MessageReader(bytes).get_view<TouchingVert>();
+    all.insert(all.end(), list.begin(), list.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// From what one rank has said of its slice to what all say of the mesh.
+class Renaming {
+ public:
+  Renaming(WholeMesh& whole, MeshSlice& slice, const TouchingVerts& own, const SharedWork& work)
+      : whole_(whole), slice_(slice), own_(own), work_(work) {}
+
+  TouchingVerts run() {
+    const std::vector<TouchingVert> all = gather_touching(list_own(), work_);
+    std::array<double, 1> first{static_cast<double>(own_.first)};
+    work_.max(first);
+    TouchingVerts touching;
+    touching.first = static_cast<std::uint32_t>(first[0]);
+    std::vector<std::uint32_t> added{static_cast<std::uint32_t>(slice_.vert_count)};
+    for (const TouchingVert& one : all) {
+      touching.verts.push_back(one.number), touching.to_entity.push_back(one.entity);
+      added.push_back(added.back() + one.added);
+    }
+    slice_.vert_count = added.back();
+    rename(touching, added);
+    return touching;
+  }
+
+ private:
+  bool touches(std::uint32_t vert) const {
+    const ModelEntity entity = whole_.to_entity[vert].unpack();
+    return entity.valid() && entity.dim == 0 && entity.index >= own_.first;
+  }
+  std::size_t slot_of(std::uint32_t vert) const { return whole_.to_entity[vert].unpack().index - own_.first; }
+
+  std::vector<TouchingVert> list_own() const {
+    std::vector<TouchingVert> list;
+    for (std::size_t slot = 0; slot < own_.verts.size(); ++slot)
+      list.push_back({slice_.to_vert_number[own_.verts[slot]], own_.to_entity[slot], 0});
+    for (auto v = static_cast<std::uint32_t>(given_); v < whole_.points.size(); ++v) ++list[slot_of(v)].added;
+    return list;
+  }
+
+  // New vertices stand by the vertex that they were, as their numbers do.
+  void rename(const TouchingVerts& touching, std::vector<std::uint32_t>& added) {
+    for (std::uint32_t v = 0; v < whole_.points.size(); ++v) {
+      if (!touches(v)) continue;
+      const std::uint32_t number = slice_.to_vert_number[own_.verts[slot_of(v)]];
+      const auto slot =
+          static_cast<std::uint32_t>(std::ranges::lower_bound(touching.verts, number) - touching.verts.begin());
+      whole_.to_entity[v] = PackedEntity(ModelEntity(0, touching.first + slot));
+      if (v >= given_) slice_.to_vert_number.push_back(added[slot]++), slice_.is_own.push_back(1);
+    }
+  }
+
+  WholeMesh& whole_;
+  MeshSlice& slice_;
+  const TouchingVerts& own_;
+  const SharedWork& work_;
+  const std::size_t given_ = slice_.to_vert_number.size();  // vertices before there were new ones
+};
+
 }  // namespace
 
-bool has_fans_at(const WholeMesh& whole, const std::vector<std::uint8_t>& is_own, const TaskRunner& runner) {
-  const Pinches pinches(whole, runner);
-  return std::ranges::any_of(pinches.verts, [&](std::uint32_t v) { return is_own[v] != 0; });
+TouchingVerts separate_fans(WholeMesh& whole, MeshSlice& slice, const SharedWork& work) {
+  TouchingVerts own;
+  own.first = first_free_corner(whole);
+  Pinches pinches(whole, work.runner());
+  std::erase_if(pinches.verts, [&](std::uint32_t v) { return slice.is_own[v] == 0; });
+  if (!pinches.verts.empty()) own = Separator(whole, std::move(pinches)).run();
+  return Renaming(whole, slice, own, work).run();
 }
 
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {

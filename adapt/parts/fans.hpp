@@ -30,13 +30,13 @@ struct TouchingVerts {
   std::vector<std::uint32_t> verts;  ///< those that were there before, ascending; new ones come behind all of these
 };
 
-/// Whether there is anything for `separate_fans` to do at the points for which `is_own` is not 0.
-bool has_fans_at(const WholeMesh& whole, const std::vector<std::uint8_t>& is_own, const TaskRunner& runner);
-
 /// Gives each fan a vertex of its own, those behind the first one new ones, and marks the edges at which fans touch
 /// (`kTouching`). Vertices at which the surface meets itself without several fans are corners as well.
 /// Complexity: linear in the tets, and sorting for the surface.
 TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner);
+/// The same of what a slice has become: with names and numbers as of the whole mesh, those of new vertices added to the
+/// slice's. What is returned is that of the whole mesh. In SharedWork::together.
+TouchingVerts separate_fans(WholeMesh& whole, MeshSlice& slice, const SharedWork& work);
 
 /// The vertices of the tets of a mesh of `given` points as they were before `separate_fans`.
 std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,

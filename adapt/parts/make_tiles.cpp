@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <new>
+#include <queue>
 #include <utility>
 
 #include "adapt/parts/rounds.hpp"
@@ -18,13 +20,41 @@ constexpr std::size_t kSamplesPerRank = 64;  // for each other rank
 
 using FourVerts = std::array<std::uint32_t, 4>;
 
-// A tet and its place along the curve.
+// A tet of the share and its place along the curve.
 struct KeyedTet {
   std::uint64_t key = 0;
-  std::uint32_t number = 0;
-  std::uint32_t tet = 0;  // of the share; at home: of all that came
+  std::uint32_t tet = 0;
   friend auto operator<=>(const KeyedTet&, const KeyedTet&) = default;
 };
+
+// Of the tiles that ranks have, some are made at a time.
+constexpr std::size_t kMostChunks = 8, kTilesOfChunk = 16;
+
+// A range of tets at home, by names.
+struct NameRange {
+  std::uint32_t begin = 0, end = 0;
+};
+
+// Places in several ascending lists, by their values and then by list: calls visit(list) for one after the other.
+template <class Visit>
+void merge_lists(const std::vector<std::span<const std::uint64_t>>& lists, const Visit& visit) {
+  struct Head {
+    std::uint64_t key;
+    std::uint32_t list, next;
+    auto operator<=>(const Head&) const = default;
+  };
+  std::priority_queue<Head, std::vector<Head>, std::greater<>> heads;
+  for (std::uint32_t i = 0; i < lists.size(); ++i)
+    if (!lists[i].empty()) heads.push({lists[i][0], i, 1});
+  while (!heads.empty()) {
+    Head head = heads.top();
+    heads.pop();
+    visit(head.list);
+    if (head.next == lists[head.list].size()) continue;
+    head.key = lists[head.list][head.next++];
+    heads.push(head);
+  }
+}
 
 std::size_t rank_in(const std::vector<std::uint32_t>& firsts, std::uint32_t number) {
   return static_cast<std::size_t>(std::ranges::upper_bound(firsts, number) - firsts.begin()) - 1;
@@ -45,6 +75,7 @@ struct HomeVerts {
 
 // Tets at home, by their names from the first one on.
 struct HomeTets {
+  std::uint32_t first_name = 0;
   std::vector<FourVerts> to_vert, links;
   std::vector<std::uint32_t> numbers;
 };
@@ -60,8 +91,8 @@ class TileMaker {
     name_tets();
     name_links();
     name_hints();
-    send_tets();
-    make_own();
+    for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk) make_chunk(chunk);
+    share_tiles();
     return std::make_unique<BackgroundTiles>(std::move(own_), std::move(index_), work_.rank(), runner_);
   }
 
@@ -69,8 +100,8 @@ class TileMaker {
   std::size_t ranks() const { return static_cast<std::size_t>(work_.rank_count()); }
   std::size_t rank() const { return static_cast<std::size_t>(work_.rank()); }
   std::uint32_t first_number() const { return links_.first_tets[rank()]; }
-  std::span<const KeyedTet> tets_for(std::size_t r) const {
-    return std::span(tets_).subspan(first_for_[r], first_for_[r + 1] - first_for_[r]);
+  std::span<const std::uint32_t> tets_for(std::size_t r) const {
+    return std::span(order_).subspan(first_for_[r], first_for_[r + 1] - first_for_[r]);
   }
 
   void sort_tets() {
@@ -86,8 +117,7 @@ class TileMaker {
           const Vec3 x = scale * (0.25 * sum - box.lo);
           const std::uint64_t key = hilbert_key(static_cast<std::int64_t>(x.x), static_cast<std::int64_t>(x.y),
                                                 static_cast<std::int64_t>(x.z));
-          const auto own = static_cast<std::uint32_t>(tet);
-          tets_[tet] = {key, first_number() + own, own};
+          tets_[tet] = {key, static_cast<std::uint32_t>(tet)};
         }
       });
       parallel_sort(tets_, runner_);
@@ -116,36 +146,34 @@ class TileMaker {
     first_for_.push_back(tets_.size());
   }
 
-  // Every rank tells what it has, and hears what it is called.
+  // Every rank tells where it has tets, and hears what they are called. Of tets in one place those of lower ranks, which
+  // have lower numbers, come first.
   void name_tets() {
     const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
-      for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(tets_for(r));
-    });
-    std::vector<KeyedTet> all;
-    std::vector<std::size_t> first_from(1, 0);
-    work_.each([&] {
-      for (const Bytes& bytes : given) {
-        const auto tets = MessageReader(bytes).get_view<KeyedTet>();
-        all.insert(all.end(), tets.begin(), tets.end());
-        first_from.push_back(all.size());
-      }
-      for (std::uint32_t i = 0; i < all.size(); ++i) all[i].tet = i;
-      parallel_sort(all, runner_);
-    });
-    own_count_ = all.size();
-    count_tiles();
-    std::vector<std::uint32_t> names(all.size());
-    for (std::uint32_t i = 0; i < all.size(); ++i) names[all[i].tet] = first_name_ + i;
-    all = {};
-    const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r)
-        to[r].put_array(
-            std::span<const std::uint32_t>(names).subspan(first_from[r], first_from[r + 1] - first_from[r]));
+        std::transform(tets_.begin() + static_cast<std::ptrdiff_t>(first_for_[r]),
+                       tets_.begin() + static_cast<std::ptrdiff_t>(first_for_[r + 1]),
+                       to[r].put_room<std::uint64_t>(first_for_[r + 1] - first_for_[r]).begin(),
+                       [](const KeyedTet& one) { return one.key; });
+      order_.resize(tets_.size());
+      std::ranges::transform(tets_, order_.begin(), &KeyedTet::tet);
+      tets_ = {};
+    });
+    std::vector<std::span<const std::uint64_t>> keys;
+    for (const Bytes& bytes : given) keys.push_back(MessageReader(bytes).get_view<std::uint64_t>());
+    for (const auto& of_rank : keys) own_count_ += of_rank.size();
+    count_tiles();
+    const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
+      std::vector<std::span<std::uint32_t>> names;
+      for (std::size_t r = 0; r < to.size(); ++r) names.push_back(to[r].put_room<std::uint32_t>(keys[r].size()));
+      std::vector<std::size_t> next(to.size(), 0);
+      std::uint32_t name = first_name_;
+      merge_lists(keys, [&](std::uint32_t r) { names[r][next[r]++] = name++; });
     });
     to_name_.resize(share_.size());
     for (std::size_t r = 0; r < ranks(); ++r) {
       const auto of_rank = MessageReader(told[r]).get_view<std::uint32_t>();
-      for (std::size_t i = 0; i < of_rank.size(); ++i) to_name_[tets_for(r)[i].tet] = of_rank[i];
+      for (std::size_t i = 0; i < of_rank.size(); ++i) to_name_[tets_for(r)[i]] = of_rank[i];
     }
   }
 
@@ -171,14 +199,24 @@ class TileMaker {
             {one.behind, to_name_[one.face / 4] * 4 + one.face % 4});
       put_lists(faces, to);
     });
-    work_.each([&] {
-      to_link_.assign(share_.to_neighbor.begin(), share_.to_neighbor.end());
-      for (std::uint32_t& link : to_link_)
-        if (link != kNone) link = to_name_[link / 4] * 4 + link % 4;
-      for (const Bytes& bytes : told)
-        for (const auto& [face, behind] : MessageReader(bytes).get_view<std::array<FaceCode, 2>>())
-          to_link_[face - first_number() * 4] = behind;
-    });
+    behind_.resize(links_.faces.size());
+    for (const Bytes& bytes : told)
+      for (const auto& [face, behind] : MessageReader(bytes).get_view<std::array<FaceCode, 2>>())
+        behind_[place_of(face - first_number() * 4)] = behind;
+  }
+
+  // Among the faces between ranks.
+  std::size_t place_of(FaceCode face) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(links_.faces, face, {}, &FaceOutside::face) -
+                                    links_.faces.begin());
+  }
+
+  // By names.
+  std::uint32_t link_of(FaceCode face) const {
+    const FaceCode behind = share_.to_neighbor[face];
+    if (behind != kNone) return to_name_[behind / 4] * 4 + behind % 4;
+    const std::size_t place = place_of(face);
+    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : kNone;
   }
 
   void name_hints() {
@@ -201,25 +239,50 @@ class TileMaker {
     }
   }
 
-  void send_tets() {
+  std::size_t tiles_of(std::size_t r) const { return index_.first_tiles[r + 1] - index_.first_tiles[r]; }
+  std::size_t chunk_count() const {
+    std::size_t most = 0;
+    for (std::size_t r = 0; r < ranks(); ++r) most = std::max(most, tiles_of(r));
+    return std::clamp<std::size_t>(most / kTilesOfChunk, 1, kMostChunks);
+  }
+  NameRange range_of(std::size_t r, std::size_t chunk) const {
+    const auto name_of = [&](std::size_t c) {
+      const std::size_t tile = index_.first_tiles[r] + tiles_of(r) * c / chunk_count();
+      return static_cast<std::uint32_t>(tile * kTileTets);
+    };
+    return {name_of(chunk), name_of(chunk + 1)};
+  }
+
+  void make_chunk(std::size_t chunk) {
     std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
       std::vector<std::uint32_t> to_slot(share_.points.size(), kNone);
-      for (std::size_t r = 0; r < to.size(); ++r) put_tets(tets_for(r), to_slot, to[r]);
+      for (std::size_t r = 0; r < to.size(); ++r) put_tets(tets_in(r, range_of(r, chunk)), to_slot, to[r]);
     });
-    tets_ = {}, to_link_ = {}, to_name_ = {};
     work_.each([&] {
       home_verts_ = join_verts(given);
-      take_tets(given);
+      take_tets(given, range_of(rank(), chunk));
+      const std::size_t first = own_.size(), count = home_tets_.to_vert.size();
+      own_.resize(first + (count + kTileTets - 1) / kTileTets);
+      runner_.for_each(own_.size() - first, [&](std::size_t tile) { own_[first + tile] = make_tile(tile * kTileTets); });
+      home_tets_ = {}, home_verts_ = {};
     });
   }
 
+  // Of those for a rank, which ascend in their names.
+  std::span<const std::uint32_t> tets_in(std::size_t r, const NameRange& range) const {
+    const auto tets = tets_for(r);
+    const auto place = [&](std::uint32_t name) {
+      return std::ranges::lower_bound(tets, name, {}, [&](std::uint32_t tet) { return to_name_[tet]; });
+    };
+    return {place(range.begin), place(range.end)};
+  }
+
   // `to_slot`: kNone all over, before and after.
-  void put_tets(std::span<const KeyedTet> tets, std::vector<std::uint32_t>& to_slot, MessageWriter& writer) const {
+  void put_tets(std::span<const std::uint32_t> own, std::vector<std::uint32_t>& to_slot, MessageWriter& writer) const {
     const auto put = [&](auto of, std::span<const std::uint32_t> items) {
       std::ranges::transform(items, writer.put_room<std::decay_t<decltype(of(0))>>(items.size()).begin(), of);
     };
-    std::vector<std::uint32_t> own(tets.size()), verts;
-    std::ranges::transform(tets, own.begin(), &KeyedTet::tet);
+    std::vector<std::uint32_t> verts;
     for (const std::uint32_t tet : own) {
       for (std::size_t i = 0; i < 4; ++i) {
         std::uint32_t& slot = to_slot[share_.to_vert[std::size_t{tet} * 4 + i]];
@@ -238,7 +301,7 @@ class TileMaker {
       return {of(tet * 4), of(tet * 4 + 1), of(tet * 4 + 2), of(tet * 4 + 3)};
     };
     put([&](std::uint32_t tet) { return four(tet, [&](FaceCode c) { return to_slot[share_.to_vert[c]]; }); }, own);
-    put([&](std::uint32_t tet) { return four(tet, [&](FaceCode f) { return to_link_[f]; }); }, own);
+    put([&](std::uint32_t tet) { return four(tet, [&](FaceCode f) { return link_of(f); }); }, own);
     put([&](std::uint32_t v) { return verts_.to_given[v]; }, verts);
     put([&](std::uint32_t v) { return share_.points[v]; }, verts);
     put([&](std::uint32_t v) { return verts_.has_metric ? verts_.logs[v] : Tensor(); }, verts);
@@ -294,12 +357,14 @@ class TileMaker {
     return verts;
   }
 
-  void take_tets(std::vector<Bytes>& given) {
-    home_tets_.to_vert.resize(own_count_), home_tets_.links.resize(own_count_), home_tets_.numbers.resize(own_count_);
+  void take_tets(std::vector<Bytes>& given, const NameRange& range) {
+    const std::size_t count = std::min<std::size_t>(range.end, first_name_ + own_count_) - range.begin;
+    home_tets_.first_name = range.begin;
+    home_tets_.to_vert.resize(count), home_tets_.links.resize(count), home_tets_.numbers.resize(count);
     for (std::size_t r = 0; r < given.size(); ++r) {
       const Packet packet(given[r]);
       for (std::size_t i = 0; i < packet.names.size(); ++i) {
-        const std::size_t at = packet.names[i] - first_name_;
+        const std::size_t at = packet.names[i] - home_tets_.first_name;
         for (std::size_t j = 0; j < 4; ++j) home_tets_.to_vert[at][j] = home_verts_.from_slots[r][packet.to_vert[i][j]];
         home_tets_.links[at] = packet.links[i], home_tets_.numbers[at] = packet.numbers[i];
       }
@@ -307,15 +372,11 @@ class TileMaker {
     }
   }
 
-  void make_own() {
+  void share_tiles() {
+    order_ = {}, to_name_ = {}, behind_ = {};
     std::vector<TileBox> tets, faces;
-    work_.each([&] {
-      own_.resize((own_count_ + kTileTets - 1) / kTileTets);
-      runner_.for_each(own_.size(), [&](std::size_t tile) { own_[tile] = make_tile(tile * kTileTets); });
-      home_tets_ = {}, home_verts_ = {};
-      for (std::size_t tile = 0; tile < own_.size(); ++tile)
-        add_boxes(Tile::read(own_[tile]), index_.first_tiles[rank()] + static_cast<std::uint32_t>(tile), tets, faces);
-    });
+    for (std::size_t tile = 0; tile < own_.size(); ++tile)
+      add_boxes(Tile::read(own_[tile]), index_.first_tiles[rank()] + static_cast<std::uint32_t>(tile), tets, faces);
     index_.tets = gather(tets), index_.faces = gather(faces);
   }
 
@@ -330,7 +391,7 @@ class TileMaker {
   }
 
   Bytes make_tile(std::size_t begin) const {
-    const std::size_t count = std::min<std::size_t>(kTileTets, own_count_ - begin);
+    const std::size_t count = std::min<std::size_t>(kTileTets, home_tets_.to_vert.size() - begin);
     std::vector<std::uint32_t> verts;
     for (std::size_t i = begin; i < begin + count; ++i)
       verts.insert(verts.end(), home_tets_.to_vert[i].begin(), home_tets_.to_vert[i].end());
@@ -364,10 +425,11 @@ class TileMaker {
   const SharedWork& work_;
   const TaskRunner& runner_;
   std::vector<KeyedTet> tets_;          // of the share, along the curve
-  std::vector<std::size_t> first_for_;  // in tets_: where those of each rank begin, and how many there are
+  std::vector<std::uint32_t> order_;    // the same without keys
+  std::vector<std::size_t> first_for_;  // in both: where those for each rank begin, and how many there are
   std::vector<std::uint32_t> to_name_;  // of the share's tets
-  std::vector<std::uint32_t> to_link_;  // of the share's faces, by names
-  HomeVerts home_verts_;
+  std::vector<std::uint32_t> behind_;   // links of the faces between ranks, by names
+  HomeVerts home_verts_;                // of the chunk that is made
   HomeTets home_tets_;
   std::size_t own_count_ = 0;
   std::uint32_t first_name_ = 0;

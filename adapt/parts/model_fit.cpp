@@ -26,8 +26,9 @@ std::string number(double value) {
 
 class FitCheck {
  public:
-  FitCheck(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner)
-      : whole_(whole), mesh_(mesh), model_(model), runner_(runner) {}
+  FitCheck(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner,
+           std::span<const std::uint32_t> numbers)
+      : whole_(whole), mesh_(mesh), model_(model), runner_(runner), numbers_(numbers) {}
 
   void run() {
     check_names();
@@ -98,7 +99,7 @@ class FitCheck {
         "the model does not match the mesh: a vertex lies " + number(off) + " away from what it is classified on",
         {model_.named(entity)},
         whole_.points[vert],
-        {vert}};
+        {numbers_.empty() ? vert : numbers_[vert]}};
   }
 
   void check_corners() const {
@@ -146,14 +147,15 @@ class FitCheck {
   const Mesh& mesh_;
   const GeometricModel& model_;
   const TaskRunner& runner_;
+  std::span<const std::uint32_t> numbers_;
   std::vector<double> shortest_;
 };
 
 }  // namespace
 
-void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
-                        const TaskRunner& runner) {
-  FitCheck(whole, mesh, model, runner).run();
+void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner,
+                        std::span<const std::uint32_t> numbers) {
+  FitCheck(whole, mesh, model, runner, numbers).run();
 }
 
 }  // namespace tetloom::adapt

@@ -1,5 +1,8 @@
 #pragma once
 // Whether a mesh and a model belong together.
+#include <cstdint>
+#include <span>
+
 #include "adapt/parts/whole_mesh.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
@@ -12,7 +15,8 @@ namespace tetloom::adapt {
 /// lies on the model vertex, edge or face that it is classified on: within the entity's tolerance or a millionth of
 /// the model's size, or within a tenth of the shortest edge of the surface there, for vertices that could not be
 /// snapped to the surface before. Also Cancelled. Parallel over the entities; the error does not depend on the threads.
-void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
-                        const TaskRunner& runner);
+/// `numbers`: what vertices are called in errors; none: as they stand.
+void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner,
+                        std::span<const std::uint32_t> numbers = {});
 
 }  // namespace tetloom::adapt

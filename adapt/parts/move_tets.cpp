@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "adapt/parts/share.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -159,12 +160,12 @@ struct Packet {
   std::vector<std::uint32_t> to_local;  // of its vertices
 };
 
-// The tets of all packets, which are ascending in number: so ranks have numbered them.
+// The tets of all packets, which are ascending in number: so ranks have numbered them. Packets are freed on the way.
 class Unpacker {
  public:
-  Unpacker(const std::vector<Bytes>& given, const TaskRunner& runner) : runner_(runner) {
+  Unpacker(std::vector<Bytes>&& given, const TaskRunner& runner) : runner_(runner), given_(std::move(given)) {
     std::size_t tets = 0;
-    for (const Bytes& bytes : given) {
+    for (const Bytes& bytes : given_) {
       Packet& packet = packets_.emplace_back(bytes);
       packet.first_tet = static_cast<std::uint32_t>(tets);
       tets += packet.numbers.size();
@@ -175,9 +176,9 @@ class Unpacker {
 
   RoundShare run() {
     take_verts();
-    take_tets();
     take_edges();
     take_triangles();
+    take_tets();
     return std::move(share_);
   }
 
@@ -207,7 +208,9 @@ class Unpacker {
   void take_tets() {
     WholeMesh& mesh = share_.mesh;
     mesh.to_vert.resize_for_overwrite(numbers_.size() * 4), mesh.to_neighbor.resize_for_overwrite(numbers_.size() * 4);
-    for (const Packet& packet : packets_) {
+    share_.to_part.reserve(numbers_.size()), mesh.to_region.reserve(numbers_.size());
+    for (std::size_t p = 0; p < packets_.size(); ++p) {
+      const Packet& packet = packets_[p];
       share_.to_part.append(packet.parts);
       mesh.to_region.append(packet.regions);
       runner_.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -219,6 +222,7 @@ class Unpacker {
           }
         }
       });
+      given_[p] = Bytes();
     }
   }
 
@@ -270,6 +274,7 @@ class Unpacker {
   }
 
   const TaskRunner& runner_;
+  std::vector<Bytes> given_;
   std::vector<Packet> packets_;
   std::vector<std::uint32_t> numbers_;
   RoundShare share_;
@@ -348,8 +353,8 @@ RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint
   }
   std::vector<Bytes> given = send_tets(share, links, to_part, part_count, work);
   work.each([&] {
-    moved = Unpacker(given, work.runner()).run();
-    given.clear();
+    moved = Unpacker(std::move(given), work.runner()).run();
+    give_back_free_memory();
     moved.vert_count = moved.mesh.points.size();
   });
   find_outside_verts(moved, work);

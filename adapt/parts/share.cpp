@@ -9,9 +9,10 @@ namespace {
 // Cuts a rank's tets out of the mesh that all ranks have.
 class ShareTaker {
  public:
-  /// `to_number`: of the tets that are there; empty: as they stand.
-  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const std::uint32_t> to_number = {})
-      : whole_(whole), begin_(begin), end_(end), to_number_(to_number), to_local_(whole.points.size(), kNone) {}
+  /// Numbers of the vertices and tets that are there; none: as they stand.
+  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const std::uint32_t> verts = {},
+             std::span<const std::uint32_t> tets = {})
+      : whole_(whole), begin_(begin), end_(end), verts_(verts), tets_(tets), to_local_(whole.points.size(), kNone) {}
 
   WholeMesh run(ShareLinks& links) {
     take_verts(links.to_number);
@@ -27,14 +28,14 @@ class ShareTaker {
     return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
   }
 
-  FaceCode by_number(FaceCode face) const { return to_number_.empty() ? face : to_number_[face / 4] * 4 + face % 4; }
+  FaceCode by_number(FaceCode face) const { return tets_.empty() ? face : tets_[face / 4] * 4 + face % 4; }
 
   void take_verts(std::vector<std::uint32_t>& to_number) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;
     for (std::uint32_t v = 0; v < to_local_.size(); ++v) {
       if (to_local_[v] == kNone) continue;
       to_local_[v] = static_cast<std::uint32_t>(to_number.size());
-      to_number.push_back(v);
+      to_number.push_back(verts_.empty() ? v : verts_[v]);
       share_.points.push_back(whole_.points[v]);
       share_.to_metric.push_back(whole_.to_metric.empty() ? VertexMetric() : whole_.to_metric[v]);
       share_.to_entity.push_back(whole_.to_entity[v]);
@@ -76,7 +77,7 @@ class ShareTaker {
 
   const WholeMesh& whole_;
   std::size_t begin_, end_;
-  std::span<const std::uint32_t> to_number_;
+  std::span<const std::uint32_t> verts_, tets_;
   std::vector<std::uint32_t> to_local_;
   WholeMesh share_;
 };
@@ -148,12 +149,6 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
-  std::vector<std::uint32_t> firsts;
-  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
-  return firsts;
-}
-
 FaceCode ShareLinks::behind(FaceCode face) const {
   const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
   return at == faces.end() || at->face != face ? kNone : at->behind;
@@ -172,12 +167,11 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest)
   return links;
 }
 
-ShareLinks take_share(WholeMesh& slice_mesh, const TetSlice& slice, std::size_t tet_count, const SharedWork& work) {
-  const auto ranks = static_cast<std::size_t>(work.rank_count());
+ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice) {
   ShareLinks links;
-  links.first_tets = equal_ranges(tet_count, ranks);
-  links.first_verts = equal_ranges(slice_mesh.points.size(), ranks);
-  slice_mesh = ShareTaker(slice_mesh, slice.begin, slice.end, slice.to_number).run(links);
+  links.first_tets = slice.first_tets;
+  links.first_verts = equal_ranges(slice.vert_count, slice.first_tets.size() - 1);
+  slice_mesh = ShareTaker(slice_mesh, slice.begin, slice.end, slice.to_vert_number, slice.to_tet_number).run(links);
   return links;
 }
 

@@ -34,16 +34,12 @@ struct ShareLinks {
   FaceCode behind(FaceCode face) const;
 };
 
-/// Where the numbers of each rank begin, where all have equally many, and how many there are.
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks);
-
 /// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
 /// go. Where that is not all of it, `rest` takes the mesh that it was. In SharedWork::together.
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest = nullptr);
 
-/// The same of a slice around this rank's range of the `tet_count` tets of a mesh, all points of which it has. Pre:
-/// there are several ranks, and no fans.
-ShareLinks take_share(WholeMesh& slice_mesh, const TetSlice& slice, std::size_t tet_count, const SharedWork& work);
+/// The same of the mesh that a slice has become.
+ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice);
 
 /// A share with all tets of the parts that a rank adapts in one round.
 struct RoundShare {

@@ -1,95 +1,64 @@
 #include "adapt/parts/share_verts.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "adapt/kernel/metric_stage.hpp"
-#include "adapt/metric/start_grid.hpp"
-#include "core/predicates/predicates.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kAtOnce = std::size_t{1} << 15, kGrain = std::size_t{1} << 10;
-
-// Calls visit(tets) for some tets after the other, turned so that their volumes are positive.
-template <class Visit>
-void for_some_tets(const Mesh& mesh, const TaskRunner& runner, const Visit& visit) {
-  std::vector<TetVerts> tets;
-  for (std::size_t first = 0; first < mesh.tet_to_vert.size(); first += kAtOnce) {
-    tets.resize(std::min(kAtOnce, mesh.tet_to_vert.size() - first));
-    runner.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto& [a, b, c, d] = tets[i] = mesh.tet_to_vert[first + i];
-        if (orient3d(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) < 0)
-          std::swap(tets[i][2], tets[i][3]);
-      }
-    });
-    visit(TetView{mesh.points, tets});
+// The places in a slice of a share's vertices, as they were before fans had vertices of their own.
+std::vector<std::uint32_t> places_of(std::span<const std::uint32_t> given, const WholeMesh& share,
+                                     const ShareLinks& links, const TouchingVerts& touching) {
+  std::vector<std::uint32_t> places;
+  places.reserve(share.points.size());
+  for (std::uint32_t v = 0; v < share.points.size(); ++v) {
+    const ModelEntity entity = share.to_entity[v].unpack();
+    const bool touches =
+        !touching.verts.empty() && entity.valid() && entity.dim == 0 && entity.index >= touching.first;
+    const std::uint32_t number = touches ? touching.verts[entity.index - touching.first] : links.number_of(v);
+    places.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(given, number) - given.begin()));
   }
+  return places;
 }
 
-// The order of a tet's vertices decides about the last bits of its centre.
-StartGrid grid_of(const Mesh& mesh, const TaskRunner& runner) {
-  Box3 box;
-  for (const TetVerts& tet : mesh.tet_to_vert)
-    for (const std::uint32_t v : tet) box.add(mesh.points[v]);
-  StartGrid grid(box, mesh.tet_to_vert.size());
-  for_some_tets(mesh, runner, [&](const TetView& some) { grid.add(some); });
-  grid.finish();
-  return grid;
-}
-
-std::vector<Tensor> find_implied(const Mesh& mesh, FiguresBefore& fields, const TaskRunner& runner) {
-  ImpliedMetric implied(mesh.points.size());
-  for_some_tets(mesh, runner, [&](const TetView& some) {
-    implied.add(some, runner);
-    fields.add(some, runner);
-  });
-  fields.finish();
-  return implied.finish();
+std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, const std::vector<std::string>& names) {
+  std::vector<const MeshField*> fields;
+  for (const std::string& name : names)
+    for (const MeshField& field : all)
+      if (field.name == name) fields.push_back(&field);
+  return fields;
 }
 
 }  // namespace
 
-ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
-                         FiguresBefore& fields, const TaskRunner& runner) {
-  ShareVerts verts;
-  verts.has_metric = metric.size() > 0;
-  for (std::uint32_t v = 0; v < is_own.size(); ++v)
-    if (is_own[v] != 0) verts.to_given.push_back(v);
-  const auto of_own = [&](const std::vector<Tensor>& all, std::vector<Tensor>& own) {
-    own.reserve(verts.to_given.size());
-    for (const std::uint32_t v : verts.to_given) own.push_back(all[v]);
-  };
-  if (verts.has_metric) of_own(metric.logs, verts.logs);
-  of_own(find_implied(mesh, fields, runner), verts.implied);
-  for (const MeshField* field : fields.fields) verts.components += static_cast<std::size_t>(field->components);
-  for (const std::uint32_t v : verts.to_given) {
-    for (const MeshField* field : fields.fields) {
-      const auto n = static_cast<std::ptrdiff_t>(field->components), at = static_cast<std::ptrdiff_t>(v) * n;
-      verts.fields.insert(verts.fields.end(), field->values.begin() + at, field->values.begin() + at + n);
-    }
-  }
-  const StartGrid grid = grid_of(mesh, runner);
-  for (const std::uint32_t v : verts.to_given) verts.to_start.push_back(grid.tet_near(mesh.points[v]));
-  return verts;
+std::vector<std::uint32_t> first_tets_of(std::span<const std::uint32_t> to_vert, std::size_t vert_count) {
+  std::vector<std::uint32_t> firsts(vert_count, kNone);
+  for (std::size_t i = 0; i < to_vert.size(); ++i)
+    firsts[to_vert[i]] = std::min(firsts[to_vert[i]], static_cast<std::uint32_t>(i / 4));
+  return firsts;
 }
 
-ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const ShareLinks& links,
-                       const TouchingVerts& touching, std::size_t given) {
+ShareVerts verts_of_share(const MeshSlice& slice, const SliceVerts& verts, const WholeMesh& share,
+                          const ShareLinks& links, const TouchingVerts& touching,
+                          const std::vector<std::string>& fields) {
+  const auto given = std::span(slice.to_vert_number).first(verts.implied.size());
+  const std::vector<std::uint32_t> places = places_of(given, share, links, touching);
   ShareVerts own;
-  own.has_metric = verts.has_metric, own.components = verts.components;
-  for (std::uint32_t v = 0; v < share.points.size(); ++v) {
-    std::uint32_t number = links.number_of(v);
-    if (number >= given) number = touching.verts[share.to_entity[v].unpack().index - touching.first];
-    const auto at = static_cast<std::size_t>(std::ranges::lower_bound(verts.to_given, number) - verts.to_given.begin());
-    own.to_given.push_back(number);
-    if (own.has_metric) own.logs.push_back(verts.logs[at]);
-    own.implied.push_back(verts.implied[at]);
-    own.to_start.push_back(verts.to_start[at]);
-    for (std::size_t c = 0; c < own.components; ++c) own.fields.push_back(verts.fields[at * own.components + c]);
+  own.has_metric = slice.metric.size() > 0;
+  for (const std::uint32_t v : places) {
+    own.to_given.push_back(given[v]);
+    if (own.has_metric) own.logs.push_back(slice.metric.logs[v]);
+    own.implied.push_back(verts.implied[v]);
+    own.to_start.push_back(slice.to_tet_number[verts.starts[v]]);
+  }
+  const std::vector<const MeshField*> carried = fields_named(slice.mesh.point_fields, fields);
+  for (const MeshField* field : carried) own.components += static_cast<std::size_t>(field->components);
+  own.fields.reserve(places.size() * own.components);
+  for (const std::uint32_t v : places) {
+    for (const MeshField* field : carried) {
+      const auto n = static_cast<std::ptrdiff_t>(field->components), at = static_cast<std::ptrdiff_t>(v) * n;
+      own.fields.insert(own.fields.end(), field->values.begin() + at, field->values.begin() + at + n);
+    }
   }
   return own;
 }

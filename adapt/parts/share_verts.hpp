@@ -1,13 +1,14 @@
 #pragma once
-// What there is at the vertices of a share, found while a rank has the mesh that was given.
+// What there is at the vertices of a share, found while a rank has its slice of the mesh that was given.
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "adapt/parts/fans.hpp"
+#include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/share.hpp"
-#include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/metric.hpp"
-#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 
@@ -19,17 +20,21 @@ struct ShareVerts {
   std::vector<Tensor> implied;  ///< logarithms; see ImpliedMetric
   std::size_t components = 0;   ///< of all fields that are carried over
   std::vector<double> fields;   ///< their values, all components of a vertex side by side
-  std::vector<std::uint32_t> to_start;  ///< number of a tet near by
+  std::vector<std::uint32_t> to_start;  ///< number of a tet that has the vertex
 };
 
-/// At the points for which `is_own` is not 0, ascending. `metric`: one per point, or none. `fields`: to be filled in. A
-/// rank needs 12 bytes for each tet of the whole meanwhile. Pre: all tets have volumes, or nobody uses what this says.
-ShareVerts verts_of_mesh(const Mesh& mesh, const std::vector<std::uint8_t>& is_own, const MetricField& metric,
-                         FiguresBefore& fields, const TaskRunner& runner);
+/// Of each vertex the first of the tets that have it, by number; kNone without any. `to_vert`: 4 per tet.
+std::vector<std::uint32_t> first_tets_of(std::span<const std::uint32_t> to_vert, std::size_t vert_count);
 
-/// The same as the vertices stand in the share that has these tets, where the mesh had `given` points before fans had
-/// vertices of their own.
-ShareVerts as_in_share(const ShareVerts& verts, const WholeMesh& share, const ShareLinks& links,
-                       const TouchingVerts& touching, std::size_t given);
+/// What is known at the vertices of a slice before fans have vertices of their own.
+struct SliceVerts {
+  std::vector<Tensor> implied;
+  std::vector<std::uint32_t> starts;  ///< places of tets in the slice
+};
+
+/// At the vertices of the share that a slice has become. `fields`: names of the slice's, in the order wanted.
+ShareVerts verts_of_share(const MeshSlice& slice, const SliceVerts& verts, const WholeMesh& share,
+                          const ShareLinks& links, const TouchingVerts& touching,
+                          const std::vector<std::string>& fields);
 
 }  // namespace tetloom::adapt

@@ -134,9 +134,20 @@ class SideSplitter {
     return *std::ranges::lower_bound(own_, edge.names, {}, &OwnEdge::ends);
   }
 
+  // Where the ends of edges that are split are looked up.
+  std::vector<std::uint32_t> tiles_at_edges() const {
+    std::vector<std::uint32_t> tiles;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      for (const SideEdge& edge : edges_[p])
+        if (own_of(edge).vert != kNone)
+          for (const std::uint32_t v : edge.ends) tiles.push_back(parts_[p].mesh.to_hint[v] / kTileTets);
+    return tiles;
+  }
+
   // What the vertices to be are like.
   void look_up() {
     spots_.assign(parts_.size(), {});
+    if (tiles_ != nullptr) tiles_->fetch_only(tiles_at_edges(), work_);
     until_found(tiles_, work_, [&] {
       work_.runner().for_each(parts_.size(), [&](std::size_t p) {
         const SideSplits splits(parts_[p].mesh, parts_[p].to_whole.span(), source_, options_);

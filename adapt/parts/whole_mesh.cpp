@@ -23,17 +23,39 @@ void check_cells(const Mesh& mesh) {
   if (!mesh.quad_to_vert.empty())
     throw Error(ErrorCode::InputUnsuitable,
                 "only triangles may bound a mesh that is adapted; this one has quadrilaterals");
-  if (mesh.tet_to_vert.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
   if (mesh.tet_to_vert.size() >= CellPlace::kMaxTets)
     throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
 }
 
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 
+using EdgeVerts = std::array<std::uint32_t, 2>;
+using Faces = std::vector<std::uint32_t>;  // of the model, ascending
+
+// An edge of a triangle.
+struct EdgeUse {
+  EdgeVerts verts{};
+  std::uint32_t face = kNone;
+  auto operator<=>(const EdgeUse&) const = default;
+};
+
+// What all ranks have, each once, ascending.
+std::vector<std::uint32_t> gather_lists(const std::vector<std::uint32_t>& own, const SharedWork& work) {
+  std::vector<std::uint32_t> all;
+  for (const Bytes& bytes :
+       work.all_gather([&](MessageWriter& writer) { writer.put_array(std::span<const std::uint32_t>(own)); })) {
+    const auto list = MessageReader(bytes).get_view<std::uint32_t>();
+    all.insert(all.end(), list.begin(), list.end());
+  }
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 class Builder {
  public:
-  Builder(const Mesh& mesh, const TetSlice* slice, const TaskRunner& runner)
-      : mesh_(mesh), slice_(slice), runner_(runner) {}
+  Builder(const Mesh& mesh, const MeshSlice* slice, const SharedWork& work)
+      : mesh_(mesh), slice_(slice), work_(work), runner_(work.runner()) {}
 
   WholeMesh run() {
     check_cells(mesh_);
@@ -56,35 +78,28 @@ class Builder {
  private:
   void link() {
     tets_.points = GrowingArray<Vec3>(std::span<const Vec3>(mesh_.points));
-    const tets::Fault fault = slice_ ? link_slice() : tets::link_tets(tets_, mesh_.tet_to_vert, tris(), runner_);
+    const tets::Fault fault = tets::link_tets(tets_, mesh_.tet_to_vert, mesh_.tri_to_vert, runner_);
     if (fault.any()) {
       Diagnostic diagnostic{ErrorCode::InputUnsuitable, fault.message, {}, fault.point, {}};
-      diagnostic.elements.assign(fault.triangles.begin(), fault.triangles.end());
+      // Triangles of a slice have no numbers that mean anything to others.
+      if (!slice_) diagnostic.elements.assign(fault.triangles.begin(), fault.triangles.end());
       throw Error(std::move(diagnostic));
     }
-    for (std::size_t tet = 0; tet < tets_.size(); ++tet)
-      tets_.to_region[tet] = mesh_.tet_to_entity[slice_ ? slice_->to_number[tet] : tet];
+    for (std::size_t tet = 0; tet < tets_.size(); ++tet) tets_.to_region[tet] = mesh_.tet_to_entity[tet];
   }
 
-  tets::Fault link_slice() {
-    std::vector<std::array<std::uint32_t, 4>> tets;
-    tets.reserve(slice_->to_number.size()), tris_.reserve(slice_->triangles.size());
-    for (const std::uint32_t tet : slice_->to_number) tets.push_back(mesh_.tet_to_vert[tet]);
-    for (const std::uint32_t triangle : slice_->triangles) tris_.push_back(mesh_.tri_to_vert[triangle]);
-    return tets::link_tets(tets_, tets, tris(), runner_);
-  }
-
-  // Those that are looked at.
-  const std::vector<Triangle>& tris() const { return slice_ ? tris_ : mesh_.tri_to_vert; }
-  std::uint32_t entity_of_tri(std::size_t t) const { return mesh_.tri_to_entity[slice_ ? slice_->triangles[t] : t]; }
-  bool is_complete(FaceCode face) const {
-    return !slice_ || std::ranges::any_of(tets::verts_of(tets_, face), [&](auto v) { return slice_->is_own[v] != 0; });
+  std::uint32_t number_of(std::uint32_t vert) const { return slice_ ? slice_->to_vert_number[vert] : vert; }
+  std::uint32_t number_of_tet(std::uint32_t tet) const { return slice_ ? slice_->to_tet_number[tet] : tet; }
+  // Whether all tets with all of these vertices are here.
+  template <class Verts>
+  bool is_complete(const Verts& verts) const {
+    return !slice_ || std::ranges::any_of(verts, [&](std::uint32_t v) { return slice_->is_own[v] != 0; });
   }
 
   // Every triangle with its tets; every face of the hull, and between regions, must be a triangle.
   void find_triangles() {
-    const tets::TriangleIndex index(tris(), tets_.points.size());
-    triangles_.resize(tris().size());
+    const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
+    triangles_.resize(mesh_.tri_to_vert.size());
     const auto unnamed =
         map_blocks(runner_, tets_.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
           for (auto face = static_cast<FaceCode>(4 * begin); face < 4 * end; ++face)
@@ -95,7 +110,7 @@ class Builder {
       refuse(tets_.to_neighbor[face] == kNone
                  ? "a face of the mesh's boundary has no triangle that names its model face"
                  : "two regions meet in a face without a triangle that names its model face",
-             tets_.points[tets::verts_of(tets_, face)[0]], face / 4);
+             tets_.points[tets::verts_of(tets_, face)[0]], number_of_tet(face / 4));
     }
     std::erase_if(triangles_, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
   }
@@ -106,70 +121,98 @@ class Builder {
     const std::uint32_t tet = face / 4;
     const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
     if ((!between && !tets_.is_fixed(face)) || (behind != kNone && behind < face)) return true;
-    if (!is_complete(face)) return true;
+    if (!is_complete(tets::verts_of(tets_, face))) return true;
     const auto* found = index.find(tets::sorted(tets::verts_of(tets_, face)));
-    if (!found || entity_of_tri(found->triangle) == kNone) return false;
-    triangles_[found->triangle] = {{tris()[found->triangle], entity_of_tri(found->triangle)},
+    if (!found || mesh_.tri_to_entity[found->triangle] == kNone) return false;
+    triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
                                    {tet, behind == kNone ? kNone : behind / 4}};
     return true;
   }
 
-  // The triangles of the whole mesh, of repeated ones the first.
-  template <class Visit>
-  void for_each_on_surface(const Visit& visit) const {
-    if (!slice_) {
-      for (const LinkedTriangle& t : triangles_) visit(t.triangle.verts, t.triangle.face);
-      return;
-    }
-    const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
-    for (std::uint32_t t = 0; t < mesh_.tri_to_vert.size(); ++t)
-      if (index.find(tets::sorted(mesh_.tri_to_vert[t]))->triangle == t)
-        visit(mesh_.tri_to_vert[t], mesh_.tri_to_entity[t]);
-  }
-
   // Pieces of model edges: those that the mesh has, and edges where two model faces meet without one.
   void find_edges() {
-    std::uint32_t next = 0;
+    std::vector<ModelEdgePiece> given = given_pieces();
+    std::uint32_t next = static_cast<std::uint32_t>(mesh_.entities[1].size());
+    for (const std::uint32_t edge : mesh_.edge_to_entity)
+      if (edge != kNone) next = std::max(next, edge + 1);
+    std::vector<EdgeUse> uses = edges_of_triangles();
+    std::vector<std::pair<std::size_t, Faces>> unnamed;  // pieces without a name
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+      Faces faces;
+      for (end = i; end < uses.size() && uses[end].verts == uses[i].verts; ++end) faces.push_back(uses[end].face);
+      if (!is_complete(uses[i].verts)) continue;
+      const auto at = std::lower_bound(given.begin(), given.end(), ModelEdgePiece{uses[i].verts, 0});
+      const bool known = at != given.end() && at->verts == uses[i].verts && at->edge != kNone;
+      if (known) {
+        edges_.push_back(*at);
+      } else if (faces.size() != 2 || faces[0] != faces[1]) {
+        unnamed.emplace_back(edges_.size(), std::move(faces));
+        edges_.push_back({uses[i].verts, kNone});
+      }
+    }
+    name_edges(unnamed, next_of_all(next));
+  }
+
+  std::vector<ModelEdgePiece> given_pieces() const {
+    std::vector<ModelEdgePiece> pieces;
     for (std::size_t i = 0; i < mesh_.edge_to_vert.size(); ++i) {
       const auto [a, b] = mesh_.edge_to_vert[i];
-      edges_.push_back({{std::min(a, b), std::max(a, b)}, mesh_.edge_to_entity[i]});
-      if (edges_.back().edge != kNone) next = std::max(next, edges_.back().edge + 1);
+      pieces.push_back({{std::min(a, b), std::max(a, b)}, mesh_.edge_to_entity[i]});
     }
-    next = std::max<std::uint32_t>(next, static_cast<std::uint32_t>(mesh_.entities[1].size()));
-    std::sort(edges_.begin(), edges_.end());
-    struct Use {
-      std::array<std::uint32_t, 2> verts;
-      std::uint32_t face;
-      auto operator<=>(const Use&) const = default;
-    };
-    std::vector<Use> uses;
-    for_each_on_surface([&](const Triangle& verts, std::uint32_t face) {
+    std::sort(pieces.begin(), pieces.end());
+    return pieces;
+  }
+
+  std::vector<EdgeUse> edges_of_triangles() const {
+    std::vector<EdgeUse> uses;
+    uses.reserve(triangles_.size() * 3);
+    for (const LinkedTriangle& t : triangles_) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = verts[i], b = verts[(i + 1) % 3];
-        uses.push_back({{std::min(a, b), std::max(a, b)}, face});
+        const std::uint32_t a = t.triangle.verts[i], b = t.triangle.verts[(i + 1) % 3];
+        uses.push_back({{std::min(a, b), std::max(a, b)}, t.triangle.face});
       }
-    });
-    std::sort(uses.begin(), uses.end());
-    std::map<std::vector<std::uint32_t>, std::uint32_t> names;  // of edges by the faces that meet there
-    std::vector<ModelEdgePiece> found;
-    for (std::size_t i = 0; i < uses.size();) {
-      std::size_t end = i;
-      std::vector<std::uint32_t> faces;
-      for (; end < uses.size() && uses[end].verts == uses[i].verts; ++end) faces.push_back(uses[end].face);
-      const bool is_edge = faces.size() != 2 || faces[0] != faces[1];
-      const auto at = std::lower_bound(edges_.begin(), edges_.end(), ModelEdgePiece{uses[i].verts, 0});
-      const bool known = at != edges_.end() && at->verts == uses[i].verts && at->edge != kNone;
-      if (next >= kTouching) throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
-      if (known) {
-        found.push_back(*at);
-      } else if (is_edge) {
-        const auto [name, is_new] = names.emplace(faces, next);
-        next += is_new;
-        found.push_back({uses[i].verts, name->second});
-      }
-      i = end;
     }
-    edges_ = std::move(found);
+    std::sort(uses.begin(), uses.end());
+    return uses;
+  }
+
+  // After the faces that meet there, from `next` on: in the order of the lowest edge where they do.
+  void name_edges(const std::vector<std::pair<std::size_t, Faces>>& unnamed, std::uint32_t next) {
+    std::map<Faces, EdgeVerts> lowest;
+    for (const auto& [piece, faces] : unnamed) {
+      const auto& [a, b] = edges_[piece].verts;
+      lowest.emplace(faces, EdgeVerts{number_of(a), number_of(b)});
+    }
+    if (slice_) gather_lowest(lowest);
+    std::vector<std::pair<EdgeVerts, const Faces*>> order;
+    for (const auto& [faces, verts] : lowest) order.emplace_back(verts, &faces);
+    std::sort(order.begin(), order.end());
+    if (next + order.size() >= kTouching)
+      throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
+    std::map<Faces, std::uint32_t> names;
+    for (const auto& [verts, faces] : order) names[*faces] = next++;
+    for (const auto& [piece, faces] : unnamed) edges_[piece].edge = names[faces];
+  }
+
+  // Of all ranks.
+  void gather_lowest(std::map<Faces, EdgeVerts>& lowest) const {
+    const std::vector<Bytes> given = work_.all_gather([&](MessageWriter& writer) {
+      for (const auto& [faces, verts] : lowest) writer.put(verts), writer.put_array(std::span<const std::uint32_t>(faces));
+    });
+    for (const Bytes& bytes : given) {
+      for (MessageReader reader(bytes); !reader.at_end();) {
+        const auto verts = reader.get<EdgeVerts>();
+        const auto at = lowest.emplace(reader.get_array<std::uint32_t>(), verts).first;
+        at->second = std::min(at->second, verts);
+      }
+    }
+  }
+
+  // The highest of what the ranks give.
+  std::uint32_t next_of_all(std::uint32_t next) const {
+    std::array<double, 1> most{static_cast<double>(next)};
+    if (slice_) work_.max(most);
+    return static_cast<std::uint32_t>(most[0]);
   }
 
   // What every point lies on: corners where model edges end or meet, then edges, faces and regions.
@@ -193,23 +236,35 @@ class Builder {
     std::uint32_t next = static_cast<std::uint32_t>(mesh_.entities[0].size());
     for (const ModelEntity& entity : mesh_.point_to_entity)
       if (entity.valid() && entity.dim == 0) next = std::max(next, entity.index + 1);
+    std::vector<std::uint32_t> unnamed;
     for (std::uint32_t v = 0; v < pieces.size(); ++v) {
       const ModelEntity given = v < mesh_.point_to_entity.size() ? mesh_.point_to_entity[v] : ModelEntity();
-      if (given.valid() && given.dim == 0) {
+      if (slice_ && slice_->is_own[v] == 0) {
+        to_entity_[v] = PackedEntity();  // not all of its triangles are known
+      } else if (given.valid() && given.dim == 0) {
         to_entity_[v] = PackedEntity(given);
       } else if (corner[v] != 0 || pieces[v] == 1 || pieces[v] > 2) {
-        to_entity_[v] = PackedEntity(ModelEntity(0, next++));
+        unnamed.push_back(v);
       }
     }
-    // Of others not all triangles are known.
-    for (std::uint32_t v = 0; slice_ && v < pieces.size(); ++v)
-      if (slice_->is_own[v] == 0) to_entity_[v] = PackedEntity();
+    name_corners(unnamed, next_of_all(next));
+  }
+
+  // From `next` on, in the order of vertices.
+  void name_corners(const std::vector<std::uint32_t>& unnamed, std::uint32_t next) {
+    std::vector<std::uint32_t> numbers;
+    for (const std::uint32_t v : unnamed) numbers.push_back(number_of(v));
+    if (slice_) numbers = gather_lists(numbers, work_);
+    for (const std::uint32_t v : unnamed) {
+      const auto at = std::ranges::lower_bound(numbers, number_of(v)) - numbers.begin();
+      to_entity_[v] = PackedEntity(ModelEntity(0, next + static_cast<std::uint32_t>(at)));
+    }
   }
 
   const Mesh& mesh_;
-  const TetSlice* slice_;  // null: all
+  const MeshSlice* slice_;  // null: all
+  const SharedWork& work_;
   const TaskRunner& runner_;
-  std::vector<Triangle> tris_;  // of the slice
   TetMesh tets_;
   std::vector<LinkedTriangle> triangles_;
   std::vector<ModelEdgePiece> edges_;
@@ -236,34 +291,12 @@ std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const 
   return tets;
 }
 
-WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) { return Builder(mesh, nullptr, runner).run(); }
-
-TetSlice slice_around(const Mesh& mesh, std::size_t first, std::size_t count) {
-  TetSlice slice;
-  slice.is_own.resize(mesh.points.size(), 0);
-  for (std::size_t tet = first; tet < first + count; ++tet)
-    for (const std::uint32_t v : mesh.tet_to_vert[tet]) slice.is_own[v] = 1;
-  const auto is_near = [&](const auto& verts) {
-    return std::ranges::any_of(verts, [&](std::uint32_t v) { return slice.is_own[v] != 0; });
-  };
-  std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
-  for (std::uint32_t tet = 0; tet < mesh.tet_to_vert.size(); ++tet) {
-    if (tet == first) slice.begin = slice.to_number.size();
-    if (is_near(mesh.tet_to_vert[tet])) slice.to_number.push_back(tet);
-    for (const std::uint32_t v : mesh.tet_to_vert[tet]) is_used[v] = 1;
-  }
-  if (count == 0) slice.begin = slice.to_number.size();
-  slice.end = slice.begin + count;
-  const auto is_lost = [&](const Triangle& verts) {
-    return std::ranges::none_of(verts, [&](std::uint32_t v) { return is_used[v] != 0; });
-  };
-  for (std::uint32_t t = 0; t < mesh.tri_to_vert.size(); ++t)
-    if (is_near(mesh.tri_to_vert[t]) || is_lost(mesh.tri_to_vert[t])) slice.triangles.push_back(t);
-  return slice;
+WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner) {
+  return Builder(mesh, nullptr, SharedWork(runner)).run();
 }
 
-WholeMesh make_slice_mesh(const Mesh& mesh, const TetSlice& slice, const TaskRunner& runner) {
-  return Builder(mesh, &slice, runner).run();
+WholeMesh make_slice_mesh(const MeshSlice& slice, const SharedWork& work) {
+  return Builder(slice.mesh, &slice, work).run();
 }
 
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner) {

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "adapt/parts/mesh_slice.hpp"
 #include "tetloom/growing_array.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::adapt {
 
@@ -78,20 +80,10 @@ void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visi
 /// triangles that no tet has, tets of two regions that meet without a triangle.
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
 
-/// Some tets of a mesh, all those around them, and the triangles there.
-struct TetSlice {
-  std::size_t begin = 0, end = 0;        ///< of the some, in to_number
-  std::vector<std::uint8_t> is_own;      ///< of every point of the mesh: some have it, so that all tets there are here
-  std::vector<std::uint32_t> to_number;  ///< of all tets of the slice, ascending
-  std::vector<std::uint32_t> triangles;  ///< of the mesh: those with a vertex of the some, or of no tet, ascending
-};
-/// Around the `count` tets from `first` on. Linear.
-TetSlice slice_around(const Mesh& mesh, std::size_t first, std::size_t count);
-
-/// What make_whole_mesh says of a slice, with all points and edges, but without metrics: right for what has a vertex
-/// of the slice's own; others lie on nothing. Errors: as those of the whole, where they are in the slice; they may be
-/// worded otherwise.
-WholeMesh make_slice_mesh(const Mesh& mesh, const TetSlice& slice, const TaskRunner& runner);
+/// What make_whole_mesh says of a slice, but without metrics: right for what has a vertex of the slice's own; others lie
+/// on nothing, and pieces of model edges between them are left out. In SharedWork::together. Errors: as those of the
+/// whole, where they are in the slice; they may be worded otherwise.
+WholeMesh make_slice_mesh(const MeshSlice& slice, const SharedWork& work);
 
 /// The vertices of its tets.
 std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner);

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "adapt/transfer/clip_tet.hpp"
+#include "core/base/exact_sum.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -45,17 +46,20 @@ struct JoinedValues {
   bool on_cells = false;
 };
 
-/// Adds what each component is over some tets, without extremes.
-void add_integrals(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop,
-                   std::vector<FieldFigures>& figures) {
+/// What a component is over some tets.
+struct FieldSums {
+  ExactSum integral, magnitude;
+};
+
+std::vector<FieldSums> sums_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
   const std::size_t n = of.components;
-  const auto add = [&](std::size_t begin, std::size_t end, std::vector<FieldFigures>& sums) {
+  const auto add = [&](std::size_t begin, std::size_t end, std::vector<FieldSums>& sums) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const double volume = volume_of(corners_of(mesh, static_cast<std::uint32_t>(tet)));
       const auto add_value = [&](std::size_t at, double share) {
         for (std::size_t c = 0; c < n; ++c) {
           const double value = share * of.values[at * n + c];
-          sums[c].integral += value, sums[c].magnitude += std::abs(value);
+          sums[c].integral.add(value), sums[c].magnitude.add(std::abs(value));
         }
       };
       if (of.on_cells)
@@ -64,14 +68,18 @@ void add_integrals(const TetView& mesh, const JoinedValues& of, const BlockLoop&
         for (const std::uint32_t v : mesh.tets[tet]) add_value(v, volume / 4);
     }
   };
-  for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, std::vector<FieldFigures>(n), add))
+  std::vector<FieldSums> all(n);
+  for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, std::vector<FieldSums>(n), add))
     for (std::size_t c = 0; c < n; ++c)
-      figures[c].integral += block[c].integral, figures[c].magnitude += block[c].magnitude;
+      all[c].integral.add(block[c].integral), all[c].magnitude.add(block[c].magnitude);
+  return all;
 }
 
+/// Without extremes.
 std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
-  std::vector<FieldFigures> figures(of.components);
-  add_integrals(mesh, of, loop, figures);
+  std::vector<FieldFigures> figures;
+  for (const FieldSums& sums : sums_of(mesh, of, loop))
+    figures.push_back({sums.integral.value(), 0, 0, sums.magnitude.value()});
   return figures;
 }
 
@@ -187,20 +195,28 @@ bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names) {
                      [&](const std::string& name) { return find_field(mesh.cell_fields, name) != nullptr; });
 }
 
-FiguresBefore::FiguresBefore(const Mesh& mesh, const std::vector<std::string>& names) {
+std::vector<FieldFigures> figures_before(const MeshSlice& slice, const TetView& own,
+                                         const std::vector<std::string>& names, const SharedWork& work) {
+  std::vector<const MeshField*> fields;
   for (const std::string& name : names)
-    if (const MeshField* const field = find_field(mesh.point_fields, name)) fields.push_back(field);
-  figures.resize(count_components(fields));
-  joined_ = join(fields, mesh.points.size(), figures.size());
-}
-
-void FiguresBefore::add(const TetView& some, const BlockLoop& loop) {
-  if (!figures.empty()) add_integrals(some, {joined_, figures.size(), false}, loop, figures);
-}
-
-void FiguresBefore::finish() {
-  if (!figures.empty()) note_extremes({joined_, figures.size(), false}, figures);
-  joined_ = {};
+    if (const MeshField* const field = find_field(slice.mesh.point_fields, name)) fields.push_back(field);
+  const std::size_t n = count_components(fields);
+  const std::vector<double> joined = join(fields, slice.to_vert_number.size(), n);
+  std::vector<FieldSums> sums = sums_of(own, {joined, n, false}, work.runner());
+  std::vector<double> ends(2 * n, -HUGE_VAL);
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (slice.is_own[i / n] == 0) continue;
+    double* const of_component = &ends[i % n * 2];
+    of_component[0] = std::max(of_component[0], -joined[i]), of_component[1] = std::max(of_component[1], joined[i]);
+  }
+  work.max(ends);
+  std::vector<FieldFigures> figures;
+  const OwnTets shared = slice.own_tets(work);
+  for (std::size_t c = 0; c < n; ++c) {
+    shared.add_up(sums[c].integral), shared.add_up(sums[c].magnitude);
+    figures.push_back({sums[c].integral.value(), -ends[2 * c], ends[2 * c + 1], sums[c].magnitude.value()});
+  }
+  return figures;
 }
 
 CellSource FieldCarrier::tet_source(std::span<const double> values) const {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "adapt/parts/mesh_slice.hpp"
 #include "adapt/transfer/cell_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/mesh_data.hpp"
@@ -38,20 +39,10 @@ struct TetsByPart {
   }
 };
 
-/// What is said of the fields on points of a mesh before anything is done, component by component; for carriers that
-/// come too late to ask. `names`: some that fields on points have, and none on tets.
-struct FiguresBefore {
-  std::vector<const MeshField*> fields;  ///< in the order of the names
-  std::vector<FieldFigures> figures;
-
-  FiguresBefore(const Mesh& mesh, const std::vector<std::string>& names);
-  /// The next tets, positive ones; calls in the order of tets, with a multiple of 4096 of them but for the last.
-  void add(const TetView& some, const BlockLoop& loop);
-  void finish();
-
- private:
-  std::vector<double> joined_;
-};
+/// What is said of the fields on points of the whole mesh before anything is done, component by component; for carriers
+/// that come too late to ask. `own`: the slice's own tets, positive ones. In SharedWork::together.
+std::vector<FieldFigures> figures_before(const MeshSlice& slice, const TetView& own,
+                                         const std::vector<std::string>& names, const SharedWork& work);
 
 /// Whether a field on tets has one of the names.
 bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names);

@@ -39,28 +39,39 @@ void write_output(const AdaptCommand& command, Mesh& mesh, const CancelToken& ca
   write_mesh(mesh, command.output, &cancel, runner);
 }
 
+// What is adapted, and to what.
+struct AdaptTask {
+  AdaptInput input;
+  adapt::MetricField metric;
+  PerPart<adapt::MetricField> metric_of_parts;  // of a mesh in parts
+  double metric_seconds = 0;
+};
+
 // By all ranks together, which need not read all of the pieces each.
-std::optional<Mesh> read_pieces(const AdaptCommand& command, Communicator& communicator, Run& run) {
+AdaptInput read_pieces(const AdaptCommand& command, Communicator& communicator, Run& run) {
   run.begin_together(Stage::Read);
-  std::optional<Mesh> mesh;
+  AdaptInput input;
   const SharedWork work(command.options.threads, run.host(), &communicator);
   run.report().seconds.read =
-      timed([&] { mesh = read_input([&] { return read_pieces_of(command, work, run.cancel()); }); });
-  return mesh;
+      timed([&] { input = read_input([&] { return read_pieces_of(command, work, run.cancel()); }); });
+  if (input.parts) input.parts->communicator = &communicator;
+  return input;
 }
 
-AdaptInput read_input_with_metric(const AdaptCommand& command, std::optional<Mesh>&& pieces, adapt::MetricField& metric,
-                                  double& metric_seconds, Run& run) {
+void read_input_with_metric(const AdaptCommand& command, AdaptTask& task, Run& run) {
   const TaskRunner runner(command.options.threads, run.host());
   RunReport& report = run.report();
   run.begin(Stage::Read);
-  AdaptInput input;
-  report.seconds.read += timed(
-      [&] { input = read_input([&] { return read_adapt_input(command, std::move(pieces), runner, run.cancel()); }); });
-  report.warnings = input.document.warnings;
+  report.seconds.read +=
+      timed([&] { read_input([&] { read_adapt_input(command, runner, run.cancel(), task.input); }); });
+  report.warnings = task.input.document.warnings;
   run.begin(Stage::SizeField);
-  metric_seconds = timed([&] { metric = make_metric(command, input, runner); });
-  return input;
+  task.metric_seconds = timed([&] {
+    if (task.input.parts)
+      task.metric_of_parts = make_metric_of_parts(command, task.input, runner);
+    else
+      task.metric = make_metric(command, task.input, runner);
+  });
 }
 
 AdaptOptions options_of(const AdaptCommand& command, const AdaptInput& input) {
@@ -124,26 +135,39 @@ void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, co
   note_ranks(*result.mesh->communicator, tets_of_rank(*result.mesh), report);
 }
 
+// Nothing is left of the mesh afterwards.
+AdaptInPartsResult adapt_in_parts(AdaptTask& task, const AdaptOptions& options, Communicator& ranks, const Host& host) {
+  AdaptInput& input = task.input;
+  AdaptInPartsResult result =
+      input.parts ? adapt_mesh_in_parts(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
+                  : adapt_mesh_in_parts(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
+  input.parts.reset(), input.mesh.reset();
+  return result;
+}
+
+AdaptResult adapt_on_ranks(AdaptTask& task, const AdaptOptions& options, Communicator& ranks, const Host& host) {
+  AdaptInput& input = task.input;
+  AdaptResult result =
+      input.parts ? adapt_mesh_on_ranks(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
+                  : adapt_mesh_on_ranks(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
+  input.parts.reset(), input.mesh.reset();
+  return result;
+}
+
 void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& run) {
   if (communicator.rank_count() > 1) return_freed_memory();
-  AdaptInput input;
-  adapt::MetricField metric;
-  double metric_seconds = 0;
-  std::optional<Mesh> pieces = read_pieces(command, communicator, run);
-  run_on_all(communicator,
-             [&] { input = read_input_with_metric(command, std::move(pieces), metric, metric_seconds, run); });
-  const AdaptOptions options = options_of(command, input);
+  AdaptTask task;
+  task.input = read_pieces(command, communicator, run);
+  run_on_all(communicator, [&] { read_input_with_metric(command, task, run); });
+  const AdaptOptions options = options_of(command, task.input);
   const TaskRunner runner(options.threads, run.host());
   if (command.in_parts) {
-    AdaptInPartsResult result =
-        adapt_mesh_in_parts(std::move(input.mesh), std::move(metric), options, communicator, run.host());
-    input.mesh = Mesh();
-    if (note_run(result.run, metric_seconds, run.report())) finish_in_parts(command, result, runner, run);
+    AdaptInPartsResult result = adapt_in_parts(task, options, communicator, run.host());
+    if (note_run(result.run, task.metric_seconds, run.report())) finish_in_parts(command, result, runner, run);
     return;
   }
-  AdaptResult result = adapt_mesh_on_ranks(std::move(input.mesh), std::move(metric), options, communicator, run.host());
-  input.mesh = Mesh();
-  if (!note_run(result, metric_seconds, run.report())) return;
+  AdaptResult result = adapt_on_ranks(task, options, communicator, run.host());
+  if (!note_run(result, task.metric_seconds, run.report())) return;
   run_on_first(communicator, [&] {
     finish_in_one_piece(command, result, runner.with_idle_threads(communicator.ranks_on_machine()), run);
   });

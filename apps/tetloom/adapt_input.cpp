@@ -72,6 +72,23 @@ adapt::MetricField from_solution(const AdaptCommand& command, const Mesh& mesh, 
   return adapt::metric_from_solution(field.values, {mesh.points, mesh.tet_to_vert}, command.hessian, runner).metric;
 }
 
+// Whether the metric is made, or fields are carried over, with the mesh as a whole.
+bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
+  const auto is_on_cells = [&](const std::string& name) {
+    return std::ranges::count(parts.cell_fields, name, &FieldInfo::name) != 0;
+  };
+  return command.metric_field.empty() || command.curvature > 0 ||
+         std::ranges::any_of(command.options.transfer, is_on_cells);
+}
+
+// Names, to be asked for, without values.
+Mesh fields_of(const PartitionedMesh& parts) {
+  Mesh names;
+  for (const FieldInfo& info : parts.vertex_fields) names.point_fields.push_back({info.name, info.components, {}});
+  for (const FieldInfo& info : parts.cell_fields) names.cell_fields.push_back({info.name, info.components, {}});
+  return names;
+}
+
 }  // namespace
 
 bool has_fields_beside(const std::filesystem::path& mesh) {
@@ -84,39 +101,58 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
   return path.replace_extension(lower_extension(mesh) == ".meshb" ? ".solb" : ".sol");
 }
 
-std::optional<Mesh> read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel) {
-  if (!is_piece_list(command.input)) return std::nullopt;
-  return copy_to_all(read_parts(command.input, work.ranks(), work.runner(), &cancel), work);
+AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel) {
+  AdaptInput input;
+  if (!is_piece_list(command.input)) return input;
+  input.parts = read_parts(command.input, work.ranks(), work.runner(), &cancel);
+  if (work.rank_count() > 1 && !needs_whole(command, *input.parts)) return input;
+  input.mesh = copy_to_all(std::move(*input.parts), work);
+  input.parts.reset();
+  return input;
 }
 
-AdaptInput read_adapt_input(const AdaptCommand& command, std::optional<Mesh>&& pieces, const TaskRunner& runner,
-                            const CancelToken& cancel) {
-  AdaptInput input;
-  input.mesh = pieces ? std::move(*pieces) : read_mesh(command.input, &cancel);
+void read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel,
+                      AdaptInput& input) {
+  if (!input.parts && !input.mesh) input.mesh = read_mesh(command.input, &cancel);
   if (has_fields_beside(command.input)) {
-    if (needs_fields(command)) read_fields_beside(command.input, input.mesh, cancel);
+    if (needs_fields(command)) read_fields_beside(command.input, *input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
-  require_fields(input.mesh, command.options.transfer);
-  if (!command.hessian_field.empty()) static_cast<void>(field_named(input.mesh, command.hessian_field));
-  if (!command.metric_field.empty()) input.metric = field_named(input.mesh, command.metric_field);
+  const Mesh fields = input.parts ? fields_of(*input.parts) : Mesh();
+  const Mesh& mesh = input.parts ? fields : *input.mesh;
+  require_fields(mesh, command.options.transfer);
+  if (!command.hessian_field.empty()) static_cast<void>(field_named(mesh, command.hessian_field));
+  if (!command.metric_field.empty()) input.metric = field_named(mesh, command.metric_field);
   if (!command.metric_file.empty()) {
-    input.metric = read_metric_file(command.metric_file, input.mesh, cancel);
+    input.metric = read_metric_file(command.metric_file, mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
   if (!command.model.empty()) input.document = read_model(command.model, command.read, &cancel, runner);
-  return input;
+}
+
+PerPart<adapt::MetricField> make_metric_of_parts(const AdaptCommand& command, const AdaptInput& input,
+                                                 const TaskRunner& runner) {
+  const PartitionedMesh& parts = *input.parts;
+  PerPart<adapt::MetricField> metric(parts.part_count(), parts.local());
+  for (const PartId id : parts.local()) {
+    const PartMesh& part = parts.parts.at(id).mesh;
+    const auto field = std::ranges::find(part.vertex_fields, command.metric_field, &VertexField::name);
+    const MeshField values{field->name, field->components, {field->values.begin(), field->values.end()}};
+    metric.at(id) = adapt::metric_from_field(values, input.order, part.points.span(), runner);
+    adapt::apply_bounds(metric.at(id), command.hessian.bounds, runner);
+  }
+  return metric;
 }
 
 adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner) {
   const bool from_values = command.hessian_field.empty();
   adapt::MetricField metric = from_values
-                                  ? adapt::metric_from_field(input.metric, input.order, input.mesh.points, runner)
-                                  : from_solution(command, input.mesh, runner);
+                                  ? adapt::metric_from_field(input.metric, input.order, input.mesh->points, runner)
+                                  : from_solution(command, *input.mesh, runner);
   input.metric = MeshField();
   if (from_values) adapt::apply_bounds(metric, command.hessian.bounds, runner);
   if (command.curvature > 0)
-    adapt::limit_by_curvature(metric, input.mesh, *input.document.model,
+    adapt::limit_by_curvature(metric, *input.mesh, *input.document.model,
                               {command.curvature, command.hessian.bounds.h_min}, runner);
   return metric;
 }

@@ -6,6 +6,7 @@
 #include "apps/tetloom/options.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/metric.hpp"
+#include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/shared_work.hpp"
 
@@ -13,7 +14,8 @@ namespace tetloom::app {
 
 /// Everything that an adaptation is made from, as it was read.
 struct AdaptInput {
-  Mesh mesh;               ///< with the fields that the command names
+  std::optional<PartitionedMesh> parts;  ///< the mesh where it lies, or else:
+  std::optional<Mesh> mesh;              ///< the whole of it, with the fields that the command names
   ModelDocument document;  ///< without a model where none is asked for
   MeshField metric;        ///< values from a file or a field; without any: to be made from a solution
   adapt::TensorOrder order = adapt::TensorOrder::Vtk;
@@ -24,16 +26,19 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// The mesh, where it lies in pieces: each rank reads some of them, and has all in the end. In SharedWork::together.
-/// Errors: those of read_parts.
-std::optional<Mesh> read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
+/// The mesh, where it lies in pieces: each rank reads some of them. Where the metric is made of the mesh as a whole, all
+/// have it in the end. In SharedWork::together. Errors: those of read_parts.
+AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
-/// Reads what the command names, but for a mesh in `pieces`. Errors: as those of the readers; InputUnsuitable for
+/// Reads what the command names, but for a mesh that is there. Errors: as those of the readers; InputUnsuitable for
 /// fields that are not there.
-AdaptInput read_adapt_input(const AdaptCommand& command, std::optional<Mesh>&& pieces, const TaskRunner& runner,
-                            const CancelToken& cancel);
+void read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel,
+                      AdaptInput& input);
 
-/// Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
+/// Of the whole mesh. Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
 adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner);
+/// Of a mesh in parts, those of this rank.
+PerPart<adapt::MetricField> make_metric_of_parts(const AdaptCommand& command, const AdaptInput& input,
+                                                 const TaskRunner& runner);
 
 }  // namespace tetloom::app

@@ -196,7 +196,7 @@ class MeshMaker {
     add_boundary(BoundaryKind::Triangle, mesh_.tri_to_vert, mesh_.tri_to_entity);
     add_boundary(BoundaryKind::Quad, mesh_.quad_to_vert, mesh_.quad_to_entity);
     add_fields();
-    for (const PartEntity& entity : part_.entities) add_entity(entity);
+    name_entities(part_.entities, mesh_);
     return std::move(mesh_);
   }
 
@@ -246,17 +246,6 @@ class MeshMaker {
     }
   }
 
-  void add_entity(const PartEntity& entity) {
-    if (entity.has_attributes) {
-      auto& attributes = mesh_.entities[entity.entity.dim];
-      if (attributes.size() <= entity.entity.index) attributes.resize(entity.entity.index + 1);
-      attributes[entity.entity.index] = entity.attributes;
-    }
-    if (entity.entity.dim != 2 || (!entity.sides.front.valid() && !entity.sides.back.valid())) return;
-    if (mesh_.face_to_sides.size() <= entity.entity.index) mesh_.face_to_sides.resize(entity.entity.index + 1);
-    mesh_.face_to_sides[entity.entity.index] = entity.sides;
-  }
-
   const PartMesh& part_;
   Mesh mesh_;
   std::vector<std::uint32_t> order_, index_;
@@ -273,6 +262,19 @@ PartMesh make_part(const Mesh& mesh, std::span<const std::uint64_t> global_ids) 
   PartMesh part = PartMaker(mesh, global_ids).make();
   drop_unknown_entities(part);
   return part;
+}
+
+void name_entities(std::span<const PartEntity> entities, Mesh& mesh) {
+  for (const PartEntity& entity : entities) {
+    if (entity.has_attributes) {
+      auto& attributes = mesh.entities[entity.entity.dim];
+      if (attributes.size() <= entity.entity.index) attributes.resize(entity.entity.index + 1);
+      attributes[entity.entity.index] = entity.attributes;
+    }
+    if (entity.entity.dim != 2 || (!entity.sides.front.valid() && !entity.sides.back.valid())) continue;
+    if (mesh.face_to_sides.size() <= entity.entity.index) mesh.face_to_sides.resize(entity.entity.index + 1);
+    mesh.face_to_sides[entity.entity.index] = entity.sides;
+  }
 }
 
 Mesh make_mesh(const PartMesh& part) { return MeshMaker(part).make(); }

@@ -24,4 +24,7 @@ PartMesh make_part(const Mesh& mesh, std::span<const std::uint64_t> global_ids);
 /// The mesh of a part on its own. Points stand by global id, elements as in the part.
 Mesh make_mesh(const PartMesh& part);
 
+/// Adds what parts know of model entities to the tables of `mesh`.
+void name_entities(std::span<const PartEntity> entities, Mesh& mesh);
+
 }  // namespace tetloom

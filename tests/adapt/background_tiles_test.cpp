@@ -3,10 +3,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "adapt/adapter.hpp"
 #include "adapt/kernel/metric_stage.hpp"
 #include "adapt/metric/background.hpp"
 #include "adapt/metric/background_search.hpp"
-#include "adapt/parts/make_tiles.hpp"
 #include "adapt/parts/needed_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "tests/adapt/random_tensors.hpp"
@@ -33,27 +33,17 @@ MetricField random_metric(const Mesh& mesh) {
 
 /// A mesh, the background that it is in one piece, and the same in tiles.
 struct Spread {
-  const TaskRunner& runner;
-  WholeMesh share;
-  ShareLinks links;
-  TouchingVerts touching;
   BackgroundMesh whole;
   std::vector<Tensor> implied;
-  std::unique_ptr<BackgroundTiles> tiles;
+  AdapterShare made;
+  WholeMesh& share = made.mesh;
+  ShareLinks& links = made.links;
+  std::unique_ptr<BackgroundTiles>& tiles = made.tiles;
 
   Spread(const Mesh& mesh, const MetricField& metric, const SharedWork& work)
-      : runner(work.runner()), whole(tets_of(mesh), metric, runner), implied(implied_metric(whole.mesh())) {
-    const std::size_t given = mesh.points.size();
-    const auto firsts = equal_ranges(mesh.tet_to_vert.size(), static_cast<std::size_t>(work.rank_count()));
-    const auto rank = static_cast<std::size_t>(work.rank());
-    const TetSlice slice = slice_around(mesh, firsts[rank], firsts[rank + 1] - firsts[rank]);
-    FiguresBefore figures(mesh, {});
-    const ShareVerts verts = verts_of_mesh(mesh, slice.is_own, metric, figures, runner);
-    share = make_whole_mesh(mesh, runner);
-    touching = separate_fans(share, runner);
-    links = take_share(share, work);
-    tiles = make_tiles(share, links, as_in_share(verts, share, links, touching, given), work);
-  }
+      : whole(tets_of(mesh), metric, work.runner()),
+        implied(implied_metric(whole.mesh())),
+        made(share_of(slice_of(mesh, metric, {}, work.rank(), work.rank_count()), false, {}, work)) {}
 };
 
 /// Calls body(spread, work) on all of some ranks.
@@ -115,16 +105,18 @@ TEST_CASE("places, metrics and implied metrics in tiles are those of the whole m
   }
 }
 
-TEST_CASE("without a hint vertices begin in the tet of the whole mesh's grid", "[tiles]") {
+TEST_CASE("vertices begin in the first of the tets that have them", "[tiles]") {
   const Mesh mesh = make_u(3);
   std::vector<std::size_t> wrong(3, 0);
   on_ranks(mesh, random_metric(mesh), 3, [&](Spread& spread, const SharedWork& work) {
-    const StartGrid grid(tets_of(mesh));
+    const auto has = [](const TetVerts& tet, std::uint32_t v) { return std::ranges::count(tet, v) != 0; };
     for (std::size_t v = 0; v < spread.share.points.size(); ++v) {
+      const std::uint32_t given = spread.links.to_number[v];
       std::uint32_t number = kNone;
       spread.tiles->until_found(
           work, [&] { spread.tiles->finds([&] { number = spread.tiles->number(spread.share.to_hint[v]); }); });
-      wrong[static_cast<std::size_t>(work.rank())] += number != grid.tet_near(spread.share.points[v]);
+      const auto first = std::ranges::find_if(mesh.tet_to_vert, [&](const TetVerts& tet) { return has(tet, given); });
+      wrong[static_cast<std::size_t>(work.rank())] += number != first - mesh.tet_to_vert.begin();
       if (v >= 50) break;  // ranks must look up equally often
     }
   });

@@ -61,9 +61,10 @@ for ranks in 1 2 3 7; do
     rm -rf next*
 done
 cp -r pieces pieces.whole
-for wrong in missing foreign; do
+for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu
-    [ "$wrong" = missing ] || cp pieces/pieces_1.vtu pieces/pieces_2.vtu
+    [ "$wrong" != foreign ] || cp pieces/pieces_1.vtu pieces/pieces_2.vtu
+    [ "$wrong" != truncated ] || head -c 3000 pieces.whole/pieces_2.vtu > pieces/pieces_2.vtu
     status=0
     # shellcheck disable=SC2086
     on_ranks 2 adapt pieces.pvtu -o next.pvtu $field 2> errors || status=$?

@@ -1,5 +1,6 @@
 #include "threading/parts/gather_mesh.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -79,6 +80,20 @@ Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner) {
   Mesh whole;
   run_on_first(communicator, [&] { whole = make_mesh(detail::merge_packets(packets, mesh)); });
   return whole;
+}
+
+std::vector<PartEntity> gather_entities(const PartitionedMesh& mesh, const SharedWork& work) {
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    for (const PartId part : mesh.local())
+      for (const PartEntity& entity : mesh.parts.at(part).mesh.entities) detail::put_entity(writer, entity);
+  });
+  std::vector<PartEntity> all;
+  for (const Bytes& bytes : given)
+    for (MessageReader reader(bytes); !reader.at_end();) all.push_back(detail::get_entity(reader));
+  std::ranges::stable_sort(all, {}, &PartEntity::entity);
+  const auto copies = std::ranges::unique(all, {}, &PartEntity::entity);
+  all.erase(copies.begin(), copies.end());
+  return all;
 }
 
 Mesh copy_to_all(PartitionedMesh&& mesh, const SharedWork& work) {

@@ -39,6 +39,10 @@ class CellPacker {
   std::vector<bool> shared_;  // vertices on the part boundary
 };
 
+/// A model entity, as packets hold it.
+void put_entity(MessageWriter& writer, const PartEntity& entity);
+PartEntity get_entity(MessageReader& reader);
+
 /// All cells of a part by destination.
 struct SortedCells {
   std::vector<PartId> receivers;     ///< the parts that get something, ascending

@@ -22,21 +22,6 @@ struct PacketView {
   std::vector<PartEntity> entities;
 };
 
-PartEntity get_entity(MessageReader& reader) {
-  PartEntity entity;
-  entity.entity = reader.get<PackedEntity>().unpack();
-  entity.has_attributes = reader.get<bool>();
-  entity.attributes.name = get_text(reader);
-  const bool has_color = reader.get<bool>();
-  const Color color = reader.get<Color>();
-  if (has_color) entity.attributes.color = color;
-  entity.attributes.layer = get_text(reader);
-  entity.attributes.group = get_text(reader);
-  entity.attributes.tolerance = reader.get<double>();
-  entity.sides = reader.get<FaceSides>();
-  return entity;
-}
-
 PacketView view_packet(MessageReader& reader, const PartitionedMesh& mesh) {
   PacketView view;
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
@@ -202,6 +187,21 @@ class PartBuilder {
 };
 
 }  // namespace
+
+PartEntity get_entity(MessageReader& reader) {
+  PartEntity entity;
+  entity.entity = reader.get<PackedEntity>().unpack();
+  entity.has_attributes = reader.get<bool>();
+  entity.attributes.name = get_text(reader);
+  const bool has_color = reader.get<bool>();
+  const Color color = reader.get<Color>();
+  if (has_color) entity.attributes.color = color;
+  entity.attributes.layer = get_text(reader);
+  entity.attributes.group = get_text(reader);
+  entity.attributes.tolerance = reader.get<double>();
+  entity.sides = reader.get<FaceSides>();
+  return entity;
+}
 
 PartMesh merge_packets(std::span<Message> packets, const PartitionedMesh& mesh) {
   std::vector<PacketView> views;

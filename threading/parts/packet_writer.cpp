@@ -8,18 +8,6 @@
 namespace tetloom::detail {
 namespace {
 
-void put_entity(MessageWriter& writer, const PartEntity& entity) {
-  writer.put(PackedEntity(entity.entity));
-  writer.put(entity.has_attributes);
-  put_text(writer, entity.attributes.name);
-  writer.put(entity.attributes.color.has_value());
-  writer.put(entity.attributes.color.value_or(Color{}));
-  put_text(writer, entity.attributes.layer);
-  put_text(writer, entity.attributes.group);
-  writer.put(entity.attributes.tolerance);
-  writer.put(entity.sides);
-}
-
 // Collects values of which most are the same as the one before.
 class EntitySet {
  public:
@@ -45,6 +33,18 @@ PackedEntity pack_entity(int dim, std::uint32_t index) {
 }
 
 }  // namespace
+
+void put_entity(MessageWriter& writer, const PartEntity& entity) {
+  writer.put(PackedEntity(entity.entity));
+  writer.put(entity.has_attributes);
+  put_text(writer, entity.attributes.name);
+  writer.put(entity.attributes.color.has_value());
+  writer.put(entity.attributes.color.value_or(Color{}));
+  put_text(writer, entity.attributes.layer);
+  put_text(writer, entity.attributes.group);
+  writer.put(entity.attributes.tolerance);
+  writer.put(entity.sides);
+}
 
 // Boundary elements by their lowest vertex. Elements of all kinds are numbered one after the other.
 struct CellPacker::BoundaryIndex {

@@ -1,0 +1,270 @@
+// Meshes that lie in parts, adapted where they lie: the mesh of one process that has it all.
+#include <catch2/catch.hpp>
+#include <atomic>
+#include <new>
+
+#include "adapt/metric/own_tets.hpp"
+#include "adapt/parts/slice_gradation.hpp"
+#include "tests/adapt/meshed.hpp"
+#include "tests/adapt/random_tensors.hpp"
+#include "tests/adapt/touching_blocks.hpp"
+#include "tests/support/analytic_model.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/mixed_mesh.hpp"
+#include "tests/support/simulated_ranks.hpp"
+#include "tetloom/adapt.hpp"
+#include "tetloom/check.hpp"
+#include "tetloom/partition.hpp"
+#include "tetloom/tasks.hpp"
+
+using namespace tetloom;
+using namespace tetloom::adapt;
+
+namespace {
+
+Mesh unit_cube(int n) {
+  test::BoxSpec spec{n, n, n, true, 1};
+  spec.h = 1.0 / n;
+  return test::make_tet_box(spec);
+}
+
+Tensor layered(const Vec3& x) {
+  const double h = 0.04 + 0.3 * std::abs(x.z - 0.5);
+  return diagonal(30, 30, 1 / (h * h));
+}
+
+MeshField wave(const Mesh& mesh) {
+  MeshField field{"wave", 2, {}};
+  for (const Vec3& x : mesh.points) field.values.insert(field.values.end(), {std::sin(7 * x.x), x.y * x.z});
+  return field;
+}
+
+/// `mesh` in parts over these ranks, dealt without regard to where tets lie.
+PartitionedMesh in_parts(const Mesh& mesh, std::size_t parts, Communicator& ranks) {
+  const TaskRunner runner(1);
+  PartitionedMesh made = distribute_mesh(mesh, ranks);
+  PerPart<Destinations> destinations(1, made.local());
+  for (const PartId part : made.local())
+    for (std::size_t tet = 0; tet < made.parts.at(part).mesh.cell_count(); ++tet)
+      destinations.at(part).push_back(static_cast<std::uint32_t>(tet * 7 / 3 % parts));
+  migrate(made, std::move(destinations), parts, runner);
+  return made;
+}
+
+PerPart<MetricField> metric_of(const PartitionedMesh& mesh, const std::function<Tensor(const Vec3&)>& metric) {
+  PerPart<MetricField> fields(mesh.part_count(), mesh.local());
+  for (const PartId part : mesh.local())
+    fields.at(part) = metric_from_function(metric, mesh.parts.at(part).mesh.points.span());
+  return fields;
+}
+
+AdaptOptions options_for(double tets_per_part) {
+  AdaptOptions options;
+  options.tets_per_part = tets_per_part, options.threads = 1;
+  return options;
+}
+
+/// The same mesh and figures on all these numbers of ranks.
+AdaptReport check_like_whole(const Mesh& mesh, std::size_t parts, const std::function<Tensor(const Vec3&)>& metric,
+                      const AdaptOptions& options, std::initializer_list<int> rank_counts = {1, 2, 5}) {
+  AdaptResult first;
+  for (const int ranks : rank_counts) {
+    CAPTURE(ranks);
+    std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      PartitionedMesh dealt = in_parts(mesh, parts, communicator);
+      PerPart<MetricField> fields = metric_of(dealt, metric);
+      results[static_cast<std::size_t>(communicator.rank())] =
+          adapt_mesh_on_ranks(std::move(dealt), std::move(fields), options);
+    });
+    for (const AdaptResult& result : results) {
+      for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+      REQUIRE(result.status == AdaptStatus::Ok);
+    }
+    if (first.mesh.points.empty()) first = results[0];
+    const AdaptResult& result = results[0];
+    CHECK(result.mesh.points == first.mesh.points);
+    CHECK(result.mesh.tet_to_vert == first.mesh.tet_to_vert);
+    CHECK(result.mesh.tri_to_entity == first.mesh.tri_to_entity);
+    CHECK(result.mesh.edge_to_entity == first.mesh.edge_to_entity);
+    CHECK(result.mesh.point_to_entity == first.mesh.point_to_entity);
+    CHECK(field_digest(result.mesh) == field_digest(first.mesh));
+    CHECK(result.report.before.edges == first.report.before.edges);
+    CHECK(result.report.before.complexity == first.report.before.complexity);
+    CHECK(result.report.turning.followed == first.report.turning.followed);
+    REQUIRE(result.report.transfers.size() == first.report.transfers.size());
+    for (std::size_t i = 0; i < first.report.transfers.size(); ++i) {
+      const auto& one = first.report.transfers[i].components[0].before;
+      const auto& other = result.report.transfers[i].components[0].before;
+      CHECK(one.integral == other.integral);
+      CHECK(one.least == other.least);
+    }
+  }
+  CHECK(first.report.most_parts > 1);
+  CHECK(validate_mesh(first.mesh).valid());
+  return first.report;
+}
+
+}  // namespace
+
+TEST_CASE("a mesh in parts becomes the same mesh on any number of ranks, with its fields", "[adapt][parts]") {
+  Mesh cube = unit_cube(5);
+  cube.point_fields = {wave(cube), {"other", 1, std::vector<double>(cube.points.size(), 3)}};
+  AdaptOptions options = options_for(1500);
+  options.transfer = {"wave"};
+  CHECK(check_like_whole(cube, 3, layered, options, {1, 2, 3, 5}).transfers.size() == 1);
+}
+
+TEST_CASE("a mesh in parts is graded as a whole", "[adapt][parts]") {
+  AdaptOptions options = options_for(1500);
+  options.gradation = 1.3;
+  const auto spike = [](const Vec3& x) { return isotropic(norm(x - Vec3{0.3, 0.4, 0.2}) < 0.2 ? 0.06 : 0.5); };
+  check_like_whole(unit_cube(6), 4, spike, options);
+}
+
+TEST_CASE("metrics that turn too fast are limited alike in parts", "[adapt][parts]") {
+  const auto turning = [](const Vec3& x) {
+    const double angle = 9 * x.x;
+    const Vec3 along{std::cos(angle), std::sin(angle), 0};
+    return diagonal(9, 9, 9) + outer(along, 500);
+  };
+  CHECK(check_like_whole(unit_cube(6), 3, turning, options_for(2000), {1, 3}).turning.turns);
+}
+
+TEST_CASE("fields on tets of a mesh in parts are carried over", "[adapt][parts]") {
+  Mesh cube = unit_cube(4);
+  MeshField load{"load", 1, {}};
+  for (const auto& tet : cube.tet_to_vert) load.values.push_back(cube.points[tet[0]].x);
+  cube.cell_fields = {load}, cube.point_fields = {wave(cube)};
+  AdaptOptions options = options_for(1500);
+  options.transfer = {"load", "wave"};
+  check_like_whole(cube, 3, layered, options, {1, 3});
+}
+
+TEST_CASE("bodies that touch are adapted in parts as a whole", "[adapt][parts]") {
+  for (const TouchingShape& shape : kTouchingShapes) {
+    CAPTURE(shape.name);
+    check_like_whole(mesh_of(shape, 2), 3, [](const Vec3&) { return isotropic(0.13); }, options_for(700), {1, 3});
+  }
+}
+
+TEST_CASE("edges and corners that a mesh in parts does not name get the same names everywhere", "[adapt][parts]") {
+  Mesh cube = unit_cube(4);
+  cube.edge_to_vert.clear(), cube.edge_to_entity.clear();
+  for (ModelEntity& entity : cube.point_to_entity)
+    if (entity.dim < 2) entity = ModelEntity();
+  for (auto& table : cube.entities) table.clear();
+  check_like_whole(cube, 5, [](const Vec3& x) { return isotropic(0.1 + 0.1 * x.x); }, options_for(1500));
+}
+
+TEST_CASE("a mesh in parts follows a model", "[adapt][parts]") {
+  const auto model = test_models::make_cylinder(0.5, 1);
+  AdaptOptions options = options_for(1500);
+  options.model = model.get();
+  check_like_whole(test::meshed(*model, 0.2), 4, [](const Vec3& x) { return isotropic(0.1 + 0.1 * std::abs(x.x)); },
+                   options, {1, 3});
+}
+
+TEST_CASE("parts are adapted from and to where they lie, also by a function", "[adapt][parts]") {
+  const Mesh cube = unit_cube(5);
+  std::vector<std::string> digests;
+  for (const int ranks : {1, 3}) {
+    Mesh gathered;
+    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      AdaptInPartsResult result = adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered, options_for(1500));
+      if (!result.mesh) throw Error(ErrorCode::Internal, result.run.errors.at(0).message);
+      Mesh whole = gather_mesh(*result.mesh, TaskRunner(1));
+      if (communicator.rank() == 0) gathered = std::move(whole);
+    });
+    digests.push_back(mesh_digest(gathered));
+  }
+  CHECK(digests[0] == digests[1]);
+}
+
+namespace {
+
+/// What all of two ranks are told that adapt a mesh in 3 parts, after `change` of what the second of them gives.
+Diagnostic told_to_all(
+    const Mesh& given, const std::function<void(PerPart<MetricField>&, AdaptOptions&)>& change = [](auto&, auto&) {}) {
+  std::vector<AdaptResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    PartitionedMesh mesh = in_parts(given, 3, communicator);
+    PerPart<MetricField> metric = metric_of(mesh, layered);
+    AdaptOptions options = options_for(1000);
+    if (communicator.rank() == 1) change(metric, options);
+    results[static_cast<std::size_t>(communicator.rank())] =
+        adapt_mesh_on_ranks(std::move(mesh), std::move(metric), options);
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.status == AdaptStatus::Failed);
+    CHECK(result.errors[0].message == results[0].errors[0].message);
+  }
+  return results[0].errors[0];
+}
+
+}  // namespace
+
+TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][parts]") {
+  using Metric = PerPart<MetricField>;
+  const Mesh cube = unit_cube(3);
+  Diagnostic error = told_to_all(cube, [](Metric& metric, AdaptOptions&) {
+    metric.at(metric.local().front()).logs.pop_back();
+  });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("points of a part") != std::string::npos);
+  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.quality_floor = 0.2; });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("not given the same") != std::string::npos);
+  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.transfer = {"nothing"}; });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK(error.message.find("nothing") != std::string::npos);
+}
+
+TEST_CASE("meshes in parts that cannot be adapted are refused with a place", "[adapt][parts]") {
+  Mesh unnamed = unit_cube(3);
+  unnamed.tri_to_entity[5] = kNone;
+  Diagnostic error = told_to_all(unnamed);
+  CHECK(error.code == ErrorCode::InputUnsuitable);
+  CHECK(error.message.find("triangle that names its model face") != std::string::npos);
+  CHECK(error.point);
+  Mesh flat = unit_cube(3);
+  const auto& v = flat.tet_to_vert[7];
+  flat.points[v[3]] = (1.0 / 3) * (flat.points[v[0]] + flat.points[v[1]] + flat.points[v[2]]);
+  error = told_to_all(flat);
+  CHECK(error.code == ErrorCode::InputUnsuitable);
+  CHECK(error.point);
+  Mesh endless = unit_cube(3);
+  endless.points[9].y = HUGE_VAL;
+  CHECK(told_to_all(endless).code == ErrorCode::InputUnsuitable);
+  Mesh mixed = test::make_mixed_box(4, 4, 4);
+  CHECK(told_to_all(mixed).message.find("only meshes of tetrahedra") != std::string::npos);
+}
+
+TEST_CASE("what one rank's metric throws ends the adaptation of parts on all", "[adapt][parts]") {
+  for (const int failing : {0, 2}) {
+    std::vector<AdaptResult> results(3);
+    test::on_simulated_ranks(3, [&](Communicator& communicator) {
+      const bool fails = communicator.rank() == failing;
+      std::atomic<int> asked{0};
+      const auto metric = [&](const Vec3& x) {
+        if (fails && ++asked > 300) throw std::bad_alloc();
+        return layered(x);
+      };
+      results[static_cast<std::size_t>(communicator.rank())] =
+          adapt_mesh_on_ranks(in_parts(unit_cube(4), 5, communicator), metric, options_for(800));
+    });
+    for (const AdaptResult& result : results) {
+      REQUIRE(result.errors.size() == 1);
+      CHECK(result.errors[0].code == ErrorCode::OutOfMemory);
+    }
+  }
+}
+
+TEST_CASE("there may be more ranks than parts and than tets of a mesh in parts", "[adapt][parts]") {
+  Mesh tet;
+  tet.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tet.tet_to_vert = {{0, 1, 2, 3}}, tet.tet_to_entity = {0};
+  tet.tri_to_vert = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, tet.tri_to_entity = {0, 1, 2, 3};
+  check_like_whole(tet, 1, [](const Vec3&) { return isotropic(0.2); }, options_for(20), {1, 4});
+}
