@@ -62,7 +62,7 @@ bool SurfaceFitter::run() {
     if (round == 0 && options_.stop_where_model_crosses && crosses_in_model(candidate))
       return stop_early(std::move(candidate));
     if (round == 0 && has_skins(candidate)) return judge_crossings(std::move(candidate));
-    const bool is_last = round == kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
+    const bool is_last = round >= kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
     std::vector<Misfit> misfits;
@@ -77,6 +77,7 @@ bool SurfaceFitter::run() {
     if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);
     const bool done = !crosses && misfits.empty() && !takes_back;
     if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
+    if (crosses && is_last && keep_facets(candidate)) continue;
     if (done || !options_.refine_surface || is_last) return judge_crossings(std::move(candidate));
     bool refined = true;
     try {
@@ -206,6 +207,30 @@ bool SurfaceFitter::has_skins(Candidate& candidate) const {
   candidate.all_hits.insert(candidate.all_hits.end(), skins.begin(), skins.end());
   candidate.solid_hits.insert(candidate.solid_hits.end(), skins.begin(), skins.end());
   return !skins.empty();
+}
+
+// Has the facets stay as they are where triangles cross and the model does not, in larger and larger balls. Whether
+// anything changes.
+bool SurfaceFitter::keep_facets(const Candidate& candidate) {
+  constexpr int kMostRounds = 4;
+  const Mesh& mesh = candidate.surface.mesh;
+  if (kept_rounds_ == kMostRounds) return false;
+  Stopwatch watch;
+  const auto is_of_facets = [&](std::uint32_t tri) {
+    const auto geometry = model_.face_geometry(ModelFaceId(mesh.tri_to_entity[tri]));
+    return geometry->parametrization() == Parametrization::Piecewise;
+  };
+  std::vector<KeptPlace> places;
+  for (const TriangleIntersection& hit : candidate.solid_hits) {
+    if (!is_of_facets(hit.first) || !is_of_facets(hit.second)) continue;
+    const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
+    places.push_back({hit.point, std::ldexp(length, kept_rounds_)});
+  }
+  ++kept_rounds_;
+  const bool helps = !places.empty() && find_model_crossings(candidate.solid_hits, mesh, model_, runner_).empty() &&
+                     mesher_.keep_facets(places);
+  result_.seconds.surface += watch.lap();
+  return helps;
 }
 
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {

@@ -23,7 +23,8 @@ namespace tetloom {
 /// there: twice as small where triangles cross because they are too coarse for the shape, and as small as it takes and
 /// the budget allows where it is narrow. What still crosses after a few rounds crosses in the model. After the first
 /// round a few misfits are not worth another. A round meshes faces again where sizes changed, and looks for crossings
-/// and misfits at triangles that are new.
+/// and misfits at triangles that are new. Where a surface of facets that do not cross still crosses itself in the end,
+/// its facets are kept as they are.
 class SurfaceFitter {
  public:
   /// Complexes that fail are taken into `failed` where the options say so. What comes out, figures and seconds go into
@@ -62,6 +63,7 @@ class SurfaceFitter {
   void find_crossings(Candidate& candidate);
   bool crosses_in_model(Candidate& candidate);
   bool has_skins(Candidate& candidate) const;
+  bool keep_facets(const Candidate& candidate);
   std::vector<Misfit> find_misfits(const Candidate& candidate) const;
   SizeFloor floor_at(const Vec3& x) const;
   bool drop_contacts(const Candidate& candidate, std::vector<Misfit>& misfits);
@@ -91,6 +93,7 @@ class SurfaceFitter {
   std::optional<SmallFeatures> features_;
   RefinementLog log_;
   std::vector<Contact> contacts_;
+  int kept_rounds_ = 0;                            // in which more facets were kept as they are
   KnownTriangles embedded_;                        // triangles that were there in the last round and did not cross
   SizeField first_sizes_ = SizeField::uniform(1);  // before any refinement
   double first_elements_ = 0;                      // the elements estimated for those

@@ -93,13 +93,44 @@ void Triangulation::link(std::uint32_t h, std::uint32_t g) {
   if (g != kNone) twin_[g] = h;
 }
 
+// The half-edges that leave a vertex, as for_each_outgoing visits them.
+class Triangulation::Fan {
+ public:
+  Fan(const Triangulation& mesh, std::uint32_t vertex) : mesh_(mesh), start_(mesh.outgoing(vertex)), at_(start_) {}
+  /// kNone after the last.
+  std::uint32_t at() const { return at_; }
+  /// Whether the walk is over, and the vertex has triangles all around.
+  bool is_closed() const { return is_closed_; }
+  void advance() {
+    if (!is_backwards_) {
+      at_ = mesh_.twin(prev(at_));
+      is_closed_ = at_ == start_;
+      if (is_closed_) at_ = kNone;
+      if (at_ != kNone || is_closed_) return;
+      is_backwards_ = true, at_ = start_;
+    }
+    const std::uint32_t twin = mesh_.twin(at_);
+    at_ = twin == kNone ? kNone : next(twin);
+  }
+
+ private:
+  const Triangulation& mesh_;
+  std::uint32_t start_, at_;
+  bool is_backwards_ = false, is_closed_ = false;
+};
+
+// Walks around both vertices in turn, so that the one with fewer neighbours decides how long it takes.
 std::uint32_t Triangulation::find_half_edge(std::uint32_t a, std::uint32_t b) const {
-  std::uint32_t found = kNone;
-  for_each_outgoing(a, [&](std::uint32_t h) {
-    if (target(h) == b) found = h;
-    return found == kNone;
-  });
-  return found;
+  Fan from(*this, a), to(*this, b);
+  while (from.at() != kNone) {
+    if (target(from.at()) == b) return from.at();
+    from.advance();
+    if (to.at() == kNone) continue;
+    if (apex(to.at()) == a) return prev(to.at());
+    to.advance();
+    if (to.is_closed()) return kNone;
+  }
+  return kNone;
 }
 
 void Triangulation::flip(std::uint32_t h) {

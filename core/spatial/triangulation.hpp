@@ -74,7 +74,8 @@ class Triangulation {
     for (std::uint32_t g = twin_[start]; g != kNone; g = twin_[next(g)])
       if (!visit(next(g))) return;
   }
-  /// The half-edge from a to b, or kNone.
+  /// The half-edge from a to b, or kNone. Takes as long as the smaller ball of the two is large, but where the other
+  /// lies at a rim.
   std::uint32_t find_half_edge(std::uint32_t a, std::uint32_t b) const;
 
   /// Replaces the edge ab of the two triangles abc, bad by cd. Pre: h has a twin and is not fixed. The two triangles
@@ -102,6 +103,7 @@ class Triangulation {
   bool validate() const;
 
  private:
+  class Fan;
   std::uint32_t take_slot();
 
   std::vector<std::uint32_t> vert_;  // 3 per triangle

@@ -15,9 +15,9 @@ double farthest(std::span<const Vec3> points, const Vec3& place) {
 
 }  // namespace
 
-std::vector<Vec3> Displacement::points_of(std::uint32_t v) const {
+std::span<const Vec3> Displacement::points_of(std::uint32_t v) const {
   const auto record = records_.find(v);
-  return record == records_.end() ? std::vector<Vec3>{points_[v]} : record->second.points;
+  return record == records_.end() ? points_.subspan(v, 1) : std::span<const Vec3>(record->second.points);
 }
 
 std::vector<Vec3> Displacement::points_of_edge(std::uint32_t u, std::uint32_t v, double s) const {

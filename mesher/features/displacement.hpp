@@ -35,7 +35,7 @@ class Displacement {
     double beside = 0;  ///< moved by at least so much
   };
 
-  std::vector<Vec3> points_of(std::uint32_t v) const;
+  std::span<const Vec3> points_of(std::uint32_t v) const;
   std::vector<Vec3> points_of_edge(std::uint32_t u, std::uint32_t v, double s) const;
   double beside(std::uint32_t v) const;
   void add(std::uint32_t v, std::span<const Vec3> more, const Vec3& place);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/features/known_zones.hpp"
+#include "mesher/surface/kept_facets.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
@@ -14,17 +15,11 @@
 
 namespace tetloom {
 
-/// A ball in which nothing is eliminated.
-struct KeptPlace {
-  Vec3 center;
-  double radius = 0;
-};
-
 /// What is small at each point of a surface mesh.
 struct FeatureElimination {
   std::span<const double> tolerances;  ///< one per point of the mesh: what is smaller goes; model length
   std::span<const double> sizes;       ///< one per point: the edge length wanted there
-  std::span<const KeptPlace> kept;
+  std::span<const KeptPlace> kept;     ///< balls in which nothing is eliminated
 };
 
 /// The surface mesh without small features, and what was done.

@@ -53,6 +53,7 @@ class Eliminator {
     for (; !tasks_.empty() && budget > 0; --budget) {
       const Task task = tasks_.top();
       tasks_.pop();
+      is_queued_[task.triangle] = false;
       if (budget % 256 == 0) runner_.check_cancelled();
       if (surface_.is_alive(task.triangle)) better(task.triangle);
     }
@@ -69,33 +70,34 @@ class Eliminator {
     return std::ranges::any_of(t, [&](std::uint32_t v) { return is_touched_[v] != 0; });
   }
 
+  // A triangle that waits already is not put in twice: its urgency never changes, so both would be taken at once.
   void push(std::uint32_t t) {
+    is_queued_.resize(surface_.triangle_count(), false);
+    if (is_queued_[t]) return;
     const Triangle& verts = surface_.triangle(t);
     const auto [a, b, c] = corners(surface_, t);
     const double height = least_height(a, b, c) / tolerance_of(verts);
-    if (height < 1) return tasks_.push({height, t});
-    if (!any_touched(verts)) return;
+    const bool is_small = height < 1;
+    if (!is_small && !any_touched(verts)) return;
     // Beside merged vertices shapes matter too, after all that is small.
-    tasks_.push({1 + triangle_mean_ratio(a, b, c), t});
+    tasks_.push({is_small ? height : 1 + triangle_mean_ratio(a, b, c), t});
+    is_queued_[t] = true;
   }
 
   // Edges of a triangle, as the corner opposite to them, the shortest first.
-  std::array<int, 3> by_length(const Triangle& verts) const {
-    std::array<int, 3> order{0, 1, 2};
-    std::ranges::stable_sort(order, {}, [&](int i) {
-      const auto at = static_cast<std::size_t>(i);
-      return length(verts[(at + 1) % 3], verts[(at + 2) % 3]);
-    });
+  std::array<std::size_t, 3> by_length(const Triangle& verts) const {
+    const std::array<double, 3> lengths{length(verts[1], verts[2]), length(verts[2], verts[0]),
+                                        length(verts[0], verts[1])};
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(lengths[i], i); });
     return order;
   }
 
   void better(std::uint32_t t) {
     const Triangle verts = surface_.triangle(t);
-    const std::array<int, 3> order = by_length(verts);
-    for (const int i : order) {
-      const auto at = static_cast<std::size_t>(i);
-      if (collapse(verts[(at + 1) % 3], verts[(at + 2) % 3])) return;
-    }
+    const std::array<std::size_t, 3> order = by_length(verts);
+    for (const std::size_t i : order)
+      if (collapse(verts[(i + 1) % 3], verts[(i + 2) % 3])) return;
     snap(t, order[2]);
   }
 
@@ -167,15 +169,14 @@ class Eliminator {
     return std::max(nearest, distance_to_segment(x, change.place, surface_.point(far)));
   }
 
-  void snap(std::uint32_t t, int i) {
+  void snap(std::uint32_t t, std::size_t i) {
     const Triangle verts = surface_.triangle(t);
-    const auto at = static_cast<std::size_t>(i);
-    const std::uint32_t apex = verts[at], u = verts[(at + 1) % 3], v = verts[(at + 2) % 3];
+    const std::uint32_t apex = verts[i], u = verts[(i + 1) % 3], v = verts[(i + 2) % 3];
     if (zone_.is_locked[apex] || zone_.is_locked[u] || zone_.is_locked[v]) return;
     const auto [a, b, c] = corners(surface_, t);
     const double height = least_height(a, b, c), tolerance = tolerance_of(verts);
     const bool is_feature = height < tolerance;
-    const std::optional<LocalChange> change = plan_snap(surface_, t, i);
+    const std::optional<LocalChange> change = plan_snap(surface_, t, static_cast<int>(i));
     if (!change || (!is_feature && !is_flat_swap(*change))) return;
     const BeforeAfter heights = compare_heights(surface_, *change), shapes = compare_shapes(surface_, *change);
     if (!(is_feature ? heights.after > kSnapHeight * heights.before : is_better_swap(*change, heights, shapes))) return;
@@ -283,6 +284,7 @@ class Eliminator {
   std::vector<std::uint8_t> is_touched_;    // per point: something was merged there
   std::vector<std::uint32_t> merged_into_;  // per point, kNone for those that are there
   std::priority_queue<Task> tasks_;
+  std::vector<bool> is_queued_;  // per triangle
   std::size_t collapses_ = 0, snaps_ = 0;
 };
 

@@ -76,6 +76,16 @@ class TriangleTree {
               return true;
             });
   }
+  /// The same of the triangles in some leaves, in their order.
+  template <class Visit>
+  void for_each_along(const Vec3& x, const Vec3& along, std::span<const std::size_t> leaves, Visit&& visit) const {
+    const SegmentBoxTest meets(x, along);
+    for (const std::size_t leaf : leaves) {
+      if (!meets(leaf_box(leaf))) continue;
+      for (const std::uint32_t triangle : leaf_triangles(leaf))
+        if (meets(box_of(triangle))) visit(triangle);
+    }
+  }
   /// True when a point of a triangle lies nearer to `x` than `radius`.
   bool any_within(const Vec3& x, double radius) const;
   /// False when no triangle's box overlaps `box` (closed); true when one does, or nearly.

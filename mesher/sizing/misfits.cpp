@@ -11,6 +11,7 @@ namespace tetloom {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
+using FloorAt = std::function<SizeFloor(const Vec3&)>;
 
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
 // A new size is worth a new surface where it is smaller by this.
@@ -49,21 +50,58 @@ class MisfitSearch {
     find_acute_corners();
   }
 
-  /// The size that fits on the triangle, where it is smaller than the present one; 0 where no size allowed does; else
-  /// infinity.
-  double fitting_size(std::uint32_t triangle, const std::function<SizeFloor(const Vec3&)>& floor) const {
+  /// Puts the sizes that fit on the triangles of a leaf of the tree: where one is smaller than the present size; 0
+  /// where no size allowed does; else infinity. Walls near all of them are looked for at once.
+  void put_fitting_sizes(std::size_t leaf, std::span<const std::uint8_t> tri_is_new, const FloorAt& floor,
+                         double* fitting) const {
+    const std::span<const std::uint32_t> triangles = tree_.leaf_triangles(leaf);
+    std::vector<PresentSize> present;
+    Box3 box;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      fitting[i] = HUGE_VAL;
+      if (!tri_is_new.empty() && tri_is_new[triangles[i]] == 0) continue;
+      const auto [a, b, c] = tree_.corners_of(triangles[i]);
+      const Vec3 center = (1.0 / 3) * (a + b + c);
+      const double size = sizes_.size_at(center);
+      present.push_back({i, center, size});
+      const Box3 own = tree_.box_of(triangles[i]);
+      const Vec3 reach = kLeastWidth * Vec3{size, size, size};
+      box.add({own.lo - reach, own.hi + reach});
+    }
+    std::vector<std::size_t> leaves;
+    if (!present.empty()) tree_.for_each_leaf_in(box, 0, [&](std::size_t near) { leaves.push_back(near); });
+    for (const auto& [i, center, size] : present)
+      fitting[i] = fitting_size({triangles[i], leaves}, center, size, floor);
+  }
+
+ private:
+  /// A triangle and the leaves in which its walls are.
+  struct Place {
+    std::uint32_t triangle;
+    std::span<const std::size_t> leaves;
+  };
+  /// The size at the i-th triangle of a leaf.
+  struct PresentSize {
+    std::size_t i;
+    Vec3 center;
+    double size;
+  };
+
+  /// Of one triangle; see put_fitting_sizes.
+  double fitting_size(const Place& place, const Vec3& center, double present, const FloorAt& floor) const {
+    const std::uint32_t triangle = place.triangle;
     const auto [a, b, c] = tree_.corners_of(triangle);
-    const Vec3 center = (1.0 / 3) * (a + b + c), normal = normalized(cross(b - a, c - a));
+    const Vec3 normal = normalized(cross(b - a, c - a));
     if (norm2(normal) == 0) return HUGE_VAL;
-    const double present = sizes_.size_at(center), reach = kLeastWidth * present;
+    const double reach = kLeastWidth * present;
     double width = height_of_flat(triangle, {a, b, c});
     double severe_width = is_near_acute_corner(triangle, center, present) ? HUGE_VAL : width;
-    for (const Wall& wall : find_walls(triangle, center, reach * normal)) {
+    for (const Wall& wall : find_walls(place, center, reach * normal)) {
       if (wall.cosine <= kOpposite) continue;
       width = std::min(width, wall.distance);
       if (!meet_near(triangle, wall.triangle, center, present)) severe_width = std::min(severe_width, wall.distance);
     }
-    const double edge_width = width_at_edges(triangle, normal, reach, present);
+    const double edge_width = width_at_edges(place, normal, reach, present);
     if (edge_width < kSevere * present) severe_width = std::min(severe_width, edge_width);
     width = std::min({width, severe_width, edge_width});
     if (width == HUGE_VAL) return HUGE_VAL;
@@ -74,7 +112,6 @@ class MisfitSearch {
     return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;
   }
 
- private:
   struct AcuteCorner {
     std::array<std::uint32_t, 2> edges;  // the lower first
     Vec3 place;
@@ -108,17 +145,17 @@ class MisfitSearch {
 
   /// How wide a wall is at the sides of the triangle that are pieces of model edges, along its normal and between it
   /// and its neighbours': it may be very narrow at an edge alone, which points at another side.
-  double width_at_edges(std::uint32_t triangle, const Vec3& normal, double reach, double present) const {
+  double width_at_edges(const Place& place, const Vec3& normal, double reach, double present) const {
     double width = HUGE_VAL;
-    const Triangle& verts = mesh_.tri_to_vert[triangle];
+    const Triangle& verts = mesh_.tri_to_vert[place.triangle];
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t v = verts[i], w = verts[(i + 1) % 3];
       const std::size_t piece = find_piece(v, w);
       if (piece == model_pieces_.size()) continue;
       const Vec3 middle = 0.5 * (mesh_.points[v] + mesh_.points[w]);
       for (const Vec3& along : {normal, normalized(piece_normals_[piece])})
-        for (const Wall& wall : find_walls(triangle, middle, reach * along))
-          if (wall.cosine > kBesideEdge && !meet_near(triangle, wall.triangle, middle, present))
+        for (const Wall& wall : find_walls(place, middle, reach * along))
+          if (wall.cosine > kBesideEdge && !meet_near(place.triangle, wall.triangle, middle, present))
             width = std::min(width, wall.cosine * wall.distance);
     }
     return width;
@@ -227,24 +264,24 @@ class MisfitSearch {
   };
 
   /// Those on both sides of the triangle, as far as there are regions.
-  std::array<Wall, 2> find_walls(std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
-    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[triangle]];
-    return {sides.front.valid() ? find_wall(sides.front, triangle, x, ray) : Wall{},
-            sides.back.valid() ? find_wall(sides.back, triangle, x, -ray) : Wall{}};
+  std::array<Wall, 2> find_walls(const Place& place, const Vec3& x, const Vec3& ray) const {
+    const FaceSides& sides = topology_.face_to_sides[mesh_.tri_to_entity[place.triangle]];
+    return {sides.front.valid() ? find_wall(sides.front, place, x, ray) : Wall{},
+            sides.back.valid() ? find_wall(sides.back, place, x, -ray) : Wall{}};
   }
 
   /// The first wall of the region within `ray` from `x`, on a triangle. Walls of others do not count: solids may touch.
-  Wall find_wall(ModelRegionId region, std::uint32_t triangle, const Vec3& x, const Vec3& ray) const {
+  Wall find_wall(ModelRegionId region, const Place& place, const Vec3& x, const Vec3& ray) const {
     double nearest = 1;
     Wall wall;
-    const Triangle& own = mesh_.tri_to_vert[triangle];
-    tree_.for_each_along(x, ray, [&](std::uint32_t other) {
-      if (other == triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
+    const Triangle& own = mesh_.tri_to_vert[place.triangle];
+    tree_.for_each_along(x, ray, place.leaves, [&](std::uint32_t other) {
+      if (other == place.triangle || share_a_vertex(own, mesh_.tri_to_vert[other])) return;
       const double at = crossing(other, x, ray);
       // Of triangles at the same distance any may come first: they share the edge or vertex that is hit.
       if (at >= nearest || near_region(other, ray) != region) return;
       nearest = at;
-      wall = {at * norm(ray), cosine_to(triangle, other, ray), other};
+      wall = {at * norm(ray), cosine_to(place.triangle, other, ray), other};
     });
     return wall.cosine > 0 ? wall : Wall{};
   }
@@ -325,15 +362,16 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
                                  const intersection::TriangleTree& tree, const SharedWork& work,
                                  std::span<const std::uint8_t> tri_is_new) {
   const MisfitSearch search(surface, topology, sizes, tree);
-  std::vector<double> fitting(surface.tri_to_vert.size(), HUGE_VAL);
-  work.fill<double>(fitting, 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
-      if (tri_is_new.empty() || tri_is_new[t] != 0)
-        fitting[t] = search.fitting_size(static_cast<std::uint32_t>(t), floor);
+  constexpr std::size_t kLeaf = intersection::TriangleTree::kLeafSize;
+  std::vector<double> fitting(surface.tri_to_vert.size());  // leaf by leaf
+  work.fill<double>(fitting, 256 * kLeaf, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin; first < end; first += kLeaf)
+      search.put_fitting_sizes(first / kLeaf, tri_is_new, floor, &fitting[first]);
   });
   std::vector<Misfit> misfits;
-  for (std::size_t t = 0; t < fitting.size(); ++t)
-    if (fitting[t] < HUGE_VAL) misfits.push_back({static_cast<std::uint32_t>(t), fitting[t]});
+  for (std::size_t i = 0; i < fitting.size(); ++i)
+    if (fitting[i] < HUGE_VAL) misfits.push_back({tree.leaf_triangles(i / kLeaf)[i % kLeaf], fitting[i]});
+  std::ranges::sort(misfits, {}, &Misfit::triangle);
   return misfits;
 }
 

@@ -49,6 +49,9 @@ std::vector<std::uint32_t> RimNodes::renumbered(const RimNodes& other) const {
 
 namespace {
 
+// Nodes of vertices that hold still while the patch is changed; those of the model are numbered below.
+constexpr std::uint32_t kStill = 0x80000000u;
+
 class FaceMesher {
  public:
   FaceMesher(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
@@ -59,6 +62,7 @@ class FaceMesher {
         sizes_(surroundings.sizes),
         taken_chords_(surroundings.taken_chords),
         last_attempt_(surroundings.last_attempt),
+        kept_(surroundings.kept_facets),
         keep_going_(keep_going),
         geometry_(model.face_geometry(face)) {}
 
@@ -145,7 +149,10 @@ class FaceMesher {
         Triangulation::from_triangles(static_cast<std::uint32_t>(patch.vertices.size()), facets.tri_to_vert);
     fix_slits(patch);
     patch.has_poles = true;
+    if (kept_ != nullptr && !kept_->empty()) fix_kept_facets(facets.points, patch);
     optimize_patch(patch, surface, {.rounds = 4, .adapt_density = true}, keep_going_);
+    for (PatchVertex& vertex : patch.vertices)
+      if (vertex.node != Triangulation::kNone && vertex.node >= kStill) vertex.node = Triangulation::kNone;
     split_taken_chords(patch, surface);
     extract(patch);
   }
@@ -174,6 +181,20 @@ class FaceMesher {
       const std::array<std::uint32_t, 2> ends{std::min(a, b), std::max(a, b)};
       if (std::binary_search(slits.begin(), slits.end(), ends)) patch.topology.fix(h, 2);
     }
+  }
+
+  // Nothing moves or changes in the balls in which the facets are kept.
+  void fix_kept_facets(std::span<const Vec3> points, Patch& patch) const {
+    std::vector<std::uint8_t> is_kept(points.size());
+    for (std::uint32_t v = 0; v < points.size(); ++v) {
+      is_kept[v] = kept_->holds(points[v]);
+      if (!is_kept[v] || patch.vertices[v].node != Triangulation::kNone) continue;
+      patch.vertices[v].place.point = points[v];
+      patch.vertices[v].node = kStill | v;
+    }
+    Triangulation& topology = patch.topology;
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h)
+      if (is_kept[topology.origin(h)] && is_kept[topology.target(h)] && topology.fixed(h) == 0) topology.fix(h, 1);
   }
 
   // A face without edges takes the smallest size of the whole field.
@@ -361,6 +382,7 @@ class FaceMesher {
   const SizeField& sizes_;
   std::span<const std::array<std::uint32_t, 2>> taken_chords_;
   bool last_attempt_;
+  const KeptFacets* kept_;
   const std::function<bool()>& keep_going_;
   std::unique_ptr<FaceGeometry> geometry_;
   FaceMesh result_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/surface/edge_mesher.hpp"
+#include "mesher/surface/kept_facets.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
 
@@ -66,6 +67,8 @@ struct FaceSurroundings {
   std::span<const std::array<std::uint32_t, 2>> taken_chords;
   /// Remesh the facets also of a face whose rim crosses itself in the plane; else the caller makes its edges finer.
   bool last_attempt = false;
+  /// Where faces without a plane keep their facets; null: nowhere.
+  const KeptFacets* kept_facets = nullptr;
 };
 
 /// Meshes one face: in its parameter plane where it has one, and by remeshing its facets in space where it has none or

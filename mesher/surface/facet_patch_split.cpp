@@ -16,7 +16,7 @@ class LongEdgeHalver {
 
   void run(std::span<const std::uint32_t> centers, const std::function<bool()>& keep_going) {
     constexpr std::size_t kAskEvery = 1024;
-    near_.assign(vertices_.size(), false);
+    center_.assign(vertices_.size(), kNone);
     for (const std::uint32_t v : centers) offer_around(v);
     for (std::size_t step = 0; !queue_.empty(); ++step) {
       if (step % kAskEvery == 0 && keep_going && !keep_going()) {
@@ -45,17 +45,23 @@ class LongEdgeHalver {
   };
 
   void offer_around(std::uint32_t center) {
-    near_[center] = true;
+    take_nearer(center, center);
     mesh_.for_each_outgoing(center, [&](std::uint32_t h) {
-      near_[mesh_.target(h)] = near_[mesh_.apex(h)] = true;
+      take_nearer(mesh_.target(h), center), take_nearer(mesh_.apex(h), center);
       for (const std::uint32_t side : {h, Triangulation::next(h), Triangulation::prev(h)}) offer(side);
       return true;
     });
   }
 
+  void take_nearer(std::uint32_t v, std::uint32_t center) {
+    const auto away = [&](std::uint32_t from) { return distance(vertices_.points[v], vertices_.points[from]); };
+    if (center_[v] == kNone || away(center) < away(center_[v])) center_[v] = center;
+  }
+
   void offer(std::uint32_t half) {
     constexpr double kLongest = 1.42;
-    if (mesh_.twin(half) == kNone || !near_[mesh_.origin(half)] || !near_[mesh_.target(half)]) return;
+    if (mesh_.twin(half) == kNone) return;
+    if (center_[mesh_.origin(half)] == kNone || center_[mesh_.target(half)] == kNone) return;
     if (length(half) > kLongest) push(half);
   }
 
@@ -69,10 +75,15 @@ class LongEdgeHalver {
     return {std::min(a, b), std::max(a, b)};
   }
 
-  // Asked for once per vertex.
+  // Asked for once per vertex. Far from the centers, edges may be longer than the size.
   double size_of(std::uint32_t vertex) const {
+    constexpr double kGrading = 0.5;
     if (vertex >= sizes_.size()) sizes_.resize(vertices_.size(), 0);
-    if (sizes_[vertex] == 0) sizes_[vertex] = size_at_(vertices_.points[vertex]);
+    if (sizes_[vertex] == 0) {
+      const Vec3& x = vertices_.points[vertex];
+      const double away = center_[vertex] == kNone ? 0 : distance(x, vertices_.points[center_[vertex]]);
+      sizes_[vertex] = std::max(size_at_(x), kGrading * away);
+    }
     return sizes_[vertex];
   }
 
@@ -96,15 +107,18 @@ class LongEdgeHalver {
   }
 
   void halve(std::uint32_t half) {
+    const std::uint32_t a = mesh_.origin(half), b = mesh_.target(half);
     const std::uint32_t vertex = halve_edge(mesh_, vertices_, half);
-    near_.push_back(true);
+    center_.push_back(center_[a]);
+    if (center_[b] != kNone) take_nearer(vertex, center_[b]);
     mesh_.for_each_outgoing(vertex, [&](std::uint32_t h) { return offer(h), true; });
   }
 
   Triangulation& mesh_;
   PatchVertices& vertices_;
   const std::function<double(const Vec3&)>& size_at_;
-  std::vector<bool> near_;  // the corners of the triangles at the centers, and what was added between them
+  // The nearest center, for the corners of the triangles at the centers and what was added between them.
+  std::vector<std::uint32_t> center_;
   std::set<std::array<std::uint32_t, 2>> kept_;  // edges beside longer ones that cannot be halved
   std::priority_queue<Entry> queue_;
   mutable std::vector<double> sizes_;  // per vertex; 0: not asked for yet

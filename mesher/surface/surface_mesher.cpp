@@ -27,7 +27,9 @@ class SurfaceMesher::State {
     faces_.resize(topology_.face_count());
     taken_chords_.clear();
     result_ = {};
-    const auto changes = is_first ? std::nullopt : find_changes(sizes_, sizes);
+    auto changes = is_first ? std::nullopt : find_changes(sizes_, sizes);
+    if (changes) changes->insert(changes->end(), new_places_.begin(), new_places_.end());
+    new_places_.clear();
     sizes_ = sizes;
     std::vector<std::size_t> pending = faces_to_mesh(changes);
     remeshed_ = 0;
@@ -45,6 +47,15 @@ class SurfaceMesher::State {
   }
 
   std::size_t remeshed() const { return remeshed_; }
+
+  bool keep_facets(std::span<const KeptPlace> places) {
+    const std::size_t before = new_places_.size();
+    for (const KeptPlace& place : places) {
+      const Vec3 reach{place.radius, place.radius, place.radius};
+      if (kept_.add(place)) new_places_.push_back({place.center - reach, place.center + reach});
+    }
+    return new_places_.size() > before;
+  }
 
  private:
   void mesh_until_edges_fit(std::vector<std::size_t> pending) {
@@ -89,6 +100,7 @@ class SurfaceMesher::State {
   void remesh_edges() {
     const std::vector<EdgeMesh> old_edges = std::move(edges_);
     edges_ = mesh_edges(model_, sizes_, options_, runner_);
+    kept_.put_on_edges(model_, edges_);
     copies_.carry_edges(sizes_, edges_);
     if (old_edges.empty()) return;
     const std::vector<std::uint32_t> numbers = RimNodes(model_, old_edges).renumbered(RimNodes(model_, edges_));
@@ -101,7 +113,7 @@ class SurfaceMesher::State {
 
   void mesh_faces(const std::vector<std::size_t>& pending) {
     const RimNodes rim(model_, edges_);
-    tetloom::mesh_faces(model_, pending, {rim, sizes_, taken_chords_, last_attempt_}, work_, faces_);
+    tetloom::mesh_faces(model_, pending, {rim, sizes_, taken_chords_, last_attempt_, &kept_}, work_, faces_);
   }
 
   // Doubles the pieces of the edges that cross; returns the faces to mesh again.
@@ -359,6 +371,8 @@ class SurfaceMesher::State {
   SizeField sizes_ = SizeField::uniform(1);
   std::size_t remeshed_ = 0;
   EdgeMeshOptions options_;
+  KeptFacets kept_;
+  std::vector<Box3> new_places_;  // of those kept since the last call
   bool last_attempt_ = false;
   std::vector<EdgeMesh> edges_;
   std::vector<FaceMesh> faces_;
@@ -372,6 +386,8 @@ SurfaceMesher::SurfaceMesher(const GeometricModel& model, const SharedWork& work
 SurfaceMesher::~SurfaceMesher() = default;
 
 SurfaceMeshResult SurfaceMesher::mesh(const SizeField& sizes) { return state_->run(sizes); }
+
+bool SurfaceMesher::keep_facets(std::span<const KeptPlace> places) { return state_->keep_facets(places); }
 
 std::size_t SurfaceMesher::remeshed() const { return state_->remeshed(); }
 

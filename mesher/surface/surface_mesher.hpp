@@ -1,8 +1,10 @@
 #pragma once
 // The surface mesh of a model: edges once each, then faces in parallel, then one conforming mesh of all.
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "mesher/surface/kept_facets.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/size_field.hpp"
@@ -32,6 +34,8 @@ class SurfaceMesher {
   ~SurfaceMesher();
 
   SurfaceMeshResult mesh(const SizeField& sizes);
+  /// From the next call on, surfaces of facets stay as they are given in these balls. Returns whether one is new.
+  bool keep_facets(std::span<const KeptPlace> places);
   /// How many faces the last call has meshed at least once.
   std::size_t remeshed() const;
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
+#include <set>
 
 #include "core/discrete/facet_bvh.hpp"
 #include "core/discrete/polygon.hpp"
@@ -70,6 +71,39 @@ TEST_CASE("closest_point agrees with brute force, with and without a guess, and 
     const SurfacePoint again = face->closest_point(free.point, free.uv);
     CHECK(distance(again.point, free.point) < 1e-12);
     guess = free.uv;
+  }
+}
+
+TEST_CASE("nearest points on long thin facets along any line are those of brute force") {
+  const unsigned seed = 17;
+  INFO("seed " << seed);
+  std::mt19937 random(seed);
+  const double spread = GENERATE(0.0, 0.3, 2.0);  // of the far ends: side by side, or like a fan
+  const Vec3 along = normalized(Vec3{0.47, -0.88, -0.09}), across = normalized(cross(along, Vec3{0, 0, 1}));
+  constexpr int kFacets = 300;
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> tris;
+  for (int i = 0; i <= kFacets; ++i) {
+    const double s = static_cast<double>(i) / kFacets - 0.5;
+    points.push_back(0.3 * s * across + Vec3{0, 0, 0.1 * s * s});
+    points.push_back(4.0 * along + spread * s * across);
+    const auto last = static_cast<std::uint32_t>(points.size() - 1);
+    if (i > 0) tris.push_back({last - 3, last - 1, last}), tris.push_back({last - 3, last, last - 2});
+  }
+  const detail::FacetBvh bvh(points, tris);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 x = i % 2 ? random_point(random, 3) : points[random() % points.size()] + random_point(random, 1e-4);
+    double expected = HUGE_VAL;
+    for (const auto& [a, b, c] : tris)
+      expected = std::min(expected, detail::closest_on_triangle(x, points[a], points[b], points[c]).distance2);
+    const detail::FacetPoint found = bvh.closest(x);
+    REQUIRE(found.distance2 == expected);
+    CHECK(distance(x, found.point) == Approx(std::sqrt(expected)).margin(1e-14));
+    const auto aim = static_cast<std::uint32_t>(random() % tris.size());
+    const Vec3 center = (points[tris[aim][0]] + points[tris[aim][1]] + points[tris[aim][2]]) / 3;
+    std::set<std::uint32_t> near_ray;
+    bvh.for_each_near_ray(x, center - x, [&](std::uint32_t t) { near_ray.insert(t); });
+    CHECK(near_ray.contains(aim));
   }
 }
 

@@ -67,6 +67,21 @@ TEST_CASE("a flip exchanges the diagonal and keeps fixed marks on the rim of its
   CHECK(count(mesh).euler == 1);
 }
 
+TEST_CASE("a half-edge is found from either end, inside and at the rim, and only where there is one") {
+  std::mt19937 random(3);
+  Triangulation mesh = make_grid(6);
+  for (int i = 0; i < 40; ++i)
+    if (const auto h = static_cast<std::uint32_t>(random() % mesh.half_edges()); mesh.twin(h) != kNone)
+      mesh.split_edge(h, mesh.add_vertex());
+  for (std::uint32_t a = 0; a < mesh.vertex_count(); ++a)
+    for (std::uint32_t b = 0; b < mesh.vertex_count(); ++b) {
+      std::uint32_t expected = kNone;
+      for (std::uint32_t h = 0; h < mesh.half_edges(); ++h)
+        if (mesh.alive(h / 3) && mesh.origin(h) == a && mesh.target(h) == b) expected = h;
+      REQUIRE(mesh.find_half_edge(a, b) == expected);
+    }
+}
+
 TEST_CASE("splitting a fixed edge gives two fixed edges") {
   Triangulation mesh = make_grid(2);
   const std::uint32_t inner = mesh.find_half_edge(1, 4);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "mesher/surface/facet_patch.hpp"
+#include "mesher/surface/facet_patch_detail.hpp"
 #include "tests/core/discrete_shapes.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/model.hpp"
@@ -325,6 +326,35 @@ TEST_CASE("a jagged rim takes nodes however coarse, if need be with triangles th
   CHECK(rim == pieces_of(chains));
   CHECK(euler_of(patch.tri_to_vert) == 1);
   CHECK(patch.inverted < patch.tri_to_vert.size());
+}
+
+TEST_CASE("long edges become short near a center, and only as short as their distance further away") {
+  constexpr std::uint32_t kSpokes = 400;
+  Triangulation mesh;
+  detail::PatchVertices vertices;
+  for (std::uint32_t i = 0; i <= kSpokes; ++i) {
+    const double angle = 2 * M_PI * i / kSpokes;
+    mesh.add_vertex();
+    vertices.points.push_back(i == 0 ? Vec3{} : Vec3{std::cos(angle), std::sin(angle), 0});
+    vertices.normals.push_back({0, 0, 1});
+  }
+  vertices.uv.resize(vertices.size()), vertices.entity.resize(vertices.size()), vertices.t.resize(vertices.size());
+  vertices.node.resize(vertices.size(), FacetPatch::kNoNode), vertices.sharp.resize(vertices.size());
+  for (std::uint32_t i = 0; i < kSpokes; ++i) {
+    const std::uint32_t t = mesh.add_triangle(0, i + 1, (i + 1) % kSpokes + 1);
+    if (i > 0) mesh.link(3 * t, 3 * (t - 1) + 2);
+  }
+  mesh.link(0, 3 * (kSpokes - 1) + 2);
+  const double size = 1e-3;
+  const std::function<double(const Vec3&)> size_at = [&](const Vec3&) { return size; };
+  const std::vector<std::uint32_t> centers{0};
+  detail::halve_long_edges(mesh, vertices, centers, {{}, size_at});
+  CHECK(mesh.validate());
+  mesh.for_each_outgoing(0, [&](std::uint32_t h) {
+    CHECK(distance({}, vertices.points[mesh.target(h)]) < 1.5 * size);
+    return true;
+  });
+  CHECK(vertices.size() < 40 * kSpokes);  // a thousand per spoke otherwise
 }
 
 TEST_CASE("a call ends when the host says so") {
