@@ -144,8 +144,7 @@ bool LayerGrowth::lower_hit(const std::vector<std::uint8_t>& is_hit, std::vector
 bool LayerGrowth::lower(std::span<const std::uint32_t> regions, double share) {
   bool any = false;
   for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
-    const std::uint32_t region = walls_.triangles[walls_.triangles_at(c)[0]].region;
-    if (counts_->count(c) == 0 || std::ranges::count(regions, region) == 0) continue;
+    if (counts_->count(c) == 0 || std::ranges::count(regions, walls_.curve_to_region[c]) == 0) continue;
     any = true;
     counts_->lower(c, static_cast<int>(share * counts_->count(c)), LayerLimit::Filling);
   }

@@ -126,6 +126,10 @@ class Marching {
     visibility_.assign(walls_.curve_count(), 0);
     for_each_curve([&](std::uint32_t c) {
       if (!is_first && !is_growing(c)) return;
+      if (walls_.triangles_at(c).empty()) {  // of a fan: straight on
+        direction_[c] = walls_.curve_to_direction[c], visibility_[c] = 1;
+        return;
+      }
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
       direction_[c] = constrain(c, most_normal_direction(normals).direction);

@@ -11,7 +11,22 @@ namespace {
 // Beside the tets of its corners.
 constexpr std::array<CellCorner, 6> kOtherPrismTets{
     {{0, 1, 2, 4}, {0, 1, 2, 5}, {3, 5, 4, 1}, {3, 5, 4, 2}, {0, 1, 5, 3}, {2, 0, 4, 3}}};
-constexpr double kOfEquilateral = 0.8660254037844386;
+// From each vertex to the four halves of each face opposite to it.
+constexpr std::array<CellCorner, 96> hex_tets() {
+  const CellShape& hex = shape_of(CellKind::Hex);
+  std::array<CellCorner, 96> tets{};
+  std::size_t count = 0;
+  for (std::uint8_t v = 0; v < 8; ++v)
+    for (const LocalFace& face : hex.faces()) {
+      const auto& f = face.vert;
+      if (f[0] == v || f[1] == v || f[2] == v || f[3] == v) continue;
+      for (std::size_t i = 0; i < 4; ++i) tets[count++] = {f[i], f[(i + 2) % 4], f[(i + 1) % 4], v};
+    }
+  return tets;
+}
+constexpr std::array<CellCorner, 96> kHexTets = hex_tets();
+
+constexpr double kOfEquilateral = 0.8660254037844386;  // Jacobian of the straight prism above an equilateral triangle
 
 struct CornerJacobian {
   double det, lengths2;  // the Jacobian; the product of the squared lengths
@@ -36,36 +51,45 @@ bool are_positive(std::span<const CellCorner> tets, std::span<const Vec3> x) {
 
 // Without square roots.
 bool are_sound(std::span<const CellCorner> corners, std::span<const Vec3> x, double least) {
-  const double bound = least * kOfEquilateral * (least * kOfEquilateral);
+  const double bound = least * least;
   return std::ranges::all_of(corners, [&](const CellCorner& corner) {
     const auto [det, lengths2] = corner_at(corner, x);
     return det > 0 && det * det >= bound * lengths2;
   });
 }
 
-double least_jacobian(std::span<const CellCorner> corners, std::span<const Vec3> x) {
+double least_jacobian(std::span<const CellCorner> corners, std::span<const Vec3> x, double best = kOfEquilateral) {
   double least = 1;  // signed square
   for (const CellCorner& corner : corners) {
     const auto [det, lengths2] = corner_at(corner, x);
     least = std::min(least, lengths2 > 0 ? det * std::abs(det) / lengths2 : 0);
   }
-  return std::min(1.0, std::copysign(std::sqrt(std::abs(least)), least) / kOfEquilateral);
+  return std::min(1.0, std::copysign(std::sqrt(std::abs(least)), least) / best);
 }
 
 }  // namespace
 
+bool is_positive(const std::array<Vec3, 8>& hex) { return are_positive(kHexTets, hex); }
 bool is_positive(const std::array<Vec3, 6>& prism) {
   return are_positive(kPrismCorners, prism) && are_positive(kOtherPrismTets, prism);
 }
 bool is_positive(const std::array<Vec3, 5>& pyramid) { return are_positive(kPyramidCorners, pyramid); }
 bool is_positive(const std::array<Vec3, 4>& tet) { return are_positive(kTetCorners, tet); }
 
-bool is_sound(const std::array<Vec3, 6>& prism, double least) {
-  return are_sound(kPrismCorners, prism, least) && are_positive(kOtherPrismTets, prism);
+bool is_sound(const std::array<Vec3, 8>& hex, double least) {
+  return are_sound(kHexCorners, hex, least) && are_positive(kHexTets, hex);
 }
-bool is_sound(const std::array<Vec3, 5>& pyramid, double least) { return are_sound(kPyramidCorners, pyramid, least); }
-bool is_sound(const std::array<Vec3, 4>& tet, double least) { return are_sound(kTetCorners, tet, least); }
+bool is_sound(const std::array<Vec3, 6>& prism, double least) {
+  return are_sound(kPrismCorners, prism, least * kOfEquilateral) && are_positive(kOtherPrismTets, prism);
+}
+bool is_sound(const std::array<Vec3, 5>& pyramid, double least) {
+  return are_sound(kPyramidCorners, pyramid, least * kOfEquilateral);
+}
+bool is_sound(const std::array<Vec3, 4>& tet, double least) {
+  return are_sound(kTetCorners, tet, least * kOfEquilateral);
+}
 
+double scaled_jacobian(const std::array<Vec3, 8>& hex) { return least_jacobian(kHexCorners, hex, 1); }
 double scaled_jacobian(const std::array<Vec3, 6>& prism) { return least_jacobian(kPrismCorners, prism); }
 double scaled_jacobian(const std::array<Vec3, 5>& pyramid) { return least_jacobian(kPyramidCorners, pyramid); }
 double scaled_jacobian(const std::array<Vec3, 4>& tet) { return least_jacobian(kTetCorners, tet); }

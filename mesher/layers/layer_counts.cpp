@@ -41,6 +41,25 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
     }
   });
   put_on(sides, runner);
+  even_out_fans();
+}
+
+// All curves of one foot have as many layers.
+void LayerCounts::even_out_fans() {
+  for (const FanVertex& fan : walls_.fan_vertices) {
+    const std::uint32_t least =
+        *std::ranges::min_element(fan.curves, {}, [&](std::uint32_t c) { return counts_[c]; });
+    for (const std::uint32_t c : fan.curves) lower_one(c, counts_[least], limits_[least]);
+  }
+}
+
+Vec3 LayerCounts::apex(const FanElement& fan) const {
+  constexpr double kHeight = 0.45;  // of the shorter way across
+  std::array<Vec3, 4> x;
+  for (std::size_t i = 0; i < 4; ++i) x[i] = top(fan.curves[i]);
+  const double across = distance(x[0] + x[3], x[1] + x[2]), along = distance(x[0] + x[1], x[2] + x[3]);
+  const Vec3 normal = normalized(cross(x[2] - x[0], x[3] - x[1]));
+  return 0.25 * (x[0] + x[1] + x[2] + x[3]) + kHeight * 0.5 * std::min(across, along) * normal;
 }
 
 void LayerCounts::put_on(const SideFaces& sides, const TaskRunner& runner) {
@@ -78,6 +97,12 @@ int LayerCounts::count_within(std::uint32_t curve, double thickness) const {
 }
 
 void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
+  const std::uint32_t fan = walls_.curve_to_fan_vertex[curve];
+  if (fan == kNone) return lower_one(curve, count, limit);
+  for (const std::uint32_t c : walls_.fan_vertices[fan].curves) lower_one(c, count, limit);
+}
+
+void LayerCounts::lower_one(std::uint32_t curve, int count, LayerLimit limit) {
   if (count >= counts_[curve]) return;
   counts_[curve] = std::max(count, 0);
   limits_[curve] = limit;
@@ -130,25 +155,25 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
 }
 
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
-  std::vector<int> sound(walls_.triangles.size(), std::numeric_limits<int>::max());
-  const auto sound_levels = [&](std::uint32_t wall) {
-    const auto& [a, b, c] = walls_.triangles[wall].curves;
-    return sound_.levels(wall, {counts_[a], counts_[b], counts_[c]},
-                         [&](std::uint32_t curve, int level) { return point(curve, level); });
+  std::vector<int> sound(walls_.stack_count(), std::numeric_limits<int>::max());
+  const auto sound_levels = [&](std::uint32_t stack) {
+    return sound_.levels(
+        stack, [&](std::uint32_t curve) { return counts_[curve]; },
+        [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); });
   };
-  const auto is_concerned = [&](const WallTriangle& wall) {
-    return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unchecked_[c] != 0; });
+  const auto is_concerned = [&](std::uint32_t stack) {
+    return std::ranges::any_of(walls_.curves_of(stack), [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
-      if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(w);
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
+      if (is_concerned(s)) sound[s] = sound_levels(s);
   });
   std::ranges::fill(unchecked_, 0);
   bool any = false;
-  for (std::size_t w = 0; w < sound.size(); ++w) {
-    for (const std::uint32_t c : walls_.triangles[w].curves) {
-      any = any || counts_[c] > sound[w];
-      lower(c, sound[w], LayerLimit::Cell);
+  for (std::size_t s = 0; s < sound.size(); ++s) {
+    for (const std::uint32_t c : walls_.curves_of(s)) {
+      any = any || counts_[c] > sound[s];
+      lower(c, sound[s], LayerLimit::Cell);
     }
   }
   return any;

@@ -4,8 +4,8 @@
 #include <map>
 #include <numbers>
 
-#include "mesher/layers/layer_cells.hpp"
 #include "mesher/layers/layered_mesh.hpp"
+#include "mesher/layers/stack_cells.hpp"
 
 namespace tetloom {
 
@@ -186,24 +186,26 @@ class Measuring {
       std::array<std::size_t, kCellKinds> cells{};
       std::vector<float> jacobians;
     };
-    const auto parts = map_blocks<Part>(runner, walls_.triangles.size(), kGrain, {},
+    const auto count_of = [&](std::uint32_t c) { return counts_.count(c); };
+    const auto measure_stack = [&](std::size_t stack, Part& part) {
+      for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int) {
+        std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+        for (std::size_t i = 0; i < x.size(); ++i)
+          x[i] = cell[i].is_apex() ? counts_.apex(walls_.fan(stack)) : counts_.point(cell[i].curve, cell[i].level);
+        ++part.cells[static_cast<std::size_t>(kind_of_cell(x.size()))];
+        part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
+      });
+    };
+    const auto parts = map_blocks<Part>(runner, walls_.stack_count(), kGrain, {},
                                         [&](std::size_t begin, std::size_t end, Part& part) {
-                                          for (std::size_t w = begin; w < end; ++w) {
-                                            const WallTriangle& wall = walls_.triangles[w];
-                                            for_each_cell(counts_of(wall), [&](CellKind kind, const auto& corners) {
-                                              std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
-                                              for (std::size_t i = 0; i < x.size(); ++i)
-                                                x[i] = counts_.point(wall.curves[corners[i].corner], corners[i].level);
-                                              ++part.cells[static_cast<std::size_t>(kind)];
-                                              part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
-                                            });
-                                          }
+                                          for (std::size_t s = begin; s < end; ++s) measure_stack(s, part);
                                         });
     std::vector<float> all;
     for (const Part& part : parts) {
       figures_.tets += part.cells[static_cast<std::size_t>(CellKind::Tet)];
       figures_.pyramids += part.cells[static_cast<std::size_t>(CellKind::Pyramid)];
       figures_.prisms += part.cells[static_cast<std::size_t>(CellKind::Prism)];
+      figures_.hexes += part.cells[static_cast<std::size_t>(CellKind::Hex)];
       all.insert(all.end(), part.jacobians.begin(), part.jacobians.end());
     }
     if (all.empty()) return;
