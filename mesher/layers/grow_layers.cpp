@@ -13,6 +13,8 @@ namespace tetloom::layers {
 
 namespace {
 
+constexpr int kMostTries = 5;             // to grow layers, each time without fans where they failed
+const double kLeastThickness = getenv("FAN_THICK") ? atof(getenv("FAN_THICK")) : 0.3;  // of layers at fans, of the width
 constexpr int kMostHits = 6;  // of one curve: then it has no layers any more
 
 // What is left of the layers of a curve that was in the way so often.
@@ -52,14 +54,41 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
     : model_(model),
       mesh_(mesh),
       sizes_(sizes),
-      runner_(runner),
-      walls_(find_walls(mesh, model.topology().face_to_sides, options)) {
-  const auto& face_to_sides = model.topology().face_to_sides;
-  sides_.emplace(model, mesh_, walls_, runner);
+      options_(options),
+      runner_(runner) {
+  for (int tries = 0;; ++tries) {
+    grow();
+    std::vector<std::uint32_t> failing = failing_fans();
+    if (failing.empty()) {
+      make_surface();
+      failing = failing_fans();
+    }
+    if (failing.empty() || tries == kMostTries) break;
+    blunt_verts_.insert(blunt_verts_.end(), failing.begin(), failing.end());
+    std::ranges::sort(blunt_verts_);
+  }
+}
+
+// Up to where nothing has been looked for that crosses.
+void LayerGrowth::grow() {
+  const auto& face_to_sides = model_.topology().face_to_sides;
+  walls_ = find_walls(mesh_, face_to_sides, options_, blunt_verts_);
+  sides_.emplace(model_, mesh_, walls_, runner_);
+  side_meshes_.clear();
   side_meshes_.resize(sides_->sides().size());
-  const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner);
-  counts_.emplace(walls_, *sides_, paths, runner);
-  make_surface();
+  counts_.emplace(walls_, *sides_, make_paths(mesh_, face_to_sides, walls_, *sides_, runner_), runner_);
+  counts_->settle(runner_);
+}
+
+// Vertices of fans whose layers are too thin for tets above them.
+std::vector<std::uint32_t> LayerGrowth::failing_fans() const {
+  std::vector<std::uint32_t> failing;
+  for (const FanVertex& fan : walls_.fan_vertices)
+    if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
+          return counts_->thickness(c) < kLeastThickness * walls_.curve_to_width[c];
+        }))
+      failing.push_back(walls_.curve_to_vert[fan.curves[0]]);
+  return failing;
 }
 
 LayerGrowth::~LayerGrowth() = default;

@@ -11,21 +11,6 @@ namespace {
 // Beside the tets of its corners.
 constexpr std::array<CellCorner, 6> kOtherPrismTets{
     {{0, 1, 2, 4}, {0, 1, 2, 5}, {3, 5, 4, 1}, {3, 5, 4, 2}, {0, 1, 5, 3}, {2, 0, 4, 3}}};
-// From each vertex to the four halves of each face opposite to it.
-constexpr std::array<CellCorner, 96> hex_tets() {
-  const CellShape& hex = shape_of(CellKind::Hex);
-  std::array<CellCorner, 96> tets{};
-  std::size_t count = 0;
-  for (std::uint8_t v = 0; v < 8; ++v)
-    for (const LocalFace& face : hex.faces()) {
-      const auto& f = face.vert;
-      if (f[0] == v || f[1] == v || f[2] == v || f[3] == v) continue;
-      for (std::size_t i = 0; i < 4; ++i) tets[count++] = {f[i], f[(i + 2) % 4], f[(i + 1) % 4], v};
-    }
-  return tets;
-}
-constexpr std::array<CellCorner, 96> kHexTets = hex_tets();
-
 constexpr double kOfEquilateral = 0.8660254037844386;  // Jacobian of the straight prism above an equilateral triangle
 
 struct CornerJacobian {
@@ -69,15 +54,21 @@ double least_jacobian(std::span<const CellCorner> corners, std::span<const Vec3>
 
 }  // namespace
 
-bool is_positive(const std::array<Vec3, 8>& hex) { return are_positive(kHexTets, hex); }
 bool is_positive(const std::array<Vec3, 6>& prism) {
   return are_positive(kPrismCorners, prism) && are_positive(kOtherPrismTets, prism);
+}
+bool is_positive(const std::array<Vec3, 8>& hex) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> kHalves{{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}}};
+  return std::ranges::all_of(kHalves, [&](const auto& half) {
+    const auto& [a, b, c] = half;
+    return is_positive(std::array{hex[a], hex[b], hex[c], hex[a + 4u], hex[b + 4u], hex[c + 4u]});
+  });
 }
 bool is_positive(const std::array<Vec3, 5>& pyramid) { return are_positive(kPyramidCorners, pyramid); }
 bool is_positive(const std::array<Vec3, 4>& tet) { return are_positive(kTetCorners, tet); }
 
 bool is_sound(const std::array<Vec3, 8>& hex, double least) {
-  return are_sound(kHexCorners, hex, least) && are_positive(kHexTets, hex);
+  return are_sound(kHexCorners, hex, least) && is_positive(hex);
 }
 bool is_sound(const std::array<Vec3, 6>& prism, double least) {
   return are_sound(kPrismCorners, prism, least * kOfEquilateral) && are_positive(kOtherPrismTets, prism);

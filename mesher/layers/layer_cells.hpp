@@ -70,8 +70,8 @@ void for_each_cell(const std::array<int, 3>& counts, const Visit& visit) {
 }
 
 /// Whether all tets of all ways to split the cell are positive, in exact arithmetic: 12 of a prism, 4 of a pyramid, and
-/// of a hexahedron those from each vertex to halves of the faces opposite to it. All finer splits, and the cell itself
-/// with flat or curved quadrilaterals in between, are free of folds then.
+/// of a hexahedron those of the prisms on halves of its first face and of the one opposite to it, cut alike. All finer
+/// splits, and the cell itself with flat or curved quadrilaterals in between, are free of folds then.
 bool is_positive(const std::array<Vec3, 8>& hex);
 bool is_positive(const std::array<Vec3, 6>& prism);
 bool is_positive(const std::array<Vec3, 5>& pyramid);
