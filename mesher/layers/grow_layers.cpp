@@ -13,8 +13,8 @@ namespace tetloom::layers {
 
 namespace {
 
-constexpr int kMostTries = 5;             // to grow layers, each time without fans where they failed
-const double kLeastThickness = getenv("FAN_THICK") ? atof(getenv("FAN_THICK")) : 0.3;  // of layers at fans, of the width
+constexpr int kMostTries = 4;             // to grow layers, without fans where they failed
+const double kLeastAtFan = getenv("FAN_THICK") ? atof(getenv("FAN_THICK")) : 0.2;  // of the width: thinner layers leave no room for good tets above fans
 constexpr int kMostHits = 6;  // of one curve: then it has no layers any more
 
 // What is left of the layers of a curve that was in the way so often.
@@ -56,39 +56,39 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
       sizes_(sizes),
       options_(options),
       runner_(runner) {
-  for (int tries = 0;; ++tries) {
-    grow();
-    std::vector<std::uint32_t> failing = failing_fans();
-    if (failing.empty()) {
-      make_surface();
-      failing = failing_fans();
-    }
-    if (failing.empty() || tries == kMostTries) break;
-    blunt_verts_.insert(blunt_verts_.end(), failing.begin(), failing.end());
+  int tries = 0;
+  for (std::vector<std::uint32_t> failed = grow(tries); !failed.empty(); failed = grow(++tries)) {
+    if (getenv("FDBG")) fprintf(stderr, "%d: %zu fans, %zu fail\n", tries, walls_.fan_vertices.size(), failed.size());
+    blunt_verts_.insert(blunt_verts_.end(), failed.begin(), failed.end());
     std::ranges::sort(blunt_verts_);
+    blunt_verts_.erase(std::ranges::unique(blunt_verts_).begin(), blunt_verts_.end());
   }
 }
 
-// Up to where nothing has been looked for that crosses.
-void LayerGrowth::grow() {
+// The vertices of fans that are none, where there are some; everything is made anew without them.
+std::vector<std::uint32_t> LayerGrowth::grow(int tries) {
   const auto& face_to_sides = model_.topology().face_to_sides;
   walls_ = find_walls(mesh_, face_to_sides, options_, blunt_verts_);
   sides_.emplace(model_, mesh_, walls_, runner_);
   side_meshes_.clear();
   side_meshes_.resize(sides_->sides().size());
-  counts_.emplace(walls_, *sides_, make_paths(mesh_, face_to_sides, walls_, *sides_, runner_), runner_);
+  const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner_);
+  if (!paths.fans_without_room.empty()) return paths.fans_without_room;
+  counts_.emplace(walls_, *sides_, paths, runner_);
   counts_->settle(runner_);
+  std::vector<std::uint32_t> thin = thin_fans();
+  if (!thin.empty() && tries < kMostTries) return thin;
+  make_surface();
+  return tries < kMostTries ? thin_fans() : std::vector<std::uint32_t>{};
 }
 
-// Vertices of fans whose layers are too thin for tets above them.
-std::vector<std::uint32_t> LayerGrowth::failing_fans() const {
-  std::vector<std::uint32_t> failing;
+std::vector<std::uint32_t> LayerGrowth::thin_fans() const {
+  std::vector<std::uint32_t> thin;
   for (const FanVertex& fan : walls_.fan_vertices)
-    if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
-          return counts_->thickness(c) < kLeastThickness * walls_.curve_to_width[c];
-        }))
-      failing.push_back(walls_.curve_to_vert[fan.curves[0]]);
-  return failing;
+    if (std::ranges::any_of(
+            fan.curves, [&](std::uint32_t c) { return counts_->thickness(c) < kLeastAtFan * walls_.curve_to_width[c]; }))
+      thin.push_back(walls_.curve_to_vert[fan.curves[0]]);
+  return thin;
 }
 
 LayerGrowth::~LayerGrowth() = default;

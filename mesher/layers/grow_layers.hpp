@@ -37,8 +37,8 @@ class LayerGrowth {
   bool lower(std::span<const std::uint32_t> regions, double share);
 
  private:
-  void grow();
-  std::vector<std::uint32_t> failing_fans() const;
+  std::vector<std::uint32_t> grow(int tries);
+  std::vector<std::uint32_t> thin_fans() const;
   void make_surface();
   void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
