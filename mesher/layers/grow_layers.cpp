@@ -184,6 +184,10 @@ bool LayerGrowth::lower(std::span<const std::uint32_t> regions, double share) {
 void check_layer_options(const GeometricModel& model, const LayerOptions& options) {
   constexpr int kMostLayers = 1000;
   constexpr double kMostGrowth = 10;
+  constexpr double kLeastFanAngle = 45, kMostFanAngle = 180;
+  if (options.fan_angle != 0 && !(options.fan_angle >= kLeastFanAngle && options.fan_angle <= kMostFanAngle))
+    throw Error(Diagnostic{
+        ErrorCode::InvalidArgument, "layers: the angle of fans must lie between 45 and 180 degrees, or be 0", {}, {}, {}});
   std::vector<std::uint8_t> is_wall(model.topology().face_count(), 0);
   for (const WallLayers& wall : options.walls) {
     if (wall.face.value >= is_wall.size()) refuse(model, wall.face, "the model has no such face");

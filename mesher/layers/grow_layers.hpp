@@ -60,7 +60,7 @@ class LayerGrowth {
 };
 
 /// Errors: InvalidArgument with the face, for walls that cannot be made: unknown faces, heights, growth or counts out
-/// of range, faces that bound no region on the sides asked for.
+/// of range, faces that bound no region on the sides asked for; and without one for an angle of fans out of range.
 void check_layer_options(const GeometricModel& model, const LayerOptions& options);
 
 }  // namespace tetloom::layers

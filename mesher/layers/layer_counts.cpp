@@ -54,12 +54,12 @@ void LayerCounts::even_out_fans() {
 }
 
 Vec3 LayerCounts::apex(const FanElement& fan) const {
-  constexpr double kHeight = 0.45;  // of the shorter way across
+  constexpr double kHeight = 0.28;  // of the mean diagonal
   std::array<Vec3, 4> x;
   for (std::size_t i = 0; i < 4; ++i) x[i] = top(fan.curves[i]);
-  const double across = distance(x[0] + x[3], x[1] + x[2]), along = distance(x[0] + x[1], x[2] + x[3]);
-  const Vec3 normal = normalized(cross(x[2] - x[0], x[3] - x[1]));
-  return 0.25 * (x[0] + x[1] + x[2] + x[3]) + kHeight * 0.5 * std::min(across, along) * normal;
+  const Vec3 one = x[2] - x[0], other = x[3] - x[1];
+  return 0.25 * (x[0] + x[1] + x[2] + x[3]) +
+         kHeight * 0.5 * (norm(one) + norm(other)) * normalized(cross(one, other));
 }
 
 void LayerCounts::put_on(const SideFaces& sides, const TaskRunner& runner) {

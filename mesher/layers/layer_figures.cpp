@@ -11,7 +11,7 @@ namespace tetloom {
 
 std::string_view to_string(LayerLimit limit) {
   constexpr std::array<std::string_view, kLayerLimits> kNames{"none", "gap",      "concave",    "isotropy", "no_normal",
-                                                              "cell", "crossing", "side_angle", "filling"};
+                                                              "cell", "crossing", "side_angle", "filling", "fan"};
   return kNames[static_cast<std::size_t>(limit)];
 }
 
@@ -30,6 +30,7 @@ class Measuring {
   LayerFigures run(const TaskRunner& runner) {
     measure_cells(runner);
     measure_curves(runner);
+    figures_.fans = walls_.fan_vertices.size();
     std::map<std::uint32_t, Sums> faces;
     Sums whole;
     for (const WallTriangle& wall : walls_.triangles) {
@@ -169,15 +170,22 @@ class Measuring {
       return static_cast<double>(counts_.count(c)) / walls_.curve_to_heights[c].count;
     };
     const std::uint32_t worst = *std::ranges::min_element(wall.curves, {}, left);
-    if (left(worst) >= 1) return;
+    if (left(worst) < 1) return note(wall, area, worst, counts_.limit(worst));
+    for (const std::uint32_t c : wall.curves)
+      if (std::ranges::binary_search(walls_.blunt_verts, walls_.curve_to_vert[c]))
+        return note(wall, area, c, LayerLimit::Fan);
+  }
+
+  void note(const WallTriangle& wall, double area, std::uint32_t curve, LayerLimit reason) {
     const std::uint32_t face = given_.tri_to_entity[wall.triangle];
-    Limited& limited = limited_[{counts_.limit(worst), face}];
-    limited.figure.reason = counts_.limit(worst);
+    const double left = static_cast<double>(counts_.count(curve)) / walls_.curve_to_heights[curve].count;
+    Limited& limited = limited_[{reason, face}];
+    limited.figure.reason = reason;
     limited.figure.face = ModelFaceId(face);
     limited.figure.area += area;
-    if (left(worst) >= limited.left) return;
-    limited.left = left(worst);
-    limited.figure.point = given_.points[walls_.curve_to_vert[worst]];
+    if (left >= limited.left) return;
+    limited.left = left;
+    limited.figure.point = given_.points[walls_.curve_to_vert[curve]];
   }
 
   void measure_cells(const TaskRunner& runner) {
@@ -194,6 +202,14 @@ class Measuring {
           x[i] = cell[i].is_apex() ? counts_.apex(walls_.fan(stack)) : counts_.point(cell[i].curve, cell[i].level);
         ++part.cells[static_cast<std::size_t>(kind_of_cell(x.size()))];
         part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
+        if (getenv("FDBG") && part.jacobians.back() < .4) {
+          bool late = false, sharp = false;
+          for (auto c : walls_.curves_of(stack)) late |= walls_.curve_is_late[c], sharp |= std::ranges::binary_search(walls_.blunt_verts, walls_.curve_to_vert[c]);
+          int lo = 99, hi = 0; for (auto p : cell) if (!p.is_apex()) lo = std::min(lo, p.level), hi = std::max(hi, p.level);
+          bool step = walls_.is_fan(stack) ? false : std::ranges::max(counts_of(walls_.triangles[stack])) != std::ranges::min(counts_of(walls_.triangles[stack]));
+          fprintf(stderr, "BAD fan %d verts %zu late %d blunt %d layer %s\n", walls_.is_fan(stack) ? 1 + (int)walls_.fan(stack).kind : 0, x.size(), late, sharp, hi == 1 ? "first" : "up");
+          (void)step; (void)lo;
+        }
       });
     };
     const auto parts = map_blocks<Part>(runner, walls_.stack_count(), kGrain, {},

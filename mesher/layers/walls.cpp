@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -30,11 +29,7 @@ struct SideUse {
   bool is_front;
 };
 
-double fan_turn_of(const LayerOptions&) {
-  const char* env = std::getenv("FAN_TURN");
-  const double degrees = env ? std::atof(env) : 65;
-  return degrees > 0 ? degrees * std::numbers::pi / 180 : HUGE_VAL;
-}
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 class WallFinder {
  public:
@@ -42,7 +37,7 @@ class WallFinder {
              std::span<const std::uint32_t> blunt_verts)
       : mesh_(mesh),
         face_to_sides_(face_to_sides),
-        fan_turn_(fan_turn_of(options)),
+        fan_turn_(options.fan_angle > 0 ? radians(options.fan_angle) : HUGE_VAL),
         blunt_verts_(blunt_verts),
         asked_(face_to_sides.size(), nullptr) {
     for (const WallLayers& wall : options.walls)
