@@ -135,7 +135,8 @@ void set_far_field(const RawMeshOptions& raw, MeshCommand& command) {
 }
 
 void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
-  const bool has_numbers = raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.fan_angle || raw.all_tets;
+  const bool has_numbers =
+      raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.fan_angle || raw.all_tets;
   require(!raw.layers.empty() || !has_numbers,
           "--first-height, --growth, --layer-count, --layer-thickness, --fan-angle and --all-tets need --layers");
   if (raw.layers.empty()) return;

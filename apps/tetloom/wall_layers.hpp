@@ -40,7 +40,7 @@ struct LayersWish {
   std::vector<WallWish> walls;  ///< empty: none
   bool all_tets = false;
   std::optional<double> fan_angle;  ///< degrees
-  bool has_far_field = false;  ///< the faces of the box around the model are no walls: "*" leaves them out
+  bool has_far_field = false;       ///< the faces of the box around the model are no walls: "*" leaves them out
 };
 
 /// The value of --layers: the name of a file that ends in .json, which is read, or items with commas between them.

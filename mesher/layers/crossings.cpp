@@ -69,7 +69,8 @@ class CrossingTest {
       const WallTriangle& wall = layers_.walls.triangles[rim.wall];
       const std::uint32_t c = wall.curves[rim.corner], d = wall.curves[(rim.corner + 1) % 3];
       const auto add_band = [&](const std::array<CurveLevel, 3>& at) {
-        add({point(at[0]), point(at[1]), point(at[2])}, ModelRegionId(wall.region), rim.wall, kNone, has_changed(rim.wall));
+        add({point(at[0]), point(at[1]), point(at[2])}, ModelRegionId(wall.region), rim.wall, kNone,
+            has_changed(rim.wall));
       };
       for_each_between(layers_.walls, layers_.counts, {c, d}, [&](const auto& element) {
         if constexpr (std::tuple_size_v<std::decay_t<decltype(element)>> == 3) {

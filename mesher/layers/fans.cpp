@@ -34,8 +34,7 @@ FanPlan::FanPlan(const WallEdges& edges, double turn, std::span<const std::uint3
 void FanPlan::find_turns() {
   for (const WallTriangle& wall : edges_.triangles) {
     const auto& [a, b, c] = wall.verts;
-    normals_.push_back(
-        normalized(cross(edges_.points[b] - edges_.points[a], edges_.points[c] - edges_.points[a])));
+    normals_.push_back(normalized(cross(edges_.points[b] - edges_.points[a], edges_.points[c] - edges_.points[a])));
   }
   turns_.assign(edges_.across.size(), 0);
   for (std::uint32_t e = 0; e < turns_.size(); ++e) {
@@ -192,8 +191,7 @@ void FanPlan::add_corners(const Ring& ring, Walls& walls, const Chains& chains) 
     nodes.insert(nodes.end(), chains[crossing].begin(), chains[crossing].end() - 1);
   if (!ring.is_fan) return;
   for (const auto& [i, j, k] : ring.closure)
-    walls.fans.push_back(
-        {FanElement::Kind::Corner, {nodes[i], nodes[j], nodes[k], kNone}, ring.corners[0] / 3});
+    walls.fans.push_back({FanElement::Kind::Corner, {nodes[i], nodes[j], nodes[k], kNone}, ring.corners[0] / 3});
 }
 
 void FanPlan::add_elements(std::uint32_t edge, Walls& walls, const Chains& chains) const {

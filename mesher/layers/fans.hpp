@@ -59,10 +59,10 @@ class FanPlan {
 
   WallEdges edges_;
   double turn_;
-  std::vector<Vec3> normals_;         // per wall triangle
-  std::vector<double> turns_;         // per edge, radians
-  std::vector<std::uint8_t> steps_;   // per sharp edge: elements between its sides
-  std::vector<Ring> rings_;           // of vertices of sharp edges
+  std::vector<Vec3> normals_;        // per wall triangle
+  std::vector<double> turns_;        // per edge, radians
+  std::vector<std::uint8_t> steps_;  // per sharp edge: elements between its sides
+  std::vector<Ring> rings_;          // of vertices of sharp edges
   std::vector<std::uint32_t> corner_to_ring_;
 };
 

@@ -13,9 +13,9 @@ namespace tetloom::layers {
 
 namespace {
 
-constexpr int kMostTries = 4;             // to grow layers, without fans where they failed
-const double kLeastAtFan = getenv("FAN_THICK") ? atof(getenv("FAN_THICK")) : 0.2;  // of the width: thinner layers leave no room for good tets above fans
-constexpr int kMostHits = 6;  // of one curve: then it has no layers any more
+constexpr int kMostTries = 4;        // to grow layers, without fans where they failed
+constexpr double kLeastAtFan = 0.2;  // of the width: thinner layers leave no room for good tets above fans
+constexpr int kMostHits = 6;         // of one curve: then it has no layers any more
 
 // What is left of the layers of a curve that was in the way so often.
 int count_after_hits(int count, int hits) {
@@ -51,14 +51,9 @@ std::optional<Vec3> point_on(const GeometricModel& model, ModelFaceId face) {
 
 LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const SizeField& sizes,
                          const LayerOptions& options, const TaskRunner& runner)
-    : model_(model),
-      mesh_(mesh),
-      sizes_(sizes),
-      options_(options),
-      runner_(runner) {
+    : model_(model), mesh_(mesh), sizes_(sizes), options_(options), runner_(runner) {
   int tries = 0;
   for (std::vector<std::uint32_t> failed = grow(tries); !failed.empty(); failed = grow(++tries)) {
-    if (getenv("FDBG")) fprintf(stderr, "%d: %zu fans, %zu fail\n", tries, walls_.fan_vertices.size(), failed.size());
     blunt_verts_.insert(blunt_verts_.end(), failed.begin(), failed.end());
     std::ranges::sort(blunt_verts_);
     blunt_verts_.erase(std::ranges::unique(blunt_verts_).begin(), blunt_verts_.end());
@@ -85,8 +80,9 @@ std::vector<std::uint32_t> LayerGrowth::grow(int tries) {
 std::vector<std::uint32_t> LayerGrowth::thin_fans() const {
   std::vector<std::uint32_t> thin;
   for (const FanVertex& fan : walls_.fan_vertices)
-    if (std::ranges::any_of(
-            fan.curves, [&](std::uint32_t c) { return counts_->thickness(c) < kLeastAtFan * walls_.curve_to_width[c]; }))
+    if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
+          return counts_->thickness(c) < kLeastAtFan * walls_.curve_to_width[c];
+        }))
       thin.push_back(walls_.curve_to_vert[fan.curves[0]]);
   return thin;
 }
@@ -186,8 +182,11 @@ void check_layer_options(const GeometricModel& model, const LayerOptions& option
   constexpr double kMostGrowth = 10;
   constexpr double kLeastFanAngle = 45, kMostFanAngle = 180;
   if (options.fan_angle != 0 && !(options.fan_angle >= kLeastFanAngle && options.fan_angle <= kMostFanAngle))
-    throw Error(Diagnostic{
-        ErrorCode::InvalidArgument, "layers: the angle of fans must lie between 45 and 180 degrees, or be 0", {}, {}, {}});
+    throw Error(Diagnostic{ErrorCode::InvalidArgument,
+                           "layers: the angle of fans must lie between 45 and 180 degrees, or be 0",
+                           {},
+                           {},
+                           {}});
   std::vector<std::uint8_t> is_wall(model.topology().face_count(), 0);
   for (const WallLayers& wall : options.walls) {
     if (wall.face.value >= is_wall.size()) refuse(model, wall.face, "the model has no such face");

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kGrain = 1024;
 constexpr double kBlind = 0.0872;    // cos 85°: a wall that is seen less has no direction
 constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
-const double kMostStretch = getenv("STRETCH") ? atof(getenv("STRETCH")) : 2;
+constexpr double kMostStretch = 2;
 constexpr double kStep = 0.3;                                 // of the width
 constexpr double kLeastFirstStep = 0.004, kLeastStep = 0.04;  // of the width: a curve with shorter steps ends
 constexpr double kPaceSlope = 0.01;                           // of the widths that steps are taken from
@@ -25,7 +25,7 @@ constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
 constexpr double kMostShift = 1.5;  // of the step
-const double kRoomAtFan = getenv("FAN_ROOM") ? atof(getenv("FAN_ROOM")) : 0.4;  // of the width: a fan needs layers as thick as that
+constexpr double kRoomAtFan = 0.4;  // of the width: a fan needs layers as thick as that
 constexpr double kLeastShape = 0.01;
 constexpr double kTilt = 0.02;       // of a front above a flat wall, where steps differ: no reason to stretch heights
 constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less above narrow triangles

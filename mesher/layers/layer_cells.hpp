@@ -32,8 +32,7 @@ void visit_cell(const std::array<int, 3>& low, const std::array<bool, 3>& grows,
   };
   const int growing = grows[0] + grows[1] + grows[2];
   if (growing == 3) {
-    visit(CellKind::Prism,
-          std::array{at(0, false), at(1, false), at(2, false), at(0, true), at(1, true), at(2, true)});
+    visit(CellKind::Prism, std::array{at(0, false), at(1, false), at(2, false), at(0, true), at(1, true), at(2, true)});
   } else if (growing == 2) {
     const std::size_t apex = !grows[0] ? 0 : !grows[1] ? 1 : 2, j = (apex + 1) % 3, l = (apex + 2) % 3;
     visit(CellKind::Pyramid, std::array{at(j, false), at(j, true), at(l, true), at(l, false), at(apex, true)});
@@ -61,8 +60,7 @@ void for_each_cell(const std::array<int, 3>& counts, const std::array<bool, 3>& 
   };
   grow([&](std::size_t i) { return counts[i] > 0 && !late[i]; });
   grow([&](std::size_t i) { return counts[i] > 0 && late[i]; });
-  for (int level = 1; level < std::ranges::max(counts); ++level)
-    grow([&](std::size_t i) { return counts[i] > level; });
+  for (int level = 1; level < std::ranges::max(counts); ++level) grow([&](std::size_t i) { return counts[i] > level; });
 }
 template <class Visit>
 void for_each_cell(const std::array<int, 3>& counts, const Visit& visit) {

@@ -48,6 +48,9 @@ class LayerCounts {
   int count_within(std::uint32_t curve, double thickness) const;
   bool limit_slopes(const TaskRunner& runner);
   bool lower_at_bad_cells(const TaskRunner& runner);
+  bool lower_at_skewed_faces(const TaskRunner& runner);
+  Vec3 middle_of_first(std::uint32_t wall) const;
+  bool is_skewed(std::uint32_t wall, std::size_t corner) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;

@@ -11,7 +11,7 @@ namespace tetloom {
 
 std::string_view to_string(LayerLimit limit) {
   constexpr std::array<std::string_view, kLayerLimits> kNames{"none", "gap",      "concave",    "isotropy", "no_normal",
-                                                              "cell", "crossing", "side_angle", "filling", "fan"};
+                                                              "cell", "crossing", "side_angle", "filling",  "fan"};
   return kNames[static_cast<std::size_t>(limit)];
 }
 
@@ -202,20 +202,12 @@ class Measuring {
           x[i] = cell[i].is_apex() ? counts_.apex(walls_.fan(stack)) : counts_.point(cell[i].curve, cell[i].level);
         ++part.cells[static_cast<std::size_t>(kind_of_cell(x.size()))];
         part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
-        if (getenv("FDBG") && part.jacobians.back() < .4) {
-          bool late = false, sharp = false;
-          for (auto c : walls_.curves_of(stack)) late |= walls_.curve_is_late[c], sharp |= std::ranges::binary_search(walls_.blunt_verts, walls_.curve_to_vert[c]);
-          int lo = 99, hi = 0; for (auto p : cell) if (!p.is_apex()) lo = std::min(lo, p.level), hi = std::max(hi, p.level);
-          bool step = walls_.is_fan(stack) ? false : std::ranges::max(counts_of(walls_.triangles[stack])) != std::ranges::min(counts_of(walls_.triangles[stack]));
-          fprintf(stderr, "BAD fan %d verts %zu late %d blunt %d layer %s\n", walls_.is_fan(stack) ? 1 + (int)walls_.fan(stack).kind : 0, x.size(), late, sharp, hi == 1 ? "first" : "up");
-          (void)step; (void)lo;
-        }
       });
     };
-    const auto parts = map_blocks<Part>(runner, walls_.stack_count(), kGrain, {},
-                                        [&](std::size_t begin, std::size_t end, Part& part) {
-                                          for (std::size_t s = begin; s < end; ++s) measure_stack(s, part);
-                                        });
+    const auto parts =
+        map_blocks<Part>(runner, walls_.stack_count(), kGrain, {}, [&](std::size_t begin, std::size_t end, Part& part) {
+          for (std::size_t s = begin; s < end; ++s) measure_stack(s, part);
+        });
     std::vector<float> all;
     for (const Part& part : parts) {
       figures_.tets += part.cells[static_cast<std::size_t>(CellKind::Tet)];

@@ -43,7 +43,8 @@ class PartCurves {
 
   std::span<const std::uint32_t> curves() const { return curves_; }
 
-  /// Adds what the part does not have: feet, tops and apexes by their numbers, then points between them, curve by curve.
+  /// Adds what the part does not have: feet, tops and apexes by their numbers, then points between them, curve by
+  /// curve.
   void add_vertices(PartMesh& part) {
     add_ends(part);
     const KnownVertices known(part, numbers_.surface_points());
@@ -162,8 +163,7 @@ class StackWriter {
 
  private:
   StackVertices vertices_of(std::uint32_t stack) const {
-    return {growth_, stack, curves_.apex_of(stack),
-            [&](std::uint32_t curve) { return curves_.vertices_of(curve); }};
+    return {growth_, stack, curves_.apex_of(stack), [&](std::uint32_t curve) { return curves_.vertices_of(curve); }};
   }
 
   const LayerGrowth& growth_;

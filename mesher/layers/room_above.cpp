@@ -51,8 +51,7 @@ class RoomSearch {
       lengths += distance(top, x) + distance(top, y) + distance(top, z);
     }
     const double width = lengths / static_cast<double>(2 * normals.size());
-    return {walls_.curve_to_region[curve], top, most_normal_direction(normals).direction,
-            kRoom * width};
+    return {walls_.curve_to_region[curve], top, most_normal_direction(normals).direction, kRoom * width};
   }
 
   // Whether it has the top of the curve or of a neighbour: the side of a pit in the front is no other front.

@@ -58,8 +58,8 @@ int SoundStacks::levels(std::uint32_t stack, const CountOf& count_of, const Poin
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(cell[i].curve, cell[i].level);
     // On edges, lying prisms and what ends a stack are as flat as their layers.
     const bool may_be_flat = layer == 1 || (walls_.curves_of(stack).size() == 4 && x.size() != 8);
-    const bool is_good = is_sound(x, may_be_flat ? kLeastFirst : least) &&
-                         (layer == 1 || is_wide_enough(stack, layer, count_of, point));
+    const bool is_good =
+        is_sound(x, may_be_flat ? kLeastFirst : least) && (layer == 1 || is_wide_enough(stack, layer, count_of, point));
     if (layer == 1 && is_good) least = std::min(least, least_above(scaled_jacobian(x)));
     if (!is_good) sound = std::min(layer, highest) - 1;
   });

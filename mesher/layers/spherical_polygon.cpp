@@ -7,8 +7,7 @@ namespace {
 
 class Triangulation {
  public:
-  explicit Triangulation(std::span<const Vec3> nodes)
-      : nodes_(nodes), best_(nodes.size() * nodes.size(), {1, 0}) {}
+  explicit Triangulation(std::span<const Vec3> nodes) : nodes_(nodes), best_(nodes.size() * nodes.size(), {1, 0}) {}
 
   SphericalTriangulation run() {
     const auto count = static_cast<std::uint32_t>(nodes_.size());

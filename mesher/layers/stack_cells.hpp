@@ -30,7 +30,8 @@ inline bool comes_before(const Walls& walls, const CurveLevel& a, const CurveLev
   return key(a) < key(b);
 }
 
-/// Calls visit(tet) for positive tets that a positive cell is split into, from its first vertex (Dompierre et al. 1999).
+/// Calls visit(tet) for positive tets that a positive cell is split into, from its first vertex (Dompierre et al.
+/// 1999).
 template <std::size_t N, class Visit>
 void split_cell(const Walls& walls, const std::array<CurveLevel, N>& cell, const Visit& visit) {
   if constexpr (N == 4) {

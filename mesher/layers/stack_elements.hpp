@@ -53,8 +53,8 @@ class StackVertices {
   std::array<CurveVertices, 4> vertices_;
 };
 
-/// Calls visit(vertices, layer) for the cells of a stack, from the wall upwards; layer 1 stands on the wall. The kind of
-/// cell follows from the number of vertices. With `all_tets` they are tets.
+/// Calls visit(vertices, layer) for the cells of a stack, from the wall upwards; layer 1 stands on the wall. The kind
+/// of cell follows from the number of vertices. With `all_tets` they are tets.
 template <class Visit>
 void for_each_stack_cell(const LayerGrowth& growth, std::uint32_t stack, bool all_tets, const Visit& visit) {
   const Walls& walls = growth.walls();
