@@ -356,7 +356,7 @@ void add_layer_options(CLI::App& mesh, RawMeshOptions& raw) {
       ->type_name("T")
       ->group(kLayers);
   mesh.add_option("--fan-angle", raw.fan_angle,
-                  "Fans of layers at convex edges where normals turn by more than that; default: 65, none: 0")
+                  "Fans of layers at convex edges where normals turn by more than that; default: 50, none: 0")
       ->type_name("DEG")
       ->group(kLayers);
   mesh.add_flag("--all-tets", raw.all_tets, "Split the prisms and pyramids of layers into tetrahedra")->group(kLayers);

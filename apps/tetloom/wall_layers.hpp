@@ -4,7 +4,7 @@
 //   --layers 'wall*,3,7-9' --first-height 1e-4 --growth 1.2 --layer-count 20
 //   --layers '*,!cap*'                       every face that bounds a region, but those
 //   --layers walls.json
-//   {"all_tets": false, "fan_angle": 65,
+//   {"all_tets": false, "fan_angle": 50,
 //    "walls": [{"faces": ["wing*", 3], "first_height": 1e-4, "growth": 1.2, "count": 20, "side": "front"},
 //              {"faces": ["hull"], "y_plus": 1, "velocity": 40, "density": 1.2, "viscosity": 1.8e-5, "length": 2}]}
 //

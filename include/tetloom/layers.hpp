@@ -32,7 +32,7 @@ struct LayerOptions {
   bool all_tets = false;          ///< all cells are split into tets
   /// Degrees, 45 to 180; 0: none. At convex edges where the normals of both sides turn by more than this, each side has
   /// layers of its own, and wedges of cells lie between them: fans.
-  double fan_angle = 65;
+  double fan_angle = 50;
 };
 
 /// Why there are fewer layers at a place than were asked for.

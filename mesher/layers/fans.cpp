@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMostStep = 100 * std::numbers::pi / 180;  // between neighbouring curves
 constexpr double kSeen = 0.5;                               // visibility of triangles between two sharp edges
+constexpr std::size_t kLeastRun = 4;                        // vertices of fans that follow each other
 constexpr double kLeastClosure = 0.15;                      // of a corner's tets: the product of three directions
 
 Vec3 rotated(const Vec3& normal, const Vec3& axis, double angle) {
@@ -28,6 +29,7 @@ FanPlan::FanPlan(const WallEdges& edges, double turn, std::span<const std::uint3
   find_steps();
   for (Ring& ring : rings_)
     if (!std::ranges::binary_search(blunt_verts, vertex(ring.corners[0]))) judge(ring);
+  drop_short_runs();
 }
 
 // At rims of sheets, both sides of one triangle meet.
@@ -132,6 +134,20 @@ bool FanPlan::find_closure(Ring& ring, const std::vector<Vec3>& groups) {
   const SphericalTriangulation found = triangulate_on_sphere(nodes);
   ring.closure = found.triangles;
   return found.least >= kLeastClosure;
+}
+
+// The ends of a fan have poorer cells than there would be without it.
+void FanPlan::drop_short_runs() {
+  DisjointSets runs(rings_.size());
+  for (std::uint32_t e = 0; e < turns_.size(); ++e) {
+    if (!is_sharp(e)) continue;
+    const std::uint32_t start = corner_to_ring_[e], end = corner_to_ring_[next_corner(e)];
+    if (rings_[start].is_fan && rings_[end].is_fan) runs.join(start, end);
+  }
+  std::vector<std::size_t> length(rings_.size(), 0);
+  for (std::uint32_t r = 0; r < rings_.size(); ++r) ++length[runs.find(r)];
+  for (std::uint32_t r = 0; r < rings_.size(); ++r)
+    rings_[r].is_fan = rings_[r].is_fan && length[runs.find(r)] >= kLeastRun;
 }
 
 bool FanPlan::parts_at_start(std::uint32_t edge) const {

@@ -50,6 +50,7 @@ class FanPlan {
   void judge(Ring& ring);
   std::vector<Vec3> directions_between(std::uint32_t crossing) const;
   std::vector<std::vector<Vec3>> middle_directions(const Ring& ring) const;
+  void drop_short_runs();
   bool find_closure(Ring& ring, const std::vector<Vec3>& groups);
   bool is_sharp(std::uint32_t edge) const { return turns_[edge] >= turn_; }
   void add_curves(const Ring& ring, Walls& walls, Chains& chains) const;

@@ -104,6 +104,20 @@ TEST_CASE("a fan ends where its edge ends at concave edges") {
   CHECK(result.layers.coverage.first_height_within_10pct > 0.95);
 }
 
+TEST_CASE("a fan ends on a side face, with triangles in the first layer") {
+  const auto block = bar({{0, 0}, {4, 0}, {4, 2}, {2, 2}, {2, 4}, {0, 4}}, 2);
+  for (const bool all_tets : {false, true}) {
+    MeshOptions options = options_of_size(0.4);
+    options.layers = on_faces(*block, heights(0.02, 8), {0, 1});
+    options.layers.all_tets = all_tets;
+    const MeshResult result = meshed(*block, options);
+    CHECK(compute_quality(result.mesh).cells.volume == Approx(24).epsilon(1e-12));
+    CHECK(result.layers.fans > 0);
+    CHECK(result.layers.coverage.at_least_one == Approx(1));
+    if (!all_tets) CHECK(result.mesh.hex_to_vert.size() > 0);
+  }
+}
+
 TEST_CASE("where there is no room for fans, there is one direction, and the reason is told") {
   const std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {1, 1, 1}),
                                                                   make_box({1.1, 0, 0}, {2, 1, 1})};
