@@ -85,9 +85,9 @@ struct LayerFigures {
   std::size_t fans = 0;            ///< vertices of sharp convex edges with several growth curves
   double min_scaled_jacobian = 1;  ///< over the corners of all but tets, and that of tets where their edge from layer
                                    ///< to layer starts; 1 for the prism that stands on an equilateral triangle
-  double scaled_jacobian_p1 = 1;  ///< the first percentile of the cells' least one
-  double first_angle_p99 = 0;     ///< degrees between the edges of first cells and the wall's normal, but at ridges;
-                                  ///< 99 % of the area have less
+  double scaled_jacobian_p1 = 1;   ///< the first percentile of the cells' least one
+  double first_angle_p99 = 0;      ///< degrees between the edges of first cells and the wall's normal, but at ridges;
+                                   ///< 99 % of the area have less
   double seconds = 0;
   std::vector<FaceLayers> by_face;     ///< ascending
   std::vector<LimitedLayers> limited;  ///< largest area first

@@ -5,9 +5,9 @@
 namespace tetloom::layers {
 namespace {
 
-class Triangulation {
+class PolygonCutter {
  public:
-  explicit Triangulation(std::span<const Vec3> nodes) : nodes_(nodes), best_(nodes.size() * nodes.size(), {1, 0}) {}
+  explicit PolygonCutter(std::span<const Vec3> nodes) : nodes_(nodes), best_(nodes.size() * nodes.size(), {1, 0}) {}
 
   SphericalTriangulation run() {
     const auto count = static_cast<std::uint32_t>(nodes_.size());
@@ -49,6 +49,6 @@ class Triangulation {
 
 }  // namespace
 
-SphericalTriangulation triangulate_on_sphere(std::span<const Vec3> nodes) { return Triangulation(nodes).run(); }
+SphericalTriangulation triangulate_on_sphere(std::span<const Vec3> nodes) { return PolygonCutter(nodes).run(); }
 
 }  // namespace tetloom::layers

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
-#include "mesher/layers/fans.hpp"
+#include "mesher/layers/fan_plan.hpp"
 
 namespace tetloom::layers {
 namespace {

@@ -1,4 +1,4 @@
-#include "mesher/layers/fans.hpp"
+#include "mesher/layers/fan_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
