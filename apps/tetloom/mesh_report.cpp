@@ -126,6 +126,7 @@ nlohmann::ordered_json layers_json(const LayerFigures& figures, const GeometricM
       {"cells",
        {{"prisms", figures.prisms}, {"pyramids", figures.pyramids}, {"hexes", figures.hexes}, {"tets", figures.tets}}}};
   json.update(coverage_json(figures.coverage));
+  json["fans"] = figures.fans;
   json["min_scaled_jacobian"] = figures.min_scaled_jacobian;
   json["scaled_jacobian_p1"] = figures.scaled_jacobian_p1;
   json["first_angle_p99_deg"] = figures.first_angle_p99;

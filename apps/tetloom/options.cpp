@@ -50,7 +50,7 @@ Examples:
 struct RawMeshOptions {
   std::optional<double> size, relative_size, min_size, curvature, proximity, gradation, feature_angle, fill_holes;
   std::optional<double> min_dihedral, min_mean_ratio, tets_per_part, small_feature, min_scaled_jacobian, first_height,
-      growth, layer_thickness, far_field;
+      growth, layer_thickness, fan_angle, far_field;
   std::optional<int> threads, parts, rounds, order, layer_count;
   std::string input, output, sizes_file, report, worker, max_memory, lattice = "bcc", refinement, unit, msh_version,
                                                                      groups_file, layers;
@@ -135,9 +135,10 @@ void set_far_field(const RawMeshOptions& raw, MeshCommand& command) {
 }
 
 void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
-  const bool has_numbers = raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.all_tets;
+  const bool has_numbers =
+      raw.first_height || raw.growth || raw.layer_count || raw.layer_thickness || raw.fan_angle || raw.all_tets;
   require(!raw.layers.empty() || !has_numbers,
-          "--first-height, --growth, --layer-count, --layer-thickness and --all-tets need --layers");
+          "--first-height, --growth, --layer-count, --layer-thickness, --fan-angle and --all-tets need --layers");
   if (raw.layers.empty()) return;
   WallLayers common;
   common.first_height = raw.first_height.value_or(0);
@@ -148,6 +149,8 @@ void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
   require(common.growth >= 1 && common.growth <= 10, "--growth must lie between 1 and 10");
   require(common.count >= 0 && common.count <= 1000, "--layer-count must be a number up to 1000");
   require(!raw.layer_thickness || *raw.layer_thickness > 0, "--layer-thickness must be positive");
+  require(!raw.fan_angle || *raw.fan_angle == 0 || (*raw.fan_angle >= 45 && *raw.fan_angle <= 180),
+          "--fan-angle must lie between 45 and 180 degrees, or be 0");
   require(raw.layers.ends_with(".json") || raw.first_height, "--layers needs --first-height, or a file");
   require(!command.options.surface_only, "--layers needs volumes, and --surface-only makes none");
   require(command.options.order == 1, "meshes with --layers are of first order");
@@ -157,6 +160,7 @@ void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
     throw UsageError(error.what());
   }
   command.layers.all_tets = command.layers.all_tets || raw.all_tets;
+  if (raw.fan_angle) command.layers.fan_angle = raw.fan_angle;
   command.layers.has_far_field = command.far_field > 0;
 }
 
@@ -350,6 +354,10 @@ void add_layer_options(CLI::App& mesh, RawMeshOptions& raw) {
       ->group(kLayers);
   mesh.add_option("--layer-thickness", raw.layer_thickness, "Of all layers together at most")
       ->type_name("T")
+      ->group(kLayers);
+  mesh.add_option("--fan-angle", raw.fan_angle,
+                  "Fans of layers at convex edges where normals turn by more than that; default: 50, none: 0")
+      ->type_name("DEG")
       ->group(kLayers);
   mesh.add_flag("--all-tets", raw.all_tets, "Split the prisms and pyramids of layers into tetrahedra")->group(kLayers);
 }

@@ -59,7 +59,7 @@ WallWish parse_wall(const Json& json, const std::string& place, const WallLayers
 
 LayersWish parse_file(const std::string& path, const WallLayers& common) {
   const Json root = parse_json(read_text(path, "--layers"), path);
-  const JsonEntry whole(root, "'" + path + "'", {"walls", "all_tets"});
+  const JsonEntry whole(root, "'" + path + "'", {"walls", "all_tets", "fan_angle"});
   LayersWish wish;
   for_each_item(root, path, "walls", [&](const Json& json, const std::string& place) {
     wish.walls.push_back(parse_wall(json, place, common));
@@ -69,6 +69,7 @@ LayersWish parse_file(const std::string& path, const WallLayers& common) {
     if (!root["all_tets"].is_boolean()) refuse_json("'" + path + "': 'all_tets' must be true or false");
     wish.all_tets = root["all_tets"].get<bool>();
   }
+  if (root.contains("fan_angle")) wish.fan_angle = whole.number("fan_angle");
   return wish;
 }
 
@@ -124,7 +125,9 @@ LayersWish parse_layers(const std::string& text, const WallLayers& common) {
     begin = end + 1;
   }
   if (wish.faces.empty()) refuse_json(place + " names no face");
-  return {{std::move(wish)}, false, false};
+  LayersWish layers;
+  layers.walls.push_back(std::move(wish));
+  return layers;
 }
 
 LayerOptions find_wall_layers(const LayersWish& wish, const GeometricModel& model) {
@@ -143,7 +146,9 @@ LayerOptions find_wall_layers(const LayersWish& wish, const GeometricModel& mode
     }
   }
   if (!missing.empty()) refuse_json("--layers: the model has no face that these mean: " + missing);
-  LayerOptions options{{}, wish.all_tets};
+  LayerOptions options;
+  options.all_tets = wish.all_tets;
+  options.fan_angle = wish.fan_angle.value_or(options.fan_angle);
   for (const auto& [face, wall] : walls) options.walls.push_back(wall);
   if (options.walls.empty() && !wish.walls.empty()) refuse_json("--layers: no face is left to have layers");
   return options;

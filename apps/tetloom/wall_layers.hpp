@@ -4,7 +4,7 @@
 //   --layers 'wall*,3,7-9' --first-height 1e-4 --growth 1.2 --layer-count 20
 //   --layers '*,!cap*'                       every face that bounds a region, but those
 //   --layers walls.json
-//   {"all_tets": false,
+//   {"all_tets": false, "fan_angle": 50,
 //    "walls": [{"faces": ["wing*", 3], "first_height": 1e-4, "growth": 1.2, "count": 20, "side": "front"},
 //              {"faces": ["hull"], "y_plus": 1, "velocity": 40, "density": 1.2, "viscosity": 1.8e-5, "length": 2}]}
 //
@@ -39,7 +39,8 @@ struct WallWish {
 struct LayersWish {
   std::vector<WallWish> walls;  ///< empty: none
   bool all_tets = false;
-  bool has_far_field = false;  ///< the faces of the box around the model are no walls: "*" leaves them out
+  std::optional<double> fan_angle;  ///< degrees
+  bool has_far_field = false;       ///< the faces of the box around the model are no walls: "*" leaves them out
 };
 
 /// The value of --layers: the name of a file that ends in .json, which is read, or items with commas between them.

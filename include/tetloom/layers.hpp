@@ -29,7 +29,10 @@ inline constexpr std::string_view kLayerField = "layer", kHeightField = "height"
 /// The layers of all walls.
 struct LayerOptions {
   std::vector<WallLayers> walls;  ///< each face once; empty: no layers
-  bool all_tets = false;          ///< prisms and pyramids are split into tets
+  bool all_tets = false;          ///< all cells are split into tets
+  /// Degrees, 45 to 180; 0: none. At convex edges where the normals of both sides turn by more than this, each side has
+  /// layers of its own, and wedges of cells lie between them: fans.
+  double fan_angle = 50;
 };
 
 /// Why there are fewer layers at a place than were asked for.
@@ -42,11 +45,12 @@ enum class LayerLimit : std::uint8_t {
   Cell,       ///< a cell, or the front above it, would have been too poor
   Crossing,   ///< the top of the layers would have crossed a surface
   SideAngle,  ///< a face beside the wall meets it at less than 30 or more than 150 degrees, or has no room for layers
-  Filling     ///< the space above the layers could not be filled
+  Filling,    ///< the space above the layers could not be filled
+  Fan         ///< a sharp convex edge has no room, or no shape, for a fan; there may be all layers nevertheless
 };
-constexpr std::size_t kLayerLimits = 9;
+constexpr std::size_t kLayerLimits = 10;
 
-/// "gap", "concave", "isotropy", "no_normal", "cell", "crossing", "side_angle", "filling"; "none".
+/// "gap", "concave", "isotropy", "no_normal", "cell", "crossing", "side_angle", "filling", "fan"; "none".
 std::string_view to_string(LayerLimit limit);
 
 /// Places of one face where there are fewer layers than asked for, for one reason.
@@ -78,8 +82,9 @@ struct FaceLayers {
 struct LayerFigures {
   std::size_t prisms = 0, pyramids = 0, hexes = 0, tets = 0;  ///< cells in layers
   LayerCoverage coverage;
-  double min_scaled_jacobian = 1;  ///< over the corners of prisms and pyramids, and that of tets where their edge from
-                                   ///< layer to layer starts; 1 for the prism that stands on an equilateral triangle
+  std::size_t fans = 0;            ///< vertices of sharp convex edges with several growth curves
+  double min_scaled_jacobian = 1;  ///< over the corners of all but tets, and that of tets where their edge from layer
+                                   ///< to layer starts; 1 for the prism that stands on an equilateral triangle
   double scaled_jacobian_p1 = 1;   ///< the first percentile of the cells' least one
   double first_angle_p99 = 0;      ///< degrees between the edges of first cells and the wall's normal, but at ridges;
                                    ///< 99 % of the area have less

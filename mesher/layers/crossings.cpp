@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "mesher/intersection/self_intersection.hpp"
+#include "mesher/layers/stack_cells.hpp"
 
 namespace tetloom::layers {
 namespace {
@@ -26,17 +27,17 @@ class CrossingTest {
   }
 
  private:
-  bool has_changed(std::uint32_t wall) const {
-    return std::ranges::any_of(layers_.walls.triangles[wall].curves,
+  bool has_changed(std::uint32_t stack) const {
+    return std::ranges::any_of(layers_.walls.curves_of(stack),
                                [&](std::uint32_t c) { return layers_.changed[c] != 0; });
   }
 
-  void add(const std::array<std::uint32_t, 3>& verts, ModelRegionId region, std::uint32_t wall, std::uint32_t side,
+  void add(const std::array<std::uint32_t, 3>& verts, ModelRegionId region, std::uint32_t stack, std::uint32_t side,
            bool is_new) {
     if (!region.valid()) return;
     triangles_.push_back(verts);
     groups_.push_back(region.value);
-    walls_.push_back(wall);
+    stacks_.push_back(stack);
     sides_.push_back(side);
     is_new_.push_back(is_new);
   }
@@ -49,13 +50,14 @@ class CrossingTest {
     for (std::size_t t = 0; t < surface.is_top.size(); ++t) {
       const FaceSides& regions = surface.tri_to_sides[t];
       const auto& verts = surface.mesh.tri_to_vert[t];
-      const std::uint32_t wall = surface.tri_to_wall[t];
-      const std::uint32_t side = wall == kNone ? layers_.sides.side_of(surface.mesh.tri_to_entity[t]) : kNone;
-      const bool is_new = wall != kNone ? has_changed(wall) : side != kNone && side_is_new[side];
-      add(verts, regions.front, wall, side, is_new);
-      if (regions.back != regions.front) add(verts, regions.back, wall, side, is_new);
+      const std::uint32_t stack = surface.tri_to_stack[t];
+      const std::uint32_t side = stack == kNone ? layers_.sides.side_of(surface.mesh.tri_to_entity[t]) : kNone;
+      const bool is_new = stack != kNone ? has_changed(stack) : side != kNone && side_is_new[side];
+      add(verts, regions.front, stack, side, is_new);
+      if (regions.back != regions.front) add(verts, regions.back, stack, side, is_new);
       // A wall triangle of which all corners have layers has none in common with its top.
-      if (wall != kNone) add(layers_.walls.triangles[wall].verts, regions.front, kNone, kNone, false);
+      if (stack != kNone && !layers_.walls.is_fan(stack))
+        add(layers_.walls.triangles[stack].verts, regions.front, kNone, kNone, false);
     }
   }
 
@@ -66,24 +68,24 @@ class CrossingTest {
       if (layers_.sides.sides()[side].shape.kind == SideKind::Flat) continue;
       const WallTriangle& wall = layers_.walls.triangles[rim.wall];
       const std::uint32_t c = wall.curves[rim.corner], d = wall.curves[(rim.corner + 1) % 3];
-      const int most = std::max(layers_.counts.count(c), layers_.counts.count(d));
-      const bool is_new = has_changed(rim.wall);
-      for (int level = 0; level < most; ++level) {
-        const auto from = [&](std::uint32_t curve, int l) {
-          return point(curve, std::min(l, layers_.counts.count(curve)));
-        };
-        const std::array quad{from(c, level), from(d, level), from(d, level + 1), from(c, level + 1)};
-        // Diagonals as those of layers that are split into tets.
-        const bool from_first = c < d;
-        for (const auto& [i, j, k] : from_first ? std::array<std::array<std::size_t, 3>, 2>{{{0, 1, 2}, {0, 2, 3}}}
-                                                : std::array<std::array<std::size_t, 3>, 2>{{{0, 1, 3}, {1, 2, 3}}})
-          if (quad[i] != quad[j] && quad[j] != quad[k] && quad[k] != quad[i])
-            add({quad[i], quad[j], quad[k]}, ModelRegionId(wall.region), rim.wall, kNone, is_new);
-      }
+      const auto add_band = [&](const std::array<CurveLevel, 3>& at) {
+        add({point(at[0]), point(at[1]), point(at[2])}, ModelRegionId(wall.region), rim.wall, kNone,
+            has_changed(rim.wall));
+      };
+      for_each_between(layers_.walls, layers_.counts, {c, d}, [&](const auto& element) {
+        if constexpr (std::tuple_size_v<std::decay_t<decltype(element)>> == 3) {
+          add_band(element);
+        } else {  // cut as where layers are split into tets
+          const std::size_t start = comes_before(layers_.walls, element[0], element[1]) ? 0 : 1;
+          add_band({element[start], element[start + 1], element[start + 2]});
+          add_band({element[start], element[start + 2], element[(start + 3) % 4]});
+        }
+      });
     }
   }
 
-  std::uint32_t point(std::uint32_t curve, int level) {
+  std::uint32_t point(const CurveLevel& at) {
+    const auto [curve, level] = at;
     if (level == 0) return layers_.walls.curve_to_vert[curve];
     if (level == layers_.counts.count(curve)) return layers_.surface.curve_to_top[curve];
     if (first_level_.empty()) first_level_.assign(layers_.walls.curve_count(), kNone);
@@ -105,7 +107,7 @@ class CrossingTest {
                            [&](std::uint32_t c) { return layers_.counts.count(c) > 0; });
     };
     for (const std::uint32_t t : {crossing.first, crossing.second})
-      if (walls_[t] != kNone) add_curves(layers_.walls.triangles[walls_[t]].curves);
+      if (stacks_[t] != kNone) add_curves(layers_.walls.curves_of(stacks_[t]));
     for (const std::uint32_t t : {crossing.first, crossing.second})
       if (curves.empty() && sides_[t] != kNone) add_curves(layers_.sides.sides()[sides_[t]].curves);
     double thickest = 0;
@@ -117,7 +119,7 @@ class CrossingTest {
   const LayersInQuestion& layers_;
   std::vector<Vec3> points_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<std::uint32_t> groups_, walls_, sides_;  // per triangle: region, wall triangle, side face
+  std::vector<std::uint32_t> groups_, stacks_, sides_;  // per triangle: region, stack, side face
   std::vector<std::uint8_t> is_new_;
   std::vector<std::uint32_t> first_level_;  // per curve, the point of level 1
   std::vector<std::uint8_t> is_hit_;

@@ -13,7 +13,9 @@ namespace tetloom::layers {
 
 namespace {
 
-constexpr int kMostHits = 6;  // of one curve: then it has no layers any more
+constexpr int kMostTries = 4;        // to grow layers, without fans where they failed
+constexpr double kLeastAtFan = 0.2;  // of the width: thinner layers leave no room for good tets above fans
+constexpr int kMostHits = 6;         // of one curve: then it has no layers any more
 
 // What is left of the layers of a curve that was in the way so often.
 int count_after_hits(int count, int hits) {
@@ -49,17 +51,40 @@ std::optional<Vec3> point_on(const GeometricModel& model, ModelFaceId face) {
 
 LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const SizeField& sizes,
                          const LayerOptions& options, const TaskRunner& runner)
-    : model_(model),
-      mesh_(mesh),
-      sizes_(sizes),
-      runner_(runner),
-      walls_(find_walls(mesh, model.topology().face_to_sides, options)) {
-  const auto& face_to_sides = model.topology().face_to_sides;
-  sides_.emplace(model, mesh_, walls_, runner);
+    : model_(model), mesh_(mesh), sizes_(sizes), options_(options), runner_(runner) {
+  int tries = 0;
+  for (std::vector<std::uint32_t> failed = grow(tries); !failed.empty(); failed = grow(++tries)) {
+    blunt_verts_.insert(blunt_verts_.end(), failed.begin(), failed.end());
+    std::ranges::sort(blunt_verts_);
+    blunt_verts_.erase(std::ranges::unique(blunt_verts_).begin(), blunt_verts_.end());
+  }
+}
+
+// The vertices of fans that are none, where there are some; everything is made anew without them.
+std::vector<std::uint32_t> LayerGrowth::grow(int tries) {
+  const auto& face_to_sides = model_.topology().face_to_sides;
+  walls_ = find_walls(mesh_, face_to_sides, options_, blunt_verts_);
+  sides_.emplace(model_, mesh_, walls_, runner_);
+  side_meshes_.clear();
   side_meshes_.resize(sides_->sides().size());
-  const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner);
-  counts_.emplace(walls_, *sides_, paths, runner);
+  const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner_);
+  if (!paths.fans_without_room.empty()) return paths.fans_without_room;
+  counts_.emplace(walls_, *sides_, paths, runner_);
+  counts_->settle(runner_);
+  std::vector<std::uint32_t> thin = thin_fans();
+  if (!thin.empty() && tries < kMostTries) return thin;
   make_surface();
+  return tries < kMostTries ? thin_fans() : std::vector<std::uint32_t>{};
+}
+
+std::vector<std::uint32_t> LayerGrowth::thin_fans() const {
+  std::vector<std::uint32_t> thin;
+  for (const FanVertex& fan : walls_.fan_vertices)
+    if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
+          return counts_->thickness(c) < kLeastAtFan * walls_.curve_to_width[c];
+        }))
+      thin.push_back(walls_.curve_to_vert[fan.curves[0]]);
+  return thin;
 }
 
 LayerGrowth::~LayerGrowth() = default;
@@ -144,8 +169,7 @@ bool LayerGrowth::lower_hit(const std::vector<std::uint8_t>& is_hit, std::vector
 bool LayerGrowth::lower(std::span<const std::uint32_t> regions, double share) {
   bool any = false;
   for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
-    const std::uint32_t region = walls_.triangles[walls_.triangles_at(c)[0]].region;
-    if (counts_->count(c) == 0 || std::ranges::count(regions, region) == 0) continue;
+    if (counts_->count(c) == 0 || std::ranges::count(regions, walls_.curve_to_region[c]) == 0) continue;
     any = true;
     counts_->lower(c, static_cast<int>(share * counts_->count(c)), LayerLimit::Filling);
   }
@@ -156,6 +180,13 @@ bool LayerGrowth::lower(std::span<const std::uint32_t> regions, double share) {
 void check_layer_options(const GeometricModel& model, const LayerOptions& options) {
   constexpr int kMostLayers = 1000;
   constexpr double kMostGrowth = 10;
+  constexpr double kLeastFanAngle = 45, kMostFanAngle = 180;
+  if (options.fan_angle != 0 && !(options.fan_angle >= kLeastFanAngle && options.fan_angle <= kMostFanAngle))
+    throw Error(Diagnostic{ErrorCode::InvalidArgument,
+                           "layers: the angle of fans must lie between 45 and 180 degrees, or be 0",
+                           {},
+                           {},
+                           {}});
   std::vector<std::uint8_t> is_wall(model.topology().face_count(), 0);
   for (const WallLayers& wall : options.walls) {
     if (wall.face.value >= is_wall.size()) refuse(model, wall.face, "the model has no such face");

@@ -37,6 +37,8 @@ class LayerGrowth {
   bool lower(std::span<const std::uint32_t> regions, double share);
 
  private:
+  std::vector<std::uint32_t> grow(int tries);
+  std::vector<std::uint32_t> thin_fans() const;
   void make_surface();
   void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
@@ -47,7 +49,9 @@ class LayerGrowth {
   const GeometricModel& model_;
   const Mesh& mesh_;
   const SizeField& sizes_;
+  const LayerOptions& options_;
   const TaskRunner& runner_;
+  std::vector<std::uint32_t> blunt_verts_;  // where fans were tried and failed, ascending
   Walls walls_;
   std::optional<SideFaces> sides_;
   std::optional<LayerCounts> counts_;
@@ -56,7 +60,7 @@ class LayerGrowth {
 };
 
 /// Errors: InvalidArgument with the face, for walls that cannot be made: unknown faces, heights, growth or counts out
-/// of range, faces that bound no region on the sides asked for.
+/// of range, faces that bound no region on the sides asked for; and without one for an angle of fans out of range.
 void check_layer_options(const GeometricModel& model, const LayerOptions& options);
 
 }  // namespace tetloom::layers

@@ -25,6 +25,7 @@ constexpr int kSweeps = 8;
 constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
 constexpr double kKeptAbove = 0.8;
 constexpr double kMostShift = 1.5;  // of the step
+constexpr double kRoomAtFan = 0.4;  // of the width: a fan needs layers as thick as that
 constexpr double kLeastShape = 0.01;
 constexpr double kTilt = 0.02;       // of a front above a flat wall, where steps differ: no reason to stretch heights
 constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less above narrow triangles
@@ -58,6 +59,8 @@ class Marching {
     find_shapes();
     find_directions(true);
     find_lengths();
+    find_fans_without_room();
+    if (!paths_.fans_without_room.empty()) return std::move(paths_);
     for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
       if (direction_[c] != Vec3{} && is_growing(c)) paths_.limits[c] = LayerLimit::Concave;
@@ -126,6 +129,10 @@ class Marching {
     visibility_.assign(walls_.curve_count(), 0);
     for_each_curve([&](std::uint32_t c) {
       if (!is_first && !is_growing(c)) return;
+      if (walls_.triangles_at(c).empty()) {  // of a fan: straight on
+        direction_[c] = walls_.curve_to_direction[c], visibility_[c] = 1;
+        return;
+      }
       thread_local std::vector<Vec3> normals;
       gather_normals(c, normals);
       direction_[c] = constrain(c, most_normal_direction(normals).direction);
@@ -188,6 +195,14 @@ class Marching {
       if (wanted.limits[c] != LayerLimit::None) paths_.limits[c] = wanted.limits[c];
       step_[c] = std::max(full_step(c), std::min(walls_.curve_to_heights[c].first, kStep * walls_.curve_to_width[c]));
     }
+  }
+
+  void find_fans_without_room() {
+    for (const FanVertex& fan : walls_.fan_vertices)
+      if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
+            return wanted_[c] * stretch_[c] < kRoomAtFan * walls_.curve_to_width[c];
+          }))
+        paths_.fans_without_room.push_back(walls_.curve_to_vert[fan.curves[0]]);
   }
 
   // One step of all curves. False when there is nothing left to do.

@@ -17,6 +17,8 @@ struct GrowthPaths {
   std::vector<double> reached;               ///< height of each curve
   std::vector<double> stretch;               ///< at the wall: length along a curve over height, 1 to 2
   std::vector<LayerLimit> limits;            ///< why a curve is shorter than asked for
+  /// Vertices of fans whose layers would be too thin for lack of room. There are no fronts then.
+  std::vector<std::uint32_t> fans_without_room;
 
   /// The point of the curve at this height; at most `reached`.
   Vec3 point_at(std::uint32_t curve, double height) const;

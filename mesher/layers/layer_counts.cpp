@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
+constexpr double kMostSkewness = 3.9;  // of faces between first cells; checkMesh complains of 4
 
 }  // namespace
 
@@ -41,6 +42,23 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
     }
   });
   put_on(sides, runner);
+  even_out_fans();
+}
+
+// All curves of one foot have as many layers.
+void LayerCounts::even_out_fans() {
+  for (const FanVertex& fan : walls_.fan_vertices) {
+    const std::uint32_t least = *std::ranges::min_element(fan.curves, {}, [&](std::uint32_t c) { return counts_[c]; });
+    for (const std::uint32_t c : fan.curves) lower_one(c, counts_[least], limits_[least]);
+  }
+}
+
+Vec3 LayerCounts::apex(const FanElement& fan) const {
+  constexpr double kHeight = 0.28;  // of the mean diagonal
+  std::array<Vec3, 4> x;
+  for (std::size_t i = 0; i < 4; ++i) x[i] = top(fan.curves[i]);
+  const Vec3 one = x[2] - x[0], other = x[3] - x[1];
+  return 0.25 * (x[0] + x[1] + x[2] + x[3]) + kHeight * 0.5 * (norm(one) + norm(other)) * normalized(cross(one, other));
 }
 
 void LayerCounts::put_on(const SideFaces& sides, const TaskRunner& runner) {
@@ -78,6 +96,12 @@ int LayerCounts::count_within(std::uint32_t curve, double thickness) const {
 }
 
 void LayerCounts::lower(std::uint32_t curve, int count, LayerLimit limit) {
+  const std::uint32_t fan = walls_.curve_to_fan_vertex[curve];
+  if (fan == kNone) return lower_one(curve, count, limit);
+  for (const std::uint32_t c : walls_.fan_vertices[fan].curves) lower_one(c, count, limit);
+}
+
+void LayerCounts::lower_one(std::uint32_t curve, int count, LayerLimit limit) {
   if (count >= counts_[curve]) return;
   counts_[curve] = std::max(count, 0);
   limits_[curve] = limit;
@@ -99,7 +123,8 @@ void LayerCounts::settle(const TaskRunner& runner) {
   for (;;) {
     runner.check_cancelled();
     while (limit_slopes(runner)) runner.check_cancelled();
-    if (!lower_at_bad_cells(runner)) break;
+    const bool skewed = lower_at_skewed_faces(runner);
+    if (!lower_at_bad_cells(runner) && !skewed) break;
   }
   std::ranges::fill(unsettled_, 0);
 }
@@ -129,26 +154,69 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   return any;
 }
 
+// Whether the line between the middles of the two first cells beside an edge misses the face between them by far, as
+// OpenFOAM measures it.
+bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
+  const auto& curves = walls_.triangles[wall].curves;
+  const std::uint32_t c = curves[corner], d = curves[(corner + 1) % 3];
+  if (counts_[c] == 0 || counts_[d] == 0) return false;
+  for (const std::uint32_t other : walls_.triangles_at(c)) {
+    const auto& others = walls_.triangles[other].curves;
+    if (other <= wall || std::ranges::find(others, d) == others.end()) continue;
+    const std::array face{point(c, 0), point(d, 0), point(d, 1), point(c, 1)};
+    const Vec3 middle = 0.25 * (face[0] + face[1] + face[2] + face[3]);
+    const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]);
+    const Vec3 from = middle_of_first(wall), way = middle_of_first(other) - from;
+    const Vec3 off = middle - from - dot(normal, middle - from) / dot(normal, way) * way;
+    double extent = 0.2 * norm(way);
+    for (const Vec3& x : face) extent = std::max(extent, std::abs(dot(normalized(off), x - middle)));
+    if (norm(off) > kMostSkewness * extent) return true;
+  }
+  return false;
+}
+
+Vec3 LayerCounts::middle_of_first(std::uint32_t wall) const {
+  Vec3 sum;
+  for (const std::uint32_t c : walls_.triangles[wall].curves) sum += point(c, 0) + point(c, std::min(1, counts_[c]));
+  return sum / 6;
+}
+
+bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
+  std::vector<std::uint8_t> skewed(3 * walls_.triangles.size(), 0);
+  runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
+      for (std::size_t i = 0; i < 3; ++i) skewed[3 * w + i] = is_skewed(w, i);
+  });
+  bool any = false;
+  for (std::size_t e = 0; e < skewed.size(); ++e) {
+    if (!skewed[e]) continue;
+    any = true;
+    const auto& curves = walls_.triangles[e / 3].curves;
+    for (const std::size_t i : {e % 3, (e % 3 + 1) % 3}) lower(curves[i], 0, LayerLimit::Concave);
+  }
+  return any;
+}
+
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
-  std::vector<int> sound(walls_.triangles.size(), std::numeric_limits<int>::max());
-  const auto sound_levels = [&](std::uint32_t wall) {
-    const auto& [a, b, c] = walls_.triangles[wall].curves;
-    return sound_.levels(wall, {counts_[a], counts_[b], counts_[c]},
-                         [&](std::uint32_t curve, int level) { return point(curve, level); });
+  std::vector<int> sound(walls_.stack_count(), std::numeric_limits<int>::max());
+  const auto sound_levels = [&](std::uint32_t stack) {
+    return sound_.levels(
+        stack, [&](std::uint32_t curve) { return counts_[curve]; },
+        [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); });
   };
-  const auto is_concerned = [&](const WallTriangle& wall) {
-    return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return unchecked_[c] != 0; });
+  const auto is_concerned = [&](std::uint32_t stack) {
+    return std::ranges::any_of(walls_.curves_of(stack), [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
-      if (is_concerned(walls_.triangles[w])) sound[w] = sound_levels(w);
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
+      if (is_concerned(s)) sound[s] = sound_levels(s);
   });
   std::ranges::fill(unchecked_, 0);
   bool any = false;
-  for (std::size_t w = 0; w < sound.size(); ++w) {
-    for (const std::uint32_t c : walls_.triangles[w].curves) {
-      any = any || counts_[c] > sound[w];
-      lower(c, sound[w], LayerLimit::Cell);
+  for (std::size_t s = 0; s < sound.size(); ++s) {
+    for (const std::uint32_t c : walls_.curves_of(s)) {
+      any = any || counts_[c] > sound[s];
+      lower(c, sound[s], LayerLimit::Cell);
     }
   }
   return any;

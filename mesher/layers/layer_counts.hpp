@@ -25,10 +25,12 @@ class LayerCounts {
     return level == 0 ? feet_[curve] : points_[begin_[curve] + static_cast<std::size_t>(level) - 1];
   }
   Vec3 top(std::uint32_t curve) const { return point(curve, counts_[curve]); }
+  /// The apex of a stack on an element of a fan that has four tops.
+  Vec3 apex(const FanElement& fan) const;
   /// Of all layers, along the curve.
   double thickness(std::uint32_t curve) const { return thickness_of(curve, counts_[curve]); }
 
-  /// Leaves at most so many.
+  /// Leaves at most so many, on all curves of the foot.
   void lower(std::uint32_t curve, int count, LayerLimit limit);
   /// Leaves so much less of the thickness, one layer at least. Pre: it has more than one.
   void thin(std::uint32_t curve, double thickness, LayerLimit limit);
@@ -39,11 +41,16 @@ class LayerCounts {
   std::vector<std::uint8_t> take_changes();
 
  private:
+  void even_out_fans();
   void put_on(const SideFaces& sides, const TaskRunner& runner);
+  void lower_one(std::uint32_t curve, int count, LayerLimit limit);
   double thickness_of(std::uint32_t curve, int count) const;
   int count_within(std::uint32_t curve, double thickness) const;
   bool limit_slopes(const TaskRunner& runner);
   bool lower_at_bad_cells(const TaskRunner& runner);
+  bool lower_at_skewed_faces(const TaskRunner& runner);
+  Vec3 middle_of_first(std::uint32_t wall) const;
+  bool is_skewed(std::uint32_t wall, std::size_t corner) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;

@@ -4,14 +4,14 @@
 #include <map>
 #include <numbers>
 
-#include "mesher/layers/layer_cells.hpp"
 #include "mesher/layers/layered_mesh.hpp"
+#include "mesher/layers/stack_cells.hpp"
 
 namespace tetloom {
 
 std::string_view to_string(LayerLimit limit) {
   constexpr std::array<std::string_view, kLayerLimits> kNames{"none", "gap",      "concave",    "isotropy", "no_normal",
-                                                              "cell", "crossing", "side_angle", "filling"};
+                                                              "cell", "crossing", "side_angle", "filling",  "fan"};
   return kNames[static_cast<std::size_t>(limit)];
 }
 
@@ -30,6 +30,7 @@ class Measuring {
   LayerFigures run(const TaskRunner& runner) {
     measure_cells(runner);
     measure_curves(runner);
+    figures_.fans = walls_.fan_vertices.size();
     std::map<std::uint32_t, Sums> faces;
     Sums whole;
     for (const WallTriangle& wall : walls_.triangles) {
@@ -169,15 +170,22 @@ class Measuring {
       return static_cast<double>(counts_.count(c)) / walls_.curve_to_heights[c].count;
     };
     const std::uint32_t worst = *std::ranges::min_element(wall.curves, {}, left);
-    if (left(worst) >= 1) return;
+    if (left(worst) < 1) return note(wall, area, worst, counts_.limit(worst));
+    for (const std::uint32_t c : wall.curves)
+      if (std::ranges::binary_search(walls_.blunt_verts, walls_.curve_to_vert[c]))
+        return note(wall, area, c, LayerLimit::Fan);
+  }
+
+  void note(const WallTriangle& wall, double area, std::uint32_t curve, LayerLimit reason) {
     const std::uint32_t face = given_.tri_to_entity[wall.triangle];
-    Limited& limited = limited_[{counts_.limit(worst), face}];
-    limited.figure.reason = counts_.limit(worst);
+    const double left = static_cast<double>(counts_.count(curve)) / walls_.curve_to_heights[curve].count;
+    Limited& limited = limited_[{reason, face}];
+    limited.figure.reason = reason;
     limited.figure.face = ModelFaceId(face);
     limited.figure.area += area;
-    if (left(worst) >= limited.left) return;
-    limited.left = left(worst);
-    limited.figure.point = given_.points[walls_.curve_to_vert[worst]];
+    if (left >= limited.left) return;
+    limited.left = left;
+    limited.figure.point = given_.points[walls_.curve_to_vert[curve]];
   }
 
   void measure_cells(const TaskRunner& runner) {
@@ -186,24 +194,26 @@ class Measuring {
       std::array<std::size_t, kCellKinds> cells{};
       std::vector<float> jacobians;
     };
-    const auto parts = map_blocks<Part>(runner, walls_.triangles.size(), kGrain, {},
-                                        [&](std::size_t begin, std::size_t end, Part& part) {
-                                          for (std::size_t w = begin; w < end; ++w) {
-                                            const WallTriangle& wall = walls_.triangles[w];
-                                            for_each_cell(counts_of(wall), [&](CellKind kind, const auto& corners) {
-                                              std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
-                                              for (std::size_t i = 0; i < x.size(); ++i)
-                                                x[i] = counts_.point(wall.curves[corners[i].corner], corners[i].level);
-                                              ++part.cells[static_cast<std::size_t>(kind)];
-                                              part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
-                                            });
-                                          }
-                                        });
+    const auto count_of = [&](std::uint32_t c) { return counts_.count(c); };
+    const auto measure_stack = [&](std::size_t stack, Part& part) {
+      for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int) {
+        std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+        for (std::size_t i = 0; i < x.size(); ++i)
+          x[i] = cell[i].is_apex() ? counts_.apex(walls_.fan(stack)) : counts_.point(cell[i].curve, cell[i].level);
+        ++part.cells[static_cast<std::size_t>(kind_of_cell(x.size()))];
+        part.jacobians.push_back(static_cast<float>(scaled_jacobian(x)));
+      });
+    };
+    const auto parts =
+        map_blocks<Part>(runner, walls_.stack_count(), kGrain, {}, [&](std::size_t begin, std::size_t end, Part& part) {
+          for (std::size_t s = begin; s < end; ++s) measure_stack(s, part);
+        });
     std::vector<float> all;
     for (const Part& part : parts) {
       figures_.tets += part.cells[static_cast<std::size_t>(CellKind::Tet)];
       figures_.pyramids += part.cells[static_cast<std::size_t>(CellKind::Pyramid)];
       figures_.prisms += part.cells[static_cast<std::size_t>(CellKind::Prism)];
+      figures_.hexes += part.cells[static_cast<std::size_t>(CellKind::Hex)];
       all.insert(all.end(), part.jacobians.begin(), part.jacobians.end());
     }
     if (all.empty()) return;

@@ -10,7 +10,7 @@
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 2048;         // wall triangles, or curves, of one task
+constexpr std::size_t kGrain = 2048;         // stacks, or curves, of one task
 constexpr std::size_t kElements = 1u << 16;  // elements of one task
 
 using CellCounts = std::array<std::size_t, kCellKinds>;
@@ -86,8 +86,9 @@ class Assembly {
     return static_cast<std::uint32_t>(numbers_.in_mesh(numbers_.made(at)));
   }
 
-  StackVertices vertices_of(const WallTriangle& wall) const {
-    return {growth_.counts(), wall, [&](std::uint32_t curve) { return numbers_.curve_in_mesh(curve); }};
+  StackVertices vertices_of(std::uint32_t stack) const {
+    return {growth_, stack, numbers_.apex_in_mesh(stack),
+            [&](std::uint32_t curve) { return numbers_.curve_in_mesh(curve); }};
   }
 
   template <class T>
@@ -118,12 +119,12 @@ class Assembly {
       });
   }
 
-  // Counted first, then written side by side, each block of wall triangles to its own places.
+  // Counted first, then written side by side, each block of stacks to its own places.
   void add_cells() {
     const std::vector<CellCounts> counts = map_blocks<CellCounts>(
-        runner_, walls_.triangles.size(), kGrain, {}, [&](std::size_t begin, std::size_t end, CellCounts& count) {
-          for (std::size_t w = begin; w < end; ++w)
-            for_each_stack_cell(growth_, walls_.triangles[w], all_tets_, [&](const auto& verts, int) {
+        runner_, walls_.stack_count(), kGrain, {}, [&](std::size_t begin, std::size_t end, CellCounts& count) {
+          for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
+            for_each_stack_cell(growth_, s, all_tets_, [&](const auto& verts, int) {
               ++count[kKind<std::tuple_size_v<std::decay_t<decltype(verts)>>>];
             });
         });
@@ -133,7 +134,7 @@ class Assembly {
       for (std::size_t kind = 0; kind < kCellKinds; ++kind) first.back()[kind] += count[kind];
     }
     make_cells(first.back());
-    runner_.for_blocks(walls_.triangles.size(), kGrain,
+    runner_.for_blocks(walls_.stack_count(), kGrain,
                        [&](std::size_t begin, std::size_t end) { write_cells(begin, end, first[begin / kGrain]); });
   }
 
@@ -152,20 +153,19 @@ class Assembly {
 
   void write_cells(std::size_t begin, std::size_t end, CellCounts next) {
     const auto fields = std::span(mesh_.cell_fields).last(3);
-    for (std::size_t w = begin; w < end; ++w) {
-      const WallTriangle& wall = walls_.triangles[w];
-      const StackVertices vertices = vertices_of(wall);
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) {
+      const StackVertices vertices = vertices_of(s);
       int last = 0;
       double height = 0;
-      for_each_stack_cell(growth_, wall, all_tets_, [&](const auto& places, int layer) {
+      for_each_stack_cell(growth_, s, all_tets_, [&](const auto& places, int layer) {
         constexpr std::size_t kKindOfThis = kKind<std::tuple_size_v<std::decay_t<decltype(places)>>>;
-        if (layer != last) height = height_of_layer(growth_.counts(), wall, layer);
+        if (layer != last) height = height_of_layer(growth_, s, layer);
         last = layer;
         const std::size_t cell = next[kKindOfThis]++, value = cells_before_[kKindOfThis] + cell;
-        put(vertices.at(places), wall.region, cell);
+        put(vertices.at(places), walls_.wall_of(s).region, cell);
         fields[0].values[value] = layer;
         fields[1].values[value] = height;
-        fields[2].values[value] = static_cast<double>(w + 1);
+        fields[2].values[value] = static_cast<double>(s + 1);
       });
     }
   }
@@ -179,11 +179,14 @@ class Assembly {
   void put(const std::array<std::uint32_t, 6>& prism, std::uint32_t region, std::size_t cell) {
     mesh_.prism_to_vert[cell] = prism, mesh_.prism_to_entity[cell] = region;
   }
+  void put(const std::array<std::uint32_t, 8>& hex, std::uint32_t region, std::size_t cell) {
+    mesh_.hex_to_vert[cell] = hex, mesh_.hex_to_entity[cell] = region;
+  }
 
   // Quadrilaterals and triangles of layers on side faces.
   void add_sides() {
     for (const WallRim& rim : walls_.rims) {
-      const StackVertices vertices = vertices_of(walls_.triangles[rim.wall]);
+      const StackVertices vertices = vertices_of(rim.wall);
       for_each_side_element(growth_, rim, all_tets_,
                             [&](const auto& places) { add_on_face(vertices.at(places), rim.side_face); });
     }

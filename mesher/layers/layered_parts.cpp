@@ -30,17 +30,21 @@ class KnownVertices {
 // The local vertices of curves in one part.
 class PartCurves {
  public:
-  PartCurves(const LayerGrowth& growth, const PointNumbers& numbers, std::span<const std::uint32_t> walls)
+  PartCurves(const LayerGrowth& growth, const PointNumbers& numbers, std::span<const std::uint32_t> stacks)
       : growth_(growth), numbers_(numbers) {
-    for (const std::uint32_t wall : walls)
-      for (const std::uint32_t curve : growth.walls().triangles[wall].curves) curves_.push_back(curve);
+    for (const std::uint32_t stack : stacks) {
+      const auto more = growth.walls().curves_of(stack);
+      curves_.insert(curves_.end(), more.begin(), more.end());
+      if (const std::uint32_t apex = numbers.made_apex(stack); apex != kNone) apexes_.push_back({stack, apex});
+    }
     std::ranges::sort(curves_);
     curves_.erase(std::unique(curves_.begin(), curves_.end()), curves_.end());
   }
 
   std::span<const std::uint32_t> curves() const { return curves_; }
 
-  /// Adds what the part does not have: feet and tops by their numbers, then points between them, curve by curve.
+  /// Adds what the part does not have: feet, tops and apexes by their numbers, then points between them, curve by
+  /// curve.
   void add_vertices(PartMesh& part) {
     add_ends(part);
     const KnownVertices known(part, numbers_.surface_points());
@@ -53,20 +57,32 @@ class PartCurves {
       for (int level = 1; level < count; ++level)
         add(numbers_.made({c, level}), growth_.counts().point(c, level), part);
     }
+    for (auto& [stack, apex] : apexes_) apex = known.find(apex);
   }
 
   /// Pre: the curve is one of these, and `add_vertices` has been called.
   const CurveVertices& vertices_of(std::uint32_t curve) const {
     return vertices_[static_cast<std::size_t>(std::ranges::lower_bound(curves_, curve) - curves_.begin())];
   }
+  /// The apex of one of the stacks, or none.
+  std::uint32_t apex_of(std::uint32_t stack) const {
+    const auto found = std::ranges::lower_bound(apexes_, stack, {}, &Apex::stack);
+    return found != apexes_.end() && found->stack == stack ? found->vertex : kNone;
+  }
 
  private:
+  struct Apex {
+    std::uint32_t stack, vertex;  // at first the number as it was made
+  };
+
   void add_ends(PartMesh& part) const {
     const KnownVertices known(part, numbers_.surface_points());
     std::vector<std::uint64_t> missing;
     for (const std::uint32_t c : curves_)
       for (const int level : {0, growth_.counts().count(c)})
         if (const std::uint64_t made = numbers_.made({c, level}); known.find(made) == kNone) missing.push_back(made);
+    for (const auto& [stack, apex] : apexes_)
+      if (known.find(apex) == kNone) missing.push_back(apex);
     std::ranges::sort(missing);
     missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
     for (const std::uint64_t made : missing) add(made, growth_.surface().mesh.points[made], part);
@@ -81,6 +97,7 @@ class PartCurves {
   const PointNumbers& numbers_;
   std::vector<std::uint32_t> curves_;  // ascending
   std::vector<CurveVertices> vertices_;
+  std::vector<Apex> apexes_;  // ascending by stack
 };
 
 std::array<std::uint32_t, 3> key_of(std::array<std::uint32_t, 3> verts) {
@@ -113,15 +130,15 @@ class StackWriter {
     for (CellField& field : fields_) field.values[0].resize(part.block(CellKind::Tet).size(), 0);
   }
 
-  void add_cells(std::uint32_t wall) {
-    const StackVertices vertices = vertices_of(wall);
-    const WallTriangle& triangle = growth_.walls().triangles[wall];
-    for_each_stack_cell(growth_, triangle, all_tets_, [&](const auto& places, int layer) {
+  void add_cells(std::uint32_t stack) {
+    const StackVertices vertices = vertices_of(stack);
+    const std::uint32_t region = growth_.walls().wall_of(stack).region;
+    for_each_stack_cell(growth_, stack, all_tets_, [&](const auto& places, int layer) {
       const CellKind kind = kind_of_cell(places.size());
       part_.block(kind).to_vert.append(std::span<const std::uint32_t>(vertices.at(places)));
-      part_.block(kind).to_region.push_back(triangle.region);
+      part_.block(kind).to_region.push_back(region);
       const std::array<double, kFields.size()> values{static_cast<double>(layer),
-                                                      height_of_layer(growth_.counts(), triangle, layer), wall + 1.0};
+                                                      height_of_layer(growth_, stack, layer), stack + 1.0};
       for (std::size_t f = 0; f < values.size(); ++f)
         fields_[f].values[static_cast<std::size_t>(kind)].push_back(values[f]);
     });
@@ -145,9 +162,8 @@ class StackWriter {
   }
 
  private:
-  StackVertices vertices_of(std::uint32_t wall) const {
-    return {growth_.counts(), growth_.walls().triangles[wall],
-            [&](std::uint32_t curve) { return curves_.vertices_of(curve); }};
+  StackVertices vertices_of(std::uint32_t stack) const {
+    return {growth_, stack, curves_.apex_of(stack), [&](std::uint32_t curve) { return curves_.vertices_of(curve); }};
   }
 
   const LayerGrowth& growth_;
@@ -173,12 +189,12 @@ PartLayers::PartLayers(const LayerGrowth& growth, std::uint64_t new_points, bool
 
 std::vector<std::uint32_t> PartLayers::take_tops(PartMesh& part) const {
   BoundaryBlock& block = part.block(BoundaryKind::Triangle);
-  std::vector<std::uint32_t> walls;
+  std::vector<std::uint32_t> stacks;
   std::size_t kept = 0;
   for (std::size_t t = 0; t < block.size(); ++t) {
     const std::uint32_t triangle = block.to_entity[t];
     if (growth_.surface().is_top[triangle]) {
-      walls.push_back(growth_.surface().tri_to_wall[triangle]);
+      if (is_first_of_stack(triangle)) stacks.push_back(growth_.surface().tri_to_stack[triangle]);
       continue;
     }
     for (std::size_t i = 0; i < 3; ++i) block.to_vert[3 * kept + i] = block.to_vert[3 * t + i];
@@ -186,22 +202,29 @@ std::vector<std::uint32_t> PartLayers::take_tops(PartMesh& part) const {
   }
   block.to_vert.resize(3 * kept);
   block.to_entity.resize(kept);
-  std::ranges::sort(walls);
-  return walls;
+  std::ranges::sort(stacks);
+  return stacks;
 }
 
-void PartLayers::add_stacks(std::span<const std::uint32_t> walls, PartMesh& part) const {
-  const auto& triangles = growth_.walls().triangles;
-  PartCurves curves(growth_, numbers_, walls);
+// A stack of several tops goes where the tet on the first one is.
+bool PartLayers::is_first_of_stack(std::uint32_t triangle) const {
+  const auto& tri_to_stack = growth_.surface().tri_to_stack;
+  return triangle == 0 || tri_to_stack[triangle - 1] != tri_to_stack[triangle];
+}
+
+void PartLayers::add_stacks(std::span<const std::uint32_t> stacks, PartMesh& part) const {
+  const Walls& walls = growth_.walls();
+  PartCurves curves(growth_, numbers_, stacks);
   curves.add_vertices(part);
   StackWriter writer(growth_, curves, all_tets_, part);
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    writer.add_cells(walls[i]);
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    writer.add_cells(stacks[i]);
+    if (walls.is_fan(stacks[i])) continue;
     // The stack on the other side of a wall has the same foot.
-    const bool is_twin = i > 0 && triangles[walls[i - 1]].triangle == triangles[walls[i]].triangle;
-    if (!is_twin) writer.add_foot(walls[i]);
-    for (std::uint32_t r = wall_to_rim_[walls[i]]; r < wall_to_rim_[walls[i] + 1]; ++r)
-      writer.add_side(growth_.walls().rims[rims_[r]]);
+    const bool is_twin = i > 0 && walls.triangles[stacks[i - 1]].triangle == walls.triangles[stacks[i]].triangle;
+    if (!is_twin) writer.add_foot(stacks[i]);
+    for (std::uint32_t r = wall_to_rim_[stacks[i]]; r < wall_to_rim_[stacks[i] + 1]; ++r)
+      writer.add_side(walls.rims[rims_[r]]);
   }
 }
 
@@ -210,8 +233,8 @@ ModelEntity PartLayers::entity_of(std::uint64_t made) const {
   return growth_.sides().entity_of(numbers_.curve_of(made));
 }
 
-void PartLayers::add_edges(std::span<const std::uint32_t> walls, PartMesh& part) const {
-  PartCurves curves(growth_, numbers_, walls);
+void PartLayers::add_edges(std::span<const std::uint32_t> stacks, PartMesh& part) const {
+  PartCurves curves(growth_, numbers_, stacks);
   const KnownVertices known(part, numbers_.count());
   const auto vertex = [&](const CurveLevel& at) { return known.find(numbers_.made(at)); };
   for (const std::uint32_t c : curves.curves())

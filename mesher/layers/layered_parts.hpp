@@ -1,5 +1,5 @@
 #pragma once
-// Layers in the parts of a volume: the stacks above wall triangles go to the parts that have the tets on their tops.
+// Layers in the parts of a volume: stacks go to the parts that have the tets on their tops.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,21 +20,23 @@ class PartLayers {
   /// `new_points`: those of all parts. Errors: OutOfMemory where there are too many points.
   PartLayers(const LayerGrowth& growth, std::uint64_t new_points, bool all_tets);
 
-  /// Takes the tops out of a part's triangles, and returns the wall triangles below them, ascending.
+  /// Takes the tops out of a part's triangles, and returns the stacks below them, ascending; each is in one part.
   std::vector<std::uint32_t> take_tops(PartMesh& part) const;
-  /// Adds the stacks on these wall triangles: vertices, cells, cell fields, and elements on walls and side faces. Pre:
+  /// Adds these stacks: vertices, cells, cell fields, and elements on walls and side faces. Pre:
   /// triangles have the model faces as their entities; cells are not connected.
-  void add_stacks(std::span<const std::uint32_t> walls, PartMesh& part) const;
+  void add_stacks(std::span<const std::uint32_t> stacks, PartMesh& part) const;
   /// What a point lies on that is between foot and top of a curve; invalid for all others.
   ModelEntity entity_of(std::uint64_t made) const;
   /// Adds the pieces of model edges on which layers of the part stand.
-  void add_edges(std::span<const std::uint32_t> walls, PartMesh& part) const;
+  void add_edges(std::span<const std::uint32_t> stacks, PartMesh& part) const;
   /// Those of every part.
   static std::vector<FieldInfo> fields();
   /// Global ids become those of make_layered_mesh.
   void number_as_in_mesh(PartMesh& part) const;
 
  private:
+  bool is_first_of_stack(std::uint32_t triangle) const;
+
   const LayerGrowth& growth_;
   const PointNumbers numbers_;
   const bool all_tets_;

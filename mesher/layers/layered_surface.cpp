@@ -27,6 +27,7 @@ class SurfaceMaker {
     add_tops();
     surface_.free_to_slide = mesh.point_to_entity;
     add_triangles();
+    add_fans();
     for (const SideMesh& side : side_meshes_) add_side(side);
     keep_edges();
     return std::move(surface_);
@@ -51,12 +52,12 @@ class SurfaceMaker {
   }
 
   void add_triangle(const std::array<std::uint32_t, 3>& verts, std::uint32_t face, const FaceSides& sides,
-                    std::uint32_t wall) {
+                    std::uint32_t stack) {
     surface_.mesh.tri_to_vert.push_back(verts);
     surface_.mesh.tri_to_entity.push_back(face);
     surface_.tri_to_sides.push_back(sides);
-    surface_.is_top.push_back(wall != kNone);
-    surface_.tri_to_wall.push_back(wall);
+    surface_.is_top.push_back(stack != kNone);
+    surface_.tri_to_stack.push_back(stack);
   }
 
   // Walls are sorted by triangle, the front side first.
@@ -92,6 +93,33 @@ class SurfaceMaker {
       keep(verts[i], verts[(i + 1) % 3]);
       keep(triangle.verts[i], triangle.verts[(i + 1) % 3]);
     }
+  }
+
+  void add_fans() {
+    for (std::size_t f = 0; f < walls_.fans.size(); ++f) {
+      const FanElement& fan = walls_.fans[f];
+      const auto stack = static_cast<std::uint32_t>(walls_.triangles.size() + f);
+      std::vector<std::uint32_t> rim;
+      for (const std::uint32_t c : walls_.curves_of(stack))
+        if (const std::uint32_t top = surface_.curve_to_top[c]; std::ranges::count(rim, top) == 0) rim.push_back(top);
+      surface_.fan_to_apex.push_back(rim.size() == 4 ? add_apex(fan) : kNone);
+      if (rim.size() == 3) add_fan_top({rim[0], rim[1], rim[2]}, stack);
+      for (std::size_t i = 0; rim.size() == 4 && i < 4; ++i)
+        add_fan_top({rim[i], rim[(i + 1) % 4], surface_.fan_to_apex.back()}, stack);
+    }
+  }
+
+  std::uint32_t add_apex(const FanElement& fan) {
+    surface_.mesh.points.push_back(counts_.apex(fan));
+    surface_.mesh.point_to_entity.push_back(ModelRegionId(walls_.triangles[fan.wall].region));
+    surface_.free_to_slide.emplace_back();
+    return static_cast<std::uint32_t>(surface_.mesh.points.size() - 1);
+  }
+
+  void add_fan_top(const std::array<std::uint32_t, 3>& verts, std::uint32_t stack) {
+    const WallTriangle& wall = walls_.wall_of(stack);
+    add_triangle(verts, mesh_.tri_to_entity[wall.triangle], {ModelRegionId(wall.region), {}}, stack);
+    for (std::size_t i = 0; i < 3; ++i) keep(verts[i], verts[(i + 1) % 3]);
   }
 
   void keep(std::uint32_t a, std::uint32_t b) {

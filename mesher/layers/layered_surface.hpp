@@ -18,12 +18,13 @@ struct LayeredSurface {
   Mesh mesh;
   std::vector<FaceSides> tri_to_sides;                   ///< per triangle of `mesh`
   std::vector<std::uint8_t> is_top;                      ///< per triangle of `mesh`: it is none of the model's surface
-  std::vector<std::uint32_t> tri_to_wall;                ///< of tops, their wall triangle; else none
+  std::vector<std::uint32_t> tri_to_stack;               ///< of tops; else none. Those of one stack follow each other
   std::vector<ModelEntity> free_to_slide;                ///< per point: what it may slide on; none where it stays
   std::vector<std::array<std::uint32_t, 2>> kept_edges;  ///< that stay as they are
   std::vector<std::array<std::uint32_t, 3>> covered;     ///< wall triangles with nothing to fill at them
   std::vector<std::uint32_t> covered_to_entity;
   std::vector<std::uint32_t> curve_to_top;  ///< per curve a point of `mesh`; that of its foot where it has no layers
+  std::vector<std::uint32_t> fan_to_apex;   ///< per element of a fan: a point of `mesh`, or none
 
   /// Refers to this.
   VolumeInput input(const GeometricModel& model, const SizeField& sizes) const;

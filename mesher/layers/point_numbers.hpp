@@ -34,6 +34,16 @@ class PointNumbers {
     const std::uint64_t first = in_mesh(first_level_point_ + levels_before_[curve]);
     return {number(0), number(growth_.counts().count(curve)), static_cast<std::uint32_t>(first)};
   }
+  /// The apex of a stack in the mesh, or none.
+  std::uint32_t apex_in_mesh(std::uint32_t stack) const {
+    const std::uint64_t made = made_apex(stack);
+    return made == kNone ? kNone : static_cast<std::uint32_t>(in_mesh(made));
+  }
+  /// The same as it was made.
+  std::uint32_t made_apex(std::uint32_t stack) const {
+    const Walls& walls = growth_.walls();
+    return walls.is_fan(stack) ? growth_.surface().fan_to_apex[stack - walls.triangles.size()] : kNone;
+  }
   bool is_used(std::uint64_t made) const { return made >= surface_.size() || surface_[made] != kNone; }
   /// The curve of a point between foot and top.
   std::uint32_t curve_of(std::uint64_t made) const;

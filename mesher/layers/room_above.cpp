@@ -20,7 +20,7 @@ class RoomSearch {
   std::vector<double> run(std::span<const std::uint8_t> asked) {
     runner_.for_blocks(looks_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
-        if (asked[c] && counts_.count(c) > 1) looks_[c] = look_from(c);
+        if (asked[c] && counts_.count(c) > 1 && !walls_.triangles_at(c).empty()) looks_[c] = look_from(c);
     });
     std::vector<std::uint8_t> has_layers(2 * surface_.is_top.size(), 0);
     for (std::size_t t = 0; t < surface_.is_top.size(); ++t) has_layers[2 * t + 1] = surface_.is_top[t];
@@ -51,8 +51,7 @@ class RoomSearch {
       lengths += distance(top, x) + distance(top, y) + distance(top, z);
     }
     const double width = lengths / static_cast<double>(2 * normals.size());
-    return {walls_.triangles[walls_.triangles_at(curve)[0]].region, top, most_normal_direction(normals).direction,
-            kRoom * width};
+    return {walls_.curve_to_region[curve], top, most_normal_direction(normals).direction, kRoom * width};
   }
 
   // Whether it has the top of the curve or of a neighbour: the side of a pit in the front is no other front.

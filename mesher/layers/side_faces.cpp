@@ -244,7 +244,7 @@ ModelEntity SideFaces::entity_of(std::uint32_t curve) const {
   const CurveSides* at_sides = at(curve);
   if (at_sides && at_sides->is_along_edge) return at_sides->edge;
   if (at_sides && at_sides->count == 1) return sides_[at_sides->sides[0]].shape.face;
-  return ModelRegionId(walls_.triangles[walls_.triangles_at(curve)[0]].region);
+  return ModelRegionId(walls_.curve_to_region[curve]);
 }
 
 std::vector<std::uint32_t> SideFaces::dropped_by(std::uint32_t curve, const CurveTop& top) const {

@@ -7,8 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mesher/layers/layer_cells.hpp"
-#include "mesher/layers/walls.hpp"
+#include "mesher/layers/stack_cells.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::layers {
@@ -26,9 +25,9 @@ class SoundStacks {
   SoundStacks(const Walls& walls, std::span<const Vec3> feet, const TaskRunner& runner);
 
   /// How many levels of cells are sound, from the wall on; the highest of the counts where all are. point(curve, level)
-  /// is asked for levels from 0 to the curve's count.
-  template <class PointAt>
-  int levels(std::uint32_t wall, const std::array<int, 3>& counts, const PointAt& point) const;
+  /// is asked for levels from 0 to count_of(curve), and with no curve for the apex of a stack.
+  template <class CountOf, class PointAt>
+  int levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point) const;
 
  private:
   struct Limits {
@@ -39,32 +38,41 @@ class SoundStacks {
   Limits limits_of(std::uint32_t wall, std::span<const Vec3> feet, std::span<const Vec3> normals) const;
   bool is_bent_at(std::uint32_t wall, std::span<const Vec3> normals) const;
   bool is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& front) const;
+  template <class CountOf, class PointAt>
+  bool is_wide_enough(std::uint32_t stack, int layer, const CountOf& count_of, const PointAt& point) const;
   static double least_above(double jacobian_of_first);
 
   const Walls& walls_;
   std::vector<Limits> limits_;  // per wall triangle
 };
 
-template <class PointAt>
-int SoundStacks::levels(std::uint32_t wall, const std::array<int, 3>& counts, const PointAt& point) const {
-  const auto& curves = walls_.triangles[wall].curves;
-  int sound = std::ranges::max(counts), level = 0;
-  double least = kLeastFirst;
-  for_each_cell(counts, [&](CellKind, const auto& corners) {
-    if (level >= sound) return;
-    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(corners)>>> x;
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(curves[corners[i].corner], corners[i].level);
-    std::array<Vec3, 3> front;
-    for (std::size_t i = 0; i < 3; ++i) front[i] = point(curves[i], std::min(level + 1, counts[i]));
-    const bool is_good = is_sound(x, least) && (level == 0 || is_wide_enough(wall, front));
-    if (level == 0 && is_good) least = least_above(scaled_jacobian(x));
-    if (is_good) {
-      ++level;
-    } else {
-      sound = level;
-    }
+template <class CountOf, class PointAt>
+int SoundStacks::levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point) const {
+  int highest = 0;
+  for (const std::uint32_t c : walls_.curves_of(stack)) highest = std::max(highest, count_of(c));
+  int sound = highest;
+  double least = 1;  // of layers but the first
+  for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
+    if (std::min(layer, highest) > sound) return;
+    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(cell[i].curve, cell[i].level);
+    // On edges, lying prisms and what ends a stack are as flat as their layers.
+    const bool may_be_flat = layer == 1 || (walls_.curves_of(stack).size() == 4 && x.size() != 8);
+    const bool is_good =
+        is_sound(x, may_be_flat ? kLeastFirst : least) && (layer == 1 || is_wide_enough(stack, layer, count_of, point));
+    if (layer == 1 && is_good) least = std::min(least, least_above(scaled_jacobian(x)));
+    if (!is_good) sound = std::min(layer, highest) - 1;
   });
   return sound;
+}
+
+template <class CountOf, class PointAt>
+bool SoundStacks::is_wide_enough(std::uint32_t stack, int layer, const CountOf& count_of, const PointAt& point) const {
+  if (walls_.is_fan(stack)) return true;
+  std::array<Vec3, 3> front;
+  const auto& curves = walls_.triangles[stack].curves;
+  for (std::size_t i = 0; i < 3; ++i) front[i] = point(curves[i], std::min(layer, count_of(curves[i])));
+  return is_wide_enough(stack, front);
 }
 
 }  // namespace tetloom::layers

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
+#include "mesher/layers/fan_plan.hpp"
 
 namespace tetloom::layers {
 namespace {
@@ -27,20 +29,31 @@ struct SideUse {
   bool is_front;
 };
 
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
 class WallFinder {
  public:
-  WallFinder(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const LayerOptions& options)
-      : mesh_(mesh), face_to_sides_(face_to_sides), asked_(face_to_sides.size(), nullptr) {
+  WallFinder(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const LayerOptions& options,
+             std::span<const std::uint32_t> blunt_verts)
+      : mesh_(mesh),
+        face_to_sides_(face_to_sides),
+        fan_turn_(options.fan_angle > 0 ? radians(options.fan_angle) : HUGE_VAL),
+        blunt_verts_(blunt_verts),
+        asked_(face_to_sides.size(), nullptr) {
     for (const WallLayers& wall : options.walls)
       if (wall.face.value < asked_.size()) asked_[wall.face.value] = &wall;
   }
 
   Walls run() {
     find_triangles();
-    corner_sets_ = DisjointSets(3 * walls_.triangles.size());
-    join_corners();
+    across_.assign(3 * walls_.triangles.size(), kNone);
+    link_edges();
+    const FanPlan fans({mesh_.points, walls_.triangles, across_}, fan_turn_, blunt_verts_);
+    join_corners(fans);
     number_curves();
+    fans.add_to(walls_);
     list_triangles();
+    find_widths();
     find_heights();
     return std::move(walls_);
   }
@@ -86,12 +99,12 @@ class WallFinder {
     return users;
   }
 
-  void join_corners() {
+  void link_edges() {
     const std::vector<EdgeUser> users = edge_users();
     for (std::size_t begin = 0; begin < users.size();) {
       std::size_t end = begin;
       while (end < users.size() && users[end].low == users[begin].low && users[end].high == users[begin].high) ++end;
-      join_at_edge(
+      link_at_edge(
           {users.begin() + static_cast<std::ptrdiff_t>(begin), users.begin() + static_cast<std::ptrdiff_t>(end)});
       begin = end;
     }
@@ -99,11 +112,11 @@ class WallFinder {
 
   // Around an edge, the side of a triangle that looks towards greater angles faces that of the next one that looks
   // towards smaller ones.
-  void join_at_edge(std::vector<EdgeUser> users) {
+  void link_at_edge(std::vector<EdgeUser> users) {
     if (users.size() > 2) sort_around(users);
     for (std::size_t i = 0; i < users.size(); ++i) {
       const EdgeUser &here = users[i], &next = users[(i + 1) % users.size()];
-      join({here.triangle, here.corner, here.forward}, {next.triangle, next.corner, !next.forward});
+      link({here.triangle, here.corner, here.forward}, {next.triangle, next.corner, !next.forward});
     }
   }
 
@@ -124,31 +137,34 @@ class WallFinder {
     for (std::size_t i = 0; i < users.size(); ++i) users[i] = angles[i].second;
   }
 
-  void join(const SideUse& one, const SideUse& other) {
+  void link(const SideUse& one, const SideUse& other) {
     const ModelRegionId region = region_of(one.triangle, one.is_front);
     if (!region.valid()) return;
     const std::uint32_t wall = wall_of(one), other_wall = wall_of(other);
     if (wall != kNone && other_wall != kNone && region == region_of(other.triangle, other.is_front)) {
-      for (const int i : {0, 1}) {
-        const std::uint32_t v = mesh_.tri_to_vert[one.triangle][(one.corner + i) % 3];
-        corner_sets_.join(corner(wall, v), corner(other_wall, v));
-      }
+      const std::uint32_t edge = edge_of(wall, one), other_edge = edge_of(other_wall, other);
+      across_[edge] = other_edge, across_[other_edge] = edge;
       return;
     }
     if (wall != kNone) add_rim(wall, one, other.triangle);
     if (other_wall != kNone) add_rim(other_wall, other, one.triangle);
   }
 
-  std::uint32_t corner(std::uint32_t wall, std::uint32_t vert) const {
+  // The corner of the wall triangle at which the edge starts, seen from its region.
+  std::uint32_t edge_of(std::uint32_t wall, const SideUse& use) const {
     const auto& verts = walls_.triangles[wall].verts;
-    return 3 * wall + static_cast<std::uint32_t>(std::ranges::find(verts, vert) - verts.begin());
+    const std::uint32_t start = mesh_.tri_to_vert[use.triangle][(use.corner + (use.is_front ? 0 : 1)) % 3];
+    return 3 * wall + static_cast<std::uint32_t>(std::ranges::find(verts, start) - verts.begin());
+  }
+
+  void join_corners(const FanPlan& fans) {
+    corner_sets_ = DisjointSets(across_.size());
+    for (std::uint32_t e = 0; e < across_.size(); ++e)
+      if (across_[e] != kNone && !fans.parts_at_start(e)) corner_sets_.join(e, next_corner(across_[e]));
   }
 
   void add_rim(std::uint32_t wall, const SideUse& use, std::uint32_t side_triangle) {
-    const auto& verts = mesh_.tri_to_vert[use.triangle];
-    const std::uint32_t a = verts[use.corner], b = verts[(use.corner + 1) % 3];
-    walls_.rims.push_back(
-        {wall, corner(wall, use.is_front ? a : b) - 3 * wall, mesh_.tri_to_entity[side_triangle], side_triangle});
+    walls_.rims.push_back({wall, edge_of(wall, use) - 3 * wall, mesh_.tri_to_entity[side_triangle], side_triangle});
   }
 
   void number_curves() {
@@ -174,22 +190,43 @@ class WallFinder {
       for (const std::uint32_t c : walls_.triangles[w].curves) walls_.curve_triangles[next[c]++] = w;
   }
 
-  void find_heights() {
+  void find_widths() {
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      const std::span<const std::uint32_t> triangles = walls_.triangles_at(c);
       const Vec3& foot = mesh_.points[walls_.curve_to_vert[c]];
       double lengths = 0;
-      for (const std::uint32_t w : walls_.triangles_at(c))
+      for (const std::uint32_t w : triangles)
         for (const std::uint32_t v : walls_.triangles[w].verts) lengths += distance(foot, mesh_.points[v]);
-      walls_.curve_to_width.push_back(lengths / static_cast<double>(2 * walls_.triangles_at(c).size()));
-      LayerHeights finest;
-      for (const std::uint32_t w : walls_.triangles_at(c)) {
-        const LayerHeights heights = asked_heights(walls_.triangles[w], walls_.curve_to_width.back());
-        const int count = finest.count > 0 ? std::min(finest.count, heights.count) : heights.count;
-        if (finest.count == 0 || heights.first < finest.first) finest = heights;
-        finest.count = count;
-      }
-      walls_.curve_to_heights.push_back(finest);
+      walls_.curve_to_width.push_back(lengths / std::max<double>(1, 2 * static_cast<double>(triangles.size())));
+      walls_.curve_to_region.push_back(triangles.empty() ? kNone : walls_.triangles[triangles[0]].region);
     }
+    // Curves without triangles come behind the others of their fan.
+    for (const FanVertex& fan : walls_.fan_vertices)
+      for (const std::uint32_t c : fan.curves)
+        if (walls_.triangles_at(c).empty()) {
+          walls_.curve_to_width[c] = walls_.curve_to_width[fan.curves[0]];
+          walls_.curve_to_region[c] = walls_.curve_to_region[fan.curves[0]];
+        }
+  }
+
+  void find_heights() {
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      LayerHeights& finest = walls_.curve_to_heights.emplace_back();
+      for (const std::uint32_t w : walls_.triangles_at(c))
+        take_finer(finest, asked_heights(walls_.triangles[w], walls_.curve_to_width[c]));
+    }
+    for (const FanVertex& fan : walls_.fan_vertices) {
+      LayerHeights finest;
+      for (const std::uint32_t c : fan.curves) take_finer(finest, walls_.curve_to_heights[c]);
+      for (const std::uint32_t c : fan.curves) walls_.curve_to_heights[c] = finest;
+    }
+  }
+
+  static void take_finer(LayerHeights& finest, const LayerHeights& heights) {
+    if (heights.count == 0) return;
+    const int count = finest.count > 0 ? std::min(finest.count, heights.count) : heights.count;
+    if (finest.count == 0 || heights.first < finest.first) finest = heights;
+    finest.count = count;
   }
 
   LayerHeights asked_heights(const WallTriangle& wall, double width) const {
@@ -207,8 +244,11 @@ class WallFinder {
 
   const Mesh& mesh_;
   std::span<const FaceSides> face_to_sides_;
+  double fan_turn_;  // radians
+  std::span<const std::uint32_t> blunt_verts_;
   std::vector<const WallLayers*> asked_;     // per model face
   std::vector<std::uint32_t> side_to_wall_;  // 2 · triangle + is_front
+  std::vector<std::uint32_t> across_;        // per edge, 3 · wall + corner where it starts
   DisjointSets corner_sets_;                 // 3 · wall + corner
   Walls walls_;
 };
@@ -221,8 +261,9 @@ double LayerHeights::sum(int layers) const {
 
 double LayerHeights::last(int layers) const { return first * std::pow(growth, layers - 1); }
 
-Walls find_walls(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const LayerOptions& options) {
-  return WallFinder(mesh, face_to_sides, options).run();
+Walls find_walls(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const LayerOptions& options,
+                 std::span<const std::uint32_t> blunt_verts) {
+  return WallFinder(mesh, face_to_sides, options, blunt_verts).run();
 }
 
 }  // namespace tetloom::layers

@@ -59,8 +59,8 @@ class HeightSearch {
     for (const WallTriangle& wall : walls_.triangles) has_layers[2 * wall.triangle + wall.is_front] = 1;
     std::vector<LookAhead> looks;
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
-      const std::uint32_t region = walls_.triangles[walls_.triangles_at(c)[0]].region;
-      looks.push_back({region, mesh.points[walls_.curve_to_vert[c]], starts_.directions[c], reach[c]});
+      looks.push_back(
+          {walls_.curve_to_region[c], mesh.points[walls_.curve_to_vert[c]], starts_.directions[c], reach[c]});
     }
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner_);
     const auto has_foot = [&](std::size_t curve, std::uint32_t triangle) {

@@ -216,6 +216,17 @@ TEST_CASE("values that make no sense are refused") {
   CHECK_THROWS_WITH(parse_mesh({"--min-dihedral", "70"}), Catch::Contains("--min-dihedral") && Catch::Contains("60"));
 }
 
+TEST_CASE("the angle of fans lies between 45 and 180 degrees, or is 0, and needs layers") {
+  const auto parse_angle = [](const char* angle) {
+    return parse_mesh({"--layers", "*", "--first-height", "1", "--fan-angle", angle}).layers.fan_angle;
+  };
+  CHECK(parse_angle("0") == 0);
+  CHECK(parse_angle("60") == 60);
+  CHECK_FALSE(parse_mesh({"--layers", "*", "--first-height", "1"}).layers.fan_angle);
+  for (const char* angle : {"-1", "44", "181", "nan", "wide"}) CHECK_THROWS_AS(parse_angle(angle), UsageError);
+  CHECK_THROWS_WITH(parse_mesh({"--fan-angle", "60"}), Catch::Contains("need --layers"));
+}
+
 TEST_CASE("a command line without what it needs is refused") {
   CHECK_THROWS_AS(parse({}), UsageError);
   CHECK_THROWS_AS(parse({"dance"}), UsageError);

@@ -50,9 +50,10 @@ TEST_CASE("a file of walls has settings for each entry, the last one of a face h
     const auto box = test_models::make_box({0, 0, 0}, {1, 1, 1});
     return find_wall_layers(parse_layers(path, common()), *box);
   };
-  const LayerOptions options = read(R"({"all_tets": true, "walls": [{"faces": ["*"], "growth": 1.5},
+  const LayerOptions options = read(R"({"all_tets": true, "fan_angle": 90, "walls": [{"faces": ["*"], "growth": 1.5},
       {"faces": [3], "first_height": 0.2, "count": 0, "thickness": 2, "side": "back"}]})");
   CHECK(options.all_tets);
+  CHECK(options.fan_angle == 90);
   REQUIRE(options.walls.size() == 6);
   CHECK(options.walls[0].growth == 1.5);
   CHECK(options.walls[0].first_height == 0.1);
@@ -64,8 +65,8 @@ TEST_CASE("a file of walls has settings for each entry, the last one of a face h
        {"", "{", "[]", "{}", R"({"walls": []})", R"({"walls": [{}]})", R"({"walls": [{"faces": []}]})",
         R"({"walls": [{"faces": [1], "first_hight": 1}]})", R"({"walls": [{"faces": [1], "side": "left"}]})",
         R"({"walls": [{"faces": [1], "count": -1}]})", R"({"walls": [{"faces": [1], "count": 1.5}]})",
-        R"({"walls": [{"faces": [1]}], "all_tets": 1})", R"({"walls": [{"faces": [1], "y_plus": 1}]})",
-        R"({"walls": [{"faces": [99]}]})"})
+        R"({"walls": [{"faces": [1]}], "all_tets": 1})", R"({"walls": [{"faces": [1]}], "fan_angle": "65"})",
+        R"({"walls": [{"faces": [1], "y_plus": 1}]})", R"({"walls": [{"faces": [99]}]})"})
     CHECK(error_of([&] { read(text); }).code == ErrorCode::InvalidArgument);
 }
 

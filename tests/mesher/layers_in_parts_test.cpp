@@ -136,6 +136,16 @@ TEST_CASE("layers that are split into tets stay in stacks") {
   check_same(*box, options);
 }
 
+TEST_CASE("fans at sharp edges lie in one part each") {
+  const auto around = put_into_box(make_box({0, 0, 0}, {1, 1, 1}), 3);
+  MeshOptions options = with_layers(*around, 0.3, 6);
+  for (const bool all_tets : {false, true}) {
+    options.layers.all_tets = all_tets;
+    options.parts = 5;
+    check_same(*around, options);
+  }
+}
+
 TEST_CASE("layers of several regions lie in several parts") {
   const auto model = ball_in_box();
   MeshOptions options = with_layers(*model, 0.35);

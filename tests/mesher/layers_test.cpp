@@ -34,6 +34,8 @@ Walls two_triangles() {
   walls.curve_to_vert = {0, 1, 2, 3};
   walls.curve_begin = {0, 2, 4, 5, 6};
   walls.curve_triangles = {0, 1, 0, 1, 0, 1};
+  walls.curve_is_late.assign(4, 0);
+  walls.curve_to_fan_vertex.assign(4, kNone);
   return walls;
 }
 
@@ -55,7 +57,8 @@ std::array<double, 3> squeezed_stack(double degrees, double factor) {
   const std::array<Vec3, 4> feet{point(0, 0), point(1, 0), point(2, 0), point(3, 0)};
   const Walls walls = two_triangles();
   const SoundStacks stacks(walls, feet, TaskRunner(1, {}));
-  const int levels = stacks.levels(0, {kSqueezedLevels, kSqueezedLevels, kSqueezedLevels}, point);
+  const int levels = stacks.levels(
+      0, [](std::uint32_t) { return kSqueezedLevels; }, point);
   const auto sine_at = [&](int level) { return least_sine({point(0, level), point(1, level), point(2, level)}); };
   return {static_cast<double>(levels), sine_at(levels), sine_at(levels + 1)};
 }
