@@ -57,11 +57,8 @@ AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const MetricField& metric, con
 
 AdaptResult adapt_mesh_on_ranks(Mesh&& mesh, MetricField&& metric, const AdaptOptions& options, Communicator& ranks,
                                 const Host& host) {
-  const AdaptCall call{.options = options,
-                       .mesh = &mesh,
-                       .metric = &metric,
-                       .mesh_given_up = &mesh,
-                       .metric_given_up = &metric};
+  const AdaptCall call{
+      .options = options, .mesh = &mesh, .metric = &metric, .mesh_given_up = &mesh, .metric_given_up = &metric};
   return adapt_to(call, &ranks, host);
 }
 
@@ -71,13 +68,13 @@ AdaptResult adapt_mesh_on_ranks(const Mesh& mesh, const std::function<Tensor(con
 }
 
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const AdaptOptions& options,
-                        const Host& host) {
+                                const Host& host) {
   Communicator& ranks = *mesh.communicator;
   return adapt_to({.options = options, .parts = &mesh, .parts_metric = &metric}, &ranks, host);
 }
 
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<Tensor(const Vec3&)>& metric,
-                        const AdaptOptions& options, const Host& host) {
+                                const AdaptOptions& options, const Host& host) {
   Communicator& ranks = *mesh.communicator;
   return adapt_to({.options = options, .function = metric, .parts = &mesh}, &ranks, host);
 }

@@ -67,11 +67,8 @@ AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const adapt::MetricFiel
 
 AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric, const AdaptOptions& options,
                                        Communicator& ranks, const Host& host) {
-  const AdaptCall call{.options = options,
-                       .mesh = &mesh,
-                       .metric = &metric,
-                       .mesh_given_up = &mesh,
-                       .metric_given_up = &metric};
+  const AdaptCall call{
+      .options = options, .mesh = &mesh, .metric = &metric, .mesh_given_up = &mesh, .metric_given_up = &metric};
   return adapt_in_parts(call, ranks, host);
 }
 
@@ -81,13 +78,13 @@ AdaptInPartsResult adapt_mesh_in_parts(const Mesh& mesh, const std::function<ada
 }
 
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, PerPart<MetricField>&& metric,
-                                        const AdaptOptions& options, const Host& host) {
+                                       const AdaptOptions& options, const Host& host) {
   Communicator& ranks = *mesh.communicator;
   return adapt_in_parts({.options = options, .parts = &mesh, .parts_metric = &metric}, ranks, host);
 }
 
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const std::function<Tensor(const Vec3&)>& metric,
-                                        const AdaptOptions& options, const Host& host) {
+                                       const AdaptOptions& options, const Host& host) {
   Communicator& ranks = *mesh.communicator;
   return adapt_in_parts({.options = options, .function = metric, .parts = &mesh}, ranks, host);
 }

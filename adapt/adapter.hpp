@@ -107,7 +107,7 @@ class Adapter {
   ShareLinks links_;
   std::vector<Tensor> implied_;
   std::vector<FieldFigures> fields_before_;  // where they are known
-  std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
+  std::unique_ptr<BackgroundTiles> tiles_;   // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;
   CarriedFields carried_;            // for this rank's share, after the last round

@@ -44,8 +44,7 @@ void drop_elements(MeshSlice& slice) {
 AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work) {
   AdapterShare share;
   share.mesh = make_slice_mesh(slice, work);
-  if (options.model)
-    require_model_fits(share.mesh, slice.mesh, *options.model, work.runner(), slice.to_vert_number);
+  if (options.model) require_model_fits(share.mesh, slice.mesh, *options.model, work.runner(), slice.to_vert_number);
   share.source = take_names(slice.mesh);
   drop_elements(slice);
   if (has_function) slice.metric = MetricField();
@@ -61,8 +60,7 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
   }
   share.touching = separate_fans(share.mesh, slice, work);
   share.links = take_share(share.mesh, slice);
-  const ShareVerts own =
-      verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
+  const ShareVerts own = verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
   slice = MeshSlice(), verts = SliceVerts();
   give_back_free_memory();
   share.tiles = make_tiles(share.mesh, share.links, own, work);

@@ -190,8 +190,8 @@ MetricConformity conformity_of(const PartsWithMetric& parts, const SharedWork& w
       const Part& part = parts.mesh.parts.at(local[i]);
       const std::vector<TetVerts> tets = tets_of(part.mesh);
       const TetView view{part.mesh.points.span(), tets};
-      sums[i] = Measure(view, parts.to_metric.at(local[i]).span(), ForeignEdges(part, local[i]), {}, work.runner())
-                    .run();
+      sums[i] =
+          Measure(view, parts.to_metric.at(local[i]).span(), ForeignEdges(part, local[i]), {}, work.runner()).run();
     });
     writer.put_array(std::span<const MetricConformity>(sums));
   });

@@ -18,9 +18,9 @@ namespace tetloom::adapt {
 namespace {
 
 // At the least.
-constexpr double kBytesPerTet = 150;         // of the result, on the rank that has it
-constexpr double kBytesPerGiven = 50;        // on every rank, where each has all of what is given
-constexpr double kBytesPerGivenInTiles = 85; // on the rank that has it: the tile at home, and copies elsewhere
+constexpr double kBytesPerTet = 150;          // of the result, on the rank that has it
+constexpr double kBytesPerGiven = 50;         // on every rank, where each has all of what is given
+constexpr double kBytesPerGivenInTiles = 85;  // on the rank that has it: the tile at home, and copies elsewhere
 // Indices of entities: as many again are left for corners and edges that the mesh does not name, below kTouching.
 constexpr std::uint32_t kMostGiven = kTouching / 2;
 

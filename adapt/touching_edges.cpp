@@ -253,9 +253,8 @@ class Splitter {
 }  // namespace
 
 bool has_touching_edges(const Mesh& mesh, const std::vector<std::uint8_t>& is_own) {
-  return std::ranges::any_of(find_touching_edges(mesh), [&](const EdgeVerts& edge) {
-    return is_own[edge[0]] != 0 || is_own[edge[1]] != 0;
-  });
+  return std::ranges::any_of(find_touching_edges(mesh),
+                             [&](const EdgeVerts& edge) { return is_own[edge[0]] != 0 || is_own[edge[1]] != 0; });
 }
 
 std::optional<RefinedInput> split_touching_edges(const Mesh& mesh, const MetricField& metric,

@@ -14,8 +14,8 @@ constexpr std::size_t kGrain = 1 << 12;
 template <class TermOf>
 ExactSum sum_of(std::size_t first, std::size_t count, const BlockLoop& loop, const TermOf& term_of) {
   ExactSum total;
-  for (const ExactSum& sum : map_blocks(loop, count, kGrain, ExactSum(), [&](std::size_t begin, std::size_t end,
-                                                                             ExactSum& of_block) {
+  for (const ExactSum& sum :
+       map_blocks(loop, count, kGrain, ExactSum(), [&](std::size_t begin, std::size_t end, ExactSum&of_block) {
          for (std::size_t i = begin; i < end; ++i) of_block.add(term_of(first + i));
        }))
     total.add(sum);

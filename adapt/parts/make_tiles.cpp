@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <new>
 #include <queue>
 #include <utility>
 
+#include "adapt/parts/home_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "core/spatial/hilbert.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -18,8 +20,6 @@ namespace {
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kSamplesPerRank = 64;  // for each other rank
 
-using FourVerts = std::array<std::uint32_t, 4>;
-
 // A tet of the share and its place along the curve.
 struct KeyedTet {
   std::uint64_t key = 0;
@@ -29,11 +29,6 @@ struct KeyedTet {
 
 // Of the tiles that ranks have, some are made at a time.
 constexpr std::size_t kMostChunks = 8, kTilesOfChunk = 16;
-
-// A range of tets at home, by names.
-struct NameRange {
-  std::uint32_t begin = 0, end = 0;
-};
 
 // Places in several ascending lists, by their values and then by list: calls visit(list) for one after the other.
 template <class Visit>
@@ -64,21 +59,6 @@ template <class T>
 void put_lists(const std::vector<std::vector<T>>& lists, std::span<MessageWriter> to) {
   for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const T>(lists[r]));
 }
-
-// Vertices that came from all ranks, each once.
-struct HomeVerts {
-  std::vector<Vec3> points;
-  std::vector<Tensor> logs, implied;
-  std::vector<double> fields;
-  std::vector<std::vector<std::uint32_t>> from_slots;  // of each rank's message
-};
-
-// Tets at home, by their names from the first one on.
-struct HomeTets {
-  std::uint32_t first_name = 0;
-  std::vector<FourVerts> to_vert, links;
-  std::vector<std::uint32_t> numbers;
-};
 
 class TileMaker {
  public:
@@ -146,8 +126,8 @@ class TileMaker {
     first_for_.push_back(tets_.size());
   }
 
-  // Every rank tells where it has tets, and hears what they are called. Of tets in one place those of lower ranks, which
-  // have lower numbers, come first.
+  // Every rank tells where it has tets, and hears what they are called. Of tets in one place those of lower ranks,
+  // which have lower numbers, come first.
   void name_tets() {
     const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r)
@@ -259,12 +239,11 @@ class TileMaker {
       for (std::size_t r = 0; r < to.size(); ++r) put_tets(tets_in(r, range_of(r, chunk)), to_slot, to[r]);
     });
     work_.each([&] {
-      home_verts_ = join_verts(given);
-      take_tets(given, range_of(rank(), chunk));
-      const std::size_t first = own_.size(), count = home_tets_.to_vert.size();
-      own_.resize(first + (count + kTileTets - 1) / kTileTets);
-      runner_.for_each(own_.size() - first, [&](std::size_t tile) { own_[first + tile] = make_tile(tile * kTileTets); });
-      home_tets_ = {}, home_verts_ = {};
+      NameRange range = range_of(rank(), chunk);
+      range.end = std::min(range.end, static_cast<std::uint32_t>(first_name_ + own_count_));
+      std::vector<Bytes> made =
+          make_home_tiles(std::move(given), range, {verts_.has_metric, verts_.components}, runner_);
+      std::ranges::move(made, std::back_inserter(own_));
     });
   }
 
@@ -277,7 +256,7 @@ class TileMaker {
     return {place(range.begin), place(range.end)};
   }
 
-  // `to_slot`: kNone all over, before and after.
+  // As make_home_tiles reads it. `to_slot`: kNone all over, before and after.
   void put_tets(std::span<const std::uint32_t> own, std::vector<std::uint32_t>& to_slot, MessageWriter& writer) const {
     const auto put = [&](auto of, std::span<const std::uint32_t> items) {
       std::ranges::transform(items, writer.put_room<std::decay_t<decltype(of(0))>>(items.size()).begin(), of);
@@ -313,65 +292,6 @@ class TileMaker {
     for (const std::uint32_t v : verts) to_slot[v] = kNone;
   }
 
-  // What came from one rank, where it lies.
-  struct Packet {
-    explicit Packet(const Bytes& bytes) {
-      MessageReader reader(bytes);
-      names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint32_t>();
-      to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourVerts>();
-      to_given = reader.get_view<std::uint32_t>(), points = reader.get_view<Vec3>();
-      logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
-      fields = reader.get_view<double>();
-    }
-    std::span<const std::uint32_t> names, numbers, to_given;
-    std::span<const FourVerts> to_vert, links;
-    std::span<const Vec3> points;
-    std::span<const Tensor> logs, implied;
-    std::span<const double> fields;
-  };
-
-  HomeVerts join_verts(const std::vector<Bytes>& given) const {
-    struct Came {
-      std::uint32_t number, rank, slot;
-      auto operator<=>(const Came&) const = default;
-    };
-    std::vector<Came> came;
-    std::vector<Packet> packets(given.begin(), given.end());
-    HomeVerts verts;
-    for (std::uint32_t r = 0; r < packets.size(); ++r) {
-      verts.from_slots.emplace_back(packets[r].to_given.size());
-      for (std::uint32_t i = 0; i < packets[r].to_given.size(); ++i) came.push_back({packets[r].to_given[i], r, i});
-    }
-    std::ranges::sort(came);
-    for (std::size_t i = 0; i < came.size(); ++i) {
-      const Came& one = came[i];
-      if (i == 0 || one.number != came[i - 1].number) {
-        verts.points.push_back(packets[one.rank].points[one.slot]);
-        verts.logs.push_back(packets[one.rank].logs[one.slot]);
-        verts.implied.push_back(packets[one.rank].implied[one.slot]);
-        for (std::size_t c = 0; c < verts_.components; ++c)
-          verts.fields.push_back(packets[one.rank].fields[one.slot * verts_.components + c]);
-      }
-      verts.from_slots[one.rank][one.slot] = static_cast<std::uint32_t>(verts.points.size() - 1);
-    }
-    return verts;
-  }
-
-  void take_tets(std::vector<Bytes>& given, const NameRange& range) {
-    const std::size_t count = std::min<std::size_t>(range.end, first_name_ + own_count_) - range.begin;
-    home_tets_.first_name = range.begin;
-    home_tets_.to_vert.resize(count), home_tets_.links.resize(count), home_tets_.numbers.resize(count);
-    for (std::size_t r = 0; r < given.size(); ++r) {
-      const Packet packet(given[r]);
-      for (std::size_t i = 0; i < packet.names.size(); ++i) {
-        const std::size_t at = packet.names[i] - home_tets_.first_name;
-        for (std::size_t j = 0; j < 4; ++j) home_tets_.to_vert[at][j] = home_verts_.from_slots[r][packet.to_vert[i][j]];
-        home_tets_.links[at] = packet.links[i], home_tets_.numbers[at] = packet.numbers[i];
-      }
-      given[r] = Bytes();
-    }
-  }
-
   void share_tiles() {
     order_ = {}, to_name_ = {}, behind_ = {};
     std::vector<TileBox> tets, faces;
@@ -390,35 +310,6 @@ class TileMaker {
     return all;
   }
 
-  Bytes make_tile(std::size_t begin) const {
-    const std::size_t count = std::min<std::size_t>(kTileTets, home_tets_.to_vert.size() - begin);
-    std::vector<std::uint32_t> verts;
-    for (std::size_t i = begin; i < begin + count; ++i)
-      verts.insert(verts.end(), home_tets_.to_vert[i].begin(), home_tets_.to_vert[i].end());
-    std::ranges::sort(verts);
-    verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
-    std::vector<Vec3> points;
-    std::vector<Tensor> logs, implied;
-    std::vector<double> fields;
-    for (const std::uint32_t v : verts) {
-      points.push_back(home_verts_.points[v]), implied.push_back(home_verts_.implied[v]);
-      if (verts_.has_metric) logs.push_back(home_verts_.logs[v]);
-      for (std::size_t c = 0; c < verts_.components; ++c)
-        fields.push_back(home_verts_.fields[v * verts_.components + c]);
-    }
-    std::vector<std::array<std::uint16_t, 4>> to_vert(count);
-    std::vector<std::uint16_t> boundary;
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) {
-        const auto at = std::ranges::lower_bound(verts, home_tets_.to_vert[begin + i][j]);
-        to_vert[i][j] = static_cast<std::uint16_t>(at - verts.begin());
-        if (home_tets_.links[begin + i][j] == kNone) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
-      }
-    }
-    return bytes_of({points, logs, implied, fields, to_vert, std::span(home_tets_.links).subspan(begin, count),
-                     std::span(home_tets_.numbers).subspan(begin, count), boundary});
-  }
-
   WholeMesh& share_;
   const ShareLinks& links_;
   const ShareVerts& verts_;
@@ -429,8 +320,6 @@ class TileMaker {
   std::vector<std::size_t> first_for_;  // in both: where those for each rank begin, and how many there are
   std::vector<std::uint32_t> to_name_;  // of the share's tets
   std::vector<std::uint32_t> behind_;   // links of the faces between ranks, by names
-  HomeVerts home_verts_;                // of the chunk that is made
-  HomeTets home_tets_;
   std::size_t own_count_ = 0;
   std::uint32_t first_name_ = 0;
   std::vector<Bytes> own_;

@@ -230,16 +230,16 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
   mesh.points.resize(slice.vert_count), mesh.point_to_entity.resize(slice.vert_count);
   whole.metric.logs.resize(slice.vert_count);
   for (const MeshField& field : slice.mesh.point_fields)
-    mesh.point_fields.push_back(
-        {field.name, field.components,
-         std::vector<double>(slice.vert_count * static_cast<std::size_t>(field.components))});
+    mesh.point_fields.push_back({field.name, field.components,
+                                 std::vector<double>(slice.vert_count * static_cast<std::size_t>(field.components))});
   std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) { put_mesh(slice, writer); });
   for (Bytes& bytes : given) {
     MessageReader reader(bytes);
     const auto take = [&](auto& elements, std::vector<std::uint32_t>& entities) {
       const auto verts = reader.get_view<typename std::decay_t<decltype(elements)>::value_type>();
       const auto of = reader.get_view<std::uint32_t>();
-      elements.insert(elements.end(), verts.begin(), verts.end()), entities.insert(entities.end(), of.begin(), of.end());
+      elements.insert(elements.end(), verts.begin(), verts.end()),
+          entities.insert(entities.end(), of.begin(), of.end());
     };
     take(mesh.tet_to_vert, mesh.tet_to_entity);
     take(mesh.tri_to_vert, mesh.tri_to_entity);
@@ -255,8 +255,8 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
 std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work) {
   const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
   std::uint64_t highest = 0;
-  for (const Bytes& bytes : work.all_gather(
-           [&](MessageWriter& writer) { writer.put(ids.empty() ? std::uint64_t{0} : ids.back()); }))
+  for (const Bytes& bytes :
+       work.all_gather([&](MessageWriter& writer) { writer.put(ids.empty() ? std::uint64_t{0} : ids.back()); }))
     highest = std::max(highest, MessageReader(bytes).get<std::uint64_t>());
   const std::uint64_t width = highest / ranks + 1;
   const std::vector<Bytes> asked = work.exchange([&](std::span<MessageWriter> to) {
@@ -273,7 +273,8 @@ std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::s
   std::ranges::sort(at_home);
   at_home.erase(std::unique(at_home.begin(), at_home.end()), at_home.end());
   std::size_t first = 0, sum = 0, r = 0;
-  for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(std::uint64_t{at_home.size()}); })) {
+  for (const Bytes& bytes :
+       work.all_gather([&](MessageWriter& writer) { writer.put(std::uint64_t{at_home.size()}); })) {
     if (r++ == rank) first = sum;
     sum += MessageReader(bytes).get<std::uint64_t>();
   }
@@ -283,8 +284,8 @@ std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::s
     for (std::size_t i = 0; i < ranks; ++i) {
       const auto list = MessageReader(asked[i]).get_view<std::uint64_t>();
       std::ranges::transform(list, to[i].put_room<std::uint32_t>(list.size()).begin(), [&](std::uint64_t id) {
-        return static_cast<std::uint32_t>(first + static_cast<std::size_t>(std::ranges::lower_bound(at_home, id) -
-                                                                           at_home.begin()));
+        return static_cast<std::uint32_t>(
+            first + static_cast<std::size_t>(std::ranges::lower_bound(at_home, id) - at_home.begin()));
       });
     }
   });

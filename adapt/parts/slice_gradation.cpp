@@ -66,9 +66,8 @@ class GhostLinks {
 
   // At its home every vertex has the lowest rank that has all of its tets.
   void find_owners(const std::vector<std::uint32_t>& ghosts) {
-    const std::vector<Bytes> asked = work_.exchange([&](std::span<MessageWriter> to) {
-      put_for_homes(verts_where(1), to), put_for_homes(ghosts, to);
-    });
+    const std::vector<Bytes> asked = work_.exchange(
+        [&](std::span<MessageWriter> to) { put_for_homes(verts_where(1), to), put_for_homes(ghosts, to); });
     const auto rank = static_cast<std::size_t>(work_.rank());
     const std::uint32_t first = first_at_home_[rank];
     std::vector<std::uint32_t> owners(first_at_home_[rank + 1] - first, kNone);
@@ -116,10 +115,9 @@ class GhostLinks {
 
 void limit_gradation(MeshSlice& slice, double growth, const SharedWork& work) {
   const GhostLinks ghosts(slice, work);
-  const OwnVerts own{&slice.is_own, slice.own_tets(work).largest,
-                     [&](std::span<const std::uint32_t> changed, std::vector<Tensor>& logs) {
-                       return ghosts.refresh(changed, logs);
-                     }};
+  const OwnVerts own{
+      &slice.is_own, slice.own_tets(work).largest,
+      [&](std::span<const std::uint32_t> changed, std::vector<Tensor>& logs) { return ghosts.refresh(changed, logs); }};
   const VertexGraph graph(tets_of(slice.mesh), work.runner());
   limit_gradation(slice.metric, slice.mesh.points, graph, growth, own, work.runner());
 }

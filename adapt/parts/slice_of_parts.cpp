@@ -32,8 +32,7 @@ void add_metric(PartitionedMesh& mesh, PerPart<MetricField>&& metric) {
   for (const PartId id : mesh.local()) {
     VertexField field{{}, kTensorEntries, {}};
     field.values.reserve(metric.at(id).size() * kTensorEntries);
-    for (const Tensor& m : metric.at(id).logs)
-      field.values.append(std::array{m.xx, m.xy, m.yy, m.xz, m.yz, m.zz});
+    for (const Tensor& m : metric.at(id).logs) field.values.append(std::array{m.xx, m.xy, m.yy, m.xz, m.yz, m.zz});
     metric.at(id) = MetricField();
     mesh.parts.at(id).mesh.vertex_fields.push_back(std::move(field));
   }

@@ -33,10 +33,10 @@ using EdgeVerts = std::array<std::uint32_t, 2>;
 using Faces = std::vector<std::uint32_t>;  // of the model, ascending
 
 // An edge of a triangle.
-struct EdgeUse {
+struct EdgeOfTriangle {
   EdgeVerts verts{};
   std::uint32_t face = kNone;
-  auto operator<=>(const EdgeUse&) const = default;
+  auto operator<=>(const EdgeOfTriangle&) const = default;
 };
 
 // What all ranks have, each once, ascending.
@@ -135,7 +135,7 @@ class Builder {
     std::uint32_t next = static_cast<std::uint32_t>(mesh_.entities[1].size());
     for (const std::uint32_t edge : mesh_.edge_to_entity)
       if (edge != kNone) next = std::max(next, edge + 1);
-    std::vector<EdgeUse> uses = edges_of_triangles();
+    std::vector<EdgeOfTriangle> uses = edges_of_triangles();
     std::vector<std::pair<std::size_t, Faces>> unnamed;  // pieces without a name
     for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
       Faces faces;
@@ -163,8 +163,8 @@ class Builder {
     return pieces;
   }
 
-  std::vector<EdgeUse> edges_of_triangles() const {
-    std::vector<EdgeUse> uses;
+  std::vector<EdgeOfTriangle> edges_of_triangles() const {
+    std::vector<EdgeOfTriangle> uses;
     uses.reserve(triangles_.size() * 3);
     for (const LinkedTriangle& t : triangles_) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -187,8 +187,7 @@ class Builder {
     std::vector<std::pair<EdgeVerts, const Faces*>> order;
     for (const auto& [faces, verts] : lowest) order.emplace_back(verts, &faces);
     std::sort(order.begin(), order.end());
-    if (next + order.size() >= kTouching)
-      throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
+    if (next + order.size() >= kTouching) throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
     std::map<Faces, std::uint32_t> names;
     for (const auto& [verts, faces] : order) names[*faces] = next++;
     for (const auto& [piece, faces] : unnamed) edges_[piece].edge = names[faces];
@@ -197,7 +196,8 @@ class Builder {
   // Of all ranks.
   void gather_lowest(std::map<Faces, EdgeVerts>& lowest) const {
     const std::vector<Bytes> given = work_.all_gather([&](MessageWriter& writer) {
-      for (const auto& [faces, verts] : lowest) writer.put(verts), writer.put_array(std::span<const std::uint32_t>(faces));
+      for (const auto& [faces, verts] : lowest)
+        writer.put(verts), writer.put_array(std::span<const std::uint32_t>(faces));
     });
     for (const Bytes& bytes : given) {
       for (MessageReader reader(bytes); !reader.at_end();) {

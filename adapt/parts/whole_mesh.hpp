@@ -80,9 +80,9 @@ void for_each_piece(const WholeMesh& whole, std::uint32_t tet, const Visit& visi
 /// triangles that no tet has, tets of two regions that meet without a triangle.
 WholeMesh make_whole_mesh(const Mesh& mesh, const TaskRunner& runner);
 
-/// What make_whole_mesh says of a slice, but without metrics: right for what has a vertex of the slice's own; others lie
-/// on nothing, and pieces of model edges between them are left out. In SharedWork::together. Errors: as those of the
-/// whole, where they are in the slice; they may be worded otherwise.
+/// What make_whole_mesh says of a slice, but without metrics: right for what has a vertex of the slice's own; others
+/// lie on nothing, and pieces of model edges between them are left out. In SharedWork::together. Errors: as those of
+/// the whole, where they are in the slice; they may be worded otherwise.
 WholeMesh make_slice_mesh(const MeshSlice& slice, const SharedWork& work);
 
 /// The vertices of its tets.

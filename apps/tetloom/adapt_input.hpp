@@ -16,8 +16,8 @@ namespace tetloom::app {
 struct AdaptInput {
   std::optional<PartitionedMesh> parts;  ///< the mesh where it lies, or else:
   std::optional<Mesh> mesh;              ///< the whole of it, with the fields that the command names
-  ModelDocument document;  ///< without a model where none is asked for
-  MeshField metric;        ///< values from a file or a field; without any: to be made from a solution
+  ModelDocument document;                ///< without a model where none is asked for
+  MeshField metric;                      ///< values from a file or a field; without any: to be made from a solution
   adapt::TensorOrder order = adapt::TensorOrder::Vtk;
 };
 
@@ -26,8 +26,8 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// The mesh, where it lies in pieces: each rank reads some of them. Where the metric is made of the mesh as a whole, all
-/// have it in the end. In SharedWork::together. Errors: those of read_parts.
+/// The mesh, where it lies in pieces: each rank reads some of them. Where the metric is made of the mesh as a whole,
+/// all have it in the end. In SharedWork::together. Errors: those of read_parts.
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
 /// Reads what the command names, but for a mesh that is there. Errors: as those of the readers; InputUnsuitable for

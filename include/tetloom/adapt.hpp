@@ -195,10 +195,10 @@ AdaptResult adapt_mesh_on_ranks(Mesh&& mesh, adapt::MetricField&& metric, const 
 /// than the metric asks for: then each has all for a while. The mesh is that of the whole one with points by global id
 /// and tets part by part. Errors: also InvalidArgument for a metric of other parts, and those of link_parts; elements
 /// are not named.
-AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<adapt::MetricField>&& metric, const AdaptOptions& options,
-                        const Host& host = {});
+AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<adapt::MetricField>&& metric,
+                                const AdaptOptions& options, const Host& host = {});
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
-                        const AdaptOptions& options, const Host& host = {});
+                                const AdaptOptions& options, const Host& host = {});
 
 struct AdaptInPartsResult {
   AdaptResult run;                      ///< as of adapt_mesh_on_ranks, without the mesh
@@ -219,8 +219,8 @@ AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric,
                                        Communicator& ranks, const Host& host = {});
 /// From parts to parts, see adapt_mesh_on_ranks.
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, PerPart<adapt::MetricField>&& metric,
-                                        const AdaptOptions& options, const Host& host = {});
+                                       const AdaptOptions& options, const Host& host = {});
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
-                                        const AdaptOptions& options, const Host& host = {});
+                                       const AdaptOptions& options, const Host& host = {});
 
 }  // namespace tetloom

@@ -1,6 +1,6 @@
 // Meshes that lie in parts, adapted where they lie: the mesh of one process that has it all.
-#include <catch2/catch.hpp>
 #include <atomic>
+#include <catch2/catch.hpp>
 #include <new>
 
 #include "adapt/metric/own_tets.hpp"
@@ -66,7 +66,7 @@ AdaptOptions options_for(double tets_per_part) {
 
 /// The same mesh and figures on all these numbers of ranks.
 AdaptReport check_like_whole(const Mesh& mesh, std::size_t parts, const std::function<Tensor(const Vec3&)>& metric,
-                      const AdaptOptions& options, std::initializer_list<int> rank_counts = {1, 2, 5}) {
+                             const AdaptOptions& options, std::initializer_list<int> rank_counts = {1, 2, 5}) {
   AdaptResult first;
   for (const int ranks : rank_counts) {
     CAPTURE(ranks);
@@ -154,7 +154,8 @@ TEST_CASE("edges and corners that a mesh in parts does not name get the same nam
   for (ModelEntity& entity : cube.point_to_entity)
     if (entity.dim < 2) entity = ModelEntity();
   for (auto& table : cube.entities) table.clear();
-  check_like_whole(cube, 5, [](const Vec3& x) { return isotropic(0.1 + 0.1 * x.x); }, options_for(1500));
+  check_like_whole(
+      cube, 5, [](const Vec3& x) { return isotropic(0.1 + 0.1 * x.x); }, options_for(1500));
 }
 
 TEST_CASE("a mesh in parts follows a model", "[adapt][parts]") {
@@ -208,9 +209,8 @@ Diagnostic told_to_all(
 TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][parts]") {
   using Metric = PerPart<MetricField>;
   const Mesh cube = unit_cube(3);
-  Diagnostic error = told_to_all(cube, [](Metric& metric, AdaptOptions&) {
-    metric.at(metric.local().front()).logs.pop_back();
-  });
+  Diagnostic error =
+      told_to_all(cube, [](Metric& metric, AdaptOptions&) { metric.at(metric.local().front()).logs.pop_back(); });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("points of a part") != std::string::npos);
   error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.quality_floor = 0.2; });

@@ -1,8 +1,8 @@
 // What ranks have of a mesh before it is adapted.
 #include "adapt/parts/mesh_slice.hpp"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <set>
 
 #include "tests/adapt/random_tensors.hpp"

@@ -1,0 +1,138 @@
+#include "adapt/parts/home_tiles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace tetloom::adapt {
+
+namespace {
+
+// What came from one rank, where it lies.
+struct Packet {
+  explicit Packet(const Bytes& bytes) {
+    MessageReader reader(bytes);
+    names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint32_t>();
+    to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourVerts>();
+    to_given = reader.get_view<std::uint32_t>(), points = reader.get_view<Vec3>();
+    logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
+    fields = reader.get_view<double>();
+  }
+  std::span<const std::uint32_t> names, numbers, to_given;
+  std::span<const FourVerts> to_vert, links;
+  std::span<const Vec3> points;
+  std::span<const Tensor> logs, implied;
+  std::span<const double> fields;
+};
+
+class HomeTiles {
+ public:
+  HomeTiles(const NameRange& range, const TileContents& contents)
+      : range_(range), has_metric_(contents.has_metric), components_(contents.components) {}
+
+  std::vector<Bytes> run(std::vector<Bytes>&& given, const TaskRunner& runner) {
+    join_verts(given);
+    take_tets(given);
+    std::vector<Bytes> tiles((to_vert_.size() + kTileTets - 1) / kTileTets);
+    runner.for_each(tiles.size(), [&](std::size_t tile) { tiles[tile] = make_tile(tile * kTileTets); });
+    return tiles;
+  }
+
+ private:
+  // A vertex that came: its number, from which rank, and where in the message.
+  struct Came {
+    std::uint32_t number, rank, slot;
+    auto operator<=>(const Came&) const = default;
+  };
+
+  void join_verts(const std::vector<Bytes>& given) {
+    const std::vector<Packet> packets(given.begin(), given.end());
+    std::vector<Came> came;
+    for (std::uint32_t r = 0; r < packets.size(); ++r) {
+      from_slots_.emplace_back(packets[r].to_given.size());
+      for (std::uint32_t i = 0; i < packets[r].to_given.size(); ++i) came.push_back({packets[r].to_given[i], r, i});
+    }
+    std::ranges::sort(came);
+    for (std::size_t i = 0; i < came.size(); ++i) {
+      const Came& one = came[i];
+      if (i == 0 || one.number != came[i - 1].number) add_vert(packets[one.rank], one.slot);
+      from_slots_[one.rank][one.slot] = static_cast<std::uint32_t>(points_.size() - 1);
+    }
+  }
+
+  void add_vert(const Packet& packet, std::size_t slot) {
+    points_.push_back(packet.points[slot]), implied_.push_back(packet.implied[slot]);
+    if (has_metric_) logs_.push_back(packet.logs[slot]);
+    const auto fields = packet.fields.subspan(slot * components_, components_);
+    fields_.insert(fields_.end(), fields.begin(), fields.end());
+  }
+
+  void take_tets(std::vector<Bytes>& given) {
+    const std::size_t count = range_.end - range_.begin;
+    to_vert_.resize(count), links_.resize(count), numbers_.resize(count);
+    for (std::size_t r = 0; r < given.size(); ++r) {
+      const Packet packet(given[r]);
+      for (std::size_t i = 0; i < packet.names.size(); ++i) {
+        const std::size_t at = packet.names[i] - range_.begin;
+        for (std::size_t j = 0; j < 4; ++j) to_vert_[at][j] = from_slots_[r][packet.to_vert[i][j]];
+        links_[at] = packet.links[i], numbers_[at] = packet.numbers[i];
+      }
+      given[r] = Bytes();
+    }
+  }
+
+  Bytes make_tile(std::size_t begin) const {
+    const std::size_t count = std::min<std::size_t>(kTileTets, to_vert_.size() - begin);
+    const std::vector<std::uint32_t> verts = verts_of(begin, count);
+    std::vector<Vec3> points;
+    std::vector<Tensor> logs, implied;
+    std::vector<double> fields;
+    for (const std::uint32_t v : verts) {
+      points.push_back(points_[v]), implied.push_back(implied_[v]);
+      if (has_metric_) logs.push_back(logs_[v]);
+      for (std::size_t c = 0; c < components_; ++c) fields.push_back(fields_[v * components_ + c]);
+    }
+    std::vector<std::array<std::uint16_t, 4>> to_vert(count);
+    std::vector<std::uint16_t> boundary;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        const auto at = std::ranges::lower_bound(verts, to_vert_[begin + i][j]);
+        to_vert[i][j] = static_cast<std::uint16_t>(at - verts.begin());
+        if (links_[begin + i][j] == kNone) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
+      }
+    }
+    return bytes_of({points, logs, implied, fields, to_vert, std::span(links_).subspan(begin, count),
+                     std::span(numbers_).subspan(begin, count), boundary});
+  }
+
+  // Ascending.
+  std::vector<std::uint32_t> verts_of(std::size_t begin, std::size_t count) const {
+    std::vector<std::uint32_t> verts;
+    for (std::size_t i = begin; i < begin + count; ++i)
+      verts.insert(verts.end(), to_vert_[i].begin(), to_vert_[i].end());
+    std::ranges::sort(verts);
+    verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+    return verts;
+  }
+
+  const NameRange range_;
+  const bool has_metric_;
+  const std::size_t components_;
+  // Vertices that came, each once.
+  std::vector<Vec3> points_;
+  std::vector<Tensor> logs_, implied_;
+  std::vector<double> fields_;
+  std::vector<std::vector<std::uint32_t>> from_slots_;  // of each rank's message
+  // Tets by their names.
+  std::vector<FourVerts> to_vert_, links_;
+  std::vector<std::uint32_t> numbers_;
+};
+
+}  // namespace
+
+std::vector<Bytes> make_home_tiles(std::vector<Bytes>&& given, const NameRange& range, const TileContents& contents,
+                                   const TaskRunner& runner) {
+  return HomeTiles(range, contents).run(std::move(given), runner);
+}
+
+}  // namespace tetloom::adapt

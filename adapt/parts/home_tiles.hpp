@@ -1,0 +1,31 @@
+#pragma once
+// From what ranks send of some tets to the tiles that these become at home.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "adapt/metric/tile.hpp"
+#include "tetloom/tasks.hpp"
+
+namespace tetloom::adapt {
+
+using FourVerts = std::array<std::uint32_t, 4>;
+
+/// Consecutive names of tets, from the first of a tile on.
+struct NameRange {
+  std::uint32_t begin = 0, end = 0;
+};
+
+/// What there is at the vertices of tiles.
+struct TileContents {
+  bool has_metric = false;
+  std::size_t components = 0;  ///< of all fields
+};
+
+/// The bytes of the tiles of `range`. `given`, from each rank: of its tets in there names, numbers in the mesh that was
+/// given, vertices by their places in the message, links by names; of these vertices numbers, points, logarithms of
+/// the metric and the implied metric, and fields. Vertices of one number are one.
+std::vector<Bytes> make_home_tiles(std::vector<Bytes>&& given, const NameRange& range, const TileContents& contents,
+                                   const TaskRunner& runner);
+
+}  // namespace tetloom::adapt
