@@ -19,6 +19,7 @@
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
 #include "mesher/tets/quality_goals.hpp"
+#include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/shared_work.hpp"
@@ -159,6 +160,7 @@ class MeshRun {
 
   void note(VolumeParts& volume) {
     append({}, volume.warnings);
+    if (const auto flat = volume::warn_of_flat_tets(volume.figures.optimizer)) append({}, {*flat});
     result_.filling = std::move(volume.figures);
   }
 

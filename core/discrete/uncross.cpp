@@ -50,31 +50,24 @@ std::optional<bool> parts_inside_from_outside(std::span<const Vec3> points, std:
   return in_front == 0;
 }
 
-// Of each patch its pieces, the largest first; patches by their first piece.
-std::vector<std::vector<std::uint32_t>> list_patches(const CutFacets& cut) {
-  DisjointSets patches = find_patches(cut);
-  std::vector<std::vector<std::uint32_t>> pieces(cut.tris.size());
-  for (std::uint32_t t = 0; t < cut.tris.size(); ++t) pieces[patches.find(t)].push_back(t);
-  std::erase_if(pieces, [](const auto& list) { return list.empty(); });
-  std::vector<double> areas;
-  for (const Triangle& tri : cut.tris) areas.push_back(norm(facet_normal(cut.points, tri)));
-  for (auto& list : pieces)
-    std::ranges::stable_sort(list, std::ranges::greater{}, [&](std::uint32_t t) { return areas[t]; });
-  return pieces;
-}
-
-// Whether each piece stays; nothing where that is in doubt. A patch is judged by its largest piece that lies clear of
-// others.
+// Whether each piece stays; nothing where that is in doubt. A patch is judged by its largest piece.
 std::optional<std::vector<bool>> find_kept(const CutFacets& cut, const CancelToken* cancel) {
-  constexpr std::size_t kMostTries = 16;
+  DisjointSets patches = find_patches(cut);
+  std::vector<std::uint32_t> largest(cut.tris.size(), kNone);  // per patch
+  const auto area = [&](std::uint32_t t) { return norm(facet_normal(cut.points, cut.tris[t])); };
+  for (std::uint32_t t = 0; t < cut.tris.size(); ++t)
+    if (std::uint32_t& best = largest[patches.find(t)]; best == kNone || area(t) > area(best)) best = t;
   std::vector<bool> kept(cut.tris.size());
-  for (const std::vector<std::uint32_t>& pieces : list_patches(cut)) {
+  for (std::uint32_t t = 0; t < kept.size(); ++t) {
+    const std::uint32_t patch = patches.find(t);
+    if (patch < t) {  // judged before
+      kept[t] = kept[patch];
+      continue;
+    }
     check_cancelled(cancel);
-    std::optional<bool> verdict;
-    for (std::size_t i = 0; i < std::min(pieces.size(), kMostTries) && !verdict; ++i)
-      verdict = parts_inside_from_outside(cut.points, cut.tris, pieces[i]);
+    const std::optional<bool> verdict = parts_inside_from_outside(cut.points, cut.tris, largest[patch]);
     if (!verdict) return {};
-    for (const std::uint32_t t : pieces) kept[t] = *verdict;
+    kept[t] = *verdict;
   }
   return kept;
 }

@@ -1,6 +1,7 @@
 #include "mesher/volume/angle_causes.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <utility>
@@ -69,6 +70,22 @@ void name_causes(const VolumeInput& input, const Complex& complex, std::span<con
     std::ranges::stable_sort(tet.entities, std::ranges::greater{},
                              [](const NamedEntity& one) { return std::pair(one.entity.dim, ~one.entity.index); });
   }
+}
+
+std::optional<Diagnostic> warn_of_flat_tets(const tets::OptimizeReport& report) {
+  constexpr double kFlat = 1;  // degrees
+  if (report.acute_tets.empty()) return {};
+  const AcuteTet& worst = report.acute_tets.front();
+  if (worst.angle >= kFlat || worst.cause == AngleCause::NotForced) return {};
+  std::array<char, 160> text{};
+  if (worst.cause_length > 0)
+    std::snprintf(text.data(), text.size(), "the surface leaves flat tets, down to %.2g degrees: it is %.2g wide here",
+                  worst.angle, worst.cause_length);
+  else
+    std::snprintf(text.data(), text.size(),
+                  "the surface leaves flat tets, down to %.2g degrees: it has an angle of %.2g degrees here",
+                  worst.angle, worst.cause_angle);
+  return Diagnostic{ErrorCode::InputUnsuitable, text.data(), worst.entities, worst.point, {}};
 }
 
 }  // namespace tetloom::volume

@@ -2,6 +2,7 @@
 // What of the model is behind tets with small angles.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,5 +16,9 @@ namespace tetloom::volume {
 /// `tri_to_vert`: the complex's triangles as they have become.
 void name_causes(const VolumeInput& input, const Complex& complex,
                  std::span<const std::array<std::uint32_t, 3>> tri_to_vert, std::vector<AcuteTet>& tets);
+
+/// A warning, InputUnsuitable, where the surface forces dihedral angles below one degree, with the worst place and what
+/// lies there. None where there are no such tets.
+std::optional<Diagnostic> warn_of_flat_tets(const tets::OptimizeReport& report);
 
 }  // namespace tetloom::volume

@@ -7,6 +7,7 @@
 #include "core/tets/dihedral.hpp"
 #include "core/tets/working_mesh.hpp"
 #include "mesher/tets/acute_tets.hpp"
+#include "mesher/volume/angle_causes.hpp"
 #include "tests/support/tet_fixtures.hpp"
 
 namespace tetloom {
@@ -20,6 +21,29 @@ TEST_CASE("the smallest dihedral angle is found") {
   CHECK(tets::smallest_dihedral(regular, 0).angle == Approx(std::acos(1.0 / 3)));
   TetMesh wedge = make_tets({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, std::cos(0.2), std::sin(0.2)}}, {{0, 1, 2, 3}});
   CHECK(tets::smallest_dihedral(wedge, 0).angle == Approx(0.2));
+}
+
+TEST_CASE("flat tets that the surface forces are warned of, with the place; others are not") {
+  tets::OptimizeReport report;
+  CHECK_FALSE(volume::warn_of_flat_tets(report));
+  AcuteTet tet;
+  tet.angle = 1e-9, tet.point = {1, 2, 3};
+  report.acute_tets = {tet};
+  CHECK_FALSE(volume::warn_of_flat_tets(report));
+  report.acute_tets[0].cause = AngleCause::NarrowRegion;
+  report.acute_tets[0].cause_length = 8e-15;
+  report.acute_tets[0].entities = {{ModelFaceId(85), ""}, {ModelFaceId(93), ""}};
+  const auto narrow = volume::warn_of_flat_tets(report);
+  REQUIRE(narrow);
+  CHECK(narrow->message.find("8e-15 wide") != std::string::npos);
+  CHECK(narrow->entities.size() == 2);
+  CHECK(narrow->point == Vec3{1, 2, 3});
+  report.acute_tets[0].cause = AngleCause::SurfaceAngle;
+  report.acute_tets[0].cause_length = 0;
+  report.acute_tets[0].cause_angle = 0.5;
+  CHECK(volume::warn_of_flat_tets(report)->message.find("angle of 0.5 degrees") != std::string::npos);
+  report.acute_tets[0].angle = 1.5;
+  CHECK_FALSE(volume::warn_of_flat_tets(report));
 }
 
 TEST_CASE("no tet of good quality has a small dihedral angle") {
