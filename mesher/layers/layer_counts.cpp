@@ -154,31 +154,42 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   return any;
 }
 
+// Of the cells that grow first.
+int LayerCounts::first_level(std::uint32_t curve) const {
+  return walls_.curve_is_late[curve] ? 0 : std::min(1, counts_[curve]);
+}
+
+// The centroid of the cell, about.
+Vec3 LayerCounts::middle_of_first(std::uint32_t wall) const {
+  const auto& curves = walls_.triangles[wall].curves;
+  int growing = 0;
+  for (const std::uint32_t c : curves) growing += first_level(c);
+  constexpr std::array<double, 4> kLow{1.0 / 3, 0.25, 0.25, 1.0 / 6}, kGrowing{0, 0.25, 3.0 / 16, 1.0 / 6};
+  Vec3 sum;
+  for (const std::uint32_t c : curves)
+    sum += first_level(c) == 0 ? kLow[static_cast<std::size_t>(growing)] * point(c, 0)
+                               : kGrowing[static_cast<std::size_t>(growing)] * (point(c, 0) + point(c, 1));
+  return sum;
+}
+
 // Whether the line between the middles of the two first cells beside an edge misses the face between them by far, as
 // OpenFOAM measures it.
 bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
   const auto& curves = walls_.triangles[wall].curves;
   const std::uint32_t c = curves[corner], d = curves[(corner + 1) % 3];
-  if (counts_[c] == 0 || counts_[d] == 0) return false;
-  for (const std::uint32_t other : walls_.triangles_at(c)) {
-    const auto& others = walls_.triangles[other].curves;
-    if (other <= wall || std::ranges::find(others, d) == others.end()) continue;
-    const std::array face{point(c, 0), point(d, 0), point(d, 1), point(c, 1)};
-    const Vec3 middle = 0.25 * (face[0] + face[1] + face[2] + face[3]);
-    const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]);
-    const Vec3 from = middle_of_first(wall), way = middle_of_first(other) - from;
+  const int grows_c = first_level(c), grows_d = first_level(d);
+  if (grows_c + grows_d == 0) return false;
+  const std::array face{point(c, 0), point(d, 0), point(d, grows_d), point(c, grows_c)};
+  const Vec3 sum = face[0] + face[1] + grows_d * face[2] + grows_c * face[3], middle = sum / (2 + grows_c + grows_d);
+  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_first(wall);
+  return std::ranges::any_of(walls_.triangles_at(c), [&](std::uint32_t other) {
+    if (other <= wall || std::ranges::count(walls_.triangles[other].curves, d) == 0) return false;
+    const Vec3 way = middle_of_first(other) - from;
     const Vec3 off = middle - from - dot(normal, middle - from) / dot(normal, way) * way;
     double extent = 0.2 * norm(way);
     for (const Vec3& x : face) extent = std::max(extent, std::abs(dot(normalized(off), x - middle)));
-    if (norm(off) > kMostSkewness * extent) return true;
-  }
-  return false;
-}
-
-Vec3 LayerCounts::middle_of_first(std::uint32_t wall) const {
-  Vec3 sum;
-  for (const std::uint32_t c : walls_.triangles[wall].curves) sum += point(c, 0) + point(c, std::min(1, counts_[c]));
-  return sum / 6;
+    return norm(off) > kMostSkewness * extent;
+  });
 }
 
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {

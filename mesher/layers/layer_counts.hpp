@@ -49,6 +49,7 @@ class LayerCounts {
   bool limit_slopes(const TaskRunner& runner);
   bool lower_at_bad_cells(const TaskRunner& runner);
   bool lower_at_skewed_faces(const TaskRunner& runner);
+  int first_level(std::uint32_t curve) const;
   Vec3 middle_of_first(std::uint32_t wall) const;
   bool is_skewed(std::uint32_t wall, std::size_t corner) const;
 
