@@ -113,7 +113,7 @@ TEST_CASE("what memory cannot hold, and options that are none, end alike on all 
 }
 
 TEST_CASE("what becomes of the surface while volumes are filled is in their parts") {
-  MeshOptions options = options_of_size(0.115, 3000);
+  MeshOptions options = options_of_size(0.12, 3000);
   options.sizes.curvature = 20;
   options.sizes.gradation = 0.7;
   options.goals.dihedral = 35;
