@@ -243,7 +243,7 @@ def main():
     options.folder = pathlib.Path(options.folder).resolve()
     options.tetloom = str(pathlib.Path(options.tetloom).resolve())
 
-    pipe_is_fine, ratio = solve_pipe(options, 4 if options.quick else 1.1, 60 if options.quick else 400)
+    pipe_is_fine, ratio = solve_pipe(options, 4 if options.quick else 1.0, 60 if options.quick else 400)
     manifold_is_fine, share = solve_manifold(options, 5 if options.quick else 2.5, 60 if options.quick else 300)
     sizes, steps = ([5], 60) if options.quick else ([4, 2.8, 2], 400)
     layers_are_fine, curves = compare_friction(options, sizes, steps)
