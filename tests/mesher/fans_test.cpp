@@ -26,22 +26,6 @@ struct Outside {
   }
 };
 
-// A bar from y = 0 to `length` whose ring in x-z is counter-clockwise seen from -y.
-std::unique_ptr<GeometricModel> bar(const std::vector<std::array<double, 2>>& ring, double length) {
-  std::vector<Vec3> points;
-  for (const double y : {0.0, length})
-    for (const auto& [x, z] : ring) points.push_back({x, y, z});
-  const auto n = static_cast<std::uint32_t>(ring.size());
-  std::vector<std::vector<std::uint32_t>> faces(2);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t j = (i + 1) % n;
-    faces[0].push_back(i);
-    faces[1].push_back(2 * n - 1 - i);
-    faces.push_back({j, i, i + n, j + n});
-  }
-  return make_polyhedron(points, faces);
-}
-
 bool is_limited_by(const LayerFigures& figures, LayerLimit reason) {
   return std::ranges::any_of(figures.limited, [&](const LimitedLayers& limited) { return limited.reason == reason; });
 }

@@ -1,9 +1,11 @@
 #pragma once
 // Layers on analytic models.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -44,6 +46,22 @@ inline MeshResult meshed(const GeometricModel& model, const MeshOptions& options
   CHECK(validate_mesh(result.mesh).valid());
   CHECK(compute_quality(result.mesh).cells.inverted == 0);
   return result;
+}
+
+/// A bar from y = 0 to `length` whose ring in x-z is counter-clockwise seen from -y.
+inline std::unique_ptr<GeometricModel> bar(const std::vector<std::array<double, 2>>& ring, double length) {
+  std::vector<Vec3> points;
+  for (const double y : {0.0, length})
+    for (const auto& [x, z] : ring) points.push_back({x, y, z});
+  const auto n = static_cast<std::uint32_t>(ring.size());
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t j = (i + 1) % n;
+    faces[0].push_back(i);
+    faces[1].push_back(2 * n - 1 - i);
+    faces.push_back({j, i, i + n, j + n});
+  }
+  return test_models::make_polyhedron(points, faces);
 }
 
 /// Faces of a cylinder that are flat.
