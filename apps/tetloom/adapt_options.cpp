@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/option_values.hpp"
@@ -104,16 +103,10 @@ void set_adaptation(const RawAdapt& raw, AdaptCommand& command) {
 
 void set_model(const RawAdapt& raw, AdaptCommand& command) {
   command.model = raw.model;
-  const bool reading = raw.imprint || raw.no_heal || raw.feature_angle;
-  require(!raw.model.empty() || !reading, "--imprint, --no-heal and --feature-angle go with --model");
+  require(!raw.model.empty() || raw.reading == RawReading{},
+          "--imprint, --no-heal, --feature-angle and --fill-holes go with --model");
   require(!raw.model.empty() || !raw.curvature, "--curvature goes with --model");
-  command.read.heal = !raw.no_heal;
-  command.read.imprint = raw.imprint;
-  if (raw.feature_angle) {
-    require(*raw.feature_angle > 0 && *raw.feature_angle <= 180,
-            "--feature-angle must lie between 0 and 180 degrees, not be " + format_number(*raw.feature_angle));
-    command.read.feature_angle = *raw.feature_angle * std::numbers::pi / 180;
-  }
+  command.read = make_read_options(raw.reading);
   command.curvature = not_negative("--curvature", raw.curvature, 0);
 }
 
@@ -152,9 +145,7 @@ void add_model_options(CLI::App& adapt, RawAdapt& raw) {
   adapt.add_option("--model", raw.model, "The model that MESH was made from: its surface is followed")
       ->type_name("CAD")
       ->group(group);
-  adapt.add_flag("--imprint", raw.imprint, "As for mesh")->group(group);
-  adapt.add_flag("--no-heal", raw.no_heal, "As for mesh")->group(group);
-  adapt.add_option("--feature-angle", raw.feature_angle, "As for mesh")->type_name("DEG")->group(group);
+  add_reading_options(adapt, raw.reading);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/tetloom/options.hpp"
+#include "apps/tetloom/reading_options.hpp"
 
 namespace tetloom::app {
 
@@ -13,10 +14,10 @@ namespace tetloom::app {
 struct RawAdapt {
   std::string input, output, report, model, metric, metric_field, hessian;
   std::optional<double> complexity, norm, h_min, h_max, max_aspect, gradation, quality_floor, tets_per_part, curvature;
-  std::optional<double> feature_angle;
+  RawReading reading;
   std::vector<std::string> transfer;
   std::optional<int> threads, parts, transfer_order;
-  bool imprint = false, no_heal = false, quiet = false;
+  bool quiet = false;
 };
 
 CLI::App* add_adapt_command(CLI::App& app, RawAdapt& raw);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/along_axis.hpp"
 #include "core/spatial/constrained_delaunay.hpp"
 
 namespace tetloom::detail {
@@ -25,19 +26,16 @@ FacetPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), st
 /// Space seen along the axis that is nearest to a facet's normal, so that the facet keeps its orientation.
 class FacetPlane {
  public:
-  explicit FacetPlane(const Vec3& normal) {
-    if (std::abs(normal.y) > std::abs(normal[axis_])) axis_ = 1;
-    if (std::abs(normal.z) > std::abs(normal[axis_])) axis_ = 2;
-    is_turned_ = normal[axis_] < 0;
-  }
+  explicit FacetPlane(const Vec3& normal) : axis_(nearest_axis(normal)), is_turned_(normal[axis_] < 0) {}
+
   Vec2 operator()(const Vec3& p) const {
-    const double u = p[(axis_ + 1) % 3], v = p[(axis_ + 2) % 3];
-    return is_turned_ ? Vec2{v, u} : Vec2{u, v};
+    const Vec2 seen = without_axis(p, axis_);
+    return is_turned_ ? Vec2{seen.v, seen.u} : seen;
   }
 
  private:
-  int axis_ = 0;
-  bool is_turned_ = false;
+  int axis_;
+  bool is_turned_;
 };
 
 class FacetCutter {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/along_axis.hpp"
 #include "core/spatial/bvh.hpp"
 
 namespace tetloom::detail {
@@ -12,17 +13,10 @@ namespace {
 
 enum class Meeting : std::uint8_t { None, Pierces, Touches };
 
-Vec2 without_axis(const Vec3& p, int axis) {
-  return axis == 0 ? Vec2{p.y, p.z} : axis == 1 ? Vec2{p.z, p.x} : Vec2{p.x, p.y};
-}
-
 // Of a segment and a triangle that lie in one plane: whether they have a point in common. By separating lines: along
 // the segment, and along each side of the triangle.
 bool meet_in_plane(const std::array<Vec3, 3>& triangle, const Vec3& from, const Vec3& to) {
-  const Vec3 normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
-  const int axis = std::abs(normal.x) > std::max(std::abs(normal.y), std::abs(normal.z)) ? 0
-                   : std::abs(normal.y) > std::abs(normal.z)                             ? 1
-                                                                                         : 2;
+  const int axis = nearest_axis(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
   std::array<Vec2, 3> t;
   for (std::size_t i = 0; i < 3; ++i) t[i] = without_axis(triangle[i], axis);
   const Vec2 a = without_axis(from, axis), b = without_axis(to, axis);

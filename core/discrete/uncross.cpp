@@ -72,6 +72,29 @@ std::optional<std::vector<bool>> find_kept(const CutFacets& cut, const CancelTok
   return kept;
 }
 
+// Whether as many facets run along every edge one way as the other.
+bool is_closed(std::span<const Triangle> tris, std::size_t point_count) {
+  const FacetEdges edges = find_edges(tris, point_count);
+  for (std::size_t edge = 0; edge < edges.size(); ++edge) {
+    int balance = 0;
+    for (const std::uint32_t half : edges.halves(edge))
+      balance += half_origin(tris, half) == edges.edge_to_vert[edge][0] ? 1 : -1;
+    if (balance != 0) return false;
+  }
+  return true;
+}
+
+// The corners of the facets that others pass through.
+std::vector<std::uint32_t> find_pierced_verts(std::span<const FacetPiercing> piercings,
+                                              std::span<const Triangle> tris) {
+  std::vector<std::uint32_t> verts;
+  for (const FacetPiercing& piercing : piercings)
+    verts.insert(verts.end(), tris[piercing.tri].begin(), tris[piercing.tri].end());
+  std::ranges::sort(verts);
+  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  return verts;
+}
+
 std::optional<UncrossedFacets> select(CutFacets&& cut, const CancelToken* cancel) {
   const std::optional<std::vector<bool>> kept = find_kept(cut, cancel);
   if (!kept) return {};
@@ -114,8 +137,13 @@ std::optional<UncrossedFacets> uncross_facets(std::span<const Vec3> points, std:
     std::vector<std::uint32_t> in_the_way = piercings.in_the_way;
     if (in_the_way.empty()) {
       CutFacets cut = cut_facets(moved, tris, edges, piercings.all, cancel);
-      if (cut.in_the_way.empty()) return select(std::move(cut), cancel);
-      in_the_way = std::move(cut.in_the_way);
+      if (cut.in_the_way.empty()) {
+        std::optional<UncrossedFacets> made = select(std::move(cut), cancel);
+        if (made && is_closed(made->tris, made->points.size())) return made;
+        in_the_way = find_pierced_verts(piercings.all, tris);
+      } else {
+        in_the_way = std::move(cut.in_the_way);
+      }
     }
     move_a_little(in_the_way, step, attempt, moved);
   }

@@ -28,10 +28,11 @@ struct Bvh {
 /// Complexity: O(n log n), in parallel.
 Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop);
 
-/// Visits every item whose leaf overlaps `box`, in the order of the tree. O(log n + leaves met).
-template <class Visit>
-void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
-  if (bvh.nodes.empty()) return;
+/// Visits items whose leaf overlaps `box`, in the order of the tree, until `test` is true of one; whether it was.
+/// O(log n + leaves met).
+template <class Test>
+bool any_near(const Bvh& bvh, const Box3& box, const Test& test) {
+  if (bvh.nodes.empty()) return false;
   std::array<std::uint32_t, 64> stack{0};
   for (std::size_t count = 1; count > 0;) {
     const std::uint32_t index = stack[--count];
@@ -42,8 +43,19 @@ void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
       stack[count++] = index + 1;
       continue;
     }
-    for (std::uint32_t i = node.begin; i < node.end; ++i) visit(bvh.order[i]);
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      if (test(bvh.order[i])) return true;
   }
+  return false;
+}
+
+/// Visits every item whose leaf overlaps `box`, in the order of the tree. O(log n + leaves met).
+template <class Visit>
+void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
+  any_near(bvh, box, [&](std::uint32_t item) {
+    visit(item);
+    return false;
+  });
 }
 
 }  // namespace tetloom

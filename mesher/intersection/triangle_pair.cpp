@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/along_axis.hpp"
 
 namespace tetloom::intersection {
 
@@ -12,22 +13,13 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// Drops one coordinate. Exact, so what is apart in the projection is apart in space.
-Vec2 project(const Vec3& p, int axis) {
-  return axis == 0 ? Vec2{p.y, p.z} : axis == 1 ? Vec2{p.z, p.x} : Vec2{p.x, p.y};
-}
-
 int side(const Vec3& a, const Vec3& b, const Vec3& x, int axis) {
-  return orient2d(project(a, axis), project(b, axis), project(x, axis));
+  return orient2d(without_axis(a, axis), without_axis(b, axis), without_axis(x, axis));
 }
 
 // The coordinate along which the triangle looks largest; never one along which it vanishes.
 int projection_axis(const Corners& t) {
-  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
-  int axis = 0;
-  for (const int other : {1, 2}) {
-    if (std::abs(n[other]) > std::abs(n[axis])) axis = other;
-  }
+  int axis = nearest_axis(cross(t[1] - t[0], t[2] - t[0]));
   for (int tries = 0; tries < 2 && side(t[0], t[1], t[2], axis) == 0; ++tries) axis = (axis + 1) % 3;
   return axis;
 }
@@ -49,11 +41,13 @@ bool on_segment(const Vec2& a, const Vec2& b, const Vec2& x) {
 std::optional<Vec3> segments_meet(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, int axis) {
   const int sp = side(a, b, p, axis), sq = side(a, b, q, axis), sa = side(p, q, a, axis), sb = side(p, q, b, axis);
   if (sp * sq < 0 && sa * sb < 0) {
-    const Vec2 u = project(p, axis), d = project(q, axis) - u, e = project(b, axis) - project(a, axis);
-    const double t = cross(project(a, axis) - u, e) / cross(d, e);
+    const Vec2 u = without_axis(p, axis), d = without_axis(q, axis) - u,
+               e = without_axis(b, axis) - without_axis(a, axis);
+    const double t = cross(without_axis(a, axis) - u, e) / cross(d, e);
     return p + std::clamp(std::isfinite(t) ? t : 0.5, 0.0, 1.0) * (q - p);
   }
-  const Vec2 p2 = project(p, axis), q2 = project(q, axis), a2 = project(a, axis), b2 = project(b, axis);
+  const Vec2 p2 = without_axis(p, axis), q2 = without_axis(q, axis), a2 = without_axis(a, axis),
+             b2 = without_axis(b, axis);
   if (sp == 0 && on_segment(a2, b2, p2)) return p;
   if (sq == 0 && on_segment(a2, b2, q2)) return q;
   if (sa == 0 && on_segment(p2, q2, a2)) return a;

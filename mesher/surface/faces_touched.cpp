@@ -8,48 +8,54 @@
 namespace tetloom {
 namespace {
 
-Box3 box_around(const FaceMesh& face, const RimNodes& rim) {
-  const auto place = [&](std::uint32_t v) {
-    return v & FaceMesh::kInner ? face.points[v & ~FaceMesh::kInner] : rim.point(v);
-  };
-  Box3 box;
-  double longest2 = 0;
-  for (const auto& [a, b, c] : face.tri_to_vert) {
-    const Vec3 x = place(a), y = place(b), z = place(c);
-    for (const Vec3& corner : {x, y, z}) box.add(corner);
-    longest2 = std::max({longest2, norm2(y - x), norm2(z - y), norm2(x - z)});
+// A face's triangles, each with what lies beside it as far as its longest edge.
+class Surroundings {
+ public:
+  Surroundings(const FaceMesh& face, const RimNodes& rim) : face_(face), rim_(rim) {}
+
+  Box3 of_all() const {
+    Box3 box;
+    for (const auto& tri : face_.tri_to_vert) box.add(of(tri));
+    return box;
   }
-  if (box.empty()) return box;
-  const double reach = std::sqrt(longest2);
-  return {box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}};
-}
+
+  template <class Test>
+  bool any(const Test& test) const {
+    return std::ranges::any_of(face_.tri_to_vert, [&](const auto& tri) { return test(of(tri)); });
+  }
+
+ private:
+  Vec3 place(std::uint32_t v) const {
+    return v & FaceMesh::kInner ? face_.points[v & ~FaceMesh::kInner] : rim_.point(v);
+  }
+
+  Box3 of(const std::array<std::uint32_t, 3>& tri) const {
+    const Vec3 x = place(tri[0]), y = place(tri[1]), z = place(tri[2]);
+    const double reach = std::sqrt(std::max({norm2(y - x), norm2(z - y), norm2(x - z)}));
+    Box3 box;
+    for (const Vec3& corner : {x, y, z}) box.add(corner);
+    return {box.lo - Vec3{reach, reach, reach}, box.hi + Vec3{reach, reach, reach}};
+  }
+
+  const FaceMesh& face_;
+  const RimNodes& rim_;
+};
 
 }  // namespace
 
 std::vector<bool> find_faces_touched(std::span<const Box3> changes, std::span<const FaceMesh> faces,
                                      const RimNodes& rim, const TaskRunner& runner) {
-  constexpr std::size_t kBlock = std::size_t{1} << 13;
-  std::vector<Box3> boxes(faces.size());
-  runner.for_each(faces.size(), [&](std::size_t f) { boxes[f] = box_around(faces[f], rim); });
-  std::vector<std::size_t> box_to_face;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if (!boxes[f].empty()) box_to_face.push_back(f);
-  std::erase_if(boxes, [](const Box3& box) { return box.empty(); });
-  const Bvh bvh = build_bvh(boxes, runner);
-  std::vector<std::vector<bool>> block_to_touched((changes.size() + kBlock - 1) / kBlock);
-  runner.for_blocks(changes.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    std::vector<bool>& touched = block_to_touched[begin / kBlock];
-    touched.resize(boxes.size());
-    for (std::size_t i = begin; i < end; ++i)
-      for_each_near(bvh, changes[i], [&](std::uint32_t box) {
-        if (!touched[box]) touched[box] = changes[i].overlaps(boxes[box]);
-      });
+  const Bvh bvh = build_bvh(changes, runner);
+  const auto is_changed = [&](const Box3& box) {
+    return any_near(bvh, box, [&](std::uint32_t change) { return changes[change].overlaps(box); });
+  };
+  std::vector<std::uint8_t> touched(faces.size(), 0);
+  runner.for_each(faces.size(), [&](std::size_t f) {
+    const Surroundings around(faces[f], rim);
+    const Box3 box = around.of_all();
+    touched[f] = !box.empty() && is_changed(box) && around.any(is_changed);
   });
-  std::vector<bool> result(faces.size());
-  for (const std::vector<bool>& touched : block_to_touched)
-    for (std::size_t box = 0; box < touched.size(); ++box)
-      if (touched[box]) result[box_to_face[box]] = true;
-  return result;
+  return {touched.begin(), touched.end()};
 }
 
 }  // namespace tetloom

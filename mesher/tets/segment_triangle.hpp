@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/predicates/predicates.hpp"
+#include "core/spatial/along_axis.hpp"
 
 namespace tetloom::tets {
 
@@ -17,13 +18,8 @@ class PlaneTurn {
     const double size = norm(b - a) + norm(c - a);
     // Any point off the plane shows the turns; rounding may spoil the direction, so that all three are tried.
     for (int i = 0; i < 3 && sign_ == 0; ++i) {
-      int axis = 0;
-      for (int k = 1; k < 3; ++k) {
-        if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
-      }
-      axis = (axis + i) % 3;
       off_ = a;
-      off_[axis] += size;
+      off_[(nearest_axis(normal) + i) % 3] += size;
       sign_ = orient3d(a, b, c, off_);
     }
   }

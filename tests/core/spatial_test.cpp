@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/spatial/along_axis.hpp"
 #include "core/spatial/bvh.hpp"
 #include "core/spatial/distances.hpp"
 #include "tetloom/host.hpp"
@@ -71,6 +72,20 @@ class ReversedLoop : public BlockLoop {
       body(begin - grain, std::min(count, begin));
   }
 };
+
+TEST_CASE("seen along the axis nearest to its normal, a triangle keeps its area and turns as the normal points") {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 a = random_point(random), b = random_point(random), c = random_point(random);
+    const Vec3 normal = cross(b - a, c - a);
+    const int axis = nearest_axis(normal);
+    const Vec2 p = without_axis(a, axis), q = without_axis(b, axis), r = without_axis(c, axis);
+    CHECK(std::abs(normal[axis]) >= norm(normal) / std::sqrt(3.0) - 1e-12);
+    CHECK(cross(q - p, r - p) == Approx(normal[axis]));
+  }
+  CHECK(nearest_axis({1, -1, 1}) == 0);
+  CHECK(nearest_axis({1, -2, 2}) == 1);
+}
 
 TEST_CASE("a tree of boxes has every box once, below nodes that hold it, whoever builds it") {
   std::mt19937_64 random(6);

@@ -123,6 +123,28 @@ TEST_CASE("facets that lie on each other are told apart by a step that nobody se
   CHECK(volume_of(*made) == Approx(12).epsilon(1e-6));
 }
 
+TEST_CASE("two boxes whose sides may lie in one plane become one closed surface") {
+  for (std::uint32_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const auto draw = [&](unsigned most) { return static_cast<double>(random() % most); };
+    const Vec3 size{1 + draw(4), 1 + draw(4), 1 + draw(4)}, corner{draw(4), draw(4), draw(4)};
+    Facets boxes = weld(make_box({0, 0, 0}, {4, 4, 4}, 1 + random() % 3));
+    append(boxes, weld(make_box(corner, corner + size, 1 + random() % 3)));
+    double common = 1;
+    bool sticks_out = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      common *= std::min(4.0, corner[axis] + size[axis]) - corner[axis];
+      sticks_out = sticks_out || corner[axis] + size[axis] > 4;
+    }
+    if (!sticks_out) continue;
+    const auto made = detail::uncross_facets(boxes.points, boxes.triangles, nullptr);
+    REQUIRE(made.has_value());
+    CHECK(detail::find_edges(made->tris, made->points.size()).open_count() == 0);
+    CHECK(volume_of(*made) == Approx(64 + size.x * size.y * size.z - common).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("a region of facets that crosses itself is made anew, with its groups") {
   Facets eight = make_eight(0.3);
   detail::FacetSoup soup{eight.points, eight.triangles, {}, {"far", "near"}, {}};

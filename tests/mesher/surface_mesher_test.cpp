@@ -167,6 +167,24 @@ TEST_CASE("a surface with smaller sizes somewhere is the one made from nothing, 
   CHECK(mesher.remeshed() < 6);
 }
 
+TEST_CASE("a face is not meshed again for sizes in the middle of its hole") {
+  const auto model = make_torus(1, 0.3);
+  SizeOptions options;
+  options.size = 0.1;
+  options.point_sizes = {{{1.3, 0, 0}, 0.08}};
+  const TaskRunner runner(2);
+  SizeFieldBuilder sizing(*model, options, runner);
+  SurfaceMesher mesher(*model, runner);
+  mesher.mesh(sizing.build({}).sizes);
+  CHECK(mesher.remeshed() == 1);
+  const Vec3 middle{0, 0, 0};
+  const std::vector<SizeRefinement> refinements{{{middle, middle, middle}, 0.05}};
+  const SizeField finer = sizing.build(refinements).sizes;
+  CHECK(finer.size_at(middle) < 0.06);
+  CHECK(mesh_digest(mesher.mesh(finer).mesh) == mesh_digest(mesh_surface(*model, finer, runner).mesh));
+  CHECK(mesher.remeshed() == 0);
+}
+
 TEST_CASE("triangles are known again by face and corners, however they are numbered") {
   const TaskRunner runner(1);
   const Mesh mesh = mesh_uniformly(*make_box({0, 0, 0}, {1, 1, 1}), 0.3).mesh;
