@@ -53,7 +53,7 @@ bool SurfaceFitter::run() {
   first_sizes_ = sized.sizes;
   first_elements_ = count_elements(sized.estimate);
   std::optional<Candidate> good;
-  std::size_t first_crossings = 0;
+  std::size_t first_crossings = 0, last_misfits = 0;
   constexpr int kMostRounds = 6, kMostFittingRounds = 3;
   for (int round = 0;; ++round) {
     Candidate candidate = make_candidate(sized);
@@ -71,7 +71,9 @@ bool SurfaceFitter::run() {
       misfits = find_misfits(candidate);
       takes_back = drop_contacts(candidate, misfits);
     }
-    if (round > 0 && !crosses && are_negligible(misfits, candidate.surface.mesh, candidate.sizes)) misfits.clear();
+    if (round > 0 && !crosses && are_negligible(misfits, candidate.surface.mesh, candidate.sizes, last_misfits))
+      misfits.clear();
+    last_misfits = misfits.size();
     result_.seconds.surface += watch.lap();
     // Narrow places that were refined until triangles crossed, as those where faces touch.
     if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);

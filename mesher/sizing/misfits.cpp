@@ -375,9 +375,11 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
   return misfits;
 }
 
-bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes) {
+bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes,
+                    std::size_t before) {
   constexpr double kFew = 1e-3;  // of the triangles
   if (static_cast<double>(misfits.size()) >= kFew * static_cast<double>(surface.tri_to_vert.size())) return false;
+  if (misfits.size() >= before) return true;
   const std::vector<Vec3>& x = surface.points;
   return std::ranges::none_of(misfits, [&](const Misfit& misfit) {
     const auto& [a, b, c] = surface.tri_to_vert[misfit.triangle];

@@ -46,8 +46,10 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
                                  const intersection::TriangleTree& tree, const SharedWork& work,
                                  std::span<const std::uint8_t> tri_is_new = {});
 
-/// Whether misfits are so few, less than a thousandth of the triangles, and so slight that they are not worth another
-/// surface: none leaves angles of less than 5 degrees. `surface`, `sizes`: with which they were found.
-bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes);
+/// Whether misfits are so few, less than a thousandth of the triangles, that they are not worth another surface: none
+/// leaves angles of less than 5 degrees, or there are as many as the `before` that smaller sizes were made for.
+/// `surface`, `sizes`: with which they were found.
+bool are_negligible(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes,
+                    std::size_t before);
 
 }  // namespace tetloom

@@ -107,12 +107,15 @@ TEST_CASE("what is a tenth of its size gets a smaller one than what is a little 
   REQUIRE_FALSE(found.empty());
   const auto is_eased = [](const Misfit& misfit) { return misfit.size == Approx(0.02 / 0.2).epsilon(0.01); };
   CHECK(std::ranges::count_if(found, is_eased) >= 5);
-  CHECK_FALSE(are_negligible(found, lens.mesh, SizeField::uniform(1)));
+  CHECK_FALSE(are_negligible(found, lens.mesh, SizeField::uniform(1), found.size() + 1));
   // Half of the size would do, and they are few.
   Mesh large = lens.mesh;
   large.tri_to_vert.resize(2000, large.tri_to_vert[0]);
-  CHECK(are_negligible({{0, 0.8}}, large, SizeField::uniform(1)));
-  CHECK_FALSE(are_negligible({{0, 0.3}}, large, SizeField::uniform(1)));
+  CHECK(are_negligible({{0, 0.8}}, large, SizeField::uniform(1), 2));
+  CHECK_FALSE(are_negligible({{0, 0.3}}, large, SizeField::uniform(1), 2));
+  // As many as before smaller sizes were made.
+  CHECK(are_negligible({{0, 0.3}}, large, SizeField::uniform(1), 1));
+  CHECK_FALSE(are_negligible(found, lens.mesh, SizeField::uniform(1), 1));
 }
 
 TEST_CASE("a wall that is narrow below an edge alone is refined there") {
