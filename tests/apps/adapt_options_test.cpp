@@ -112,6 +112,7 @@ TEST_CASE("wrong options of adapt are refused") {
       {"--metric-field", "size", "--tets-per-part", "10"},
       {"--metric-field", "size", "--curvature", "24"},
       {"--metric-field", "size", "--no-heal"},
+      {"--metric-field", "size", "--fill-holes", "1"},
       {"--metric-field", "size", "--model", "m.step", "--feature-angle", "0"},
       {"--metric-field", "size", "--transfer", "a,b,a"},
       {"--metric-field", "size", "--transfer", "a", "--transfer-order", "3"},
