@@ -1,5 +1,6 @@
 // What an adaptation starts with: the share of each rank, and the background.
 #include <algorithm>
+#include <array>
 
 #include "adapt/adapter.hpp"
 #include "adapt/parts/make_tiles.hpp"
@@ -39,12 +40,21 @@ void drop_elements(MeshSlice& slice) {
   slice.mesh = std::move(kept);
 }
 
+// Few vertices of the whole mesh may lie beside the model, however many a slice has.
+void require_fit(const WholeMesh& mesh, const MeshSlice& slice, const GeometricModel& model, const SharedWork& work) {
+  VerticesBesideModel beside = require_model_fits(mesh, slice.mesh, model, work.runner(), slice.to_vert_number);
+  std::array<std::int64_t, 2> counts{beside.vertices, beside.count};
+  work.sum(counts);
+  beside.vertices = counts[0], beside.count = counts[1];
+  require_few(beside);
+}
+
 }  // namespace
 
 AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work) {
   AdapterShare share;
   share.mesh = make_slice_mesh(slice, work);
-  if (options.model) require_model_fits(share.mesh, slice.mesh, *options.model, work.runner(), slice.to_vert_number);
+  if (options.model) require_fit(share.mesh, slice, *options.model, work);
   share.source = take_names(slice.mesh);
   drop_elements(slice);
   if (has_function) slice.metric = MetricField();
@@ -87,7 +97,7 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
     : mesh_(input.mesh), function_(function), options_(options), work_(work), runner_(work.runner()) {
   if (function) input.metric = MetricField();
   whole_ = make_whole_mesh(mesh_, runner_);
-  if (options_.model) require_model_fits(whole_, mesh_, *options_.model, runner_);
+  if (options_.model) require_few(require_model_fits(whole_, mesh_, *options_.model, runner_));
   if (input.given_up) drop_elements(*input.given_up, options_.transfer);
   const std::size_t given = whole_.points.size();
   const std::vector<std::uint32_t> starts = first_tets_of(whole_.to_vert.span(), given);

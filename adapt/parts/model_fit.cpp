@@ -14,8 +14,10 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kTolerance = 1e-6;  // of the model's diagonal
-constexpr double kUnledShare = 0.1;  // of the shortest edge at a vertex
+constexpr double kTolerance = 1e-6;    // of the model's diagonal
+constexpr double kUnledShare = 0.1;    // of the shortest edge at a vertex
+constexpr double kBesideShare = 0.4;   // of the longest edge at a vertex: what is smaller may have been eliminated
+constexpr double kMostBeside = 0.125;  // of the vertices on the model
 constexpr std::array<const char*, 4> kKinds{"vertex", "edge", "face", "region"};
 
 std::string number(double value) {
@@ -30,12 +32,17 @@ class FitCheck {
            std::span<const std::uint32_t> numbers)
       : whole_(whole), mesh_(mesh), model_(model), runner_(runner), numbers_(numbers) {}
 
-  void run() {
+  VerticesBesideModel run() {
     check_names();
     check_edges_are_named();
     find_allowances();
     check_corners();
     check_places();
+    beside_.vertices = std::ranges::count_if(whole_.to_entity, [](const auto& packed) {
+      const ModelEntity entity = packed.unpack();
+      return entity.valid() && entity.dim < 3;
+    });
+    return std::move(beside_);
   }
 
  private:
@@ -79,38 +86,54 @@ class FitCheck {
   // How far a vertex may lie from its entity, whatever that is.
   void find_allowances() {
     shortest_.assign(whole_.points.size(), HUGE_VAL);
+    longest_.assign(whole_.points.size(), 0);
     for (const LinkedTriangle& t : whole_.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = t.triangle.verts[i], b = t.triangle.verts[(i + 1) % 3];
         const double length = distance(whole_.points[a], whole_.points[b]);
         shortest_[a] = std::min(shortest_[a], length), shortest_[b] = std::min(shortest_[b], length);
+        longest_[a] = std::max(longest_[a], length), longest_[b] = std::max(longest_[b], length);
       }
     }
   }
 
-  std::optional<Diagnostic> judge(ModelEntity entity, std::uint32_t vert, const Vec3& place) const {
+  enum class Fit : std::uint8_t { On, Beside, Elsewhere };
+
+  // Beside the model lie vertices at which a small feature of it was eliminated.
+  Fit fit_of(ModelEntity entity, std::uint32_t vert, const Vec3& place) const {
     const double off = distance(place, whole_.points[vert]);
-    const double allowed =
-        std::max({model_.attributes(entity).tolerance, kTolerance * model_.bounding_box().diagonal(),
-                  std::isfinite(shortest_[vert]) && entity.dim > 0 ? kUnledShare * shortest_[vert] : 0.0});
-    if (off <= allowed) return {};
-    return Diagnostic{
-        ErrorCode::InputUnsuitable,
-        "the model does not match the mesh: a vertex lies " + number(off) + " away from what it is classified on",
-        {model_.named(entity)},
-        whole_.points[vert],
-        {numbers_.empty() ? vert : numbers_[vert]}};
+    const double on = std::max({model_.attributes(entity).tolerance, kTolerance * model_.bounding_box().diagonal(),
+                                std::isfinite(shortest_[vert]) ? kUnledShare * shortest_[vert] : 0.0});
+    if (off <= on) return Fit::On;
+    return off <= kBesideShare * longest_[vert] ? Fit::Beside : Fit::Elsewhere;
   }
 
-  void check_corners() const {
+  Diagnostic fault_at(ModelEntity entity, std::uint32_t vert, const Vec3& place) const {
+    return {ErrorCode::InputUnsuitable,
+            "the model does not match the mesh: a vertex lies " + number(distance(place, whole_.points[vert])) +
+                " away from what it is classified on",
+            {model_.named(entity)},
+            whole_.points[vert],
+            {numbers_.empty() ? vert : numbers_[vert]}};
+  }
+
+  void note_beside(std::int64_t count, std::optional<Diagnostic> first) {
+    beside_.count += count;
+    if (!beside_.first) beside_.first = std::move(first);
+  }
+
+  void check_corners() {
     for (std::uint32_t v = 0; v < mesh_.point_to_entity.size(); ++v) {
       const ModelEntity entity = mesh_.point_to_entity[v];
       if (!entity.valid() || entity.dim != 0 || entity.index >= model_.topology().vertex_count) continue;
-      if (const auto fault = judge(entity, v, model_.vertex_point(ModelVertexId(entity.index)))) throw Error(*fault);
+      const Vec3 place = model_.vertex_point(ModelVertexId(entity.index));
+      const Fit fit = fit_of(entity, v, place);
+      if (fit == Fit::Elsewhere) throw Error(fault_at(entity, v, place));
+      if (fit == Fit::Beside) note_beside(1, fault_at(entity, v, place));
     }
   }
 
-  void check_places() const {
+  void check_places() {
     const std::size_t edges = model_.topology().edge_count(), faces = model_.topology().face_count();
     std::vector<std::vector<std::uint32_t>> verts(edges + faces);
     for (std::uint32_t v = 0; v < whole_.to_entity.size(); ++v) {
@@ -118,29 +141,48 @@ class FitCheck {
       if (!entity.valid() || (entity.dim != 1 && entity.dim != 2)) continue;
       verts[entity.dim == 1 ? entity.index : edges + entity.index].push_back(v);
     }
-    std::vector<std::optional<Diagnostic>> faults(verts.size());
+    std::vector<Places> places(verts.size());
     std::vector<double> work;
     for (const auto& each : verts) work.push_back(static_cast<double>(each.size()));
     runner_.for_each_largest_first(work, [&](std::size_t i) {
       if (verts[i].empty()) return;
       const bool is_edge = i < edges;
-      faults[i] =
-          first_off(ModelEntity(is_edge ? 1 : 2, static_cast<std::uint32_t>(is_edge ? i : i - edges)), verts[i]);
+      places[i] = look_at(ModelEntity(is_edge ? 1 : 2, static_cast<std::uint32_t>(is_edge ? i : i - edges)), verts[i]);
     });
-    for (const auto& fault : faults)
-      if (fault) throw Error(*fault);
+    for (Places& found : places) {
+      if (found.fault) throw Error(*found.fault);
+      note_beside(found.beside, std::move(found.first_beside));
+    }
   }
 
+  // The vertices on one entity.
+  struct Places {
+    std::optional<Diagnostic> fault;  // the first that lies elsewhere
+    std::int64_t beside = 0;
+    std::optional<Diagnostic> first_beside;
+  };
+
   // Where the model cannot tell the nearest place there is nothing to compare with.
-  std::optional<Diagnostic> first_off(ModelEntity entity, const std::vector<std::uint32_t>& verts) const {
+  Places look_at(ModelEntity entity, const std::vector<std::uint32_t>& verts) const {
+    Places found;
     const SurfaceProjector project = make_projector(model_);
     for (std::size_t i = 0; i < verts.size(); ++i) {
       if (i % 256 == 0) runner_.check_cancelled();
-      const auto spot = project(entity, whole_.points[verts[i]]);
+      const Vec3& x = whole_.points[verts[i]];
+      auto spot = project(entity, x);
+      if (spot && fit_of(entity, verts[i], spot->point) != Fit::On)
+        spot = make_projector(model_)(entity, x);  // which has no other place to start from
       if (!spot) continue;
-      if (auto fault = judge(entity, verts[i], spot->point)) return fault;
+      const Fit fit = fit_of(entity, verts[i], spot->point);
+      if (fit == Fit::On) continue;
+      Diagnostic fault = fault_at(entity, verts[i], spot->point);
+      if (fit == Fit::Elsewhere) {
+        found.fault = std::move(fault);
+        return found;
+      }
+      if (found.beside++ == 0) found.first_beside = std::move(fault);
     }
-    return {};
+    return found;
   }
 
   const WholeMesh& whole_;
@@ -148,14 +190,20 @@ class FitCheck {
   const GeometricModel& model_;
   const TaskRunner& runner_;
   std::span<const std::uint32_t> numbers_;
-  std::vector<double> shortest_;
+  std::vector<double> shortest_, longest_;  // edge of the surface at each vertex
+  VerticesBesideModel beside_;
 };
 
 }  // namespace
 
-void require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner,
-                        std::span<const std::uint32_t> numbers) {
-  FitCheck(whole, mesh, model, runner, numbers).run();
+VerticesBesideModel require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
+                                       const TaskRunner& runner, std::span<const std::uint32_t> numbers) {
+  return FitCheck(whole, mesh, model, runner, numbers).run();
+}
+
+void require_few(const VerticesBesideModel& beside) {
+  const bool are_few = static_cast<double>(beside.count) <= kMostBeside * static_cast<double>(beside.vertices);
+  if (!are_few && beside.first) throw Error(*beside.first);
 }
 
 }  // namespace tetloom::adapt

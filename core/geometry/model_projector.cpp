@@ -34,8 +34,10 @@ class FaceProjector {
     Vec2 uv;
   };
 
-  // A place as far away as the guess was may lie on another branch.
+  // A place as far away as the guess was may lie on another branch. Of facets those that face away from the guess would
+  // be left out, however near they are.
   SurfacePoint find(const Vec3& x) {
+    if (face_->parametrization() == Parametrization::Piecewise) return face_->closest_point(x, std::nullopt);
     const Known* nearest = &known_[0];
     for (const Known& known : known_) {
       if (norm2(known.point - x) < norm2(nearest->point - x)) nearest = &known;
