@@ -126,6 +126,20 @@ TEST_CASE("a model that does not match the mesh is refused", "[snapping]") {
   }
 }
 
+TEST_CASE("a few vertices beside the model, as where a small feature was eliminated, come back to it", "[snapping]") {
+  const auto sphere = test_models::make_sphere({}, 1);
+  Mesh mesh = meshed(*sphere, 0.3);
+  int moved = 0;
+  for (std::size_t v = 0; v < mesh.points.size(); v += 9) {
+    if (mesh.point_to_entity[v].dim != 2) continue;
+    mesh.points[v] = 0.94 * mesh.points[v];
+    ++moved;
+  }
+  REQUIRE(moved > 3);
+  const Mesh back = led_to(mesh, 0.3, *sphere);
+  CHECK(farthest(back, [](ModelEntity, const Vec3& x) { return std::abs(norm(x) - 1); }) < 1e-7);
+}
+
 TEST_CASE("what comes out goes in again, where edges are long for the curvature", "[snapping]") {
   const auto model = test_models::make_cylinder(1, 2);
   Mesh mesh = meshed(*model, 0.8);

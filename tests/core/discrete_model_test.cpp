@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "core/geometry/model_projector.hpp"
 #include "tests/core/discrete_shapes.hpp"
 #include "tetloom/model.hpp"
 
@@ -151,6 +152,17 @@ TEST_CASE("a torus is one face without loops") {
   check_invariants(*model);
   CHECK(loop_counts(*model) == std::vector<std::size_t>{0});
   CHECK(model->volume(ModelRegionId(0)) == Approx(std::abs(volume_of(torus))));
+}
+
+TEST_CASE("the nearest place on a face of facets does not depend on what was asked before") {
+  const auto torus = model_of(make_torus(1, 0.1, 60, 24));
+  const SurfaceProjector project = make_projector(*torus);
+  const ModelEntity face = ModelFaceId(0);
+  for (const Vec3& x : {Vec3{1.1, 0, 0}, Vec3{-1.1, 0, 0}, Vec3{-0.9, 0, 0}, Vec3{0, 1.1, 0}, Vec3{0, -1, 0.1}}) {
+    const auto spot = project(face, x);
+    REQUIRE(spot.has_value());
+    CHECK(distance(spot->point, x) < 0.01);
+  }
 }
 
 TEST_CASE("nested spheres are a solid with a void, whatever way they are turned; a third is a region again") {
