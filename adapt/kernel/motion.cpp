@@ -14,7 +14,6 @@ using tets::pairs::pair_of;
 using tets::pairs::PairVec;
 
 constexpr double kMoved = 0.25;  // in the metric: what is beside may then have another place
-constexpr double kSplitLoss = 0.125, kLeastLed = 0.02;
 constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on the model
 constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
 constexpr double kBearable = 0.4;        // mean ratio that a tet may fall to for the good of its neighbours
@@ -60,7 +59,7 @@ Verdict Passes::snap_to_model(std::uint32_t v) {
   if (norm2(way) <= kOnModel * kOnModel * norm2(mesh_.point(beside[beside[0] == v ? 1 : 0]) - x))
     return Verdict::NoGain;
   const VertexMetric old_metric = mesh_.to_metric[v];
-  const double bearable = std::max(cube(kLeastLed), std::min(cube(options_.floor), kSplitLoss * cavity_.least));
+  const double bearable = std::min(cube(options_.floor), kNoWorse * cavity_.least);
   for (double share = 1; share > 0.1; share *= 0.5) {
     std::uint32_t hint = mesh_.to_hint[v];
     mesh_.mesh.points[v] = x + share * way;

@@ -16,6 +16,10 @@ std::optional<SurfaceSpot> checked(const SurfaceSpot& spot) {
   return spot;
 }
 
+// A place found from a guess is taken for the nearest one where it is nearer than this share of the way from the guess:
+// what lies about as far away may be another turn of a thread, or the other side of a wall.
+constexpr double kSurelyNearest = 0.1;
+
 // What was asked last is likely to be near, so that it serves as the guess.
 class FaceProjector {
  public:
@@ -34,8 +38,7 @@ class FaceProjector {
     Vec2 uv;
   };
 
-  // A place as far away as the guess was may lie on another branch. Of facets those that face away from the guess would
-  // be left out, however near they are.
+  // Of facets, those that face away from a guess would be left out, however near they are.
   SurfacePoint find(const Vec3& x) {
     if (face_->parametrization() == Parametrization::Piecewise) return face_->closest_point(x, std::nullopt);
     const Known* nearest = &known_[0];
@@ -45,7 +48,7 @@ class FaceProjector {
     const double away = distance(nearest->point, x);
     if (is_finite(nearest->point)) {
       const SurfacePoint found = face_->closest_point(x, nearest->uv);
-      if (found.distance <= 0.5 * away) return found;
+      if (found.distance <= kSurelyNearest * away) return found;
     }
     return face_->closest_point(x, std::nullopt);
   }
@@ -97,7 +100,7 @@ class EdgeProjector {
       t += step;
       if (!(t >= range_.lo && t <= range_.hi)) return std::nullopt;
       if (std::abs(step) * norm(tangent) > kPrecision * away) continue;
-      return norm(offset) <= 0.5 * away ? std::optional(t) : std::nullopt;
+      return norm(offset) <= kSurelyNearest * away ? std::optional(t) : std::nullopt;
     }
     return std::nullopt;
   }
