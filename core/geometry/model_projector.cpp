@@ -1,5 +1,6 @@
 #include "core/geometry/model_projector.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -16,9 +17,20 @@ std::optional<SurfaceSpot> checked(const SurfaceSpot& spot) {
   return spot;
 }
 
-// A place found from a guess is taken for the nearest one where it is nearer than this share of the way from the guess:
-// what lies about as far away may be another turn of a thread, or the other side of a wall.
-constexpr double kSurelyNearest = 0.1;
+// Tells whether a place that was found from a guess may be taken for the nearest one. What lies a good part of the way
+// to the guess away may be on another turn of a thread, or on the other side of a wall; so may what lies farther away
+// than all that whole searches have found.
+class Trust {
+ public:
+  bool in(double distance, double from_guess) const {
+    constexpr double kPart = 0.1, kOn = 1e-6;  // of the way to the guess
+    return distance <= kOn * from_guess || (distance <= kPart * from_guess && distance <= 2 * farthest_);
+  }
+  void note(double distance) { farthest_ = std::max(farthest_, distance); }
+
+ private:
+  double farthest_ = 0;
+};
 
 // What was asked last is likely to be near, so that it serves as the guess.
 class FaceProjector {
@@ -48,12 +60,15 @@ class FaceProjector {
     const double away = distance(nearest->point, x);
     if (is_finite(nearest->point)) {
       const SurfacePoint found = face_->closest_point(x, nearest->uv);
-      if (found.distance <= kSurelyNearest * away) return found;
+      if (trust_.in(found.distance, away)) return found;
     }
-    return face_->closest_point(x, std::nullopt);
+    const SurfacePoint found = face_->closest_point(x, std::nullopt);
+    trust_.note(found.distance);
+    return found;
   }
 
   std::unique_ptr<FaceGeometry> face_;
+  Trust trust_;
   std::array<Known, 8> known_;
   std::size_t next_ = 0;
 };
@@ -85,7 +100,9 @@ class EdgeProjector {
     if (is_finite(nearest->point)) {
       if (const std::optional<double> t = descend(x, *nearest)) return *t;
     }
-    return edge_->closest_point(x).t;
+    const CurvePoint found = edge_->closest_point(x);
+    trust_.note(found.distance);
+    return found.t;
   }
 
   // Gauss-Newton: converges fast near the edge.
@@ -100,13 +117,14 @@ class EdgeProjector {
       t += step;
       if (!(t >= range_.lo && t <= range_.hi)) return std::nullopt;
       if (std::abs(step) * norm(tangent) > kPrecision * away) continue;
-      return norm(offset) <= kSurelyNearest * away ? std::optional(t) : std::nullopt;
+      return trust_.in(norm(offset), away) ? std::optional(t) : std::nullopt;
     }
     return std::nullopt;
   }
 
   std::unique_ptr<EdgeGeometry> edge_;
   ParameterRange range_;
+  Trust trust_;
   std::array<Known, 8> known_;
   std::size_t next_ = 0;
 };
