@@ -95,13 +95,21 @@ void SharedWork::fill(std::span<T> values, std::size_t grain,
   const auto block_of = [&](std::size_t block) {
     return values.subspan(block * grain, std::min(grain, values.size() - block * grain));
   };
-  const std::vector<double> work(blocks, 1.0);
-  for_each(work, {[&](std::size_t block) { body(block * grain, std::min(values.size(), (block + 1) * grain)); },
-                  [&](std::size_t block, MessageWriter& writer) { writer.put_array<T>(block_of(block)); },
-                  [&](std::size_t block, MessageReader& reader) {
-                    const auto made = reader.get_view<T>();
-                    std::copy(made.begin(), made.end(), block_of(block).begin());
-                  }});
+  // In rounds, so that messages are small beside the values.
+  constexpr std::size_t kBytesOfRound = std::size_t{8} << 20;
+  const std::size_t most = std::max<std::size_t>(1, kBytesOfRound / (grain * sizeof(T)));
+  for (std::size_t first = 0; first < blocks; first += most) {
+    const std::vector<double> work(std::min(most, blocks - first), 1.0);
+    for_each(work, {[&](std::size_t i) {
+                      const std::size_t begin = (first + i) * grain;
+                      body(begin, std::min(values.size(), begin + grain));
+                    },
+                    [&](std::size_t i, MessageWriter& writer) { writer.put_array<T>(block_of(first + i)); },
+                    [&](std::size_t i, MessageReader& reader) {
+                      const auto made = reader.get_view<T>();
+                      std::copy(made.begin(), made.end(), block_of(first + i).begin());
+                    }});
+  }
 }
 
 template <class T>
