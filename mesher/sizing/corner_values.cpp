@@ -116,11 +116,28 @@ std::vector<CornerIds> corner_ids(std::span<const OctreeLeaf> leaves, const std:
   return ids;
 }
 
+int rank_of_corner(std::uint64_t code, const SharedWork& work) {
+  return rank_at(code, SizeOctree::kMaxDepth, work.rank_count());
+}
+
+/// Those that this rank looked at.
+CornerSizes own_corners(CornerSizes&& all, const SharedWork& work) {
+  if (work.rank_count() == 1) return std::move(all);
+  CornerSizes own;
+  for (std::size_t i = 0; i < all.codes.size(); ++i) {
+    if (rank_of_corner(all.codes[i], work) != work.rank()) continue;
+    own.codes.push_back(all.codes[i]);
+    own.sizes.push_back(all.sizes[i]);
+  }
+  return own;
+}
+
 std::vector<double> evaluate_corners(const SizeOctree& tree, const std::vector<std::uint64_t>& codes,
                                      const TargetField& field, const CornerSizes& known, const SharedWork& work) {
   std::vector<double> sizes(codes.size());
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
-  work.fill<double>(sizes, 1024, [&](std::size_t begin, std::size_t end) {
+  const auto owner_of = [&](std::size_t i) { return rank_of_corner(codes[i], work); };
+  work.fill<double>(sizes, 1024, owner_of, [&](std::size_t begin, std::size_t end) {
     std::uint32_t winner = SourceTree::kNoSource;
     auto met = std::ranges::lower_bound(known.codes, codes[begin]);
     for (std::size_t i = begin; i < end; ++i) {
@@ -191,8 +208,9 @@ void drop_global_leaves(SizeOctree& tree) {
     tree.corner_ratios[kept] = tree.corner_ratios[i];
     new_codes[i] = SizeOctree::kLeafBit + kept++;
   }
+  const bool is_worth_a_copy = kept < new_codes.size() / 4 * 3;
   tree.corner_ratios.resize(kept);
-  tree.corner_ratios.shrink_to_fit();
+  if (is_worth_a_copy) tree.corner_ratios.shrink_to_fit();
   for (std::uint32_t& code : tree.cells)
     if (code >= SizeOctree::kLeafBit && code != SizeOctree::kGlobalLeaf) code = new_codes[code - SizeOctree::kLeafBit];
 }
@@ -228,7 +246,7 @@ CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& 
       }
   });
   drop_global_leaves(tree);
-  return asked;
+  return own_corners(std::move(asked), work);
 }
 
 }  // namespace tetloom

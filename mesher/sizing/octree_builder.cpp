@@ -117,7 +117,8 @@ std::vector<OctreeCell> OctreeBuilder::children_of(const std::vector<OctreeCell>
 /// `before`: the same level of an earlier build.
 void OctreeBuilder::judge(std::vector<OctreeCell>& cells, int level, std::span<const OctreeCell> before) const {
   const bool search = field_.may_be_steep() && level < kCallbackDepth;
-  work_.fill<OctreeCell>(cells, 512, [&](std::size_t begin, std::size_t end) {
+  const auto owner_of = [&](std::size_t i) { return rank_at(cells[i].code, level, work_.rank_count()); };
+  work_.fill<OctreeCell>(cells, 512, owner_of, [&](std::size_t begin, std::size_t end) {
     auto known = std::ranges::lower_bound(before, cells[begin].code, {}, &OctreeCell::code);
     for (std::size_t i = begin; i < end; ++i) {
       const Box3 box = box_of(cells[i].code, level);
@@ -223,6 +224,14 @@ SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeLea
   return tree;
 }
 
+std::vector<OctreeCell> OctreeBuilder::own_cells(const std::vector<OctreeCell>& cells, int level) const {
+  std::vector<OctreeCell> own;
+  for (const OctreeCell& cell : cells)
+    if (cell.judged.state.is_own && rank_at(cell.code, level, work_.rank_count()) == work_.rank()) own.push_back(cell);
+  own.shrink_to_fit();
+  return own;
+}
+
 SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves) {
   std::vector<JudgedLevel> judged;
   std::vector<OctreeCell> cells{{0, {}}};
@@ -235,9 +244,7 @@ SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels
     judge(cells, static_cast<int>(level), level < before.size() ? before[level] : std::span<const OctreeCell>{});
     judged.push_back(verdicts_on(cells));
     std::vector<OctreeCell> next = children_of(cells, judged.back().cuts);
-    std::erase_if(cells, [](const OctreeCell& cell) { return !cell.judged.state.is_own; });
-    cells.shrink_to_fit();
-    levels.push_back(std::move(cells));
+    levels.push_back(own_cells(cells, static_cast<int>(level)));
     cells = std::move(next);
   }
   std::vector<Codes> cuts;

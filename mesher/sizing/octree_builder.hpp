@@ -33,7 +33,17 @@ struct OctreeCell {
   std::uint64_t code;  ///< Morton code at the level of the cell
   JudgedCell judged;
 };
-/// Cells by their levels, in the order of their codes: those that have a least size of their own.
+/// Which of `ranks` looks at a place whose Morton code has `depth` octants: the same for all places in a cell of depth
+/// kRankDepth, in every build in the same frame.
+inline int rank_at(std::uint64_t code, int depth, int ranks) {
+  constexpr int kRankDepth = 6;
+  constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15ull;
+  const std::uint64_t cell = depth > kRankDepth ? code >> 3 * (depth - kRankDepth) : code;
+  return static_cast<int>((cell * kSpread >> 32) % static_cast<std::uint64_t>(ranks));
+}
+
+/// Cells by their levels, in the order of their codes: those that this rank looked at, and that have a least size of
+/// their own.
 using OctreeLevels = std::vector<std::vector<OctreeCell>>;
 
 /// Cells are kept as Morton codes in sorted arrays, one per level: no hash, no pointers. Cells of a level are judged in
@@ -63,6 +73,7 @@ class OctreeBuilder {
   using PlacedLevels = std::vector<std::vector<PlacedCell>>;
 
   void judge(std::vector<OctreeCell>& cells, int level, std::span<const OctreeCell> before) const;
+  std::vector<OctreeCell> own_cells(const std::vector<OctreeCell>& cells, int level) const;
   JudgedLevel verdicts_on(const std::vector<OctreeCell>& cells) const;
   Codes cuts_of(const std::vector<OctreeCell>& cells) const;
   std::vector<OctreeCell> children_of(const std::vector<OctreeCell>& cells, const Codes& cuts) const;
