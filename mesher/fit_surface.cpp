@@ -149,13 +149,13 @@ void SurfaceFitter::set_aside(SurfaceMeshResult& surface) {
 // where something was eliminated, or where a region would lose too much of its volume, that is undone.
 void SurfaceFitter::settle_features(Candidate& candidate) {
   if (!features_) return find_crossings(candidate);
-  const Mesh given = std::move(candidate.surface.mesh);
+  Mesh given = std::move(candidate.surface.mesh);
   constexpr int kMostTries = 6;  // at places that cross; those at regions end by themselves
   for (int tries = 1;; ++tries) {
     EliminationResult eliminated = features_->eliminate(given, candidate.sizes, runner_);
     if (features_->spare_regions(given, eliminated)) continue;
     const bool has_changed = eliminated.mesh.has_value();
-    candidate.surface.mesh = has_changed ? std::move(*eliminated.mesh) : given;
+    candidate.surface.mesh = std::move(has_changed ? *eliminated.mesh : given);  // then this is the last try
     find_crossings(candidate);
     if (has_changed && tries < kMostTries &&
         features_->keep_where_crossing(candidate.surface.mesh, eliminated.changed, candidate.all_hits))

@@ -10,7 +10,9 @@
 #include "apps/tetloom/model_reading.hpp"
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
+#include "apps/tetloom/rank_figures.hpp"
 #include "apps/tetloom/run.hpp"
+#include "core/base/free_memory.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"
@@ -199,6 +201,7 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
     report.seconds.write = timed([&] { write(command, scale, result.mesh, runner, run); });
     run.set_text(render_summary(report, command.output.string(), command.report.string()));
   });
+  note_ranks(communicator, result.mesh.tet_to_vert.size(), report);
 }
 
 void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
@@ -210,16 +213,14 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   const TaskRunner runner(options.threads, run.host());
   if (!result.mesh) return run_on_first(communicator, [&] { check(result.run, runner, run); });
 
+  result.run.mesh = Mesh();
   note_filling(result.run.filling, options.goals, report);
   run.begin_together(Stage::Check);
   PartsFigures figures;
   report.parts = static_cast<int>(result.mesh->part_count());
-  report.counts.regions = document.model->topology().region_count();
   report.seconds.check = timed([&] {
     figures = measure_parts(*result.mesh);
-    note_whole(*result.mesh, figures, runner, report, [&](const Mesh& mesh, const TaskRunner& wide) {
-      report.quality = compute_quality(mesh, &result.run.sizes, wide);
-    });
+    note_summary(summarize_parts(*result.mesh, runner, &result.run.sizes), figures, report);
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
@@ -229,9 +230,11 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_in_parts(command, scale, *result.mesh, runner, run); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
+  note_ranks(communicator, tets_of_rank(*result.mesh), report);
 }
 
 void mesh_input(const MeshCommand& command, ModelReading& reading, Communicator& communicator, Run& run) {
+  if (communicator.rank_count() > 1) return_freed_memory();
   Sized sized;
   const auto read = [&] { return reading.take(run.cancel()); };
   run_on_all(communicator, [&] { sized = read_sized_model(command, read, run); });

@@ -28,19 +28,19 @@ double least_of(const Cell& cell, CellKind kind, const std::vector<Vec3>& points
 
 }  // namespace
 
-CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop) {
-  std::vector<float> all;
+CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop, GrowingArray<float>& values) {
+  values.clear();
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
     if (kind == CellKind::Tet || cells.empty()) return;
-    const std::size_t first = all.size();
-    all.resize(first + cells.size());
+    const std::size_t first = values.size();
+    values.resize_for_overwrite(first + cells.size());
     loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c)
-        all[first + c] = static_cast<float>(least_of(cells[c], kind, mesh.points));
+        values[first + c] = static_cast<float>(least_of(cells[c], kind, mesh.points));
     });
   });
-  if (all.empty()) return {};
-  return {*std::ranges::min_element(all), detail::quantile(all, 0.01, loop)};
+  if (values.empty()) return {};
+  return {*std::ranges::min_element(values), detail::quantile(values.span(), 0.01, loop)};
 }
 
 }  // namespace tetloom

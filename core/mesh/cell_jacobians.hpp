@@ -1,5 +1,6 @@
 #pragma once
 // Scaled Jacobians of cells that are no tets.
+#include "tetloom/growing_array.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/mesh_data.hpp"
 
@@ -13,6 +14,7 @@ struct CellJacobians {
 
 /// The least over the corners of a cell (`corners_of`) of the Jacobian there divided by the lengths of its three edges,
 /// and by what a prism has that stands on an equilateral triangle. 1 at best, not positive where the cell is inverted.
-CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop);
+/// `values`, which are replaced, are those of all cells.
+CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop, GrowingArray<float>& values);
 
 }  // namespace tetloom

@@ -82,27 +82,47 @@ struct EdgeSums {
   }
 };
 
-/// Length and conformity of all unique edges of `elements`.
-template <class Element>
-EdgeConformity measure_edges(const std::vector<Element>& elements, const std::vector<Vec3>& points,
-                             const std::vector<double>& point_size, const BlockLoop& loop) {
-  const auto measure = [&](std::uint32_t a, std::uint32_t b, EdgeSums& sums) {
-    const double length = distance(points[a], points[b]);
+EdgeConformity conformity_of(const EdgeSums& sums) {
+  if (sums.edges == 0) return {};
+  const auto count = static_cast<double>(sums.edges);
+  return {sums.edges, sums.lengths.value() / count, sums.ratios.value() / count,
+          static_cast<double>(sums.in_band) / count};
+}
+
+/// Adds lengths of edges, and how they keep to the sizes at points, where there are some.
+class EdgeMeter {
+ public:
+  EdgeMeter(const std::vector<Vec3>& points, const std::vector<double>& point_size)
+      : points_(points), point_size_(point_size) {}
+
+  void measure(std::uint32_t a, std::uint32_t b, EdgeSums& sums) const {
+    const double length = distance(points_[a], points_[b]);
     ++sums.edges;
     sums.lengths.add(length);
-    if (point_size.empty()) return;
-    const double ratio = length / (0.5 * (point_size[a] + point_size[b]));
+    if (point_size_.empty()) return;
+    const double ratio = length / (0.5 * (point_size_[a] + point_size_[b]));
     sums.ratios.add(ratio);
     sums.in_band += ratio >= kBandLow && ratio <= kBandHigh;
-  };
-  EdgeSums total;
-  for (const EdgeSums& sums : detail::map_unique_edges<EdgeSums>(elements, points.size(), loop, measure))
-    total.add(sums);
-  if (total.edges == 0) return {};
-  const auto count = static_cast<double>(total.edges);
-  return {total.edges, total.lengths.value() / count, total.ratios.value() / count,
-          static_cast<double>(total.in_band) / count};
-}
+  }
+
+  /// Of the unique edges of `elements` that pass the test, and of `more`.
+  template <class Element>
+  EdgeConformity measure_all(const std::vector<Element>& elements, const MeasuredEdges& measured,
+                             const MeasuredEdges::Edges& more, const BlockLoop& loop) const {
+    const auto measure_one = [&](std::uint32_t a, std::uint32_t b, EdgeSums& sums) {
+      if (!measured.test || measured.test(a, b)) measure(a, b, sums);
+    };
+    EdgeSums total;
+    for (const EdgeSums& sums : detail::map_unique_edges<EdgeSums>(elements, points_.size(), loop, measure_one))
+      total.add(sums);
+    for (const auto& [a, b] : more) measure(a, b, total);
+    return conformity_of(total);
+  }
+
+ private:
+  const std::vector<Vec3>& points_;
+  const std::vector<double>& point_size_;
+};
 
 /// The size at every point; empty without a field.
 std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop) {
@@ -193,7 +213,8 @@ CellSums sum_cells(const Mesh& mesh, CellKind kind, const std::vector<Cell>& cel
   return total;
 }
 
-CellQuality measure_cells(const Mesh& mesh, const CellSums& tets, const BlockLoop& loop) {
+CellQuality measure_cells(const Mesh& mesh, const CellSums& tets, const BlockLoop& loop,
+                          GrowingArray<float>& scaled_jacobians) {
   CellQuality result;
   result.count = cell_count(mesh);
   CellSums total;
@@ -203,7 +224,7 @@ CellQuality measure_cells(const Mesh& mesh, const CellSums& tets, const BlockLoo
   });
   result.inverted = total.inverted;
   result.volume = total.volume.value();
-  const CellJacobians jacobians = measure_jacobians(mesh, loop);
+  const CellJacobians jacobians = measure_jacobians(mesh, loop, scaled_jacobians);
   result.min_scaled_jacobian = jacobians.least;
   result.scaled_jacobian_p1 = jacobians.p1;
   for (const auto& [region, sums] : total.regions.items())
@@ -265,8 +286,7 @@ TetSums sum_tets(const Mesh& mesh, const BlockLoop& loop, std::span<float> ratio
 }
 
 /// What is common with other cells goes to `cells`.
-TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop, CellSums& cells,
-                        GrowingArray<float>& ratios) {
+TetQuality measure_tets(const Mesh& mesh, const BlockLoop& loop, CellSums& cells, GrowingArray<float>& ratios) {
   TetQuality result;
   result.count = mesh.tet_to_vert.size();
   if (result.count == 0) return result;
@@ -281,7 +301,6 @@ TetQuality measure_tets(const Mesh& mesh, const std::vector<double>& point_size,
   result.volume = cells.volume.value();
   result.mean_ratio_histogram = sums.ratio_histogram;
   result.dihedral_histogram = sums.dihedral_histogram;
-  result.edges = measure_edges(mesh.tet_to_vert, mesh.points, point_size, loop);
   return result;
 }
 
@@ -351,8 +370,7 @@ TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::span<fl
   return total;
 }
 
-TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& point_size, const BlockLoop& loop,
-                                  GrowingArray<float>& shapes) {
+TriangleQuality measure_triangles(const Mesh& mesh, const BlockLoop& loop, GrowingArray<float>& shapes) {
   TriangleQuality result;
   result.count = mesh.tri_to_vert.size();
   if (result.count == 0) return result;
@@ -365,7 +383,6 @@ TriangleQuality measure_triangles(const Mesh& mesh, const std::vector<double>& p
   result.area = sums.all.area.value();
   for (const auto& [face, of_face] : sums.faces.items())
     result.faces.push_back({face, of_face.triangles, of_face.area.value(), of_face.min_angle * kDegrees});
-  result.edges = measure_edges(mesh.tri_to_vert, mesh.points, point_size, loop);
   return result;
 }
 
@@ -410,13 +427,20 @@ QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const Bl
   return compute_quality(mesh, sizes, loop, values);
 }
 
-QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop, QualityValues& values) {
+QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const BlockLoop& loop, QualityValues& values,
+                              const MeasuredEdges& measured) {
   require_consistent(mesh, loop);
-  const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
+  QualityReport report;
   CellSums of_tets;
-  const TetQuality tets = measure_tets(mesh, point_size, loop, of_tets, values.mean_ratios);
-  return {measure_cells(mesh, of_tets, loop), tets, measure_triangles(mesh, point_size, loop, values.shapes),
-          measure_curved_tets(mesh, tets.volume, loop)};
+  report.tets = measure_tets(mesh, loop, of_tets, values.mean_ratios);
+  report.cells = measure_cells(mesh, of_tets, loop, values.jacobians);
+  report.triangles = measure_triangles(mesh, loop, values.shapes);
+  report.curved = measure_curved_tets(mesh, report.tets.volume, loop);
+  const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
+  const EdgeMeter meter(mesh.points, point_size);
+  report.tets.edges = meter.measure_all(mesh.tet_to_vert, measured, measured.more_of_tets, loop);
+  report.triangles.edges = meter.measure_all(mesh.tri_to_vert, measured, measured.more_of_triangles, loop);
+  return report;
 }
 
 }  // namespace tetloom

@@ -50,7 +50,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
     : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {
   sort_triangles(runner);
   first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
-  nodes_.resize(2 * first_leaf_);
+  nodes_.resize(first_leaf_ + leaf_count());
   runner.for_blocks(leaf_count(), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
     for (std::size_t leaf = begin; leaf < end; ++leaf) {
       for (const std::uint32_t triangle : leaf_triangles(leaf)) nodes_[first_leaf_ + leaf].add(box_of(triangle));
@@ -60,12 +60,12 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
   for (std::size_t width = first_leaf_ / 2; width > 0; width /= 2) {
     runner.for_blocks(width, kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = width + begin; node < width + end; ++node) {
-        nodes_[node].add(nodes_[2 * node]);
-        nodes_[node].add(nodes_[2 * node + 1]);
+        for (const std::size_t child : {2 * node, 2 * node + 1})
+          if (child < nodes_.size()) nodes_[node].add(nodes_[child]);
       }
     });
   }
-  if (!nodes_[1].empty()) up_ = shortest_axis(nodes_[1]);
+  if (leaf_count() > 0 && !nodes_[1].empty()) up_ = shortest_axis(nodes_[1]);
 }
 
 void TriangleTree::sort_triangles(const TaskRunner& runner) {

@@ -139,8 +139,9 @@ class TriangleTree {
         if (!visit_leaf(node - first_leaf_)) return;
         continue;
       }
-      if (enter(nodes_[2 * node + 1])) stack[depth++] = 2 * node + 1;
-      if (enter(nodes_[2 * node])) stack[depth++] = 2 * node;
+      const std::size_t first = 2 * node, second = first + 1;
+      if (second < nodes_.size() && enter(nodes_[second])) stack[depth++] = second;
+      if (first < nodes_.size() && enter(nodes_[first])) stack[depth++] = first;
     }
   }
   template <class Enter, class Visit>
@@ -170,7 +171,7 @@ class TriangleTree {
   std::span<const Vec3> points_;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert_;
   std::vector<std::uint32_t> order_;  // triangles in Morton order
-  std::vector<Box3> nodes_;           // heap order, root at 1; empty boxes pad the last level
+  std::vector<Box3> nodes_;           // heap order, root at 1; the last level ends with the last leaf
   std::size_t first_leaf_ = 1;
   int up_ = 2;  // the axis of rays
 };

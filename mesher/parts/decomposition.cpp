@@ -66,6 +66,38 @@ double find_cut(std::span<const std::array<double, 3>> spans, double share) {
   return events.back().at;
 }
 
+// The same of the boxes of some pieces; nothing where all of them are flat.
+template <class Piece>
+std::optional<double> find_cut(std::span<const Piece> pieces, int axis, double share) {
+  std::vector<std::array<double, 3>> spans;
+  spans.reserve(pieces.size());
+  for (const Piece& piece : pieces)
+    if (piece.box.hi[axis] > piece.box.lo[axis]) spans.push_back({piece.box.lo[axis], piece.box.hi[axis], piece.work});
+  if (spans.empty()) return std::nullopt;
+  return find_cut(spans, share);
+}
+
+// What of the pieces lies below `at`, and what above.
+template <class Piece>
+std::array<std::vector<Piece>, 2> cut_at(std::span<const Piece> pieces, int axis, double at) {
+  std::array<std::vector<Piece>, 2> sides;
+  sides[0].reserve(static_cast<std::size_t>(
+      std::ranges::count_if(pieces, [&](const Piece& piece) { return piece.box.lo[axis] < at; })));
+  sides[1].reserve(static_cast<std::size_t>(
+      std::ranges::count_if(pieces, [&](const Piece& piece) { return piece.box.hi[axis] > at; })));
+  for (const Piece& piece : pieces) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      Piece cut = piece;
+      double& bound = side == 0 ? cut.box.hi[axis] : cut.box.lo[axis];
+      bound = side == 0 ? std::min(bound, at) : std::max(bound, at);
+      if (cut.box.lo[axis] >= cut.box.hi[axis]) continue;
+      cut.work *= volume_of(cut.box) / volume_of(piece.box);
+      sides[side].push_back(cut);
+    }
+  }
+  return sides;
+}
+
 }  // namespace
 
 VolumeEstimate estimate_volume(const lattice::LatticeCells& cells) {
@@ -91,6 +123,7 @@ Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t par
                              Trace* trace) {
   std::optional<TraceSpan> span(std::in_place, trace, "boxes");
   std::vector<Piece> pieces;
+  pieces.reserve(cells.cells().size());
   for (std::uint32_t i = 0; i < cells.cells().size(); ++i)
     pieces.push_back({cells.cells()[i].box, work_of(cells.cells()[i]), i});
   const Vec3 far{HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -118,24 +151,12 @@ std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, 
   Box3 around;
   for (const Piece& piece : pieces) around.add(piece.box);
   const int axis = pieces.empty() ? 0 : longest_axis(around);
-  std::vector<std::array<double, 3>> spans;
-  for (const Piece& piece : pieces)
-    if (piece.box.hi[axis] > piece.box.lo[axis]) spans.push_back({piece.box.lo[axis], piece.box.hi[axis], piece.work});
   const std::size_t low_count = part_count / 2;
-  double at = spans.empty() ? 0 : find_cut(spans, static_cast<double>(low_count) / static_cast<double>(part_count));
-  at = std::clamp(at, box.lo[axis], box.hi[axis]);  // where nothing is to be cut
-  std::array<std::vector<Piece>, 2> sides;
-  for (const Piece& piece : pieces) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      Piece cut = piece;
-      double& bound = side == 0 ? cut.box.hi[axis] : cut.box.lo[axis];
-      bound = side == 0 ? std::min(bound, at) : std::max(bound, at);
-      if (cut.box.lo[axis] >= cut.box.hi[axis]) continue;
-      cut.work *= volume_of(cut.box) / volume_of(piece.box);
-      sides[side].push_back(cut);
-    }
-  }
-  pieces.clear();
+  const double share = static_cast<double>(low_count) / static_cast<double>(part_count);
+  // Where nothing is to be cut, the box still has two sides.
+  const double at = std::clamp(find_cut<Piece>(pieces, axis, share).value_or(0), box.lo[axis], box.hi[axis]);
+  std::array<std::vector<Piece>, 2> sides = cut_at<Piece>(pieces, axis, at);
+  pieces = {};
   std::array<Box3, 2> boxes{box, box};
   boxes[0].hi[axis] = at, boxes[1].lo[axis] = at;
   nodes_[index].axis = axis, nodes_[index].at = at;

@@ -14,7 +14,8 @@
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kBlock = 512;  // leaves whose corners fit in a core's cache
+constexpr std::size_t kBlock = 512;    // leaves whose corners fit in a core's cache
+constexpr std::uint32_t kDeepest = 1;  // the width of the leaves that are as deep as the tree goes
 
 using CornerIds = std::array<std::uint32_t, 8>;
 
@@ -45,76 +46,98 @@ class CodeNumbers {
   std::vector<std::uint64_t> codes_;
 };
 
-/// Every corner of the leaves, once, by its Morton code.
-class CornerTable {
+/// The corners of a block of leaves.
+class BlockCorners {
  public:
-  CornerTable(const std::vector<OctreeLeaf>& leaves, const TaskRunner& runner) : leaves_(leaves), runner_(runner) {
-    std::vector<Block> blocks((leaves.size() + kBlock - 1) / kBlock);
-    ids_.resize(leaves.size());
-    runner.for_blocks(leaves.size(), kBlock,
-                      [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = number(begin, end); });
-    std::vector<std::size_t> first{0};
-    for (const Block& block : blocks) first.push_back(first.back() + block.codes.size());
-    codes_.resize(first.back());
-    runner.for_each(blocks.size(), [&](std::size_t b) {
-      std::ranges::copy(blocks[b].codes, codes_.begin() + static_cast<std::ptrdiff_t>(first[b]));
-    });
-    parallel_sort_unique(codes_, runner);
-    runner.for_blocks(leaves.size(), kBlock,
-                      [&](std::size_t begin, std::size_t end) { renumber(begin, end, blocks[begin / kBlock]); });
+  explicit BlockCorners(std::span<const OctreeLeaf> leaves) : ids_(leaves.size()) {
+    CodeNumbers numbers(8 * leaves.size());
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      for (std::uint32_t octant = 0; octant < 8; ++octant)
+        ids_[i][octant] = numbers.number(corner_code(leaves[i], octant));
+    order_.resize(numbers.codes().size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::ranges::sort(order_, {}, [&](std::uint32_t n) { return numbers.codes()[n]; });
+    for (const std::uint32_t n : order_) codes_.push_back(numbers.codes()[n]);
   }
 
-  const std::vector<std::uint64_t>& codes() const { return codes_; }
+  const std::vector<std::uint64_t>& codes() const { return codes_; }  ///< ascending
+  /// Of each leaf, as places in what `places_in` returns.
   const std::vector<CornerIds>& ids() const { return ids_; }
-
- private:
-  /// The corners of a block of leaves.
-  struct Block {
-    std::vector<std::uint64_t> codes;  ///< ascending
-    std::vector<std::uint32_t> order;  ///< of `codes`, as `ids_` knows them
-  };
+  /// The place of each corner in `all`, which ascends and has them all.
+  std::vector<std::uint32_t> places_in(const std::vector<std::uint64_t>& all) const {
+    std::vector<std::uint32_t> places(codes_.size());
+    auto from = all.begin();
+    for (std::size_t i = 0; i < codes_.size(); ++i) {
+      from = std::lower_bound(from, all.end(), codes_[i]);
+      places[order_[i]] = static_cast<std::uint32_t>(from - all.begin());
+    }
+    return places;
+  }
 
   static std::uint64_t corner_code(const OctreeLeaf& leaf, std::uint32_t octant) {
     return morton_encode({leaf.corner[0] + (octant & 1) * leaf.width, leaf.corner[1] + (octant >> 1 & 1) * leaf.width,
                           leaf.corner[2] + (octant >> 2) * leaf.width});
   }
 
-  Block number(std::size_t begin, std::size_t end) {
-    CodeNumbers numbers(8 * (end - begin));
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::uint32_t octant = 0; octant < 8; ++octant)
-        ids_[i][octant] = numbers.number(corner_code(leaves_[i], octant));
-    Block block;
-    block.order.resize(numbers.codes().size());
-    std::iota(block.order.begin(), block.order.end(), 0u);
-    std::ranges::sort(block.order, {}, [&](std::uint32_t n) { return numbers.codes()[n]; });
-    for (const std::uint32_t n : block.order) block.codes.push_back(numbers.codes()[n]);
-    return block;
-  }
-
-  /// From the numbers in a block to those in the whole table.
-  void renumber(std::size_t begin, std::size_t end, const Block& block) {
-    std::vector<std::uint32_t> to_table(block.codes.size());
-    auto from = codes_.begin();
-    for (std::size_t i = 0; i < block.codes.size(); ++i) {
-      from = std::lower_bound(from, codes_.end(), block.codes[i]);
-      to_table[block.order[i]] = static_cast<std::uint32_t>(from - codes_.begin());
-    }
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::uint32_t& id : ids_[i]) id = to_table[id];
-  }
-
-  const std::vector<OctreeLeaf>& leaves_;
-  const TaskRunner& runner_;
-  std::vector<std::uint64_t> codes_;
+ private:
   std::vector<CornerIds> ids_;
+  std::vector<std::uint64_t> codes_;
+  std::vector<std::uint32_t> order_;  // of `codes_`, as `ids_` knows them
 };
+
+/// Every corner of the leaves, once, by its Morton code.
+std::vector<std::uint64_t> corner_codes(std::span<const OctreeLeaf> leaves, const TaskRunner& runner) {
+  std::vector<std::vector<std::uint64_t>> blocks((leaves.size() + kBlock - 1) / kBlock);
+  runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    blocks[begin / kBlock] = BlockCorners(leaves.subspan(begin, end - begin)).codes();
+  });
+  std::vector<std::size_t> first{0};
+  for (const auto& block : blocks) first.push_back(first.back() + block.size());
+  std::vector<std::uint64_t> codes(first.back());
+  runner.for_each(blocks.size(), [&](std::size_t b) {
+    std::ranges::copy(blocks[b], codes.begin() + static_cast<std::ptrdiff_t>(first[b]));
+    blocks[b] = {};
+  });
+  parallel_sort_unique(codes, runner);
+  codes.shrink_to_fit();
+  return codes;
+}
+
+/// The corners of every leaf, as places in `codes`.
+std::vector<CornerIds> corner_ids(std::span<const OctreeLeaf> leaves, const std::vector<std::uint64_t>& codes,
+                                  const TaskRunner& runner) {
+  std::vector<CornerIds> ids(leaves.size());
+  runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    const BlockCorners corners(leaves.subspan(begin, end - begin));
+    const std::vector<std::uint32_t> places = corners.places_in(codes);
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t octant = 0; octant < 8; ++octant) ids[i][octant] = places[corners.ids()[i - begin][octant]];
+  });
+  return ids;
+}
+
+int rank_of_corner(std::uint64_t code, const SharedWork& work) {
+  return rank_at(code, SizeOctree::kMaxDepth, work.rank_count());
+}
+
+/// Those that this rank looked at.
+CornerSizes own_corners(CornerSizes&& all, const SharedWork& work) {
+  if (work.rank_count() == 1) return std::move(all);
+  CornerSizes own;
+  for (std::size_t i = 0; i < all.codes.size(); ++i) {
+    if (rank_of_corner(all.codes[i], work) != work.rank()) continue;
+    own.codes.push_back(all.codes[i]);
+    own.sizes.push_back(all.sizes[i]);
+  }
+  return own;
+}
 
 std::vector<double> evaluate_corners(const SizeOctree& tree, const std::vector<std::uint64_t>& codes,
                                      const TargetField& field, const CornerSizes& known, const SharedWork& work) {
   std::vector<double> sizes(codes.size());
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
-  work.fill<double>(sizes, 1024, [&](std::size_t begin, std::size_t end) {
+  const auto owner_of = [&](std::size_t i) { return rank_of_corner(codes[i], work); };
+  work.fill<double>(sizes, 1024, owner_of, [&](std::size_t begin, std::size_t end) {
     std::uint32_t winner = SourceTree::kNoSource;
     auto met = std::ranges::lower_bound(known.codes, codes[begin]);
     for (std::size_t i = begin; i < end; ++i) {
@@ -160,14 +183,19 @@ void enforce_gradation(const SizeOctree& tree, const std::vector<OctreeLeaf>& le
 
 /// Leaves as deep as the tree goes may be wider than a size asked for inside them; their corners take the smallest.
 void lower_deepest_leaves(const SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
-                          const std::vector<CornerIds>& ids, const TargetField& field, std::vector<double>& sizes) {
+                          const std::vector<std::uint64_t>& codes, const TargetField& field,
+                          std::vector<double>& sizes) {
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    if (leaves[i].width != 1) continue;
-    const Vec3 corner{double(leaves[i].corner[0]), double(leaves[i].corner[1]), double(leaves[i].corner[2])};
+  for (const OctreeLeaf& leaf : leaves) {
+    if (leaf.width != kDeepest) continue;
+    const Vec3 corner{double(leaf.corner[0]), double(leaf.corner[1]), double(leaf.corner[2])};
     std::uint32_t winner = SourceTree::kNoSource;
     const double least = field.lower_bound(tree.origin + unit * (corner + Vec3{0.5, 0.5, 0.5}), 0.87 * unit, winner);
-    for (const std::uint32_t id : ids[i]) sizes[id] = std::min(sizes[id], least);
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const auto at = std::ranges::lower_bound(codes, BlockCorners::corner_code(leaf, octant));
+      double& size = sizes[static_cast<std::size_t>(at - codes.begin())];
+      size = std::min(size, least);
+    }
   }
 }
 
@@ -180,10 +208,22 @@ void drop_global_leaves(SizeOctree& tree) {
     tree.corner_ratios[kept] = tree.corner_ratios[i];
     new_codes[i] = SizeOctree::kLeafBit + kept++;
   }
+  const bool is_worth_a_copy = kept < new_codes.size() / 4 * 3;
   tree.corner_ratios.resize(kept);
-  tree.corner_ratios.shrink_to_fit();
+  if (is_worth_a_copy) tree.corner_ratios.shrink_to_fit();
   for (std::uint32_t& code : tree.cells)
     if (code >= SizeOctree::kLeafBit && code != SizeOctree::kGlobalLeaf) code = new_codes[code - SizeOctree::kLeafBit];
+}
+
+/// What is asked for at corners as the tree may have it; nothing where that is the same.
+std::vector<double> lower_corners(const SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
+                                  const TargetField& field, const CornerSizes& asked, const TaskRunner& runner) {
+  const bool is_deep = std::ranges::any_of(leaves, [](const OctreeLeaf& leaf) { return leaf.width == kDeepest; });
+  if (!is_deep && !field.may_be_steep()) return {};
+  std::vector<double> sizes = asked.sizes;
+  lower_deepest_leaves(tree, leaves, asked.codes, field, sizes);
+  if (field.may_be_steep()) enforce_gradation(tree, leaves, corner_ids(leaves, asked.codes, runner), sizes, runner);
+  return sizes;
 }
 
 }  // namespace
@@ -191,19 +231,22 @@ void drop_global_leaves(SizeOctree& tree) {
 CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
                                const CornerSizes& known, const SharedWork& work) {
   const TaskRunner& runner = work.runner();
-  const CornerTable table(leaves, runner);
-  std::vector<double> sizes = evaluate_corners(tree, table.codes(), field, known, work);
-  CornerSizes found{table.codes(), sizes};
-  lower_deepest_leaves(tree, leaves, table.ids(), field, sizes);
-  if (field.may_be_steep()) enforce_gradation(tree, leaves, table.ids(), sizes, runner);
+  CornerSizes asked{corner_codes(leaves, runner), {}};
+  asked.sizes = evaluate_corners(tree, asked.codes, field, known, work);
+  const std::vector<double> lowered = lower_corners(tree, leaves, field, asked, runner);
+  const std::vector<double>& sizes = lowered.empty() ? asked.sizes : lowered;
   tree.corner_ratios.resize(leaves.size());
   runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    const BlockCorners corners(std::span<const OctreeLeaf>(leaves).subspan(begin, end - begin));
+    const std::vector<std::uint32_t> places = corners.places_in(asked.codes);
     for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t octant = 0; octant < 8; ++octant)
-        tree.corner_ratios[i][octant] = static_cast<float>(std::min(1.0, sizes[table.ids()[i][octant]] / tree.size));
+      for (std::size_t octant = 0; octant < 8; ++octant) {
+        const double size = sizes[places[corners.ids()[i - begin][octant]]];
+        tree.corner_ratios[i][octant] = static_cast<float>(std::min(1.0, size / tree.size));
+      }
   });
   drop_global_leaves(tree);
-  return found;
+  return own_corners(std::move(asked), work);
 }
 
 }  // namespace tetloom

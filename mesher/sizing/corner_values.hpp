@@ -10,7 +10,7 @@
 
 namespace tetloom {
 
-/// What the field says at the corners of a tree's leaves, by their Morton codes, which ascend.
+/// What the field says at corners of a tree's leaves, by their Morton codes, which ascend.
 struct CornerSizes {
   std::vector<std::uint64_t> codes;
   std::vector<double> sizes;
@@ -20,7 +20,7 @@ struct CornerSizes {
 /// steeper than the gradation (a callback), corners are lowered until |h(a) - h(b)| <= g |a - b| for any two corners of
 /// a leaf: the largest such values, which are unique, whatever the order of the sweeps. Leaves that turn out to hold
 /// the global size throughout lose their entry. `known`: of a tree in the same frame without the field's latest
-/// refinements, or none. Returns what the field says at the corners.
+/// refinements, or none. Returns what the field says at the corners that this rank looked at.
 CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
                                const CornerSizes& known, const SharedWork& work);
 

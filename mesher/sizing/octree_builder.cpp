@@ -92,6 +92,14 @@ OctreeBuilder::Codes OctreeBuilder::cuts_of(const std::vector<OctreeCell>& cells
   return cuts;
 }
 
+OctreeBuilder::JudgedLevel OctreeBuilder::verdicts_on(const std::vector<OctreeCell>& cells) const {
+  JudgedLevel level{cuts_of(cells), std::vector<CellVerdict>(cells.size())};
+  runner_.for_blocks(cells.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) level.verdicts[i] = cells[i].judged.verdict;
+  });
+  return level;
+}
+
 /// `cuts`: of the cells.
 std::vector<OctreeCell> OctreeBuilder::children_of(const std::vector<OctreeCell>& cells, const Codes& cuts) const {
   std::vector<OctreeCell> children(8 * cuts.size());
@@ -109,7 +117,8 @@ std::vector<OctreeCell> OctreeBuilder::children_of(const std::vector<OctreeCell>
 /// `before`: the same level of an earlier build.
 void OctreeBuilder::judge(std::vector<OctreeCell>& cells, int level, std::span<const OctreeCell> before) const {
   const bool search = field_.may_be_steep() && level < kCallbackDepth;
-  work_.fill<OctreeCell>(cells, 512, [&](std::size_t begin, std::size_t end) {
+  const auto owner_of = [&](std::size_t i) { return rank_at(cells[i].code, level, work_.rank_count()); };
+  work_.fill<OctreeCell>(cells, 512, owner_of, [&](std::size_t begin, std::size_t end) {
     auto known = std::ranges::lower_bound(before, cells[begin].code, {}, &OctreeCell::code);
     for (std::size_t i = begin; i < end; ++i) {
       const Box3 box = box_of(cells[i].code, level);
@@ -147,23 +156,24 @@ void OctreeBuilder::append_parents(int level, const Codes& cuts, Codes& coarser)
 }
 
 /// The cells that balanced cuts make; children that nobody judged are like their parent.
-OctreeBuilder::PlacedLevels OctreeBuilder::place(const OctreeLevels& levels, const std::vector<Codes>& cuts) const {
+OctreeBuilder::PlacedLevels OctreeBuilder::place(const std::vector<JudgedLevel>& levels,
+                                                 const std::vector<Codes>& cuts) const {
   PlacedLevels placed(levels.size());
   placed[0] = {{0, CellVerdict::Split}};
   std::size_t total = 1;
   for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
-    auto known = levels[level + 1].begin();
+    const Codes& judged = levels[level].cuts;
+    std::size_t known = 0;
     auto cut = cuts[level].begin();
     placed[level + 1].reserve(8 * cuts[level].size());
     for (PlacedCell& cell : placed[level]) {
       if (cut == cuts[level].end() || *cut != cell.code) continue;
       ++cut;
-      for (std::uint64_t octant = 0; octant < 8; ++octant) {
-        const std::uint64_t code = cell.code << 3 | octant;
-        while (known != levels[level + 1].end() && known->code < code) ++known;
-        const bool judged = known != levels[level + 1].end() && known->code == code;
-        placed[level + 1].push_back({code, judged ? known->judged.verdict : cell.verdict});
-      }
+      while (known < judged.size() && judged[known] < cell.code) ++known;
+      const bool is_judged = known < judged.size() && judged[known] == cell.code;
+      for (std::uint64_t octant = 0; octant < 8; ++octant)
+        placed[level + 1].push_back(
+            {cell.code << 3 | octant, is_judged ? levels[level + 1].verdicts[8 * known + octant] : cell.verdict});
       cell.verdict = CellVerdict::Split;
     }
     TETLOOM_ASSERT(cut == cuts[level].end());
@@ -177,6 +187,13 @@ OctreeBuilder::PlacedLevels OctreeBuilder::place(const OctreeLevels& levels, con
 SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeLeaf>& leaves) const {
   std::vector<std::size_t> next_child(levels.size(), 0);  // depth first, the blocks of a level come in order
   SizeOctree tree;
+  std::size_t cells = 0, sized = 0;
+  for (const std::vector<PlacedCell>& level : levels) {
+    cells += level.size();
+    sized += static_cast<std::size_t>(std::ranges::count(level, CellVerdict::Leaf, &PlacedCell::verdict));
+  }
+  tree.cells.reserve(cells - 1);
+  leaves.reserve(sized);
   const auto emit = [&](const auto& self, std::size_t level) -> std::uint32_t {
     const auto block = static_cast<std::uint32_t>(tree.cells.size() / 8);
     tree.cells.resize(tree.cells.size() + 8, SizeOctree::kGlobalLeaf);
@@ -207,8 +224,16 @@ SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeLea
   return tree;
 }
 
+std::vector<OctreeCell> OctreeBuilder::own_cells(const std::vector<OctreeCell>& cells, int level) const {
+  std::vector<OctreeCell> own;
+  for (const OctreeCell& cell : cells)
+    if (cell.judged.state.is_own && rank_at(cell.code, level, work_.rank_count()) == work_.rank()) own.push_back(cell);
+  own.shrink_to_fit();
+  return own;
+}
+
 SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves) {
-  std::vector<Codes> cuts;
+  std::vector<JudgedLevel> judged;
   std::vector<OctreeCell> cells{{0, {}}};
   std::size_t total = 0;
   for (std::size_t level = 0; !cells.empty(); ++level) {
@@ -217,13 +242,15 @@ SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels
       throw Error(ErrorCode::OutOfMemory, "the size field would need more than " + std::to_string(max_cells_) +
                                               " cells, which do not fit in memory; ask for larger sizes");
     judge(cells, static_cast<int>(level), level < before.size() ? before[level] : std::span<const OctreeCell>{});
-    cuts.push_back(cuts_of(cells));
-    std::vector<OctreeCell> next = children_of(cells, cuts.back());
-    levels.push_back(std::move(cells));
+    judged.push_back(verdicts_on(cells));
+    std::vector<OctreeCell> next = children_of(cells, judged.back().cuts);
+    levels.push_back(own_cells(cells, static_cast<int>(level)));
     cells = std::move(next);
   }
+  std::vector<Codes> cuts;
+  for (const JudgedLevel& level : judged) cuts.push_back(level.cuts);
   balance(cuts);
-  return pack(place(levels, cuts), leaves);
+  return pack(place(judged, cuts), leaves);
 }
 
 }  // namespace tetloom

@@ -28,12 +28,22 @@ struct OctreeFrame {
 /// two, the one that needs the fewest leaves beside the sources. `width_at_source`: of the widest leaves, in sizes.
 OctreeFrame fit_frame(const Box3& domain, std::span<const SizeSource> sources, double width_at_source);
 
-/// Every cell that was judged, level by level, sorted by its Morton code.
+/// A cell that was judged.
 struct OctreeCell {
   std::uint64_t code;  ///< Morton code at the level of the cell
   JudgedCell judged;
 };
-/// Cells by their levels.
+/// Which of `ranks` looks at a place whose Morton code has `depth` octants: the same for all places in a cell of depth
+/// kRankDepth, in every build in the same frame.
+inline int rank_at(std::uint64_t code, int depth, int ranks) {
+  constexpr int kRankDepth = 6;
+  constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15ull;
+  const std::uint64_t cell = depth > kRankDepth ? code >> 3 * (depth - kRankDepth) : code;
+  return static_cast<int>((cell * kSpread >> 32) % static_cast<std::uint64_t>(ranks));
+}
+
+/// Cells by their levels, in the order of their codes: those that this rank looked at, and that have a least size of
+/// their own.
 using OctreeLevels = std::vector<std::vector<OctreeCell>>;
 
 /// Cells are kept as Morton codes in sorted arrays, one per level: no hash, no pointers. Cells of a level are judged in
@@ -51,6 +61,11 @@ class OctreeBuilder {
 
  private:
   using Codes = std::vector<std::uint64_t>;
+  /// What was judged of all cells of a level.
+  struct JudgedLevel {
+    Codes cuts;                         ///< of cells to be cut, ascending
+    std::vector<CellVerdict> verdicts;  ///< of each child of the level above's cuts, in their order
+  };
   struct PlacedCell {
     std::uint64_t code;
     CellVerdict verdict;
@@ -58,11 +73,13 @@ class OctreeBuilder {
   using PlacedLevels = std::vector<std::vector<PlacedCell>>;
 
   void judge(std::vector<OctreeCell>& cells, int level, std::span<const OctreeCell> before) const;
+  std::vector<OctreeCell> own_cells(const std::vector<OctreeCell>& cells, int level) const;
+  JudgedLevel verdicts_on(const std::vector<OctreeCell>& cells) const;
   Codes cuts_of(const std::vector<OctreeCell>& cells) const;
   std::vector<OctreeCell> children_of(const std::vector<OctreeCell>& cells, const Codes& cuts) const;
   void append_parents(int level, const Codes& cuts, Codes& coarser) const;
   void balance(std::vector<Codes>& cuts) const;
-  PlacedLevels place(const OctreeLevels& levels, const std::vector<Codes>& cuts) const;
+  PlacedLevels place(const std::vector<JudgedLevel>& levels, const std::vector<Codes>& cuts) const;
   SizeOctree pack(const PlacedLevels& levels, std::vector<OctreeLeaf>& leaves) const;
   Box3 box_of(std::uint64_t code, int level) const;
 

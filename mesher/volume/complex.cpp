@@ -179,14 +179,23 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
                                                             : region_to_complex[sets.find(region)];
     complexes[region_to_complex[region]].regions.push_back(region);
   }
-  for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t) {
-    const FaceSides sides{kept(input.tri_to_sides[t].front), kept(input.tri_to_sides[t].back)};
-    const ModelRegionId any = sides.front.valid() ? sides.front : sides.back;
-    if (!any.valid()) continue;
-    Complex& complex = complexes[region_to_complex[any.value]];
-    complex.to_input_tri.push_back(t);
-    complex.tri_to_sides.push_back(sides);
+  const auto for_each_triangle = [&](const auto& visit) {
+    for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t) {
+      const FaceSides sides{kept(input.tri_to_sides[t].front), kept(input.tri_to_sides[t].back)};
+      const ModelRegionId any = sides.front.valid() ? sides.front : sides.back;
+      if (any.valid()) visit(t, sides, region_to_complex[any.value]);
+    }
+  };
+  std::vector<std::size_t> counts(complexes.size(), 0);
+  for_each_triangle([&](std::uint32_t, const FaceSides&, std::uint32_t complex) { ++counts[complex]; });
+  for (std::size_t i = 0; i < complexes.size(); ++i) {
+    complexes[i].to_input_tri.reserve(counts[i]);
+    complexes[i].tri_to_sides.reserve(counts[i]);
   }
+  for_each_triangle([&](std::uint32_t t, const FaceSides& sides, std::uint32_t complex) {
+    complexes[complex].to_input_tri.push_back(t);
+    complexes[complex].tri_to_sides.push_back(sides);
+  });
   std::vector<std::uint32_t> to_local(input.points.size(), kNone);
   for (Complex& complex : complexes) number_vertices(input, complex, to_local);
   return complexes;

@@ -39,6 +39,15 @@ for way in "--tets-per-part 4000" "--tets-per-part inf" "--layers walls.json"; d
         done
     done
 done
+# Nothing is put together for figures: what the first rank has more than another is less than a piece of the mesh.
+"$demo_model" spline-block block.step
+on_ranks 3 mesh block.step -o parts.pvtu --relative-size 0.015 --parts 3 --threads 1 --quiet --report report.json
+bytes_of_ranks() {
+    tr -d ' \n' < report.json | grep -o '"ranks":[^]]*' | grep -o "\"$1\":[0-9]*" | cut -d: -f2
+}
+first=$(bytes_of_ranks peak_bytes | head -n 1) least=$(bytes_of_ranks peak_bytes | sort -n | head -n 1)
+tets=$(bytes_of_ranks tets | head -n 1)
+[ $((first - least)) -lt $((50 * tets)) ] || fail "the first rank has $((first - least)) bytes more than another"
 on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
 "$tetloom" check surface.stl --quiet
 

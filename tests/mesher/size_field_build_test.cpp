@@ -7,6 +7,7 @@
 
 #include "mesher/sizing/source_tree.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
+#include "tests/support/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
@@ -269,6 +270,38 @@ TEST_CASE("refinements that come in rounds give the field that they give at once
     const SizeField other = in_rounds.build(refinements).sizes;
     for (const SizeRefinement& wish : refinements) CHECK(other.size_at(wish.corners[0]) <= 1.1 * wish.size);
     CHECK(values_of(other) == values_of(build(*torus, options, 1, refinements)));
+  }
+}
+
+TEST_CASE("ranks that remember shares of the field have that of one process, round after round") {
+  const auto torus = test_models::make_torus(3, 1);
+  SizeOptions options{.size = 0.5, .curvature = 24};
+  SECTION("on top of curvature") {}
+  SECTION("with a callback") {
+    options.callback = [](const Vec3& x) { return 0.1 + 0.3 * std::abs(std::sin(3 * x.x)); };
+  }
+  const auto build_rounds = [&](const SharedWork& work) {
+    RandomPoints random(torus->bounding_box(), 11);
+    std::vector<SizeRefinement> refinements;
+    SizeFieldBuilder builder(*torus, options, work);
+    std::vector<Vec3> values;
+    for (int round = 0; round < 3; ++round) {
+      for (const Vec3& value : values_of(builder.build(refinements).sizes)) values.push_back(value);
+      for (int i = 0; i < 10; ++i) {
+        const Vec3 x = random.point();
+        refinements.push_back({{x, x, x + 0.1 * random.direction()}, 0.01 + 0.05 * random.unit()});
+      }
+    }
+    return values;
+  };
+  const std::vector<Vec3> alone = build_rounds(TaskRunner(1));
+  for (const int ranks : {2, 3, 5}) {
+    std::vector<std::vector<Vec3>> found(static_cast<std::size_t>(ranks));
+    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      const SharedWork work(1, {}, &communicator);
+      work.together([&] { found[static_cast<std::size_t>(communicator.rank())] = build_rounds(work); });
+    });
+    for (const std::vector<Vec3>& values : found) CHECK(values == alone);
   }
 }
 

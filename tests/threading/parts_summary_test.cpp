@@ -15,22 +15,36 @@ using namespace tetloom;
 
 namespace {
 
+constexpr double kSize = 0.8;
+
 /// On each rank.
 std::vector<PartsSummary> summaries(const Mesh& mesh, int ranks, std::size_t parts, test::Dealing dealing) {
   std::vector<PartsSummary> all(static_cast<std::size_t>(ranks));
+  const SizeField sizes = SizeField::uniform(kSize);
   test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
     const TaskRunner runner(ranks == 1 ? 3 : 1);
     PartitionedMesh dealt = distribute_mesh(mesh, communicator);
     migrate(dealt, test::deal(dealt, parts, dealing, 7), parts, runner);
-    all[static_cast<std::size_t>(communicator.rank())] = summarize_parts(dealt, runner);
+    all[static_cast<std::size_t>(communicator.rank())] = summarize_parts(dealt, runner, &sizes);
   });
   return all;
+}
+
+void check_edges(const EdgeConformity& found, const EdgeConformity& expected) {
+  CHECK(found.edges == expected.edges);
+  CHECK(found.mean_length == Approx(expected.mean_length));
+  CHECK(found.mean_length_ratio == Approx(expected.mean_length_ratio));
+  CHECK(found.in_band == Approx(expected.in_band));
 }
 
 void check_quality(const QualityReport& found, const QualityReport& expected) {
   CHECK(found.cells.counts == expected.cells.counts);
   CHECK(found.cells.inverted == expected.cells.inverted);
   CHECK(found.cells.volume == Approx(expected.cells.volume));
+  CHECK(found.cells.min_scaled_jacobian == expected.cells.min_scaled_jacobian);
+  CHECK(found.cells.scaled_jacobian_p1 == expected.cells.scaled_jacobian_p1);
+  check_edges(found.tets.edges, expected.tets.edges);
+  check_edges(found.triangles.edges, expected.triangles.edges);
   REQUIRE(found.cells.regions.size() == expected.cells.regions.size());
   for (std::size_t i = 0; i < found.cells.regions.size(); ++i) {
     CHECK(found.cells.regions[i].region == expected.cells.regions[i].region);
@@ -64,7 +78,8 @@ TEST_CASE("figures and digest of parts are those of the whole mesh", "[parts]") 
     // Parts have none of the points that no cell uses.
     mesh = make_mesh(make_part(mesh));
     const std::string digest = mesh_digest(mesh);
-    const QualityReport quality = compute_quality(mesh);
+    const SizeField sizes = SizeField::uniform(kSize);
+    const QualityReport quality = compute_quality(mesh, &sizes);
     for (const std::size_t parts : {1, 2, 9}) {
       for (const int ranks : {1, 2, 3}) {
         const auto dealing = test::dealing_of(seed + parts);
@@ -90,6 +105,8 @@ TEST_CASE("figures of parts do not depend on ranks and threads, bit for bit", "[
       CHECK(other.quality.cells.volume == one.quality.cells.volume);
       CHECK(other.quality.tets.mean_ratio_mean == one.quality.tets.mean_ratio_mean);
       CHECK(other.quality.triangles.area == one.quality.triangles.area);
+      CHECK(other.quality.tets.edges.mean_length_ratio == one.quality.tets.edges.mean_length_ratio);
+      CHECK(other.quality.triangles.edges.mean_length == one.quality.triangles.edges.mean_length);
     }
 }
 

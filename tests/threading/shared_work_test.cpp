@@ -26,7 +26,9 @@ const std::vector<double> kAmounts{3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5};
 void check_loops(const SharedWork& work, Communicator& communicator) {
   std::vector<std::int64_t> made(kAmounts.size(), 0);
   std::vector<std::vector<std::uint32_t>> lists;
-  std::vector<double> values(1000, 0.0);
+  std::vector<double> values(1000, 0.0), owned(1000, 0.0);
+  std::atomic<int> strange{0};
+  const auto owner_of = [&](std::size_t i) { return static_cast<int>(i / 90) % work.rank_count(); };
   work.together([&] {
     lists = work.make_lists<std::uint32_t>(kAmounts, [&](std::size_t i) {
       ++made[i];
@@ -35,7 +37,15 @@ void check_loops(const SharedWork& work, Communicator& communicator) {
     work.fill<double>(values, 7, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) values[i] = 0.1 * static_cast<double>(i);
     });
+    work.fill<double>(owned, 7, owner_of, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        strange += owner_of(i) != work.rank();
+        owned[i] = 0.1 * static_cast<double>(i);
+      }
+    });
   });
+  CHECK(strange == 0);
+  CHECK(owned == values);
   communicator.sum(made);
   CHECK(made == std::vector<std::int64_t>(kAmounts.size(), 1));
   for (std::size_t i = 0; i < kAmounts.size(); ++i) CHECK(lists[i] == list_of(i));

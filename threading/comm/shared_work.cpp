@@ -124,21 +124,19 @@ void SharedWork::meet(const std::function<void()>& work) const {
   shared_->meet(work, [&] { return runner_->cancelled(); });
 }
 
-// Largest first, each to the rank that has least; the same on all ranks.
-std::vector<std::size_t> SharedWork::own_items(std::span<const double> work, std::vector<int>& owners) const {
-  const Communicator& communicator = *communicator_;
-  std::vector<std::size_t> order(work.size()), own;
+// The rank of each item: largest first, each to the rank that has least; the same on all ranks.
+std::vector<int> SharedWork::deal(std::span<const double> work) const {
+  std::vector<std::size_t> order(work.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return work[a] > work[b]; });
-  std::vector<double> loads(static_cast<std::size_t>(communicator.rank_count()), 0.0);
-  owners.resize(work.size());
+  std::vector<double> loads(static_cast<std::size_t>(communicator_->rank_count()), 0.0);
+  std::vector<int> owners(work.size());
   for (const std::size_t i : order) {
     const auto least = std::ranges::min_element(loads);
     *least += work[i];
     owners[i] = static_cast<int>(least - loads.begin());
-    if (owners[i] == communicator.rank()) own.push_back(i);
   }
-  return own;
+  return owners;
 }
 
 void SharedWork::carry_out(std::span<const double> work, std::span<const std::size_t> own,
@@ -150,13 +148,16 @@ void SharedWork::carry_out(std::span<const double> work, std::span<const std::si
 
 void SharedWork::for_each(std::span<const double> work, const SharedItems& items) const {
   if (!is_shared()) return runner_->for_each_largest_first(work, items.make);
-  if (work.empty()) return;
-  std::vector<int> owners;
+  if (!work.empty()) for_each(work, deal(work), items);
+}
+
+void SharedWork::for_each(std::span<const double> work, std::span<const int> owners, const SharedItems& items) const {
   const std::vector<Bytes> given = all_gather([&](MessageWriter& writer) {
-    const std::vector<std::size_t> own = own_items(work, owners);
-    carry_out(work, own, items);
+    std::vector<std::size_t> own;
     for (std::size_t i = 0; i < work.size(); ++i)
-      if (owners[i] == rank()) items.put(i, writer);
+      if (owners[i] == rank()) own.push_back(i);
+    carry_out(work, own, items);
+    for (const std::size_t i : own) items.put(i, writer);
   });
   each([&] {
     for (int from = 0; from < rank_count(); ++from) {

@@ -48,6 +48,12 @@ class SharedWork {
   template <class T>
   void fill(std::span<T> values, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) const;
 
+  /// The same, where the rank `owner_of(i)` fills in value i, and consecutive values of one owner are a block. All
+  /// ranks fill in what is no more than `grain` values.
+  template <class T>
+  void fill(std::span<T> values, std::size_t grain, const std::function<int(std::size_t)>& owner_of,
+            const std::function<void(std::size_t, std::size_t)>& body) const;
+
   /// The lists that `make` makes, in the order of the items.
   template <class T>
   std::vector<std::vector<T>> make_lists(std::span<const double> work,
@@ -77,7 +83,11 @@ class SharedWork {
   bool is_shared() const { return shared_ != nullptr; }
   void meet(const std::function<void()>& work) const;
   Communicator& after_meeting() const;
-  std::vector<std::size_t> own_items(std::span<const double> work, std::vector<int>& owners) const;
+  std::vector<int> deal(std::span<const double> work) const;
+  void for_each(std::span<const double> work, std::span<const int> owners, const SharedItems& items) const;
+  template <class T>
+  void fill_blocks(std::span<T> values, std::span<const std::size_t> begins, std::span<const int> owners,
+                   const std::function<void(std::size_t, std::size_t)>& body) const;
   void carry_out(std::span<const double> work, std::span<const std::size_t> own, const SharedItems& items) const;
 
   std::shared_ptr<Communicator> communicator_;
@@ -92,16 +102,47 @@ void SharedWork::fill(std::span<T> values, std::size_t grain,
   const std::size_t blocks = (values.size() + grain - 1) / grain;
   // What takes no longer than a message does each rank for itself.
   if (!is_shared() || blocks < 2) return runner_->for_blocks(values.size(), grain, body);
-  const auto block_of = [&](std::size_t block) {
-    return values.subspan(block * grain, std::min(grain, values.size() - block * grain));
-  };
-  const std::vector<double> work(blocks, 1.0);
-  for_each(work, {[&](std::size_t block) { body(block * grain, std::min(values.size(), (block + 1) * grain)); },
-                  [&](std::size_t block, MessageWriter& writer) { writer.put_array<T>(block_of(block)); },
-                  [&](std::size_t block, MessageReader& reader) {
-                    const auto made = reader.get_view<T>();
-                    std::copy(made.begin(), made.end(), block_of(block).begin());
-                  }});
+  std::vector<std::size_t> begins;
+  for (std::size_t begin = 0; begin < values.size(); begin += grain) begins.push_back(begin);
+  fill_blocks<T>(values, begins, {}, body);
+}
+
+template <class T>
+void SharedWork::fill(std::span<T> values, std::size_t grain, const std::function<int(std::size_t)>& owner_of,
+                      const std::function<void(std::size_t, std::size_t)>& body) const {
+  if (!is_shared() || values.size() <= grain) return runner_->for_blocks(values.size(), grain, body);
+  std::vector<std::size_t> begins;
+  std::vector<int> owners;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const int owner = owner_of(i);
+    if (!owners.empty() && owners.back() == owner) continue;
+    begins.push_back(i), owners.push_back(owner);
+  }
+  fill_blocks<T>(values, begins, owners, body);
+}
+
+// In rounds, so that messages are small beside the values.
+template <class T>
+void SharedWork::fill_blocks(std::span<T> values, std::span<const std::size_t> begins, std::span<const int> owners,
+                             const std::function<void(std::size_t, std::size_t)>& body) const {
+  constexpr std::size_t kValuesOfRound = (std::size_t{8} << 20) / sizeof(T);
+  const auto begin_of = [&](std::size_t block) { return block < begins.size() ? begins[block] : values.size(); };
+  for (std::size_t first = 0, last = 0; first < begins.size(); first = last) {
+    while (last < begins.size() && (last == first || begin_of(last + 1) - begins[first] <= kValuesOfRound)) ++last;
+    std::vector<double> work;
+    for (std::size_t block = first; block < last; ++block)
+      work.push_back(static_cast<double>(begin_of(block + 1) - begins[block]));
+    const auto block_of = [&](std::size_t i) {
+      return values.subspan(begins[first + i], begin_of(first + i + 1) - begins[first + i]);
+    };
+    for_each(work, owners.empty() ? deal(work) : std::vector(owners.begin() + first, owners.begin() + last),
+             {[&](std::size_t i) { body(begins[first + i], begin_of(first + i + 1)); },
+              [&](std::size_t i, MessageWriter& writer) { writer.put_array<T>(block_of(i)); },
+              [&](std::size_t i, MessageReader& reader) {
+                const auto made = reader.get_view<T>();
+                std::copy(made.begin(), made.end(), block_of(i).begin());
+              }});
+  }
 }
 
 template <class T>

@@ -1,6 +1,8 @@
 #include "threading/parts/parts_summary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <vector>
 
 #include "core/mesh/digest_sums.hpp"
@@ -9,6 +11,7 @@
 #include "core/mesh/quantile.hpp"
 #include "core/part/adjacency.hpp"
 #include "threading/comm/collectives.hpp"
+#include "threading/parts/edge_owners.hpp"
 
 namespace tetloom {
 namespace {
@@ -96,12 +99,13 @@ struct PartFigures {
   std::uint64_t unclassified = 0;
 };
 
-PartFigures look_at(const Part& part, PartId self, const TaskRunner& runner) {
+PartFigures look_at(const Part& part, PartId self, const SizeField* sizes, const MeasuredEdges& edges,
+                    const TaskRunner& runner) {
   runner.check_cancelled();
   const OwnedMesh owned(part, self);
   PartFigures figures;
   figures.digest = digest_sums(owned.mesh, owned.counts, runner);
-  figures.quality = compute_quality(owned.mesh, nullptr, runner, figures.values);
+  figures.quality = compute_quality(owned.mesh, sizes, runner, figures.values, edges);
   for (std::size_t v = 0; v < owned.counts.size(); ++v)
     figures.unclassified += owned.counts[v] != 0 && !owned.mesh.point_to_entity[v].valid();
   return figures;
@@ -117,6 +121,8 @@ struct QualityHead {
   std::array<std::size_t, 10> mean_ratio_histogram;
   std::array<std::size_t, 18> dihedral_histogram;
   double shape_min, shape_mean, min_angle_deg, area;
+  double min_scaled_jacobian;
+  EdgeConformity tet_edges, triangle_edges;
 };
 
 QualityHead head_of(const QualityReport& q) {
@@ -137,7 +143,10 @@ QualityHead head_of(const QualityReport& q) {
           q.triangles.shape_min,
           q.triangles.shape_mean,
           q.triangles.min_angle_deg,
-          q.triangles.area};
+          q.triangles.area,
+          q.cells.min_scaled_jacobian,
+          q.tets.edges,
+          q.triangles.edges};
 }
 
 void put(const PartFigures& figures, MessageWriter& writer) {
@@ -156,6 +165,7 @@ class QualitySums {
     CellQuality& cells = all_.cells;
     for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells.counts[kind] += part.counts[kind];
     cells.count += part.cells, cells.inverted += part.inverted, cells.volume += part.cell_volume;
+    cells.min_scaled_jacobian = std::min(cells.min_scaled_jacobian, part.min_scaled_jacobian);
     CurvedQuality& curved = all_.curved;
     curved.count += part.curved.count, curved.not_positive += part.curved.not_positive;
     curved.min_scaled_jacobian = std::min(curved.min_scaled_jacobian, part.curved.min_scaled_jacobian);
@@ -169,7 +179,9 @@ class QualitySums {
       for (std::size_t i = 0; i < 10; ++i) tets.mean_ratio_histogram[i] += part.mean_ratio_histogram[i];
       for (std::size_t i = 0; i < 18; ++i) tets.dihedral_histogram[i] += part.dihedral_histogram[i];
     }
+    add(part.tet_edges, tets.edges);
     TriangleQuality& triangles = all_.triangles;
+    add(part.triangle_edges, triangles.edges);
     if (part.triangles == 0) return;
     least(triangles.count == 0, part.shape_min, triangles.shape_min);
     least(triangles.count == 0, part.min_angle_deg, triangles.min_angle_deg);
@@ -197,10 +209,21 @@ class QualitySums {
   QualityReport take() {
     if (all_.tets.count > 0) all_.tets.mean_ratio_mean /= static_cast<double>(all_.tets.count);
     if (all_.triangles.count > 0) all_.triangles.shape_mean /= static_cast<double>(all_.triangles.count);
+    for (EdgeConformity* edges : {&all_.tets.edges, &all_.triangles.edges})
+      if (edges->edges > 0)
+        for (const auto mean : kEdgeMeans) edges->*mean /= static_cast<double>(edges->edges);
     return std::move(all_);
   }
 
  private:
+  static constexpr std::array kEdgeMeans{&EdgeConformity::mean_length, &EdgeConformity::mean_length_ratio,
+                                         &EdgeConformity::in_band};
+
+  static void add(const EdgeConformity& part, EdgeConformity& all) {
+    all.edges += part.edges;
+    for (const auto mean : kEdgeMeans) all.*mean += part.*mean * static_cast<double>(part.edges);
+  }
+
   // That of an entity, in a list that ascends.
   template <class Entry>
   static Entry& entry(std::vector<Entry>& entries, std::uint32_t entity, std::uint32_t Entry::*key) {
@@ -265,22 +288,29 @@ double percentile_of(Communicator& communicator, const std::vector<std::span<con
 
 }  // namespace
 
-PartsSummary summarize_parts(const PartitionedMesh& mesh, const TaskRunner& runner) {
+PartsSummary summarize_parts(const PartitionedMesh& mesh, const TaskRunner& runner, const SizeField* sizes) {
   Communicator& communicator = *mesh.communicator;
   const auto local = mesh.local();
+  const EdgeOwners edges(mesh, runner);
   std::vector<PartFigures> figures(local.size());
   run_on_all(communicator, [&] {
-    runner.for_each(local.size(),
-                    [&](std::size_t i) { figures[i] = look_at(mesh.parts.at(local[i]), local[i], runner); });
+    runner.for_each(local.size(), [&](std::size_t i) {
+      const Part& part = mesh.parts.at(local[i]);
+      figures[i] = look_at(part, local[i], sizes, edges.of(part, local[i]), runner);
+    });
   });
   PartsSummary summary = add_up(communicator, figures);
-  std::vector<std::span<const float>> ratios, shapes;
+  std::vector<std::span<const float>> ratios, shapes, jacobians;
   for (const PartFigures& of_part : figures) {
     ratios.emplace_back(of_part.values.mean_ratios.span());
     shapes.emplace_back(of_part.values.shapes.span());
+    jacobians.emplace_back(of_part.values.jacobians.span());
   }
-  summary.quality.tets.mean_ratio_p1 = percentile_of(communicator, ratios, runner);
-  summary.quality.triangles.shape_p1 = percentile_of(communicator, shapes, runner);
+  QualityReport& quality = summary.quality;
+  quality.tets.mean_ratio_p1 = percentile_of(communicator, ratios, runner);
+  quality.triangles.shape_p1 = percentile_of(communicator, shapes, runner);
+  if (quality.cells.count > quality.tets.count)
+    quality.cells.scaled_jacobian_p1 = percentile_of(communicator, jacobians, runner);
   return summary;
 }
 
