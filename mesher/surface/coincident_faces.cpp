@@ -1,8 +1,11 @@
 #include "mesher/surface/coincident_faces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
+
+#include "core/spatial/distances.hpp"
 
 namespace tetloom {
 namespace {
@@ -82,8 +85,9 @@ class CancellingFinder {
     return divides && own.front == sides.back && own.back == sides.front && lies_on(b, a) && lies_on(a, b);
   }
 
+  // On its surface and near its mesh: both halves of a sphere have the same surface, and the same rim.
   bool lies_on(std::size_t upper, std::size_t lower) const {
-    constexpr double kShare = 1e-3;
+    constexpr double kShare = 1e-3, kNearMesh = 0.5;
     constexpr std::size_t kSamples = 32;
     const FaceMesh& mesh = faces_[upper];
     const double tolerance =
@@ -96,8 +100,16 @@ class CancellingFinder {
       const double length = std::max({distance(a, b), distance(b, c), distance(c, a)});
       const Vec3 middle = own->closest_point((a + b + c) / 3, {}).point;
       if (geometry->closest_point(middle, {}).distance > std::max(tolerance, kShare * length)) return false;
+      if (distance_to_mesh(faces_[lower], middle) > kNearMesh * length) return false;
     }
     return true;
+  }
+
+  double distance_to_mesh(const FaceMesh& mesh, const Vec3& x) const {
+    double nearest = HUGE_VAL;
+    for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+      nearest = std::min(nearest, distance_to_triangle(x, point(mesh, t, 0), point(mesh, t, 1), point(mesh, t, 2)));
+    return nearest;
   }
 
   const Vec3& point(const FaceMesh& mesh, std::size_t triangle, std::size_t corner) const {

@@ -4,6 +4,7 @@
 #include <BRep_Tool.hxx>
 #include <BRepAlgoAPI_BuilderAlgo.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -29,6 +30,7 @@
 #include <Geom_OffsetSurface.hxx>
 #include <GeomAPI_Interpolate.hxx>
 #include <GeomAPI_PointsToBSplineSurface.hxx>
+#include <gp.hxx>
 #include <gp_Ax1.hxx>
 #include <gp_Ax2.hxx>
 #include <IGESControl_Writer.hxx>
@@ -208,6 +210,13 @@ TopoDS_Shape sharing_boxes() {
   return fuse.Shape();
 }
 
+TopoDS_Shape halved_sphere() {
+  const gp_Ax2 axes = gp::XOY();
+  return BRepAlgoAPI_Fuse(BRepPrimAPI_MakeSphere(axes, 5, -0.5 * M_PI, 0).Shape(),
+                          BRepPrimAPI_MakeSphere(axes, 5, 0, 0.5 * M_PI).Shape())
+      .Shape();
+}
+
 TopoDS_Shape drilled_box() {
   const gp_Ax2 axis(gp_Pnt(5, 10, -1), gp_Dir(0, 0, 1));
   return BRepAlgoAPI_Cut(box(), BRepPrimAPI_MakeCylinder(axis, 3, 32).Shape()).Shape();
@@ -218,6 +227,7 @@ TopoDS_Shape make_shape(Sample sample) {
     case Sample::Box: return box();
     case Sample::Cylinder: return BRepPrimAPI_MakeCylinder(5, 10).Shape();
     case Sample::Sphere: return BRepPrimAPI_MakeSphere(5).Shape();
+    case Sample::HalvedSphere: return halved_sphere();
     case Sample::Torus: return BRepPrimAPI_MakeTorus(10, 3).Shape();
     case Sample::Cone: return BRepPrimAPI_MakeCone(5, 0, 10).Shape();
     case Sample::TurnedSpline: return turned_spline();

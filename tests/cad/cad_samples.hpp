@@ -8,6 +8,7 @@ enum class Sample {
   Box,                 ///< 10 × 20 × 30 from the origin
   Cylinder,            ///< radius 5, height 10, axis z
   Sphere,              ///< radius 5
+  HalvedSphere,        ///< the sphere, of a face above z = 0 and one below
   Torus,               ///< radii 10 and 3
   Cone,                ///< radius 5, height 10, with its apex
   TurnedSpline,        ///< a B-spline profile turned about z (surface of revolution)

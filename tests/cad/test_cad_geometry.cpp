@@ -27,6 +27,7 @@ constexpr NamedSample kSamples[] = {
     {Sample::Box, "box"},
     {Sample::Cylinder, "cylinder"},
     {Sample::Sphere, "sphere"},
+    {Sample::HalvedSphere, "halved sphere"},
     {Sample::Torus, "torus"},
     {Sample::Cone, "cone"},
     {Sample::TurnedSpline, "turned spline"},

@@ -212,6 +212,20 @@ TEST_CASE("a solid of two faces on each other is refused by name") {
   CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
 }
 
+TEST_CASE("the halves of a sphere have one surface and one rim, and do not lie on each other") {
+  const test::TemporaryFolder folder;
+  write_sample(test::Sample::HalvedSphere, folder / "model.step");
+  for (const double size : {1.0, 3.0, 6.0}) {
+    INFO("size " << size);
+    Meshed meshed{read_model(folder / "model.step"), {}};
+    REQUIRE(meshed.document.model->topology().face_count() == 2);
+    mesh(meshed, size);
+    CHECK(meshed.result.status == MeshStatus::Ok);
+    for (const Diagnostic& error : meshed.result.errors) FAIL_CHECK(error.message);
+    if (size < 2) CHECK(volume_of(meshed) == Approx(4 * M_PI / 3 * 125).epsilon(0.03));
+  }
+}
+
 TEST_CASE("beside a solid that is refused the others are meshed where the host wants to keep going") {
   const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2, 0, true);
   CHECK(meshed.result.status == MeshStatus::Failed);
