@@ -10,11 +10,15 @@ namespace {
 constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
+constexpr double kPoor = 0.4;        // scaled Jacobian
+constexpr std::size_t kOneIn = 110;  // cells may be poor, so that one in a hundred is in the end
+constexpr int kMostRounds = 12;
 constexpr double kMostSkewness = 3.9;  // of faces between first cells; checkMesh complains of 4
 
 }  // namespace
 
-LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner)
+LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner,
+                         std::span<const KeptCount> kept)
     : walls_(walls),
       feet_(paths.fronts.front()),
       sound_(walls, feet_, runner),
@@ -42,7 +46,29 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
     }
   });
   put_on(sides, runner);
+  take(kept);
   even_out_fans();
+}
+
+// They are settled among each other.
+void LayerCounts::take(std::span<const KeptCount> kept) {
+  if (kept.empty()) return;
+  for (std::uint32_t c = 0; c < kept.size(); ++c) {
+    unchecked_[c] = kept[c].count < 0;
+    if (kept[c].count < counts_[c] && kept[c].count >= 0) counts_[c] = kept[c].count, limits_[c] = kept[c].limit;
+  }
+  unsettled_ = with_neighbours(unchecked_);
+}
+
+// All curves of stacks that have one of them.
+std::vector<std::uint8_t> LayerCounts::with_neighbours(const std::vector<std::uint8_t>& curves) const {
+  std::vector<std::uint8_t> more = curves;
+  for (std::size_t stack = 0; stack < walls_.stack_count(); ++stack) {
+    const auto around = walls_.curves_of(stack);
+    if (std::ranges::any_of(around, [&](std::uint32_t c) { return curves[c] != 0; }))
+      for (const std::uint32_t c : around) more[c] = 1;
+  }
+  return more;
 }
 
 // All curves of one foot have as many layers.
@@ -139,8 +165,9 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
       for (const std::uint32_t w : walls_.triangles_at(c))
         for (const std::uint32_t other : walls_.triangles[w].curves) {
           if (other == c || !unsettled_[other]) continue;
+          if (lowered[c] <= counts_[other] + 1) continue;
           const double most = thickness(other) + kSlope * distance(feet_[c], feet_[other]);
-          if (lowered[c] <= counts_[other] + 1 || thickness_of(c, lowered[c]) <= most) continue;
+          if (thickness_of(c, lowered[c]) <= most) continue;
           lowered[c] = std::max(count_within(c, most), counts_[other] + 1);
           limits[c] = limits_[other];
         }
@@ -194,9 +221,11 @@ bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
 
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
   std::vector<std::uint8_t> skewed(3 * walls_.triangles.size(), 0);
+  const std::vector<std::uint8_t> concerned = with_neighbours(unchecked_);
   runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
-      for (std::size_t i = 0; i < 3; ++i) skewed[3 * w + i] = is_skewed(w, i);
+      for (std::size_t i = 0; i < 3; ++i)
+        skewed[3 * w + i] = concerned[walls_.triangles[w].curves[i]] && is_skewed(w, i);
   });
   bool any = false;
   for (std::size_t e = 0; e < skewed.size(); ++e) {
@@ -210,27 +239,79 @@ bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
 
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
   std::vector<int> sound(walls_.stack_count(), std::numeric_limits<int>::max());
-  const auto sound_levels = [&](std::uint32_t stack) {
-    return sound_.levels(
-        stack, [&](std::uint32_t curve) { return counts_[curve]; },
-        [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); });
-  };
   const auto is_concerned = [&](std::uint32_t stack) {
     return std::ranges::any_of(walls_.curves_of(stack), [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
-      if (is_concerned(s)) sound[s] = sound_levels(s);
+      if (is_concerned(s)) sound[s] = sound_levels(s, SoundStacks::kLeastAbove);
   });
   std::ranges::fill(unchecked_, 0);
+  return lower_to(sound);
+}
+
+int LayerCounts::sound_levels(std::uint32_t stack, double least) const {
+  return sound_.levels(
+      stack, [&](std::uint32_t curve) { return counts_[curve]; },
+      [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); },
+      least);
+}
+
+bool LayerCounts::lower_to(std::span<const int> levels) {
   bool any = false;
-  for (std::size_t s = 0; s < sound.size(); ++s) {
+  for (std::size_t s = 0; s < levels.size(); ++s)
     for (const std::uint32_t c : walls_.curves_of(s)) {
-      any = any || counts_[c] > sound[s];
-      lower(c, sound[s], LayerLimit::Cell);
+      any = any || counts_[c] > levels[s];
+      lower(c, levels[s], LayerLimit::Cell);
     }
-  }
   return any;
+}
+
+LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) const {
+  const auto count_of = [&](std::uint32_t curve) { return counts_[curve]; };
+  const auto judge = [&](std::uint32_t stack, PoorCells& cells) {
+    for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
+      std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+      for (std::size_t i = 0; i < x.size(); ++i)
+        x[i] = cell[i].is_apex() ? apex(walls_.fan(stack)) : point(cell[i].curve, cell[i].level);
+      ++cells.all;
+      const double jacobian = scaled_jacobian(x);
+      if (jacobian >= kPoor) return;
+      if (sound_.may_be_flat(stack, layer, x.size())) {
+        ++cells.flat;
+      } else {
+        cells.above.push_back(static_cast<float>(jacobian));
+      }
+    });
+  };
+  const auto judge_block = [&](std::size_t begin, std::size_t end, PoorCells& cells) {
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) judge(s, cells);
+  };
+  PoorCells sum;
+  for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kGrain, {}, judge_block)) {
+    sum.all += some.all, sum.flat += some.flat;
+    sum.above.insert(sum.above.end(), some.above.begin(), some.above.end());
+  }
+  return sum;
+}
+
+// From round to round there are new steps between counts beside those that were lowered, and other poor cells there.
+void LayerCounts::mend_shapes(const TaskRunner& runner) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    PoorCells poor = find_poor_cells(runner);
+    const std::size_t most = poor.all / kOneIn;
+    if (poor.flat > most || poor.flat + poor.above.size() <= most) return;
+    const std::size_t left = most - poor.flat;  // of those above that may stay as they are
+    const auto last = poor.above.end() - static_cast<std::ptrdiff_t>(left) - 1;
+    std::ranges::nth_element(poor.above, last);
+    const double least = std::min(kPoor, *last * (1 + 1e-6));
+    std::vector<int> sound(walls_.stack_count());
+    runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) sound[s] = sound_levels(s, least);
+    });
+    lower_to(sound);
+    settle(runner);
+  }
 }
 
 }  // namespace tetloom::layers
