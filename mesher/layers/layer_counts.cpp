@@ -13,7 +13,7 @@ constexpr double kRounding = 1e-9;
 constexpr double kPoor = 0.4;        // scaled Jacobian
 constexpr std::size_t kOneIn = 110;  // cells may be poor, so that one in a hundred is in the end
 constexpr int kMostRounds = 12;
-constexpr double kMostSkewness = 3.9;  // of faces between first cells; checkMesh complains of 4
+constexpr double kMostSkewness = 3.8;  // of faces between cells of one layer, about; checkMesh complains of 4
 
 }  // namespace
 
@@ -181,37 +181,41 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   return any;
 }
 
-// Of the cells that grow first.
-int LayerCounts::first_level(std::uint32_t curve) const {
-  return walls_.curve_is_late[curve] ? 0 : std::min(1, counts_[curve]);
+// Below and above the cells of a layer. Late curves have no first layer beside others.
+std::array<int, 2> LayerCounts::levels_at(std::uint32_t curve, int layer) const {
+  const int low = std::min(layer - 1, counts_[curve]);
+  return {low, layer == 1 && walls_.curve_is_late[curve] ? low : std::min(layer, counts_[curve])};
 }
 
-// The centroid of the cell, about.
-Vec3 LayerCounts::middle_of_first(std::uint32_t wall) const {
+// The centroid of the cell of a layer, about.
+Vec3 LayerCounts::middle_of_cell(std::uint32_t wall, int layer) const {
   const auto& curves = walls_.triangles[wall].curves;
-  int growing = 0;
-  for (const std::uint32_t c : curves) growing += first_level(c);
+  std::size_t growing = 0;
+  for (const std::uint32_t c : curves) growing += levels_at(c, layer)[0] < levels_at(c, layer)[1];
   constexpr std::array<double, 4> kLow{1.0 / 3, 0.25, 0.25, 1.0 / 6}, kGrowing{0, 0.25, 3.0 / 16, 1.0 / 6};
   Vec3 sum;
-  for (const std::uint32_t c : curves)
-    sum += first_level(c) == 0 ? kLow[static_cast<std::size_t>(growing)] * point(c, 0)
-                               : kGrowing[static_cast<std::size_t>(growing)] * (point(c, 0) + point(c, 1));
+  for (const std::uint32_t c : curves) {
+    const auto [low, high] = levels_at(c, layer);
+    sum += low == high ? kLow[growing] * point(c, low) : kGrowing[growing] * (point(c, low) + point(c, high));
+  }
   return sum;
 }
 
-// Whether the line between the middles of the two first cells beside an edge misses the face between them by far, as
-// OpenFOAM measures it.
-bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
+// Whether the line between the middles of the two cells of a layer beside an edge misses the face between them by far,
+// as OpenFOAM measures it.
+bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner, int layer) const {
   const auto& curves = walls_.triangles[wall].curves;
   const std::uint32_t c = curves[corner], d = curves[(corner + 1) % 3];
-  const int grows_c = first_level(c), grows_d = first_level(d);
+  const auto [low_c, high_c] = levels_at(c, layer);
+  const auto [low_d, high_d] = levels_at(d, layer);
+  const int grows_c = high_c - low_c, grows_d = high_d - low_d;
   if (grows_c + grows_d == 0) return false;
-  const std::array face{point(c, 0), point(d, 0), point(d, grows_d), point(c, grows_c)};
+  const std::array face{point(c, low_c), point(d, low_d), point(d, high_d), point(c, high_c)};
   const Vec3 sum = face[0] + face[1] + grows_d * face[2] + grows_c * face[3], middle = sum / (2 + grows_c + grows_d);
-  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_first(wall);
+  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_cell(wall, layer);
   return std::ranges::any_of(walls_.triangles_at(c), [&](std::uint32_t other) {
     if (other <= wall || std::ranges::count(walls_.triangles[other].curves, d) == 0) return false;
-    const Vec3 way = middle_of_first(other) - from;
+    const Vec3 way = middle_of_cell(other, layer) - from;
     const Vec3 off = middle - from - dot(normal, middle - from) / dot(normal, way) * way;
     double extent = 0.2 * norm(way);
     for (const Vec3& x : face) extent = std::max(extent, std::abs(dot(normalized(off), x - middle)));
@@ -219,20 +223,30 @@ bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
   });
 }
 
+// Below the first face at an edge that is skewed; all where none is.
+int LayerCounts::straight_levels(std::uint32_t wall, std::size_t corner) const {
+  const auto& curves = walls_.triangles[wall].curves;
+  const int most = std::max(counts_[curves[corner]], counts_[curves[(corner + 1) % 3]]);
+  for (int layer = 1; layer <= most; ++layer)
+    if (is_skewed(wall, corner, layer)) return layer - 1;
+  return most;
+}
+
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
-  std::vector<std::uint8_t> skewed(3 * walls_.triangles.size(), 0);
+  std::vector<int> straight(3 * walls_.triangles.size(), std::numeric_limits<int>::max());
   const std::vector<std::uint8_t> concerned = with_neighbours(unchecked_);
   runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
       for (std::size_t i = 0; i < 3; ++i)
-        skewed[3 * w + i] = concerned[walls_.triangles[w].curves[i]] && is_skewed(w, i);
+        if (concerned[walls_.triangles[w].curves[i]]) straight[3 * w + i] = straight_levels(w, i);
   });
   bool any = false;
-  for (std::size_t e = 0; e < skewed.size(); ++e) {
-    if (!skewed[e]) continue;
-    any = true;
+  for (std::size_t e = 0; e < straight.size(); ++e) {
     const auto& curves = walls_.triangles[e / 3].curves;
-    for (const std::size_t i : {e % 3, (e % 3 + 1) % 3}) lower(curves[i], 0, LayerLimit::Concave);
+    for (const std::uint32_t c : {curves[e % 3], curves[(e % 3 + 1) % 3]}) {
+      any = any || counts_[c] > straight[e];
+      lower(c, straight[e], LayerLimit::Concave);
+    }
   }
   return any;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // How many layers each growth curve has.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -70,9 +71,10 @@ class LayerCounts {
   bool lower_to(std::span<const int> levels);
   PoorCells find_poor_cells(const TaskRunner& runner) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
-  int first_level(std::uint32_t curve) const;
-  Vec3 middle_of_first(std::uint32_t wall) const;
-  bool is_skewed(std::uint32_t wall, std::size_t corner) const;
+  std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
+  Vec3 middle_of_cell(std::uint32_t wall, int layer) const;
+  bool is_skewed(std::uint32_t wall, std::size_t corner, int layer) const;
+  int straight_levels(std::uint32_t wall, std::size_t corner) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;
