@@ -15,6 +15,18 @@ constexpr std::size_t kOneIn = 110;  // cells may be poor, so that one in a hund
 constexpr int kMostRounds = 12;
 constexpr double kMostSkewness = 3.8;  // of faces between cells of one layer, about; checkMesh complains of 4
 
+// Of a quadrilateral, or a triangle with one corner twice: as OpenFOAM has it, of the triangles about the mean.
+Vec3 centre_of(const std::array<Vec3, 4>& face, const Vec3& mean) {
+  Vec3 sum;
+  double areas = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 &a = face[i], &b = face[(i + 1) % 4];
+    const double area = norm(cross(b - a, mean - a));
+    sum += area / 3 * (a + b + mean), areas += area;
+  }
+  return areas > 0 ? sum / areas : mean;
+}
+
 }  // namespace
 
 LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner,
@@ -28,7 +40,8 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
       limits_(paths.limits),
       changed_(walls.curve_count(), 1),
       unsettled_(walls.curve_count(), 1),
-      unchecked_(walls.curve_count(), 1) {
+      unchecked_(walls.curve_count(), 1),
+      unmeasured_(walls.curve_count(), 1) {
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
@@ -57,6 +70,7 @@ void LayerCounts::take(std::span<const KeptCount> kept) {
     unchecked_[c] = kept[c].count < 0;
     if (kept[c].count < counts_[c] && kept[c].count >= 0) counts_[c] = kept[c].count, limits_[c] = kept[c].limit;
   }
+  unmeasured_ = unchecked_;
   unsettled_ = with_neighbours(unchecked_);
 }
 
@@ -131,7 +145,7 @@ void LayerCounts::lower_one(std::uint32_t curve, int count, LayerLimit limit) {
   if (count >= counts_[curve]) return;
   counts_[curve] = std::max(count, 0);
   limits_[curve] = limit;
-  changed_[curve] = unsettled_[curve] = unchecked_[curve] = 1;
+  changed_[curve] = unsettled_[curve] = unchecked_[curve] = unmeasured_[curve] = 1;
 }
 
 void LayerCounts::thin(std::uint32_t curve, double thickness, LayerLimit limit) {
@@ -211,7 +225,8 @@ bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner, int layer) c
   const int grows_c = high_c - low_c, grows_d = high_d - low_d;
   if (grows_c + grows_d == 0) return false;
   const std::array face{point(c, low_c), point(d, low_d), point(d, high_d), point(c, high_c)};
-  const Vec3 sum = face[0] + face[1] + grows_d * face[2] + grows_c * face[3], middle = sum / (2 + grows_c + grows_d);
+  const Vec3 middle =
+      centre_of(face, (face[0] + face[1] + grows_d * face[2] + grows_c * face[3]) / (2 + grows_c + grows_d));
   const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_cell(wall, layer);
   return std::ranges::any_of(walls_.triangles_at(c), [&](std::uint32_t other) {
     if (other <= wall || std::ranges::count(walls_.triangles[other].curves, d) == 0) return false;
@@ -234,12 +249,13 @@ int LayerCounts::straight_levels(std::uint32_t wall, std::size_t corner) const {
 
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
   std::vector<int> straight(3 * walls_.triangles.size(), std::numeric_limits<int>::max());
-  const std::vector<std::uint8_t> concerned = with_neighbours(unchecked_);
+  const std::vector<std::uint8_t> concerned = with_neighbours(unmeasured_);
   runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
       for (std::size_t i = 0; i < 3; ++i)
         if (concerned[walls_.triangles[w].curves[i]]) straight[3 * w + i] = straight_levels(w, i);
   });
+  std::ranges::fill(unmeasured_, 0);
   bool any = false;
   for (std::size_t e = 0; e < straight.size(); ++e) {
     const auto& curves = walls_.triangles[e / 3].curves;

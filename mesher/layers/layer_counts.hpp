@@ -85,7 +85,8 @@ class LayerCounts {
   std::vector<int> counts_;
   std::vector<LayerLimit> limits_;
   std::vector<std::uint8_t> changed_, unsettled_;
-  std::vector<std::uint8_t> unchecked_;  // cells have not been judged since the count was lowered
+  // Neither cells nor faces between them have been judged since the count was lowered.
+  std::vector<std::uint8_t> unchecked_, unmeasured_;
 };
 
 }  // namespace tetloom::layers
