@@ -11,7 +11,7 @@ constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
 constexpr double kPoor = 0.4;        // scaled Jacobian
-constexpr std::size_t kOneIn = 110;  // cells may be poor, so that one in a hundred is in the end
+constexpr std::size_t kOneIn = 102;  // cells may be poor, so that one in a hundred is in the end
 constexpr int kMostRounds = 12;
 constexpr double kMostSkewness = 3.8;  // of faces between cells of one layer, about; checkMesh complains of 4
 
@@ -300,15 +300,17 @@ bool LayerCounts::lower_to(std::span<const int> levels) {
 LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) const {
   const auto count_of = [&](std::uint32_t curve) { return counts_[curve]; };
   const auto judge = [&](std::uint32_t stack, PoorCells& cells) {
+    double first = 1;  // scaled Jacobian of the first layer
     for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
       std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
       for (std::size_t i = 0; i < x.size(); ++i)
         x[i] = cell[i].is_apex() ? apex(walls_.fan(stack)) : point(cell[i].curve, cell[i].level);
       ++cells.all;
       const double jacobian = scaled_jacobian(x);
+      if (layer == 1) first = std::min(first, jacobian);
       if (jacobian >= kPoor) return;
-      if (sound_.may_be_flat(stack, layer, x.size())) {
-        ++cells.flat;
+      if (sound_.may_be_flat(stack, layer, x.size()) || jacobian >= SoundStacks::least_above(kPoor, first)) {
+        ++cells.fixed;
       } else {
         cells.above.push_back(static_cast<float>(jacobian));
       }
@@ -319,7 +321,7 @@ LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) co
   };
   PoorCells sum;
   for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kGrain, {}, judge_block)) {
-    sum.all += some.all, sum.flat += some.flat;
+    sum.all += some.all, sum.fixed += some.fixed;
     sum.above.insert(sum.above.end(), some.above.begin(), some.above.end());
   }
   return sum;
@@ -330,8 +332,8 @@ void LayerCounts::mend_shapes(const TaskRunner& runner) {
   for (int round = 0; round < kMostRounds; ++round) {
     PoorCells poor = find_poor_cells(runner);
     const std::size_t most = poor.all / kOneIn;
-    if (poor.flat > most || poor.flat + poor.above.size() <= most) return;
-    const std::size_t left = most - poor.flat;  // of those above that may stay as they are
+    if (poor.fixed > most || poor.fixed + poor.above.size() <= most) return;
+    const std::size_t left = most - poor.fixed;  // of those above that may stay as they are
     const auto last = poor.above.end() - static_cast<std::ptrdiff_t>(left) - 1;
     std::ranges::nth_element(poor.above, last);
     const double least = std::min(kPoor, *last * (1 + 1e-6));
@@ -339,7 +341,7 @@ void LayerCounts::mend_shapes(const TaskRunner& runner) {
     runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) sound[s] = sound_levels(s, least);
     });
-    lower_to(sound);
+    if (!lower_to(sound)) return;
     settle(runner);
   }
 }

@@ -47,15 +47,16 @@ class LayerCounts {
   /// layer, and all cells are sound (SoundStacks). Errors: Cancelled.
   void settle(const TaskRunner& runner);
   /// Lowers counts, the poorest cells first, until no more than one in a hundred has a scaled Jacobian below .4; leaves
-  /// them where first layers alone are poorer than that. Pre: settled; they are again. Errors: Cancelled.
+  /// them where first layers, and what they allow above them, are poorer than that. Pre: settled; they are again.
+  /// Errors: Cancelled.
   void mend_shapes(const TaskRunner& runner);
   /// Curves whose count has changed since the last call, or ever.
   std::vector<std::uint8_t> take_changes();
 
  private:
   struct PoorCells {
-    std::size_t all = 0, flat = 0;  // cells; poor ones that may be flat
-    std::vector<float> above;       // scaled Jacobians of the other poor ones
+    std::size_t all = 0, fixed = 0;  // cells; poor ones that may be flat, or are as good as their first layer allows
+    std::vector<float> above;        // scaled Jacobians of the other poor ones
   };
 
   void take(std::span<const KeptCount> kept);

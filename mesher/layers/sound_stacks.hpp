@@ -31,6 +31,8 @@ class SoundStacks {
   /// have a scaled Jacobian of `least`.
   template <class CountOf, class PointAt>
   int levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point, double least = kLeastAbove) const;
+  /// What is asked of cells above a first layer of this scaled Jacobian, where `least` is asked of others.
+  static double least_above(double least, double jacobian_of_first);
   /// Whether a cell of a stack may be as flat as its layer: in the first one; of those on edges, lying prisms and what
   /// ends a stack.
   bool may_be_flat(std::uint32_t stack, int layer, std::size_t vertices) const {
@@ -48,7 +50,6 @@ class SoundStacks {
   bool is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& front) const;
   template <class CountOf, class PointAt>
   bool is_wide_enough(std::uint32_t stack, int layer, const CountOf& count_of, const PointAt& point) const;
-  static double least_above(double least, double jacobian_of_first);
 
   const Walls& walls_;
   std::vector<Limits> limits_;  // per wall triangle
