@@ -6,7 +6,7 @@
 
 #include "core/geometry/bad_geometry.hpp"
 #include "mesher/layers/crossings.hpp"
-#include "mesher/layers/growth_paths.hpp"
+#include "mesher/layers/regrowth.hpp"
 #include "mesher/layers/room_above.hpp"
 
 namespace tetloom::layers {
@@ -58,21 +58,46 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
     std::ranges::sort(blunt_verts_);
     blunt_verts_.erase(std::ranges::unique(blunt_verts_).begin(), blunt_verts_.end());
   }
+  before_.reset();
 }
 
-// The vertices of fans that are none, where there are some; everything is made anew without them.
+// The vertices of fans that are none, where there are some; what is around them is made anew without them.
 std::vector<std::uint32_t> LayerGrowth::grow(int tries) {
   const auto& face_to_sides = model_.topology().face_to_sides;
   walls_ = find_walls(mesh_, face_to_sides, options_, blunt_verts_);
   sides_.emplace(model_, mesh_, walls_, runner_);
   side_meshes_.clear();
   side_meshes_.resize(sides_->sides().size());
-  const GrowthPaths paths = make_paths(mesh_, face_to_sides, walls_, *sides_, runner_);
-  if (!paths.fans_without_room.empty()) return paths.fans_without_room;
-  counts_.emplace(walls_, *sides_, paths, runner_);
+  const std::vector<std::uint32_t> kept =
+      before_ ? find_kept_curves(walls_, before_->walls) : std::vector<std::uint32_t>{};
+  GrowthPaths paths =
+      make_paths({mesh_, face_to_sides, walls_, *sides_}, runner_, {before_ ? &before_->paths : nullptr, kept});
+  if (!paths.fans_without_room.empty()) {
+    std::vector<std::uint32_t> failed = paths.fans_without_room;
+    if (!before_) before_ = {walls_, std::move(paths), {}};
+    return failed;
+  }
+  counts_.emplace(walls_, *sides_, paths, runner_, kept_counts(kept));
+  std::vector<std::uint32_t> failed = settle(tries);
+  if (failed.empty()) return failed;
+  before_ = {walls_, std::move(paths), {}};
+  for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
+    before_->counts.push_back({counts_->count(c), counts_->limit(c)});
+  return failed;
+}
+
+std::vector<KeptCount> LayerGrowth::kept_counts(std::span<const std::uint32_t> kept) const {
+  if (!before_ || before_->counts.empty()) return {};
+  std::vector<KeptCount> counts;
+  for (const std::uint32_t old : kept) counts.push_back(old == kNone ? KeptCount{} : before_->counts[old]);
+  return counts;
+}
+
+std::vector<std::uint32_t> LayerGrowth::settle(int tries) {
   counts_->settle(runner_);
-  std::vector<std::uint32_t> thin = thin_fans();
-  if (!thin.empty() && tries < kMostTries) return thin;
+  if (tries < kMostTries)
+    if (std::vector<std::uint32_t> thin = thin_fans(); !thin.empty()) return thin;
+  counts_->mend_shapes(runner_);
   make_surface();
   return tries < kMostTries ? thin_fans() : std::vector<std::uint32_t>{};
 }

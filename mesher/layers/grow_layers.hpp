@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 
+#include "mesher/layers/growth_paths.hpp"
 #include "mesher/layers/layered_surface.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
@@ -37,7 +38,16 @@ class LayerGrowth {
   bool lower(std::span<const std::uint32_t> regions, double share);
 
  private:
+  // Of a try at which fans were too thin.
+  struct Grown {
+    Walls walls;
+    GrowthPaths paths;
+    std::vector<KeptCount> counts;  // per curve; empty: no layers were counted
+  };
+
   std::vector<std::uint32_t> grow(int tries);
+  std::vector<std::uint32_t> settle(int tries);
+  std::vector<KeptCount> kept_counts(std::span<const std::uint32_t> kept) const;
   std::vector<std::uint32_t> thin_fans() const;
   void make_surface();
   void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
@@ -51,6 +61,7 @@ class LayerGrowth {
   const SizeField& sizes_;
   const LayerOptions& options_;
   const TaskRunner& runner_;
+  std::optional<Grown> before_;             // while fans are tried
   std::vector<std::uint32_t> blunt_verts_;  // where fans were tried and failed, ascending
   Walls walls_;
   std::optional<SideFaces> sides_;

@@ -7,7 +7,6 @@
 #include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
-#include "mesher/layers/wanted_heights.hpp"
 
 namespace tetloom::layers {
 namespace {
@@ -32,24 +31,25 @@ constexpr double kSoundPrism = 0.1;  // scaled Jacobian between fronts; less abo
 
 class Marching {
  public:
-  Marching(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls, const SideFaces& sides,
-           const TaskRunner& runner)
-      : mesh_(mesh),
-        face_to_sides_(face_to_sides),
-        walls_(walls),
-        sides_(sides),
+  Marching(const GrowthStart& start, const TaskRunner& runner, const KeptPaths& kept)
+      : start_(start),
+        walls_(start.walls),
+        sides_(start.sides),
         runner_(runner),
-        pace_(walls.curve_to_width),
-        wanted_(walls.curve_count(), 0),
-        step_(walls.curve_count(), 0),
-        stretch_(walls.curve_count(), 1),
-        freedom_(walls.curve_count()),
-        direction_(walls.curve_count()),
-        front_(feet(mesh, walls)),
-        spreading_(walls, front_) {
-    paths_.reached.assign(walls.curve_count(), 0);
-    paths_.stretch.assign(walls.curve_count(), 1);
-    paths_.limits.assign(walls.curve_count(), LayerLimit::None);
+        kept_(kept),
+        replays_(kept.paths && kept.paths->fans_without_room.empty()),
+        pace_(walls_.curve_to_width),
+        wanted_(walls_.curve_count(), 0),
+        step_(walls_.curve_count(), 0),
+        stretch_(walls_.curve_count(), 1),
+        freedom_(walls_.curve_count()),
+        direction_(walls_.curve_count()),
+        front_(feet(start.mesh, walls_)),
+        spreading_(walls_, front_) {
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) (is_replayed(c) ? replayed_ : active_).push_back(c);
+    paths_.reached.assign(walls_.curve_count(), 0);
+    paths_.stretch.assign(walls_.curve_count(), 1);
+    paths_.limits.assign(walls_.curve_count(), LayerLimit::None);
     paths_.fronts.push_back(front_);
     paths_.heights.push_back(paths_.reached);
   }
@@ -57,12 +57,16 @@ class Marching {
   GrowthPaths run() {
     find_places();
     find_shapes();
+    look_ahead();
     find_directions(true);
     find_lengths();
     find_fans_without_room();
     if (!paths_.fans_without_room.empty()) return std::move(paths_);
-    for (int i = 0; i < kMostSteps && go_on(); ++i) find_directions(false);
-    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
+    for (int i = 0; i < kMostSteps && go_on(); ++i) {
+      look_ahead();
+      find_directions(false);
+    }
+    for (const std::uint32_t c : active_)
       if (direction_[c] != Vec3{} && is_growing(c)) paths_.limits[c] = LayerLimit::Concave;
     return std::move(paths_);
   }
@@ -72,6 +76,35 @@ class Marching {
     std::vector<Vec3> feet;
     for (const std::uint32_t v : walls.curve_to_vert) feet.push_back(mesh.points[v]);
     return feet;
+  }
+
+  bool is_kept(std::uint32_t curve) const { return kept_.paths && kept_.curves[curve] != kNone; }
+  bool is_replayed(std::uint32_t curve) const { return replays_ && is_kept(curve); }
+
+  // Curves that are replayed: where they go next. They ask for no heights.
+  void look_ahead() {
+    const std::size_t last = replayed_.empty() ? 0 : kept_.paths->fronts.size() - 1;
+    const std::size_t here = std::min(last, paths_.fronts.size() - 1), next = std::min(last, here + 1);
+    for (const std::uint32_t c : replayed_) {
+      const std::uint32_t old = kept_.curves[c];
+      paths_.stretch[c] = kept_.paths->stretch[old], paths_.limits[c] = kept_.paths->limits[old];
+      if (kept_.paths->heights[next][old] > kept_.paths->heights[here][old])
+        direction_[c] = normalized(kept_.paths->fronts[next][old] - kept_.paths->fronts[here][old]);
+    }
+  }
+
+  bool replays_on() const { return !replayed_.empty() && paths_.fronts.size() < kept_.paths->fronts.size(); }
+
+  // Curves that are replayed go on to the next front, or stay at the last one.
+  void replay(std::vector<std::uint8_t>& is_moving, std::vector<double>& rise, std::vector<Vec3>& next) const {
+    if (!replays_on()) return;
+    const std::size_t up = paths_.fronts.size();
+    for (const std::uint32_t c : replayed_) {
+      const std::uint32_t old = kept_.curves[c];
+      rise[c] = kept_.paths->heights[up][old] - kept_.paths->heights[up - 1][old];
+      is_moving[c] = rise[c] > 0;
+      next[c] = kept_.paths->fronts[up][old];
+    }
   }
 
   // The prism above a narrow triangle cannot be better than the triangle.
@@ -104,8 +137,8 @@ class Marching {
 
   template <class Body>
   void for_each_curve(const Body& body) const {
-    runner_.for_blocks(walls_.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c) body(static_cast<std::uint32_t>(c));
+    runner_.for_blocks(active_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(active_[i]);
     });
   }
 
@@ -148,7 +181,8 @@ class Marching {
       const double stretch = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
       if (is_first || std::abs(stretch - stretch_[c]) > kTilt * stretch_[c]) stretch_[c] = stretch;
     });
-    if (is_first) paths_.stretch = stretch_;
+    if (!is_first) return;
+    for (const std::uint32_t c : active_) paths_.stretch[c] = stretch_[c];
   }
 
   // Curves without a direction stay where they are.
@@ -188,10 +222,21 @@ class Marching {
   }
 
   void find_lengths() {
-    WantedHeights wanted = find_wanted_heights({mesh_, face_to_sides_, walls_, sides_, direction_, stretch_}, runner_);
-    wanted_ = std::move(wanted.heights);
-    even_out_pace();
+    std::vector<Vec3> directions = direction_;
+    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
+      if (is_kept(c)) directions[c] = {};
+    WantedHeights& wanted = paths_.wanted;
+    wanted = find_wanted_heights({start_.mesh, start_.face_to_sides, walls_, sides_, directions, stretch_}, runner_);
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+      if (!is_kept(c)) continue;
+      wanted.heights[c] = kept_.paths->wanted.heights[kept_.curves[c]];
+      wanted.limits[c] = kept_.paths->wanted.limits[kept_.curves[c]];
+    }
+    for (const std::uint32_t c : active_) wanted_[c] = wanted.heights[c];
+    for (const std::uint32_t c : replayed_) pace_[c] = kept_.paths->pace[kept_.curves[c]];
+    even_out_pace();
+    paths_.pace = pace_;
+    for (const std::uint32_t c : active_) {
       if (wanted.limits[c] != LayerLimit::None) paths_.limits[c] = wanted.limits[c];
       step_[c] = std::max(full_step(c), std::min(walls_.curve_to_heights[c].first, kStep * walls_.curve_to_width[c]));
     }
@@ -200,7 +245,7 @@ class Marching {
   void find_fans_without_room() {
     for (const FanVertex& fan : walls_.fan_vertices)
       if (std::ranges::any_of(fan.curves, [&](std::uint32_t c) {
-            return wanted_[c] * stretch_[c] < kRoomAtFan * walls_.curve_to_width[c];
+            return !is_replayed(c) && wanted_[c] * stretch_[c] < kRoomAtFan * walls_.curve_to_width[c];
           }))
         paths_.fans_without_room.push_back(walls_.curve_to_vert[fan.curves[0]]);
   }
@@ -209,18 +254,20 @@ class Marching {
   bool go_on() {
     runner_.check_cancelled();
     std::vector<std::uint8_t> is_moving(walls_.curve_count(), 0);
-    bool any = false;
-    for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
+    bool any = replays_on();
+    for (const std::uint32_t c : active_) {
       is_moving[c] = direction_[c] != Vec3{} && is_growing(c);
       any = any || is_moving[c];
     }
     if (!any) return false;
+    std::vector<std::uint8_t> is_new = is_moving;
+    std::vector<double> rise(walls_.curve_count(), 0);
     std::vector<Vec3> next = front_;
+    replay(is_moving, rise, next);
     for_each_curve([&](std::uint32_t c) {
       if (is_moving[c]) next[c] = front_[c] + height_of_step(c) * stretch_[c] * direction_[c];
     });
     const std::vector<Vec3> shifts = find_shifts(next);
-    std::vector<double> rise(walls_.curve_count(), 0);
     const auto place = [&](std::uint32_t c) {
       rise[c] = is_moving[c] ? height_of_step(c) : 0;
       if (!is_moving[c]) return;
@@ -228,8 +275,7 @@ class Marching {
       next[c] = front_[c] + rise[c] * stretch_[c] * direction_[c] + share * shifts[c];
     };
     for_each_curve(place);
-    put_on_sides(is_moving, next);
-    std::vector<std::uint8_t> is_new = is_moving;
+    put_on_sides(is_new, next);
     for (;;) {
       const std::vector<std::uint8_t> is_bad = find_bad(is_moving, is_new, next);
       if (std::ranges::count(is_bad, 1) == 0) break;
@@ -242,7 +288,7 @@ class Marching {
     }
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) {
       paths_.reached[c] += rise[c];
-      step_[c] = std::min(2 * step_[c], full_step(c));
+      if (!is_replayed(c)) step_[c] = std::min(2 * step_[c], full_step(c));
     }
     paths_.heights.push_back(paths_.reached);
     for (std::size_t i = 0; i < tried_.size(); ++i)
@@ -328,7 +374,7 @@ class Marching {
     std::vector<std::uint8_t> is_bad(walls_.curve_count(), 0);
     for (std::size_t w = 0; w < wall_is_bad.size(); ++w)
       for (const std::uint32_t c : walls_.triangles[w].curves)
-        if (wall_is_bad[w] && is_moving[c]) is_bad[c] = 1;
+        if (wall_is_bad[w] && is_moving[c] && !is_replayed(c)) is_bad[c] = 1;
     return is_bad;
   }
 
@@ -348,14 +394,16 @@ class Marching {
     return sound;
   }
 
-  const Mesh& mesh_;
-  std::span<const FaceSides> face_to_sides_;
+  const GrowthStart& start_;
   const Walls& walls_;
   const SideFaces& sides_;
   const TaskRunner& runner_;
-  std::vector<double> pace_;                     // widths, varying little from curve to curve
-  std::vector<double> wanted_, step_, stretch_;  // heights, and lengths over heights
-  std::vector<FrontFreedom> freedom_;            // within the front
+  const KeptPaths& kept_;
+  const bool replays_;                            // rather than only keeping how high curves may become
+  std::vector<std::uint32_t> active_, replayed_;  // all curves
+  std::vector<double> pace_;                      // widths, varying little from curve to curve
+  std::vector<double> wanted_, step_, stretch_;   // heights, and lengths over heights
+  std::vector<FrontFreedom> freedom_;             // within the front
   std::vector<Vec3> direction_, front_, normals_;
   std::vector<double> visibility_;
   std::vector<float> shapes_;  // scaled Jacobian of straight prisms, per wall triangle
@@ -376,9 +424,8 @@ Vec3 GrowthPaths::point_at(std::uint32_t curve, double height) const {
   return fronts[k - 1][curve] + (height - low) / (high - low) * (fronts[k][curve] - fronts[k - 1][curve]);
 }
 
-GrowthPaths make_paths(const Mesh& mesh, std::span<const FaceSides> face_to_sides, const Walls& walls,
-                       const SideFaces& sides, const TaskRunner& runner) {
-  return Marching(mesh, face_to_sides, walls, sides, runner).run();
+GrowthPaths make_paths(const GrowthStart& start, const TaskRunner& runner, const KeptPaths& kept) {
+  return Marching(start, runner, kept).run();
 }
 
 }  // namespace tetloom::layers

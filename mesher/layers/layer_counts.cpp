@@ -10,11 +10,27 @@ namespace {
 constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
-constexpr double kMostSkewness = 3.9;  // of faces between first cells; checkMesh complains of 4
+constexpr double kPoor = 0.4;        // scaled Jacobian
+constexpr std::size_t kOneIn = 102;  // cells may be poor, so that one in a hundred is in the end
+constexpr int kMostRounds = 12;
+constexpr double kMostSkewness = 3.8;  // of faces between cells of one layer, about; checkMesh complains of 4
+
+// Of a quadrilateral, or a triangle with one corner twice: as OpenFOAM has it, of the triangles about the mean.
+Vec3 centre_of(const std::array<Vec3, 4>& face, const Vec3& mean) {
+  Vec3 sum;
+  double areas = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 &a = face[i], &b = face[(i + 1) % 4];
+    const double area = norm(cross(b - a, mean - a));
+    sum += area / 3 * (a + b + mean), areas += area;
+  }
+  return areas > 0 ? sum / areas : mean;
+}
 
 }  // namespace
 
-LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner)
+LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner,
+                         std::span<const KeptCount> kept)
     : walls_(walls),
       feet_(paths.fronts.front()),
       sound_(walls, feet_, runner),
@@ -24,7 +40,8 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
       limits_(paths.limits),
       changed_(walls.curve_count(), 1),
       unsettled_(walls.curve_count(), 1),
-      unchecked_(walls.curve_count(), 1) {
+      unchecked_(walls.curve_count(), 1),
+      unmeasured_(walls.curve_count(), 1) {
   for (std::uint32_t c = 0; c < walls.curve_count(); ++c) {
     const LayerHeights& heights = walls.curve_to_heights[c];
     int& count = counts_[c];
@@ -42,7 +59,30 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
     }
   });
   put_on(sides, runner);
+  take(kept);
   even_out_fans();
+}
+
+// They are settled among each other.
+void LayerCounts::take(std::span<const KeptCount> kept) {
+  if (kept.empty()) return;
+  for (std::uint32_t c = 0; c < kept.size(); ++c) {
+    unchecked_[c] = kept[c].count < 0;
+    if (kept[c].count < counts_[c] && kept[c].count >= 0) counts_[c] = kept[c].count, limits_[c] = kept[c].limit;
+  }
+  unmeasured_ = unchecked_;
+  unsettled_ = with_neighbours(unchecked_);
+}
+
+// All curves of stacks that have one of them.
+std::vector<std::uint8_t> LayerCounts::with_neighbours(const std::vector<std::uint8_t>& curves) const {
+  std::vector<std::uint8_t> more = curves;
+  for (std::size_t stack = 0; stack < walls_.stack_count(); ++stack) {
+    const auto around = walls_.curves_of(stack);
+    if (std::ranges::any_of(around, [&](std::uint32_t c) { return curves[c] != 0; }))
+      for (const std::uint32_t c : around) more[c] = 1;
+  }
+  return more;
 }
 
 // All curves of one foot have as many layers.
@@ -105,7 +145,7 @@ void LayerCounts::lower_one(std::uint32_t curve, int count, LayerLimit limit) {
   if (count >= counts_[curve]) return;
   counts_[curve] = std::max(count, 0);
   limits_[curve] = limit;
-  changed_[curve] = unsettled_[curve] = unchecked_[curve] = 1;
+  changed_[curve] = unsettled_[curve] = unchecked_[curve] = unmeasured_[curve] = 1;
 }
 
 void LayerCounts::thin(std::uint32_t curve, double thickness, LayerLimit limit) {
@@ -139,8 +179,9 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
       for (const std::uint32_t w : walls_.triangles_at(c))
         for (const std::uint32_t other : walls_.triangles[w].curves) {
           if (other == c || !unsettled_[other]) continue;
+          if (lowered[c] <= counts_[other] + 1) continue;
           const double most = thickness(other) + kSlope * distance(feet_[c], feet_[other]);
-          if (lowered[c] <= counts_[other] + 1 || thickness_of(c, lowered[c]) <= most) continue;
+          if (thickness_of(c, lowered[c]) <= most) continue;
           lowered[c] = std::max(count_within(c, most), counts_[other] + 1);
           limits[c] = limits_[other];
         }
@@ -154,37 +195,42 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   return any;
 }
 
-// Of the cells that grow first.
-int LayerCounts::first_level(std::uint32_t curve) const {
-  return walls_.curve_is_late[curve] ? 0 : std::min(1, counts_[curve]);
+// Below and above the cells of a layer. Late curves have no first layer beside others.
+std::array<int, 2> LayerCounts::levels_at(std::uint32_t curve, int layer) const {
+  const int low = std::min(layer - 1, counts_[curve]);
+  return {low, layer == 1 && walls_.curve_is_late[curve] ? low : std::min(layer, counts_[curve])};
 }
 
-// The centroid of the cell, about.
-Vec3 LayerCounts::middle_of_first(std::uint32_t wall) const {
+// The centroid of the cell of a layer, about.
+Vec3 LayerCounts::middle_of_cell(std::uint32_t wall, int layer) const {
   const auto& curves = walls_.triangles[wall].curves;
-  int growing = 0;
-  for (const std::uint32_t c : curves) growing += first_level(c);
+  std::size_t growing = 0;
+  for (const std::uint32_t c : curves) growing += levels_at(c, layer)[0] < levels_at(c, layer)[1];
   constexpr std::array<double, 4> kLow{1.0 / 3, 0.25, 0.25, 1.0 / 6}, kGrowing{0, 0.25, 3.0 / 16, 1.0 / 6};
   Vec3 sum;
-  for (const std::uint32_t c : curves)
-    sum += first_level(c) == 0 ? kLow[static_cast<std::size_t>(growing)] * point(c, 0)
-                               : kGrowing[static_cast<std::size_t>(growing)] * (point(c, 0) + point(c, 1));
+  for (const std::uint32_t c : curves) {
+    const auto [low, high] = levels_at(c, layer);
+    sum += low == high ? kLow[growing] * point(c, low) : kGrowing[growing] * (point(c, low) + point(c, high));
+  }
   return sum;
 }
 
-// Whether the line between the middles of the two first cells beside an edge misses the face between them by far, as
-// OpenFOAM measures it.
-bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
+// Whether the line between the middles of the two cells of a layer beside an edge misses the face between them by far,
+// as OpenFOAM measures it.
+bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner, int layer) const {
   const auto& curves = walls_.triangles[wall].curves;
   const std::uint32_t c = curves[corner], d = curves[(corner + 1) % 3];
-  const int grows_c = first_level(c), grows_d = first_level(d);
+  const auto [low_c, high_c] = levels_at(c, layer);
+  const auto [low_d, high_d] = levels_at(d, layer);
+  const int grows_c = high_c - low_c, grows_d = high_d - low_d;
   if (grows_c + grows_d == 0) return false;
-  const std::array face{point(c, 0), point(d, 0), point(d, grows_d), point(c, grows_c)};
-  const Vec3 sum = face[0] + face[1] + grows_d * face[2] + grows_c * face[3], middle = sum / (2 + grows_c + grows_d);
-  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_first(wall);
+  const std::array face{point(c, low_c), point(d, low_d), point(d, high_d), point(c, high_c)};
+  const Vec3 middle =
+      centre_of(face, (face[0] + face[1] + grows_d * face[2] + grows_c * face[3]) / (2 + grows_c + grows_d));
+  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_cell(wall, layer);
   return std::ranges::any_of(walls_.triangles_at(c), [&](std::uint32_t other) {
     if (other <= wall || std::ranges::count(walls_.triangles[other].curves, d) == 0) return false;
-    const Vec3 way = middle_of_first(other) - from;
+    const Vec3 way = middle_of_cell(other, layer) - from;
     const Vec3 off = middle - from - dot(normal, middle - from) / dot(normal, way) * way;
     double extent = 0.2 * norm(way);
     for (const Vec3& x : face) extent = std::max(extent, std::abs(dot(normalized(off), x - middle)));
@@ -192,45 +238,112 @@ bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner) const {
   });
 }
 
+// Below the first face at an edge that is skewed; all where none is.
+int LayerCounts::straight_levels(std::uint32_t wall, std::size_t corner) const {
+  const auto& curves = walls_.triangles[wall].curves;
+  const int most = std::max(counts_[curves[corner]], counts_[curves[(corner + 1) % 3]]);
+  for (int layer = 1; layer <= most; ++layer)
+    if (is_skewed(wall, corner, layer)) return layer - 1;
+  return most;
+}
+
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
-  std::vector<std::uint8_t> skewed(3 * walls_.triangles.size(), 0);
+  std::vector<int> straight(3 * walls_.triangles.size(), std::numeric_limits<int>::max());
+  const std::vector<std::uint8_t> concerned = with_neighbours(unmeasured_);
   runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
-      for (std::size_t i = 0; i < 3; ++i) skewed[3 * w + i] = is_skewed(w, i);
+      for (std::size_t i = 0; i < 3; ++i)
+        if (concerned[walls_.triangles[w].curves[i]]) straight[3 * w + i] = straight_levels(w, i);
   });
+  std::ranges::fill(unmeasured_, 0);
   bool any = false;
-  for (std::size_t e = 0; e < skewed.size(); ++e) {
-    if (!skewed[e]) continue;
-    any = true;
+  for (std::size_t e = 0; e < straight.size(); ++e) {
     const auto& curves = walls_.triangles[e / 3].curves;
-    for (const std::size_t i : {e % 3, (e % 3 + 1) % 3}) lower(curves[i], 0, LayerLimit::Concave);
+    for (const std::uint32_t c : {curves[e % 3], curves[(e % 3 + 1) % 3]}) {
+      any = any || counts_[c] > straight[e];
+      lower(c, straight[e], LayerLimit::Concave);
+    }
   }
   return any;
 }
 
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
   std::vector<int> sound(walls_.stack_count(), std::numeric_limits<int>::max());
-  const auto sound_levels = [&](std::uint32_t stack) {
-    return sound_.levels(
-        stack, [&](std::uint32_t curve) { return counts_[curve]; },
-        [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); });
-  };
   const auto is_concerned = [&](std::uint32_t stack) {
     return std::ranges::any_of(walls_.curves_of(stack), [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
   runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
-      if (is_concerned(s)) sound[s] = sound_levels(s);
+      if (is_concerned(s)) sound[s] = sound_levels(s, SoundStacks::kLeastAbove);
   });
   std::ranges::fill(unchecked_, 0);
+  return lower_to(sound);
+}
+
+int LayerCounts::sound_levels(std::uint32_t stack, double least) const {
+  return sound_.levels(
+      stack, [&](std::uint32_t curve) { return counts_[curve]; },
+      [&](std::uint32_t curve, int level) { return curve == kNone ? apex(walls_.fan(stack)) : point(curve, level); },
+      least);
+}
+
+bool LayerCounts::lower_to(std::span<const int> levels) {
   bool any = false;
-  for (std::size_t s = 0; s < sound.size(); ++s) {
+  for (std::size_t s = 0; s < levels.size(); ++s)
     for (const std::uint32_t c : walls_.curves_of(s)) {
-      any = any || counts_[c] > sound[s];
-      lower(c, sound[s], LayerLimit::Cell);
+      any = any || counts_[c] > levels[s];
+      lower(c, levels[s], LayerLimit::Cell);
     }
-  }
   return any;
+}
+
+LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) const {
+  const auto count_of = [&](std::uint32_t curve) { return counts_[curve]; };
+  const auto judge = [&](std::uint32_t stack, PoorCells& cells) {
+    double first = 1;  // scaled Jacobian of the first layer
+    for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
+      std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+      for (std::size_t i = 0; i < x.size(); ++i)
+        x[i] = cell[i].is_apex() ? apex(walls_.fan(stack)) : point(cell[i].curve, cell[i].level);
+      ++cells.all;
+      const double jacobian = scaled_jacobian(x);
+      if (layer == 1) first = std::min(first, jacobian);
+      if (jacobian >= kPoor) return;
+      if (sound_.may_be_flat(stack, layer, x.size()) || jacobian >= SoundStacks::least_above(kPoor, first)) {
+        ++cells.fixed;
+      } else {
+        cells.above.push_back(static_cast<float>(jacobian));
+      }
+    });
+  };
+  const auto judge_block = [&](std::size_t begin, std::size_t end, PoorCells& cells) {
+    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) judge(s, cells);
+  };
+  PoorCells sum;
+  for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kGrain, {}, judge_block)) {
+    sum.all += some.all, sum.fixed += some.fixed;
+    sum.above.insert(sum.above.end(), some.above.begin(), some.above.end());
+  }
+  return sum;
+}
+
+// From round to round there are new steps between counts beside those that were lowered, and other poor cells there.
+void LayerCounts::mend_shapes(const TaskRunner& runner) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    PoorCells poor = find_poor_cells(runner);
+    const std::size_t most = poor.all / kOneIn;
+    if (poor.fixed > most || poor.fixed + poor.above.size() <= most) return;
+    const std::size_t left = most - poor.fixed;  // of those above that may stay as they are
+    const auto last = poor.above.end() - static_cast<std::ptrdiff_t>(left) - 1;
+    std::ranges::nth_element(poor.above, last);
+    const double least = std::min(kPoor, *last * (1 + 1e-6));
+    std::vector<int> sound(walls_.stack_count());
+    runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) sound[s] = sound_levels(s, least);
+    });
+    if (!lower_to(sound)) return;
+    settle(runner);
+  }
 }
 
 }  // namespace tetloom::layers

@@ -1,5 +1,6 @@
 #pragma once
 // How many layers each growth curve has.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,12 +12,20 @@
 
 namespace tetloom::layers {
 
+/// What a curve had in the end when it was grown before.
+struct KeptCount {
+  int count = -1;  ///< negative: it is grown anew
+  LayerLimit limit = LayerLimit::None;
+};
+
 /// The points of all layers that fit on the paths, and how many of them are used. Counts only fall: the first layers
 /// keep their heights.
 class LayerCounts {
  public:
-  /// All layers that fit on the paths. Refers to `walls`. Errors: Cancelled.
-  LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner);
+  /// All layers that fit on the paths, but no more than are kept, per curve where any are. Refers to `walls`. Errors:
+  /// Cancelled.
+  LayerCounts(const Walls& walls, const SideFaces& sides, const GrowthPaths& paths, const TaskRunner& runner,
+              std::span<const KeptCount> kept = {});
 
   int count(std::uint32_t curve) const { return counts_[curve]; }
   LayerLimit limit(std::uint32_t curve) const { return limits_[curve]; }
@@ -37,21 +46,36 @@ class LayerCounts {
   /// Lowers counts until the thickness varies from curve to curve by no more than .7 of what lies between them, or one
   /// layer, and all cells are sound (SoundStacks). Errors: Cancelled.
   void settle(const TaskRunner& runner);
+  /// Lowers counts, the poorest cells first, until no more than one in a hundred has a scaled Jacobian below .4; leaves
+  /// them where first layers, and what they allow above them, are poorer than that. Pre: settled; they are again.
+  /// Errors: Cancelled.
+  void mend_shapes(const TaskRunner& runner);
   /// Curves whose count has changed since the last call, or ever.
   std::vector<std::uint8_t> take_changes();
 
  private:
+  struct PoorCells {
+    std::size_t all = 0, fixed = 0;  // cells; poor ones that may be flat, or are as good as their first layer allows
+    std::vector<float> above;        // scaled Jacobians of the other poor ones
+  };
+
+  void take(std::span<const KeptCount> kept);
   void even_out_fans();
   void put_on(const SideFaces& sides, const TaskRunner& runner);
   void lower_one(std::uint32_t curve, int count, LayerLimit limit);
   double thickness_of(std::uint32_t curve, int count) const;
   int count_within(std::uint32_t curve, double thickness) const;
+  std::vector<std::uint8_t> with_neighbours(const std::vector<std::uint8_t>& curves) const;
   bool limit_slopes(const TaskRunner& runner);
   bool lower_at_bad_cells(const TaskRunner& runner);
+  int sound_levels(std::uint32_t stack, double least) const;
+  bool lower_to(std::span<const int> levels);
+  PoorCells find_poor_cells(const TaskRunner& runner) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
-  int first_level(std::uint32_t curve) const;
-  Vec3 middle_of_first(std::uint32_t wall) const;
-  bool is_skewed(std::uint32_t wall, std::size_t corner) const;
+  std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
+  Vec3 middle_of_cell(std::uint32_t wall, int layer) const;
+  bool is_skewed(std::uint32_t wall, std::size_t corner, int layer) const;
+  int straight_levels(std::uint32_t wall, std::size_t corner) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;
@@ -62,7 +86,8 @@ class LayerCounts {
   std::vector<int> counts_;
   std::vector<LayerLimit> limits_;
   std::vector<std::uint8_t> changed_, unsettled_;
-  std::vector<std::uint8_t> unchecked_;  // cells have not been judged since the count was lowered
+  // Neither cells nor faces between them have been judged since the count was lowered.
+  std::vector<std::uint8_t> unchecked_, unmeasured_;
 };
 
 }  // namespace tetloom::layers

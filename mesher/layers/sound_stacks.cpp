@@ -6,9 +6,8 @@ namespace tetloom::layers {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr double kLeastAbove = 0.25;  // scaled Jacobian of layers but the first
-constexpr double kKept = 0.8;         // of the first layer's, or of the wall triangle's sine
-constexpr double kSqueezed = 0.8;     // of the wall triangle's width: fronts that only stretch are not meant
+constexpr double kKept = 0.8;      // of the first layer's, or of the wall triangle's sine
+constexpr double kSqueezed = 0.8;  // of the wall triangle's width: fronts that only stretch are not meant
 constexpr float kLeastSine = 0.26f, kLeastSineBent = 0.39f;  // of 15 and 23 degrees
 constexpr double kBentLeast = 0.9994, kBentMost = 0.82;      // cosines of 2 and 35 degrees
 
@@ -68,8 +67,8 @@ bool SoundStacks::is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& 
   return width >= limits_[wall].width || sine >= limits_[wall].sine;
 }
 
-double SoundStacks::least_above(double jacobian_of_first) {
-  return std::max(kLeastFirst, std::min(kLeastAbove, kKept * jacobian_of_first));
+double SoundStacks::least_above(double least, double jacobian_of_first) {
+  return std::max(kLeastFirst, std::min(least, kKept * jacobian_of_first));
 }
 
 }  // namespace tetloom::layers

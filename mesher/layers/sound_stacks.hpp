@@ -15,19 +15,29 @@ namespace tetloom::layers {
 /// What cells have to be, per wall triangle. Refers to the walls.
 ///
 /// All are positive in exact arithmetic, however they are split. The first layer has a scaled Jacobian of .02 at least;
-/// further ones have .25, or .8 of what the first one has. Fronts that are narrower than the wall keep all angles above
-/// 15 degrees where the wall is flat or has a sharp edge, and above 23 degrees where it bends: there a tet that lies
-/// over two narrow triangles at an angle of nearly 180 degrees is flat, and no other tets can take its place. Above
-/// narrow wall triangles .8 of the sine suffices.
+/// further ones have .25, where no more is asked of them, or .8 of what the first one has. Fronts that are narrower
+/// than the wall keep all angles above 15 degrees where the wall is flat or has a sharp edge, and above 23 degrees
+/// where it bends: there a tet that lies over two narrow triangles at an angle of nearly 180 degrees is flat, and no
+/// other tets can take its place. Above narrow wall triangles .8 of the sine suffices.
 class SoundStacks {
  public:
+  static constexpr double kLeastAbove = 0.25;  ///< scaled Jacobian of layers but the first
+
   /// `feet` are the points of all curves on the walls. Errors: Cancelled.
   SoundStacks(const Walls& walls, std::span<const Vec3> feet, const TaskRunner& runner);
 
   /// How many levels of cells are sound, from the wall on; the highest of the counts where all are. point(curve, level)
-  /// is asked for levels from 0 to count_of(curve), and with no curve for the apex of a stack.
+  /// is asked for levels from 0 to count_of(curve), and with no curve for the apex of a stack. Layers but the first
+  /// have a scaled Jacobian of `least`.
   template <class CountOf, class PointAt>
-  int levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point) const;
+  int levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point, double least = kLeastAbove) const;
+  /// What is asked of cells above a first layer of this scaled Jacobian, where `least` is asked of others.
+  static double least_above(double least, double jacobian_of_first);
+  /// Whether a cell of a stack may be as flat as its layer: in the first one; of those on edges, lying prisms and what
+  /// ends a stack.
+  bool may_be_flat(std::uint32_t stack, int layer, std::size_t vertices) const {
+    return layer == 1 || (walls_.curves_of(stack).size() == 4 && vertices != 8);
+  }
 
  private:
   struct Limits {
@@ -40,27 +50,24 @@ class SoundStacks {
   bool is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& front) const;
   template <class CountOf, class PointAt>
   bool is_wide_enough(std::uint32_t stack, int layer, const CountOf& count_of, const PointAt& point) const;
-  static double least_above(double jacobian_of_first);
 
   const Walls& walls_;
   std::vector<Limits> limits_;  // per wall triangle
 };
 
 template <class CountOf, class PointAt>
-int SoundStacks::levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point) const {
+int SoundStacks::levels(std::uint32_t stack, const CountOf& count_of, const PointAt& point, double least) const {
   int highest = 0;
   for (const std::uint32_t c : walls_.curves_of(stack)) highest = std::max(highest, count_of(c));
   int sound = highest;
-  double least = 1;  // of layers but the first
+  double above = 1;  // of layers but the first
   for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
     if (std::min(layer, highest) > sound) return;
     std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = point(cell[i].curve, cell[i].level);
-    // On edges, lying prisms and what ends a stack are as flat as their layers.
-    const bool may_be_flat = layer == 1 || (walls_.curves_of(stack).size() == 4 && x.size() != 8);
-    const bool is_good =
-        is_sound(x, may_be_flat ? kLeastFirst : least) && (layer == 1 || is_wide_enough(stack, layer, count_of, point));
-    if (layer == 1 && is_good) least = std::min(least, least_above(scaled_jacobian(x)));
+    const bool is_good = is_sound(x, may_be_flat(stack, layer, x.size()) ? kLeastFirst : above) &&
+                         (layer == 1 || is_wide_enough(stack, layer, count_of, point));
+    if (layer == 1 && is_good) above = std::min(above, least_above(least, scaled_jacobian(x)));
     if (!is_good) sound = std::min(layer, highest) - 1;
   });
   return sound;

@@ -127,6 +127,28 @@ TEST_CASE("a stack ends where its front is too narrow, and sooner above a wall t
   CHECK(bent[2] < std::sin(23 * std::numbers::pi / 180));
 }
 
+TEST_CASE("a stack ends where the pyramid beside a lower curve is too steep, sooner where more is asked of it") {
+  const Walls walls = two_triangles();
+  const double third = std::sqrt(0.75);
+  const std::vector<Vec3> feet{{0, 0, 0}, {1, 0, 0}, {0.5, -third, 0}, {0.5, third, 0}};
+  const TaskRunner runner(1, {});
+  const SoundStacks sound(walls, feet, runner);
+  // Of two layers, the second one so high, and not above vertex 3.
+  const auto levels = [&](double height, double least) {
+    return sound.levels(
+        1, [](std::uint32_t curve) { return curve == 3 ? 1 : 2; },
+        [&](std::uint32_t curve, int level) {
+          return feet[curve] + Vec3{0, 0, level == 0 ? 0.0 : level == 1 ? 0.1 : 0.1 + height};
+        },
+        least);
+  };
+  // The scaled Jacobian of the pyramid is 1 / sqrt(1 + height²).
+  CHECK(levels(2.2, 0.4) == 2);
+  CHECK(levels(2.4, 0.4) == 1);
+  CHECK(levels(2.4, SoundStacks::kLeastAbove) == 2);
+  CHECK(levels(4, SoundStacks::kLeastAbove) == 1);
+}
+
 TEST_CASE("a stack goes on where its front stretches, however narrow it becomes") {
   const std::array stretched = squeezed_stack(15, 1.06);
   CHECK(stretched[0] == kSqueezedLevels);
