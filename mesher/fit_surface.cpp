@@ -20,11 +20,20 @@ SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) 
   return {options.small_feature, kSmallFeature, small_face_limits(model)};
 }
 
-// Sizes are a sixteenth by then, and what triangles sag by a 256th; crossings that are as many as ever are the model's.
-// Where there were more than are told, they may still become fewer.
-bool cross_in_model(std::size_t crossings, std::size_t first, int round) {
+// What a round of the surface came to.
+struct Round {
+  std::size_t crossings = 0, triangles = 0;
+};
+
+// Sizes are a sixteenth by then, and what triangles sag by a 256th; crossings that do not become fewer are the model's:
+// a line along which faces cross meets twice as many triangles each time. Where there were more than are told, they may
+// still become fewer; and where there are hardly more triangles than before, another round costs little.
+bool cross_in_model(const Round& now, const Round& before, int round) {
   constexpr int kEnoughRounds = 4;
-  return round >= kEnoughRounds && first > 0 && first < IntersectionSearch{}.most && crossings >= first;
+  constexpr double kHardlyMore = 1.1;
+  return round >= kEnoughRounds && before.crossings > 0 && before.crossings < IntersectionSearch{}.most &&
+         now.crossings >= before.crossings &&
+         static_cast<double>(now.triangles) > kHardlyMore * static_cast<double>(before.triangles);
 }
 
 double longest_edge(const Mesh& mesh, std::uint32_t tri) {
@@ -53,16 +62,18 @@ bool SurfaceFitter::run() {
   first_sizes_ = sized.sizes;
   first_elements_ = count_elements(sized.estimate);
   std::optional<Candidate> good;
-  std::size_t first_crossings = 0, last_misfits = 0;
+  Round before;
+  std::size_t last_misfits = 0;
   constexpr int kMostRounds = 6, kMostFittingRounds = 3;
   for (int round = 0;; ++round) {
     Candidate candidate = make_candidate(sized);
     if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-    if (round == 0) first_crossings = candidate.solid_hits.size();
     if (round == 0 && options_.stop_where_model_crosses && crosses_in_model(candidate))
       return stop_early(std::move(candidate));
     if (round == 0 && has_skins(candidate)) return judge_crossings(std::move(candidate));
-    const bool is_last = round >= kMostRounds || cross_in_model(candidate.solid_hits.size(), first_crossings, round);
+    const Round now{candidate.solid_hits.size(), candidate.surface.mesh.tri_to_vert.size()};
+    const bool is_last = round >= kMostRounds || cross_in_model(now, before, round);
+    before = now;
     Stopwatch watch;
     const bool crosses = !candidate.solid_hits.empty();
     std::vector<Misfit> misfits;
