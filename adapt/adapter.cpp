@@ -201,7 +201,7 @@ Adapter::Whole Adapter::take_whole() {
   work_.each([&] {
     if (work_.rank() != 0) return;
     const std::size_t gathered = whole_.points.size();
-    keep_values(carried.on_points, join_fans(whole_, touching_), gathered);
+    keep_values(carried.on_points, join_umbrellas(whole_, touching_), gathered);
     result.mesh = make_mesh_of(whole_, mesh_, work_.runner_for_one());
     result.metric = std::move(whole_.to_metric);
     whole_ = WholeMesh();

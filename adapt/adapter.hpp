@@ -8,10 +8,10 @@
 
 #include "adapt/kernel/passes.hpp"
 #include "adapt/metric/background.hpp"
-#include "adapt/parts/fans.hpp"
 #include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/share_in_parts.hpp"
+#include "adapt/parts/umbrellas.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"

@@ -68,7 +68,7 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
     const auto own = std::span(tets).subspan(slice.begin, slice.end - slice.begin);
     share.fields_before = figures_before(slice, {share.mesh.points.span(), own}, options.transfer, work);
   }
-  share.touching = separate_fans(share.mesh, slice, work);
+  share.touching = separate_umbrellas(share.mesh, slice, work);
   share.links = take_share(share.mesh, slice);
   const ShareVerts own = verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
   slice = MeshSlice(), verts = SliceVerts();
@@ -102,7 +102,7 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
   const std::size_t given = whole_.points.size();
   const std::vector<std::uint32_t> starts = first_tets_of(whole_.to_vert.span(), given);
   std::ranges::copy(starts, whole_.to_hint.begin());
-  touching_ = separate_fans(whole_, runner_);
+  touching_ = separate_umbrellas(whole_, runner_);
   WholeMesh rest;
   links_ = take_share(whole_, work_, &rest);
   keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
@@ -111,7 +111,7 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.
 void Adapter::keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric) {
   const bool is_rest = &whole != &whole_;
-  std::vector<TetVerts> tets = tets_before_fans(whole, touching_, given, runner_);
+  std::vector<TetVerts> tets = tets_before_umbrellas(whole, touching_, given, runner_);
   if (is_rest) whole.to_vert.release();
   std::vector<std::uint32_t> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
   if (is_rest) whole.to_neighbor.release();

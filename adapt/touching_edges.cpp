@@ -26,7 +26,7 @@ bool has(const Verts& verts, std::uint32_t vert) {
   return std::find(verts.begin(), verts.end(), vert) != verts.end();
 }
 
-/// Edges of more than three triangles, ascending: fans that touch have two each.
+/// Edges of more than three triangles, ascending: umbrellas that touch have two each.
 std::vector<EdgeVerts> find_candidates(const Mesh& mesh) {
   std::vector<EdgeVerts> uses, found;
   uses.reserve(mesh.tri_to_vert.size() * 3);
@@ -40,10 +40,10 @@ std::vector<EdgeVerts> find_candidates(const Mesh& mesh) {
   return found;
 }
 
-/// How many fans the tets at an edge make, of each of which the two other vertices are known.
-std::size_t count_fans(std::vector<EdgeVerts> ring) {
-  std::size_t fans = 0;
-  for (; !ring.empty(); ++fans) {
+/// How many umbrellas the tets at an edge make, of each of which the two other vertices are known.
+std::size_t count_umbrellas(std::vector<EdgeVerts> ring) {
+  std::size_t umbrellas = 0;
+  for (; !ring.empty(); ++umbrellas) {
     std::vector<std::uint32_t> reached{ring.back()[0]};
     for (std::size_t i = 0; i < reached.size(); ++i)
       std::erase_if(ring, [&](const EdgeVerts& pair) {
@@ -52,7 +52,7 @@ std::size_t count_fans(std::vector<EdgeVerts> ring) {
         return true;
       });
   }
-  return fans;
+  return umbrellas;
 }
 
 std::vector<EdgeVerts> find_touching_edges(const Mesh& mesh) {
@@ -75,7 +75,7 @@ std::vector<EdgeVerts> find_touching_edges(const Mesh& mesh) {
   }
   std::vector<EdgeVerts> touching;
   for (std::size_t i = 0; i < edges.size(); ++i)
-    if (count_fans(std::move(rings[i])) > 1) touching.push_back(edges[i]);
+    if (count_umbrellas(std::move(rings[i])) > 1) touching.push_back(edges[i]);
   return touching;
 }
 

@@ -11,7 +11,7 @@ namespace tetloom::adapt {
 
 namespace {
 
-// Numbers of vertices once fans that touch have one vertex again: that of the first fan.
+// Numbers of vertices once umbrellas that touch have one vertex again: that of the first umbrella.
 class JoinedNumbers {
  public:
   JoinedNumbers(const SharePieces& pieces, const SharedWork& work) : pieces_(pieces) {
@@ -42,7 +42,7 @@ class JoinedNumbers {
     auto operator<=>(const Named&) const = default;
   };
 
-  // Its place among the vertices at which fans touch.
+  // Its place among the vertices at which umbrellas touch.
   std::uint32_t slot_of(std::uint32_t vert) const {
     if (pieces_.touching.to_entity.empty()) return kNone;
     const ModelEntity entity = pieces_.share.to_entity[vert].unpack();
@@ -69,8 +69,8 @@ class JoinedNumbers {
   }
 
   const SharePieces& pieces_;
-  std::vector<std::uint32_t> first_;    // number of the first fan's vertex, by slot
-  std::vector<std::uint32_t> dropped_;  // numbers of those of other fans, ascending
+  std::vector<std::uint32_t> first_;    // number of the first umbrella's vertex, by slot
+  std::vector<std::uint32_t> dropped_;  // numbers of those of other umbrellas, ascending
 };
 
 // How large tables of entities have to be: corners and edges that the source does not name are beyond them.
@@ -123,7 +123,7 @@ class PartMaker {
 
  private:
   // Vertices of the part's own stand as they do in the share; those of lower parts follow as tets use them. Vertices
-  // that fans have made of one are one again.
+  // that umbrellas have made of one are one again.
   std::uint32_t local_of(std::uint32_t vert) {
     const auto at = others_.find(vert);
     if (at != others_.end()) return at->second;
@@ -136,11 +136,11 @@ class PartMaker {
 
   bool is_own(std::uint32_t vert) const { return vert >= first_vert_ && vert < last_vert_; }
   std::uint32_t known(std::uint32_t vert) const {
-    if (is_own(vert) && !has_fans()) return vert - static_cast<std::uint32_t>(first_vert_);
+    if (is_own(vert) && !has_umbrellas()) return vert - static_cast<std::uint32_t>(first_vert_);
     const auto at = others_.find(vert);
     return at == others_.end() ? to_local_[vert - first_vert_] : at->second;
   }
-  bool has_fans() const { return !pieces_.touching.to_entity.empty(); }
+  bool has_umbrellas() const { return !pieces_.touching.to_entity.empty(); }
 
   void take_tets() {
     number_own();
@@ -156,11 +156,11 @@ class PartMaker {
   void number_own() {
     for (std::size_t i = first_vert_; i < last_vert_; ++i) {
       const auto vert = static_cast<std::uint32_t>(i);
-      if (!has_fans()) {
+      if (!has_umbrellas()) {
         verts_.push_back(vert);
         continue;
       }
-      // Only vertices at which fans touch have numbers that others have as well.
+      // Only vertices at which umbrellas touch have numbers that others have as well.
       const bool touches = numbers_.entity_of(vert) != share_.to_entity[vert];
       to_local_.push_back(touches ? local_of(vert) : static_cast<std::uint32_t>(verts_.size()));
       if (!touches) verts_.push_back(vert);

@@ -6,7 +6,7 @@ namespace tetloom::adapt {
 
 namespace {
 
-// The places in a slice of a share's vertices, as they were before fans had vertices of their own.
+// The places in a slice of a share's vertices, as they were before umbrellas had vertices of their own.
 std::vector<std::uint32_t> places_of(std::span<const std::uint32_t> given, const WholeMesh& share,
                                      const ShareLinks& links, const TouchingVerts& touching) {
   std::vector<std::uint32_t> places;

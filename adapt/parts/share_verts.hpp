@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "adapt/parts/fans.hpp"
 #include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/share.hpp"
+#include "adapt/parts/umbrellas.hpp"
 #include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 
 struct ShareVerts {
   std::vector<std::uint32_t>
-      to_given;                 ///< number in the mesh that was given; those that fans made of one have the same
+      to_given;                 ///< number in the mesh that was given; those that umbrellas made of one have the same
   bool has_metric = false;      ///< the same on all ranks
   std::vector<Tensor> logs;     ///< of the metric; none where there is none
   std::vector<Tensor> implied;  ///< logarithms; see ImpliedMetric
@@ -26,7 +26,7 @@ struct ShareVerts {
 /// Of each vertex the first of the tets that have it, by number; kNone without any. `to_vert`: 4 per tet.
 std::vector<std::uint32_t> first_tets_of(std::span<const std::uint32_t> to_vert, std::size_t vert_count);
 
-/// What is known at the vertices of a slice before fans have vertices of their own.
+/// What is known at the vertices of a slice before umbrellas have vertices of their own.
 struct SliceVerts {
   std::vector<Tensor> implied;
   std::vector<std::uint32_t> starts;  ///< places of tets in the slice

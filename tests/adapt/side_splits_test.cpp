@@ -4,7 +4,7 @@
 #include <set>
 
 #include "adapt/parts/cut_parts.hpp"
-#include "adapt/parts/fans.hpp"
+#include "adapt/parts/umbrellas.hpp"
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/one_round.hpp"
 #include "tests/adapt/touching_blocks.hpp"
@@ -133,11 +133,11 @@ TEST_CASE("edges at which bodies touch are not split at sides", "[side_splits]")
     CAPTURE(shape.name);
     const Mesh mesh = mesh_of(shape, 2);
     test::BeforeRound before(mesh, metric_of(mesh));
-    const TouchingVerts touching = separate_fans(before.whole, before.runner);
+    const TouchingVerts touching = separate_umbrellas(before.whole, before.runner);
     before.links = take_share(before.whole, before.work);
     splits += adapt_in_parts(before.whole, before.links, before.deal(9),
                              {[](std::size_t, CavityMesh&) {}, &before.stage, {.longest = 0.1}}, before.work);
-    join_fans(before.whole, touching);
+    join_umbrellas(before.whole, touching);
     test::check_kept(mesh, make_mesh_of(before.whole, mesh, TaskRunner(1)));
   }
   CHECK(splits > 100);

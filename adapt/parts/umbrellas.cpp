@@ -1,4 +1,4 @@
-#include "adapt/parts/fans.hpp"
+#include "adapt/parts/umbrellas.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using EdgeVerts = std::array<std::uint32_t, 2>;
 EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// Where the outer surface is no surface: edges of more than two of its triangles, and vertices at which its triangles
-/// do not follow each other around one fan.
+/// do not follow each other around one umbrella.
 class Pinches {
  public:
   Pinches(const WholeMesh& whole, const TaskRunner& runner) {
@@ -103,23 +103,23 @@ class Separator {
       if (to_slot_[whole_.to_vert[corner]] != kNone) balls_[to_slot_[whole_.to_vert[corner]]].push_back(corner);
   }
 
-  // Corners of tets at a vertex, those of each fan but the first with a new one.
+  // Corners of tets at a vertex, those of each umbrella but the first with a new one.
   void split_ball(std::uint32_t slot) {
     const std::vector<std::uint32_t>& ball = balls_[slot];
-    DisjointSets fans(ball.size());
+    DisjointSets umbrellas(ball.size());
     for (std::uint32_t i = 0; i < ball.size(); ++i) {
       for (std::uint32_t j = 0; j < 4; ++j) {
         const FaceCode behind = whole_.to_neighbor[ball[i] / 4 * 4 + j];
         if (j == ball[i] % 4 || behind == kNone) continue;
         const auto at = std::lower_bound(ball.begin(), ball.end(), behind / 4 * 4);
-        fans.join(i, static_cast<std::uint32_t>(at - ball.begin()));
+        umbrellas.join(i, static_cast<std::uint32_t>(at - ball.begin()));
       }
     }
     std::vector<std::uint32_t> to_vert(ball.size(), pinches_.verts[slot]);
     for (std::uint32_t i = 0; i < ball.size(); ++i) {
-      const std::uint32_t fan = fans.find(i);
-      if (fan == i && i > 0) to_vert[i] = add_vert(pinches_.verts[slot]);
-      whole_.to_vert[ball[i]] = to_vert[fan];
+      const std::uint32_t umbrella = umbrellas.find(i);
+      if (umbrella == i && i > 0) to_vert[i] = add_vert(pinches_.verts[slot]);
+      whole_.to_vert[ball[i]] = to_vert[umbrella];
     }
   }
 
@@ -134,7 +134,7 @@ class Separator {
 
   std::uint32_t given(std::uint32_t v) const { return to_slot_[v] == kNone ? v : pinches_.verts[to_slot_[v]]; }
 
-  // The two tets of a triangle belong to the same fans.
+  // The two tets of a triangle belong to the same umbrellas.
   void follow_triangles() {
     for (LinkedTriangle& t : whole_.triangles) {
       for (std::uint32_t& v : t.triangle.verts) {
@@ -145,7 +145,7 @@ class Separator {
     }
   }
 
-  // A piece of a model edge becomes one for each fan that has it.
+  // A piece of a model edge becomes one for each umbrella that has it.
   void follow_pieces() {
     std::vector<ModelEdgePiece> made;
     for (const auto& ball : balls_)
@@ -176,11 +176,11 @@ class Separator {
   std::vector<std::vector<std::uint32_t>> balls_;  // corners of tets, ascending
 };
 
-// A vertex at which fans touch, as all ranks know it.
+// A vertex at which umbrellas touch, as all ranks know it.
 struct TouchingVert {
   std::uint32_t number = kNone;
   PackedEntity entity;
-  std::uint32_t added = 0;  // vertices of its fans, behind the first
+  std::uint32_t added = 0;  // vertices of its umbrellas, behind the first
   auto operator<=>(const TouchingVert&) const = default;
 };
 
@@ -255,7 +255,7 @@ class Renaming {
 
 }  // namespace
 
-TouchingVerts separate_fans(WholeMesh& whole, MeshSlice& slice, const SharedWork& work) {
+TouchingVerts separate_umbrellas(WholeMesh& whole, MeshSlice& slice, const SharedWork& work) {
   TouchingVerts own;
   own.first = first_free_corner(whole);
   Pinches pinches(whole, work.runner());
@@ -264,14 +264,14 @@ TouchingVerts separate_fans(WholeMesh& whole, MeshSlice& slice, const SharedWork
   return Renaming(whole, slice, own, work).run();
 }
 
-TouchingVerts separate_fans(WholeMesh& whole, const TaskRunner& runner) {
+TouchingVerts separate_umbrellas(WholeMesh& whole, const TaskRunner& runner) {
   Pinches pinches(whole, runner);
   if (pinches.verts.empty()) return {};
   return Separator(whole, std::move(pinches)).run();
 }
 
-std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whole, const TouchingVerts& touching,
-                                                           std::size_t given, const TaskRunner& runner) {
+std::vector<std::array<std::uint32_t, 4>> tets_before_umbrellas(const WholeMesh& whole, const TouchingVerts& touching,
+                                                                std::size_t given, const TaskRunner& runner) {
   auto tets = tets_of(whole, runner);
   if (whole.points.size() == given) return tets;
   for (auto& tet : tets)
@@ -280,7 +280,7 @@ std::vector<std::array<std::uint32_t, 4>> tets_before_fans(const WholeMesh& whol
   return tets;
 }
 
-std::vector<std::uint32_t> join_fans(WholeMesh& whole, const TouchingVerts& touching) {
+std::vector<std::uint32_t> join_umbrellas(WholeMesh& whole, const TouchingVerts& touching) {
   std::vector<std::uint32_t> kept;
   if (touching.to_entity.empty()) return kept;
   std::vector<std::uint32_t> to_new(whole.points.size()), to_vert(touching.to_entity.size(), kNone);
