@@ -13,7 +13,7 @@ using tets::cube;
 using tets::pairs::pair_of;
 using tets::pairs::PairVec;
 
-constexpr double kMoved = 0.25;  // in the metric: what is beside may then have another place
+constexpr double kMoved = 0.25;          // in the metric: what is beside may then have another place
 constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on the model
 constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
 constexpr double kBearable = 0.4;        // mean ratio that a tet may fall to for the good of its neighbours
