@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTolerance = 1e-6;    // of the model's diagonal
 constexpr double kUnledShare = 0.1;    // of the shortest edge at a vertex
-constexpr double kBesideShare = 0.4;   // of the longest edge at a vertex: what is smaller may have been eliminated
+constexpr double kBesideShare = 1;     // of the longest edge at a vertex: what is smaller may have been eliminated
 constexpr double kMostBeside = 0.125;  // of the vertices on the model
 constexpr std::array<const char*, 4> kKinds{"vertex", "edge", "face", "region"};
 

@@ -13,7 +13,7 @@
 namespace tetloom::adapt {
 
 /// Vertices that lie beside what they are classified on, as where a small feature of the model was eliminated when the
-/// mesh was made: up to .4 of the longest edge of the surface there.
+/// mesh was made: up to the longest edge of the surface there.
 struct VerticesBesideModel {
   std::int64_t vertices = 0;  ///< on the model's vertices, edges and faces
   std::int64_t count = 0;     ///< of these, those beside it
