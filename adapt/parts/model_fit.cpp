@@ -102,8 +102,9 @@ class FitCheck {
   // Beside the model lie vertices at which a small feature of it was eliminated.
   Fit fit_of(ModelEntity entity, std::uint32_t vert, const Vec3& place) const {
     const double off = distance(place, whole_.points[vert]);
-    const double on = std::max({model_.attributes(entity).tolerance, kTolerance * model_.bounding_box().diagonal(),
-                                std::isfinite(shortest_[vert]) ? kUnledShare * shortest_[vert] : 0.0});
+    const double on =
+        std::max({model_.attributes(entity).tolerance, kTolerance * model_.bounding_box().diagonal(),
+                  std::isfinite(shortest_[vert]) && entity.dim > 0 ? kUnledShare * shortest_[vert] : 0.0});
     if (off <= on) return Fit::On;
     return off <= kBesideShare * longest_[vert] ? Fit::Beside : Fit::Elsewhere;
   }

@@ -137,12 +137,11 @@ std::optional<UncrossedFacets> uncross_facets(std::span<const Vec3> points, std:
     std::vector<std::uint32_t> in_the_way = piercings.in_the_way;
     if (in_the_way.empty()) {
       CutFacets cut = cut_facets(moved, tris, edges, piercings.all, cancel);
-      if (cut.in_the_way.empty()) {
+      in_the_way = std::move(cut.in_the_way);
+      if (in_the_way.empty()) {
         std::optional<UncrossedFacets> made = select(std::move(cut), cancel);
         if (made && is_closed(made->tris, made->points.size())) return made;
         in_the_way = find_pierced_verts(piercings.all, tris);
-      } else {
-        in_the_way = std::move(cut.in_the_way);
       }
     }
     move_a_little(in_the_way, step, attempt, moved);

@@ -46,10 +46,7 @@ class KeptPlaces {
   bool has(const Vec3& x) const {
     Box3 box;
     box.add(x);
-    bool found = false;
-    for_each_near(bvh_, box,
-                  [&](std::uint32_t i) { found = found || distance(places_[i].center, x) <= places_[i].radius; });
-    return found;
+    return any_near(bvh_, box, [&](std::uint32_t i) { return distance(places_[i].center, x) <= places_[i].radius; });
   }
 
  private:
