@@ -20,22 +20,6 @@ SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) 
   return {options.small_feature, kSmallFeature, small_face_limits(model)};
 }
 
-// What a round of the surface came to.
-struct Round {
-  std::size_t crossings = 0, triangles = 0;
-};
-
-// Sizes are a sixteenth by then, and what triangles sag by a 256th; crossings that do not become fewer are the model's:
-// a line along which faces cross meets twice as many triangles each time. Where there were more than are told, they may
-// still become fewer; and where there are hardly more triangles than before, another round costs little.
-bool cross_in_model(const Round& now, const Round& before, int round) {
-  constexpr int kEnoughRounds = 4;
-  constexpr double kHardlyMore = 1.1;
-  return round >= kEnoughRounds && before.crossings > 0 && before.crossings < IntersectionSearch{}.most &&
-         now.crossings >= before.crossings &&
-         static_cast<double>(now.triangles) > kHardlyMore * static_cast<double>(before.triangles);
-}
-
 double longest_edge(const Mesh& mesh, std::uint32_t tri) {
   const auto& [a, b, c] = mesh.tri_to_vert[tri];
   return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
@@ -62,55 +46,34 @@ bool SurfaceFitter::run() {
   first_sizes_ = sized.sizes;
   first_elements_ = count_elements(sized.estimate);
   std::optional<Candidate> good;
-  Round before;
-  std::size_t last_misfits = 0;
-  constexpr int kMostRounds = 6, kMostFittingRounds = 3;
-  for (int round = 0;; ++round) {
+  for (SurfaceRounds rounds(options_.refine_surface);;) {
     Candidate candidate = make_candidate(sized);
     if (!candidate.surface.errors.empty()) return reject(std::move(candidate));
-    if (round == 0 && options_.stop_where_model_crosses && crosses_in_model(candidate))
-      return stop_early(std::move(candidate));
-    if (round == 0 && has_skins(candidate)) return judge_crossings(std::move(candidate));
-    const Round now{candidate.solid_hits.size(), candidate.surface.mesh.tri_to_vert.size()};
-    const bool is_last = round >= kMostRounds || cross_in_model(now, before, round);
-    before = now;
-    Stopwatch watch;
-    const bool crosses = !candidate.solid_hits.empty();
-    std::vector<Misfit> misfits;
-    bool takes_back = false;
-    if (options_.refine_surface && round < kMostFittingRounds) {
-      misfits = find_misfits(candidate);
-      takes_back = drop_contacts(candidate, misfits);
+    if (rounds.count() == 0) {
+      if (options_.stop_where_model_crosses && crosses_in_model(candidate)) return stop_early(std::move(candidate));
+      if (has_skins(candidate)) return judge_crossings(std::move(candidate));
     }
-    if (round > 0 && !crosses && are_negligible(misfits, candidate.surface.mesh, candidate.sizes, last_misfits))
-      misfits.clear();
-    last_misfits = misfits.size();
-    result_.seconds.surface += watch.lap();
-    // Narrow places that were refined until triangles crossed, as those where faces touch.
-    if (good && crosses && round >= kMostFittingRounds) return accept(std::move(*good), true);
-    const bool done = !crosses && misfits.empty() && !takes_back;
-    if (done && candidate.all_hits.empty()) return accept(std::move(candidate), true);
-    if (crosses && is_last && keep_facets(candidate)) continue;
-    if (done || !options_.refine_surface || is_last) return judge_crossings(std::move(candidate));
-    bool refined = true;
+    const NarrowPlaces narrow = find_narrow_places(candidate, rounds);
+    switch (rounds.decide(count_round(candidate, narrow))) {
+      case NextStep::Accept: return accept(std::move(candidate), true);
+      case NextStep::AcceptBefore: return accept(std::move(*good), true);
+      case NextStep::Judge: return judge_crossings(std::move(candidate));
+      case NextStep::KeepFacets:
+        if (!keep_facets(candidate)) return judge_crossings(std::move(candidate));
+        continue;
+      case NextStep::Refine: break;
+    }
+    const bool crosses = !candidate.solid_hits.empty();
     try {
-      work_.together([&] {
-        std::optional<SizedModel> finer = refine(candidate, misfits, takes_back);
-        refined = finer.has_value();
-        if (refined) sized = std::move(*finer);
-      });
+      if (!refine_together(candidate, narrow, sized)) return accept(std::move(candidate), true);
     } catch (const Error& error) {
       if (!crosses) good = std::move(candidate);
       if (error.code() != ErrorCode::OutOfMemory || !good) throw;
-      for (const Misfit& misfit : misfits) log_.note(misfit, good->surface.mesh);
-      result_.refinement.rounds = round + 1;
+      for (const Misfit& misfit : narrow.misfits) log_.note(misfit, good->surface.mesh);
+      result_.refinement.rounds = rounds.count();
       return accept(std::move(*good), false);
     }
-    if (!refined) return accept(std::move(candidate), true);
-    result_.refinement.rounds = round + 1;
-    watch.lap();
-    embedded_ = candidate.all_hits.empty() ? KnownTriangles(candidate.surface.mesh, runner_) : KnownTriangles();
-    result_.seconds.surface += watch.lap();
+    result_.refinement.rounds = rounds.count();
     if (!crosses) good = std::move(candidate);
   }
 }
@@ -246,6 +209,26 @@ bool SurfaceFitter::keep_facets(const Candidate& candidate) {
   return helps;
 }
 
+SurfaceFitter::NarrowPlaces SurfaceFitter::find_narrow_places(const Candidate& candidate, const SurfaceRounds& rounds) {
+  Stopwatch watch;
+  NarrowPlaces narrow;
+  if (rounds.seeks_misfits()) {
+    narrow.misfits = find_misfits(candidate);
+    narrow.takes_back = drop_contacts(candidate, narrow.misfits);
+  }
+  if (rounds.count() > 0 && candidate.solid_hits.empty() &&
+      are_negligible(narrow.misfits, candidate.surface.mesh, candidate.sizes, rounds.last().misfits))
+    narrow.misfits.clear();
+  result_.seconds.surface += watch.lap();
+  return narrow;
+}
+
+SurfaceRound SurfaceFitter::count_round(const Candidate& candidate, const NarrowPlaces& narrow) {
+  const std::size_t of_solids = candidate.solid_hits.size();
+  return {candidate.surface.mesh.tri_to_vert.size(), of_solids, candidate.all_hits.size() - of_solids,
+          narrow.misfits.size(), narrow.takes_back};
+}
+
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
   return tetloom::find_misfits(
       candidate.surface.mesh, model_.topology(), candidate.sizes, [&](const Vec3& x) { return floor_at(x); },
@@ -305,11 +288,25 @@ bool SurfaceFitter::bounds_region(std::uint32_t face) const {
   return sides.front.valid() || sides.back.valid();
 }
 
+// The sizes of the next round; false where nothing is refined.
+bool SurfaceFitter::refine_together(const Candidate& candidate, const NarrowPlaces& narrow, SizedModel& sized) {
+  bool is_refined = false;
+  work_.together([&] {
+    std::optional<SizedModel> finer = refine(candidate, narrow);
+    is_refined = finer.has_value();
+    if (is_refined) sized = std::move(*finer);
+  });
+  if (!is_refined) return false;
+  Stopwatch watch;
+  embedded_ = candidate.all_hits.empty() ? KnownTriangles(candidate.surface.mesh, runner_) : KnownTriangles();
+  result_.seconds.surface += watch.lap();
+  return true;
+}
+
 // Sizes with what the surface calls for: all crossings, and narrow places as far as the budget goes. What narrow places
 // cost is estimated, and known when the sizes are there: they are chosen again where it was too much. None where
 // nothing is refined.
-std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, const std::vector<Misfit>& misfits,
-                                                bool takes_back) {
+std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, const NarrowPlaces& narrow) {
   const Mesh& mesh = candidate.surface.mesh;
   for (const TriangleIntersection& hit : candidate.solid_hits) refine_at(hit, mesh);
   result_.refinement.crossings += candidate.solid_hits.size();
@@ -319,8 +316,8 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
   constexpr double kOver = 1.1, kUnder = 0.9;
   for (int tries = 1;; ++tries) {
     const bool give_up = tries == kMostTries;
-    const AffordableMisfits chosen = choose_affordable(misfits, mesh, candidate.sizes, give_up ? 0 : budget);
-    if (chosen.refined.empty() && candidate.solid_hits.empty() && !takes_back) return {};
+    const AffordableMisfits chosen = choose_affordable(narrow.misfits, mesh, candidate.sizes, give_up ? 0 : budget);
+    if (chosen.refined.empty() && candidate.solid_hits.empty() && !narrow.takes_back) return {};
     std::vector<SizeRefinement> more = log_.refinements();
     for (const Misfit& misfit : chosen.refined) more.push_back(refinement_for(misfit, mesh));
     SizedModel sized = build_sizes(more);

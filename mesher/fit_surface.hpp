@@ -12,6 +12,7 @@
 #include "mesher/sizing/build_size_field.hpp"
 #include "mesher/sizing/misfits.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "mesher/surface_rounds.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
@@ -53,6 +54,12 @@ class SurfaceFitter {
     std::vector<TriangleIntersection> all_hits, solid_hits;  ///< crossings, and those of solids: sheets may cross
   };
 
+  /// Where the surface is too narrow for its sizes.
+  struct NarrowPlaces {
+    std::vector<Misfit> misfits;
+    bool takes_back = false;  ///< of refinements before, those at walls that touch
+  };
+
   SizedModel build_sizes(const std::vector<SizeRefinement>& refinements);
   SizeField build_asked_sizes() const;
   double count_elements(const MeshEstimate& estimate) const;
@@ -71,7 +78,10 @@ class SurfaceFitter {
   std::vector<TriangleIntersection> those_of_solids(std::vector<TriangleIntersection> hits, const Mesh& mesh) const;
   bool bounds_region(std::uint32_t face) const;
 
-  std::optional<SizedModel> refine(const Candidate& candidate, const std::vector<Misfit>& misfits, bool takes_back);
+  NarrowPlaces find_narrow_places(const Candidate& candidate, const SurfaceRounds& rounds);
+  static SurfaceRound count_round(const Candidate& candidate, const NarrowPlaces& narrow);
+  bool refine_together(const Candidate& candidate, const NarrowPlaces& narrow, SizedModel& sized);
+  std::optional<SizedModel> refine(const Candidate& candidate, const NarrowPlaces& narrow);
   void refine_at(const TriangleIntersection& hit, const Mesh& mesh);
 
   bool reject(Candidate&& candidate);
