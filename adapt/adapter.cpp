@@ -149,12 +149,7 @@ std::vector<double> Adapter::gather(std::vector<double>&& own) const {
   });
   std::vector<double> all;
   work_.each([&] {
-    if (work_.rank() != 0) return;
-    for (const Bytes& bytes : given) {
-      MessageReader reader(bytes);
-      const auto values = reader.get_view<double>();
-      all.insert(all.end(), values.begin(), values.end());
-    }
+    if (work_.rank() == 0) all = joined_lists<double>(given);
   });
   return all;
 }

@@ -113,7 +113,7 @@ void Adapter::keep_background(WholeMesh& whole, std::size_t given, MetricField&&
   const bool is_rest = &whole != &whole_;
   std::vector<TetVerts> tets = tets_before_umbrellas(whole, touching_, given, runner_);
   if (is_rest) whole.to_vert.release();
-  std::vector<std::uint32_t> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
+  std::vector<FaceCode> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
   if (is_rest) whole.to_neighbor.release();
   std::vector<Vec3> points(whole.points.begin(), whole.points.begin() + given);
   if (is_rest) whole = WholeMesh();

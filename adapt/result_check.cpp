@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/lists.hpp"
 #include "core/predicates/predicates.hpp"
 #include "tetloom/error.hpp"
 
@@ -20,8 +21,7 @@ void check_positive(const TetView& mesh, const BlockLoop& loop) {
           if (orient3d(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) <= 0) found.push_back(tet);
         }
       });
-  Tets all;
-  for (const Tets& found : of_blocks) all.insert(all.end(), found.begin(), found.end());
+  Tets all = joined(of_blocks);
   if (all.empty()) return;
   const std::string message = "adaptation has left " + std::to_string(all.size()) + " tetrahedra flat or inverted";
   const Vec3 place = mesh.points[mesh.tets[all[0]][0]];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
@@ -104,8 +105,7 @@ class PartClassifier {
     for (const BoundaryKind kind : {BoundaryKind::Triangle, BoundaryKind::Quad})
       for (const std::uint32_t face : part_.block(kind).to_entity) note(PackedEntity({2, face}), used);
     for (const std::uint32_t edge : part_.block(BoundaryKind::Edge).to_entity) note(PackedEntity({1, edge}), used);
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    sort_unique(used);
     for (const PackedEntity packed : used)
       if (packed.unpack().valid()) part_.entities.push_back(describe(packed.unpack()));
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/base/lists.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/layers/layered_mesh.hpp"
 #include "mesher/mesh_run_detail.hpp"
@@ -52,8 +53,7 @@ std::vector<ModelRegionId> regions_that_cross(const MeshResult& result, const Mo
         if (region.valid()) regions.push_back(region);
     }
   }
-  std::ranges::sort(regions);
-  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  sort_unique(regions);
   return regions;
 }
 

@@ -122,13 +122,13 @@ bool CavityMesh::is_sound(const Cavity& cavity, std::uint32_t p) const {
       if (surface.find(verts)) return false;
     }
     // Nothing but a triangle where a tet vanishes: there must be a tet to have it.
-    for (const FaceCode side : {face, mesh.to_neighbor[face]}) {
-      if (side == kNone) continue;
-      const std::uint32_t tet = side / 4;
+    for (const FaceCode side : {face, mesh.behind(face)}) {
+      if (!side.valid()) continue;
+      const std::uint32_t tet = side.tet();
       if (corner_of(tet, p) == 4) continue;
       for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
-        const FaceCode outer = tet * 4 + cavity.corners[slot_[tet]][k];
-        if (mesh.is_fixed(outer) || mesh.to_neighbor[outer] == kNone) return false;
+        const FaceCode outer(tet, cavity.corners[slot_[tet]][k]);
+        if (mesh.is_fixed(outer) || !mesh.behind(outer).valid()) return false;
       }
     }
   }
@@ -185,7 +185,7 @@ void CavityMesh::remember(const Cavity& cavity, std::uint32_t p) {
   for (std::size_t i = 0; i < cavity.tets.size(); ++i) {
     const std::uint32_t tet = cavity.tets[i];
     OldTet& old = star_[i];
-    std::copy_n(&mesh.to_neighbor[std::size_t{tet} * 4], 4, old.behind.begin());
+    std::copy_n(&mesh.behind({tet, 0}), 4, old.behind.begin());
     old.fixed = mesh.to_fixed[tet];
     old.apex = corner_of(tet, p);
     (old.vanishes() ? vanishing_ : old_).push_back(tet);
@@ -222,41 +222,41 @@ void CavityMesh::write_star(const Cavity& cavity, std::uint32_t p, const MadeQua
 
 // Of a tet that vanishes: a triangle behind which nothing lies passes to what was behind the tet.
 void CavityMesh::pass_triangle(const Cavity& cavity, std::size_t i) {
-  if (star_[i].behind[star_[i].apex] != kNone) return;
+  if (star_[i].behind[star_[i].apex].valid()) return;
   for (std::uint32_t k = 0; k < cavity.core_size; ++k) {
     const FaceCode outer = star_[i].behind[cavity.corners[i][k]];
-    tets::link_sides(mesh, outer, kNone, true);
-    for (const std::uint32_t v : tets::verts_of(mesh, outer)) vert_to_tet[v] = outer / 4;
+    tets::link_sides(mesh, outer, {}, true);
+    for (const std::uint32_t v : tets::verts_of(mesh, outer)) vert_to_tet[v] = outer.tet();
   }
 }
 
 // Links what has taken the place of the i-th tet, with p in that of the k-th vertex of the core.
 void CavityMesh::link_made(const Cavity& cavity, std::size_t i, std::uint32_t k) {
   const OldTet& old = star_[i];
-  const std::uint32_t base = old.ids[k] * 4, own = cavity.corners[i][k];
-  tets::link_sides(mesh, base + own, old.behind[own], old.is_fixed(own));
+  const std::uint32_t made = old.ids[k], own = cavity.corners[i][k];
+  tets::link_sides(mesh, {made, own}, old.behind[own], old.is_fixed(own));
   unsigned in_core = 1u << own;
   for (std::uint32_t other = 0; other < cavity.core_size; ++other) {
     if (other == k) continue;
     const std::uint32_t corner = cavity.corners[i][other];
-    mesh.to_neighbor[base + corner] = old.ids[other] * 4 + own;
+    mesh.behind({made, corner}) = {old.ids[other], own};
     in_core |= 1u << corner;
   }
   for (std::uint32_t j = 0; j < 4; ++j) {
     if (in_core >> j & 1) continue;
     const FaceCode behind = old.behind[j];
-    if (behind == kNone) {
-      tets::link_sides(mesh, base + j, kNone, old.is_fixed(j));
+    if (!behind.valid()) {
+      tets::link_sides(mesh, {made, j}, {}, old.is_fixed(j));
       continue;
     }
-    const std::size_t slot = slot_[behind / 4];
+    const std::size_t slot = slot_[behind.tet()];
     const OldTet& beside = star_[slot];
     if (!beside.vanishes()) {
-      mesh.to_neighbor[base + j] = beside.ids[k] * 4 + behind % 4;
-      if (old.is_fixed(j)) tets::fix_side(mesh, base + j);
+      mesh.behind({made, j}) = behind.of_tet(beside.ids[k]);
+      if (old.is_fixed(j)) tets::fix_side(mesh, {made, j});
     } else {
       const std::uint32_t outer = cavity.corners[slot][k];
-      tets::link_sides(mesh, base + j, beside.behind[outer], old.is_fixed(j) || beside.is_fixed(outer));
+      tets::link_sides(mesh, {made, j}, beside.behind[outer], old.is_fixed(j) || beside.is_fixed(outer));
     }
   }
 }

@@ -162,10 +162,11 @@ class CavityMesh {
   /// Has the tets around one fetched, which will be asked for soon.
   void prefetch_behind(std::uint32_t tet) const {
     for (std::uint32_t j = 0; j < 4; ++j) {
-      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + j];
-      if (behind == kNone) continue;
-      __builtin_prefetch(&mesh.to_vert[behind & ~3u]);
-      __builtin_prefetch(&mesh.to_neighbor[behind & ~3u]);
+      const FaceCode behind = mesh.behind({tet, j});
+      if (!behind.valid()) continue;
+      const std::size_t first = FaceCode(behind.tet(), 0).index();
+      __builtin_prefetch(&mesh.to_vert[first]);
+      __builtin_prefetch(&mesh.to_neighbor[first]);
     }
   }
   std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);

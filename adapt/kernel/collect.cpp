@@ -68,11 +68,11 @@ bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
     if ((mesh.to_fixed[here] & ~(1u << own)) != 0) add_fixed_faces(here, own, cavity);
     const auto& faces = tets::kFaceVerts[own];
     for (std::size_t k = 0; k < 3; ++k) {
-      const FaceCode behind = to_neighbor[std::size_t{here} * 4 + faces[k]];
-      if (faces[k] == entries[i] || behind == kNone) continue;
-      const std::uint32_t next = behind / 4, before = slot[next];
+      const FaceCode behind = mesh.behind({here, faces[k]});
+      if (faces[k] == entries[i] || !behind.valid()) continue;
+      const std::uint32_t next = behind.tet(), before = slot[next];
       const bool is_known = (before < size) & (list[std::min(before, size)] == next);
-      list[size] = next, entries[size] = behind % 4;
+      list[size] = next, entries[size] = behind.side();
       slot[next] = is_known ? before : size;
       size += !is_known;
       __builtin_prefetch(all_verts + std::size_t{next} * 4);
@@ -87,8 +87,8 @@ bool CavityMesh::collect_ball(std::uint32_t tet, Cavity& cavity) const {
 // Those that have a core of one, of a tet that has it as its corner `own`.
 void CavityMesh::add_fixed_faces(std::uint32_t tet, std::uint32_t own, Cavity& cavity) const {
   for (std::uint32_t j = 0; j < 4; ++j) {
-    const FaceCode face = tet * 4 + j, behind = mesh.to_neighbor[face];
-    if (j != own && mesh.is_fixed(face) && (behind == kNone || face < behind)) cavity.surface.push_back(face);
+    const FaceCode face(tet, j), behind = mesh.behind(face);
+    if (j != own && mesh.is_fixed(face) && (!behind.valid() || face < behind)) cavity.surface.push_back(face);
   }
 }
 
@@ -108,16 +108,16 @@ bool CavityMesh::collect_shell(std::uint32_t tet, std::size_t most, double least
   for (const auto& [from, beside] : {std::pair(first, second), std::pair(second, first)}) {
     std::uint32_t here = tet, leaving = from, staying = beside;
     for (;;) {
-      const FaceCode face = here * 4 + leaving, behind = to_neighbor[face];
-      if (mesh.is_fixed(face)) cavity.surface.push_back(behind == kNone ? face : std::min(face, behind));
-      if (behind == kNone) break;
-      const std::uint32_t next = behind / 4;
+      const FaceCode face(here, leaving), behind = mesh.behind(face);
+      if (mesh.is_fixed(face)) cavity.surface.push_back(!behind.valid() ? face : std::min(face, behind));
+      if (!behind.valid()) break;
+      const std::uint32_t next = behind.tet();
       if (next == tet) return true;
       if (cavity.tets.size() == most || double{to_quality[next]} < least) return false;
       const std::uint32_t in_core = add(next);
       here = next;
       // Out through the face opposite to the vertex that both tets have beside the edge.
-      staying = behind % 4;
+      staying = behind.side();
       leaving = 6 - in_core - staying;
     }
   }
@@ -135,9 +135,9 @@ bool CavityMesh::collect_few(std::uint32_t tet, Cavity& cavity) const {
   if (cavity.core_size == 4) return true;
   for (std::uint32_t j = 0; j < 4; ++j) {
     if (cavity.is_core(verts(tet)[j])) continue;
-    const FaceCode face = tet * 4 + j, behind = mesh.to_neighbor[face];
-    if (mesh.is_fixed(face)) cavity.surface.push_back(behind == kNone ? face : std::min(face, behind));
-    if (behind != kNone) add_to(cavity, behind / 4, corners_in(behind / 4));
+    const FaceCode face(tet, j), behind = mesh.behind(face);
+    if (mesh.is_fixed(face)) cavity.surface.push_back(!behind.valid() ? face : std::min(face, behind));
+    if (behind.valid()) add_to(cavity, behind.tet(), corners_in(behind.tet()));
   }
   return true;
 }

@@ -94,13 +94,14 @@ void CavityMesh::permute_tets(std::span<const std::uint32_t> sources) {
   GrowingArray<std::uint32_t> to_new;
   to_new.resize(mesh.size(), kNone);
   for (std::size_t i = 0; i < sources.size(); ++i) to_new[sources[i]] = static_cast<std::uint32_t>(i);
-  GrowingArray<std::uint32_t> to_vert, to_neighbor;
+  GrowingArray<std::uint32_t> to_vert;
+  GrowingArray<FaceCode> to_neighbor;
   to_vert.reserve(sources.size() * 5), to_neighbor.reserve(sources.size() * 5);
   for (const std::uint32_t tet : sources) {
     for (std::size_t j = 0; j < 4; ++j) {
-      const FaceCode behind = mesh.to_neighbor[std::size_t{tet} * 4 + j];
+      const FaceCode behind = mesh.behind({tet, j});
       to_vert.push_back(verts(tet)[j]);
-      to_neighbor.push_back(behind == kNone ? kNone : to_new[behind / 4] * 4 + behind % 4);
+      to_neighbor.push_back(behind.valid() ? behind.of_tet(to_new[behind.tet()]) : FaceCode());
     }
   }
   mesh.to_vert = std::move(to_vert), mesh.to_neighbor = std::move(to_neighbor);

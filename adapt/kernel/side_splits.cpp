@@ -20,12 +20,12 @@ bool precedes(const SideEdge& a, const SideEdge& b) {
 // An edge as often as it has open faces in this part, with the tets of these.
 std::vector<SideEdge> SideSplits::long_edges() const {
   std::vector<SideEdge> edges;
-  for (FaceCode face = 0; face < mesh_.mesh.to_neighbor.size(); ++face) {
-    if (mesh_.mesh.to_neighbor[face] != kNone) continue;
+  for (const FaceCode face : mesh_.mesh.faces()) {
+    if (mesh_.mesh.behind(face).valid()) continue;
     const Triangle verts = tets::verts_of(mesh_.mesh, face);
     if (!mesh_.to_frozen[verts[0]] || !mesh_.to_frozen[verts[1]] || !mesh_.to_frozen[verts[2]]) continue;
     for (std::size_t i = 0; i < 3; ++i) {
-      SideEdge edge{.names = {}, .ends = {verts[i], verts[(i + 1) % 3]}, .tet = face / 4, .entity = {}};
+      SideEdge edge{.names = {}, .ends = {verts[i], verts[(i + 1) % 3]}, .tet = face.tet(), .entity = {}};
       if (names_[edge.ends[0]] > names_[edge.ends[1]]) std::swap(edge.ends[0], edge.ends[1]);
       edge.names = {names_[edge.ends[0]], names_[edge.ends[1]]};
       edge.length = static_cast<float>(mesh_.length_of(edge.ends[0], edge.ends[1]));

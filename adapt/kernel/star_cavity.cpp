@@ -27,9 +27,9 @@ bool StarCavity::collect(double goal) {
     const std::uint32_t* v = mesh_.verts(tet);
     const std::uint32_t own = mesh_.corner_of(tet, p_);
     for (std::uint32_t j = 0; j < 4; ++j) {
-      const FaceCode face = tet * 4 + j, behind = mesh_.mesh.to_neighbor[face];
+      const FaceCode face(tet, j), behind = mesh_.mesh.behind(face);
       const bool fixed = mesh_.mesh.is_fixed(face);
-      if (behind != kNone && has(behind / 4)) {
+      if (behind.valid() && has(behind.tet())) {
         if (fixed) return false;
         continue;
       }
@@ -45,8 +45,8 @@ bool StarCavity::collect(double goal) {
       one.verts[j] = p_;
       const double quality = mesh_.quality_of(one.verts[0], one.verts[1], one.verts[2], one.verts[3]);
       if (!(quality > goal)) {
-        if (fixed || behind == kNone || bad_.size() == kMostBad) return false;
-        bad_.push_back(behind / 4);
+        if (fixed || !behind.valid() || bad_.size() == kMostBad) return false;
+        bad_.push_back(behind.tet());
       }
       one.quality = static_cast<float>(quality);
       made_.push_back(one);

@@ -83,12 +83,12 @@ void Passes::try_ring(const tets::EdgeRing& ring, Choice& best) {
 
 // The face opposite to `corner` gives way to an edge between the vertices on both sides.
 void Passes::try_face_swap(std::uint32_t tet, std::uint32_t corner, Choice& best) {
-  const FaceCode face = tet * 4 + corner, behind = mesh_.mesh.to_neighbor[face];
-  if (behind == kNone || mesh_.mesh.is_fixed(face)) return;
-  if (mesh_.to_quality[behind / 4] < mesh_.to_quality[tet]) return;
+  const FaceCode face(tet, corner), behind = mesh_.mesh.behind(face);
+  if (!behind.valid() || mesh_.mesh.is_fixed(face)) return;
+  if (mesh_.to_quality[behind.tet()] < mesh_.to_quality[tet]) return;
   const Triangle core = verts_of(mesh_.mesh, face);
   if (!mesh_.collect(core, tet, cavity_)) return;
-  const std::uint32_t apex = mesh_.mesh.to_vert[behind];
+  const std::uint32_t apex = mesh_.mesh.apex(behind);
   const double least = mesh_.evaluate(cavity_, apex, best.least, made_);
   if (least > best.least) best = {least, core, 3, apex, {}};
 }

@@ -13,7 +13,7 @@ constexpr std::size_t kGrain = 1 << 12;
 // The arrays of a background mesh, for the search.
 struct WholeSource {
   TetView mesh;
-  std::span<const std::uint32_t> links;
+  std::span<const FaceCode> links;
   const BoundaryTree& boundary;
 
   std::size_t tet_count() const { return mesh.tets.size(); }
@@ -21,7 +21,7 @@ struct WholeSource {
     const TetVerts& v = mesh.tets[tet];
     return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
   }
-  std::uint32_t link(std::uint32_t tet, std::size_t i) const { return links[std::size_t{tet} * 4 + i]; }
+  FaceCode behind(FaceCode face) const { return links[face.index()]; }
   std::uint32_t number(std::uint32_t tet) const { return tet; }
   BoundaryTree::Nearest nearest(const Vec3& x) const { return boundary.find_nearest(mesh, x, HUGE_VAL); }
 };
@@ -31,19 +31,19 @@ struct WholeSource {
 BackgroundMesh::BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner)
     : BackgroundMesh(mesh, link_tets(mesh, runner), std::move(metric), runner) {}
 
-BackgroundMesh::BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric,
+BackgroundMesh::BackgroundMesh(const TetView& mesh, std::vector<FaceCode> links, MetricField metric,
                                const TaskRunner& runner)
     : BackgroundMesh(std::vector<Vec3>(mesh.points.begin(), mesh.points.end()),
                      std::vector<TetVerts>(mesh.tets.begin(), mesh.tets.end()), std::move(links), std::move(metric),
                      runner) {}
 
-BackgroundMesh::BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets,
-                               std::vector<std::uint32_t>&& links, MetricField&& metric, const TaskRunner& runner)
+BackgroundMesh::BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<FaceCode>&& links,
+                               MetricField&& metric, const TaskRunner& runner)
     : points_(std::move(points)), tets_(std::move(tets)), links_(std::move(links)), metric_(std::move(metric)) {
   TETLOOM_ASSERT(!tets_.empty() && (metric_.size() == points_.size() || metric_.size() == 0));
-  std::vector<std::uint32_t> open;
-  for (std::size_t face = 0; face < links_.size(); ++face)
-    if (links_[face] == kNone) open.push_back(static_cast<std::uint32_t>(face));
+  std::vector<FaceCode> open;
+  for (const FaceCode face : tets::FaceRange(0, tets_.size()))
+    if (!behind(face).valid()) open.push_back(face);
   boundary_ = BoundaryTree(this->mesh(), std::move(open), runner);
   grid_ = StartGrid(this->mesh());
 }

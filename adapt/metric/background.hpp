@@ -28,18 +28,19 @@ class BackgroundMesh {
   /// 2^30 tets. Errors: Cancelled.
   BackgroundMesh(const TetView& mesh, MetricField metric, const TaskRunner& runner);
   /// The same where the links of the tets are known; see link_tets.
-  BackgroundMesh(const TetView& mesh, std::vector<std::uint32_t> links, MetricField metric, const TaskRunner& runner);
+  BackgroundMesh(const TetView& mesh, std::vector<FaceCode> links, MetricField metric, const TaskRunner& runner);
   /// The same, of arrays that it takes over.
-  BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<std::uint32_t>&& links,
+  BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<FaceCode>&& links,
                  MetricField&& metric, const TaskRunner& runner);
 
-  /// The mesh that lies in `tiles`, to which this refers. Then `mesh`, `metric` and `links` are empty, tets are named
+  /// The mesh that lies in `tiles`, to which this refers. Then `mesh` and `metric` are empty, tets are named
   /// as there, and what is asked for may throw MissingTile. Hints must not be kNone.
   explicit BackgroundMesh(const BackgroundTiles& tiles) : tiles_(&tiles) {}
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }
-  std::span<const std::uint32_t> links() const { return links_; }  ///< see link_tets
+  /// The same face of the tet behind it, see link_tets. Pre: the mesh is in one piece.
+  FaceCode behind(FaceCode face) const { return links_[face.index()]; }
 
   /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNone. A good hint
   /// is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the mesh
@@ -74,7 +75,7 @@ class BackgroundMesh {
  private:
   std::vector<Vec3> points_;
   std::vector<TetVerts> tets_;
-  std::vector<std::uint32_t> links_;  ///< see link_tets
+  std::vector<FaceCode> links_;  ///< see link_tets
   MetricField metric_;
   BoundaryTree boundary_;
   StartGrid grid_;

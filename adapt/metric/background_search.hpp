@@ -82,14 +82,14 @@ class BackgroundSearch {
         const std::size_t i = random ? (k + noise) & 3 : k;
         if (i == came_through || !(place.weights[i] < steepest)) continue;
         outside = true;
-        if (source_.link(tet, i) == kNone) continue;
+        if (!source_.behind({tet, static_cast<std::uint32_t>(i)}).valid()) continue;
         leave = i;
         if (random) break;
         steepest = place.weights[i];
       }
       if (leave == 4) return !outside;
-      const std::uint32_t next = source_.link(tet, leave);
-      tet = next / 4, came_through = next % 4;
+      const FaceCode next = source_.behind({tet, static_cast<std::uint32_t>(leave)});
+      tet = next.tet(), came_through = next.side();
     }
     return false;
   }
@@ -117,11 +117,11 @@ class BackgroundSearch {
         return true;
       }
       if (seen.size() >= kMostVisited) return false;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::uint32_t link = source_.link(best.tet, i);
-        if (link == kNone || std::find(seen.begin(), seen.end(), link / 4) != seen.end()) continue;
-        seen.push_back(link / 4);
-        queue.push_back(candidate(link / 4, x));
+      for (const FaceCode face : FaceCode::of(best.tet)) {
+        const FaceCode behind = source_.behind(face);
+        if (!behind.valid() || std::find(seen.begin(), seen.end(), behind.tet()) != seen.end()) continue;
+        seen.push_back(behind.tet());
+        queue.push_back(candidate(behind.tet(), x));
         std::push_heap(queue.begin(), queue.end());
       }
     }
@@ -129,8 +129,8 @@ class BackgroundSearch {
   }
 
   static BackgroundPlace on_boundary(const BoundaryTree::Nearest& nearest) {
-    BackgroundPlace place{nearest.face / 4, {}};
-    for (std::size_t i = 0; i < 3; ++i) place.weights[kFaceVerts[nearest.face % 4][i]] = nearest.point.weights[i];
+    BackgroundPlace place{nearest.face.tet(), {}};
+    for (std::size_t i = 0; i < 3; ++i) place.weights[kFaceVerts[nearest.face.side()][i]] = nearest.point.weights[i];
     return place;
   }
 
@@ -139,11 +139,11 @@ class BackgroundSearch {
   BackgroundPlace locate_from_boundary(const Vec3& x, std::uint32_t last) const {
     const BoundaryTree::Nearest nearest = source_.nearest(x);
     BackgroundPlace place;
-    if (nearest.face == kNone) return {last, weights_in(last, x)};  // so far away that squares overflow
-    const std::uint32_t tet = nearest.face / 4;
+    if (!nearest.face.valid()) return {last, weights_in(last, x)};  // so far away that squares overflow
+    const std::uint32_t tet = nearest.face.tet();
     const auto& p = nearest.point.weights;
     const bool beside = p[0] > 0 && p[1] > 0 && p[2] > 0;  // beside the face, not one of its edges
-    if (beside && weights_in(tet, x)[nearest.face % 4] < 0) return on_boundary(nearest);
+    if (beside && weights_in(tet, x)[nearest.face.side()] < 0) return on_boundary(nearest);
     if (walk(x, tet, place) || search_around(x, tet, place)) return place;
     return on_boundary(nearest);
   }

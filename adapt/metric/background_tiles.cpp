@@ -6,6 +6,7 @@
 
 #include "adapt/metric/tet_links.hpp"
 #include "core/base/free_memory.hpp"
+#include "core/base/lists.hpp"
 #include "core/spatial/distances.hpp"
 
 namespace tetloom::adapt {
@@ -17,11 +18,6 @@ Bvh tree_over(const std::vector<TileBox>& all, const TaskRunner& runner) {
   boxes.reserve(all.size());
   for (const TileBox& one : all) boxes.push_back(one.box);
   return build_bvh(boxes, runner);
-}
-
-void sort_unique(std::vector<std::uint32_t>& numbers) {
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 // Calls visit(item) for the items of nodes that are not farther away than reach2(), squared; the nearer child first.
@@ -65,7 +61,7 @@ BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int ra
 }
 
 void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest,
-                                  std::uint32_t& number) const {
+                                  FaceCode& number) const {
   const Tile& tile = held_[box.tile]->tile;
   const std::size_t end = std::min<std::size_t>(tile.boundary.size(), box.first + kFacesOfBox);
   for (std::size_t i = box.first; i < end; ++i) {
@@ -73,11 +69,11 @@ void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTre
     const std::array<Vec3, 4> c = tile.corners(place);
     const auto& f = kFaceVerts[face];
     const TrianglePoint point = closest_on_triangle(x, c[f[0]], c[f[1]], c[f[2]]);
-    const std::uint32_t own = tile.numbers[place] * 4 + face;
+    const FaceCode own(tile.numbers[place], face);
     const bool nearer = point.distance2 < nearest.point.distance2;
-    const bool equal = point.distance2 == nearest.point.distance2 && nearest.face != kNone;
+    const bool equal = point.distance2 == nearest.point.distance2 && nearest.face.valid();
     if (!nearer && !(equal && own < number)) continue;
-    nearest = {(box.tile * kTileTets + place) * 4 + face, point};
+    nearest = {FaceCode(box.tile * kTileTets + place, face), point};
     number = own;
   }
 }
@@ -85,7 +81,7 @@ void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTre
 // Boxes whose tile is not at hand may still turn out to be too far away.
 BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
   BoundaryTree::Nearest nearest;
-  std::uint32_t number = kNone;
+  FaceCode number;
   double reach2 = HUGE_VAL;
   std::vector<std::uint32_t> unknown;
   const auto distance_to = [&](const TileBox& box) { return squared_distance_to_box(x, box.box); };

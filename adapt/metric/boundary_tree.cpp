@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "adapt/metric/tet_links.hpp"
 #include "core/spatial/distances.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -21,9 +20,9 @@ double along(double to_a, double to_b) { return to_a <= 0 ? 0 : to_b <= 0 ? 1 : 
 
 }  // namespace
 
-std::array<Vec3, 3> corners_of_face(const TetView& mesh, std::uint32_t face) {
-  const TetVerts& tet = mesh.tets[face / 4];
-  const auto& f = kFaceVerts[face % 4];
+std::array<Vec3, 3> corners_of_face(const TetView& mesh, FaceCode face) {
+  const TetVerts& tet = mesh.tets[face.tet()];
+  const auto& f = kFaceVerts[face.side()];
   return {mesh.points[tet[f[0]]], mesh.points[tet[f[1]]], mesh.points[tet[f[2]]]};
 }
 
@@ -53,7 +52,7 @@ TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, c
   return best;
 }
 
-BoundaryTree::BoundaryTree(const TetView& mesh, std::vector<std::uint32_t> faces, const TaskRunner& runner) {
+BoundaryTree::BoundaryTree(const TetView& mesh, std::vector<FaceCode> faces, const TaskRunner& runner) {
   std::vector<Box3> boxes(faces.size());
   runner.for_blocks(faces.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
@@ -82,7 +81,7 @@ BoundaryTree::Nearest BoundaryTree::find_nearest(const TetView& mesh, const Vec3
         const std::array<Vec3, 3> c = corners_of_face(mesh, faces_[i]);
         const TrianglePoint point = closest_on_triangle(x, c[0], c[1], c[2]);
         const bool nearer = point.distance2 < nearest.point.distance2;
-        const bool equal = point.distance2 == nearest.point.distance2 && nearest.face != kNone;
+        const bool equal = point.distance2 == nearest.point.distance2 && nearest.face.valid();
         if (nearer || (equal && faces_[i] < nearest.face)) nearest = {faces_[i], point};
         if (nearer) reach2 = reach_of_boxes(point.distance2, x);
       }

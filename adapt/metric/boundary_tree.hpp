@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "adapt/metric/tet_links.hpp"
 #include "core/spatial/bvh.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
@@ -20,8 +21,8 @@ struct TrianglePoint {
 /// After Ericson, "Real-time collision detection" (2005), 5.1.5.
 TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// The corners of a face tet · 4 + face, in the order of kFaceVerts.
-std::array<Vec3, 3> corners_of_face(const TetView& mesh, std::uint32_t face);
+/// The corners of a face, in the order of kFaceVerts.
+std::array<Vec3, 3> corners_of_face(const TetView& mesh, FaceCode face);
 
 /// How far boxes may be away, squared, that are to be looked into where something at a squared distance of `distance2`
 /// from x is known: a little more than that, so that what is found as near does not depend on the order of looking,
@@ -32,18 +33,17 @@ double reach_of_boxes(double distance2, const Vec3& x);
 class BoundaryTree {
  public:
   BoundaryTree() = default;
-  /// `faces` are tet · 4 + face.
-  BoundaryTree(const TetView& mesh, std::vector<std::uint32_t> faces, const TaskRunner& runner);
+  BoundaryTree(const TetView& mesh, std::vector<FaceCode> faces, const TaskRunner& runner);
 
   struct Nearest {
-    std::uint32_t face = kNone;  ///< kNone: nothing within the limit
+    FaceCode face;  ///< not valid: nothing within the limit
     TrianglePoint point;
   };
   /// The face nearest to x that is nearer than sqrt(limit2); the lowest of equals. `mesh` is that of the constructor.
   Nearest find_nearest(const TetView& mesh, const Vec3& x, double limit2) const;
 
  private:
-  std::vector<std::uint32_t> faces_;  ///< in the order of the hierarchy
+  std::vector<FaceCode> faces_;  ///< in the order of the hierarchy
   Bvh bvh_;
 };
 

@@ -1,3 +1,4 @@
+#include "core/base/lists.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -34,8 +35,7 @@ std::vector<std::vector<std::uint32_t>> verts_by_entity(const std::vector<Elemen
     verts[entities[e]].insert(verts[entities[e]].end(), elements[e].begin(), elements[e].end());
   }
   for (std::vector<std::uint32_t>& each : verts) {
-    std::sort(each.begin(), each.end());
-    each.erase(std::unique(each.begin(), each.end()), each.end());
+    sort_unique(each);
   }
   return verts;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "core/base/lists.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/metric.hpp"
 
@@ -30,8 +31,7 @@ class Neighborhood {
         const auto neighbors = graph_.neighbors(v);
         next_.insert(next_.end(), neighbors.begin(), neighbors.end());
       }
-      std::sort(next_.begin(), next_.end());
-      next_.erase(std::unique(next_.begin(), next_.end()), next_.end());
+      sort_unique(next_);
       found_.swap(next_);
     }
     return found_;

@@ -5,13 +5,14 @@
 
 namespace tetloom::adapt {
 
-std::vector<std::uint32_t> link_tets(const TetView& mesh, const BlockLoop& loop) {
+std::vector<FaceCode> link_tets(const TetView& mesh, const BlockLoop& loop) {
   TETLOOM_ASSERT(mesh.tets.size() < (std::size_t{1} << 30));
-  std::vector<std::uint32_t> links(mesh.tets.size() * 4, kNone);
+  std::vector<FaceCode> links(mesh.tets.size() * 4);
   if (mesh.tets.empty()) return links;
   tets::for_each_face_group({mesh.tets[0].data(), links.size()}, mesh.points.size(), loop,
-                            [&](std::span<const tets::FaceCode> faces, const tets::TriangleVerts&) {
-                              if (faces.size() > 1) links[faces[0]] = faces[1], links[faces[1]] = faces[0];
+                            [&](std::span<const FaceCode> faces, const tets::TriangleVerts&) {
+                              if (faces.size() < 2) return;
+                              links[faces[0].index()] = faces[1], links[faces[1].index()] = faces[0];
                             });
   return links;
 }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "adapt/metric/tet_links.hpp"
-
 namespace tetloom::adapt {
 
 Tile Tile::read(const Bytes& bytes) {
@@ -13,7 +11,7 @@ Tile Tile::read(const Bytes& bytes) {
   tile.logs = reader.get_view<Tensor>(), tile.implied = reader.get_view<Tensor>();
   tile.fields = reader.get_view<double>();
   tile.to_vert = reader.get_view<std::array<std::uint16_t, 4>>();
-  tile.links = reader.get_view<std::array<std::uint32_t, 4>>();
+  tile.links = reader.get_view<std::array<FaceCode, 4>>();
   tile.numbers = reader.get_view<std::uint32_t>();
   tile.boundary = reader.get_view<std::uint16_t>();
   return tile;

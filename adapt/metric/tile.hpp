@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "adapt/metric/tet_links.hpp"
 #include "tetloom/communicator.hpp"
 #include "tetloom/metric.hpp"
 
@@ -25,9 +26,9 @@ struct Tile {
   std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
   std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
-  std::span<const std::array<std::uint32_t, 4>> links;  ///< as of link_tets, with the names of tets above
-  std::span<const std::uint32_t> numbers;               ///< of tets, in the mesh that was given
-  std::span<const std::uint16_t> boundary;              ///< place · 4 + face of those with nothing behind
+  std::span<const std::array<FaceCode, 4>> links;  ///< as of link_tets, with the names of tets above
+  std::span<const std::uint32_t> numbers;          ///< of tets, in the mesh that was given
+  std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
 
   /// What put_tile has put; valid as long as the bytes are.
   static Tile read(const Bytes& bytes);

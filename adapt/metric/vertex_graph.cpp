@@ -1,3 +1,4 @@
+#include "core/base/lists.hpp"
 #include "tetloom/metric.hpp"
 
 #include <algorithm>
@@ -38,8 +39,7 @@ VertexGraph::VertexGraph(const TetView& mesh, const BlockLoop& loop) {
           for (std::size_t k = stars.begins[v]; k < stars.begins[v + 1]; ++k)
             for (const std::uint32_t w : mesh.tets[stars.tets[k]])
               if (w != v) found.push_back(w);
-          std::sort(found.begin(), found.end());
-          found.erase(std::unique(found.begin(), found.end()), found.end());
+          sort_unique(found);
           of_block.counts.push_back(static_cast<std::uint32_t>(found.size()));
           of_block.neighbors.insert(of_block.neighbors.end(), found.begin(), found.end());
         }

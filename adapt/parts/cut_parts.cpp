@@ -156,9 +156,9 @@ class PartCutter {
     for (const std::uint32_t tet : tets) {
       std::uint8_t fixed = 0;
       for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode behind = mesh_.to_neighbor[std::size_t{tet} * 4 + i];
-        const bool open = behind == kNone || !has(p, behind / 4);
-        part.to_neighbor.push_back(open ? kNone : (to_place_[behind / 4] - first_tets_[p]) * 4 + behind % 4);
+        const FaceCode behind = mesh_.behind({tet, i});
+        const bool open = !behind.valid() || !has(p, behind.tet());
+        part.to_neighbor.push_back(open ? FaceCode() : behind.of_tet(to_place_[behind.tet()] - first_tets_[p]));
         fixed |= static_cast<std::uint8_t>(unsigned{open} << i);
       }
       part.to_fixed.push_back(fixed);

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::adapt {
 
 namespace {
@@ -13,13 +15,14 @@ struct Packet {
   explicit Packet(const Bytes& bytes) {
     MessageReader reader(bytes);
     names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint32_t>();
-    to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourVerts>();
+    to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourFaces>();
     to_given = reader.get_view<std::uint32_t>(), points = reader.get_view<Vec3>();
     logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
     fields = reader.get_view<double>();
   }
   std::span<const std::uint32_t> names, numbers, to_given;
-  std::span<const FourVerts> to_vert, links;
+  std::span<const FourVerts> to_vert;
+  std::span<const FourFaces> links;
   std::span<const Vec3> points;
   std::span<const Tensor> logs, implied;
   std::span<const double> fields;
@@ -98,7 +101,7 @@ class HomeTiles {
       for (std::size_t j = 0; j < 4; ++j) {
         const auto at = std::ranges::lower_bound(verts, to_vert_[begin + i][j]);
         to_vert[i][j] = static_cast<std::uint16_t>(at - verts.begin());
-        if (links_[begin + i][j] == kNone) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
+        if (!links_[begin + i][j].valid()) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
       }
     }
     return bytes_of({points, logs, implied, fields, to_vert, std::span(links_).subspan(begin, count),
@@ -110,8 +113,7 @@ class HomeTiles {
     std::vector<std::uint32_t> verts;
     for (std::size_t i = begin; i < begin + count; ++i)
       verts.insert(verts.end(), to_vert_[i].begin(), to_vert_[i].end());
-    std::ranges::sort(verts);
-    verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+    sort_unique(verts);
     return verts;
   }
 
@@ -124,7 +126,8 @@ class HomeTiles {
   std::vector<double> fields_;
   std::vector<std::vector<std::uint32_t>> from_slots_;  // of each rank's message
   // Tets by their names.
-  std::vector<FourVerts> to_vert_, links_;
+  std::vector<FourVerts> to_vert_;
+  std::vector<FourFaces> links_;
   std::vector<std::uint32_t> numbers_;
 };
 

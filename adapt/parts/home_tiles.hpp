@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "adapt/metric/tile.hpp"
+#include "core/tets/tet_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 
 using FourVerts = std::array<std::uint32_t, 4>;
+using FourFaces = std::array<tets::FaceCode, 4>;
 
 /// Consecutive names of tets, from the first of a tile on.
 struct NameRange {

@@ -14,7 +14,7 @@ namespace {
 struct OpenFace {
   Triangle verts{};  // ascending
   std::uint32_t triangle = kNone;
-  FaceCode face = kNone;
+  FaceCode face;
   friend bool operator<(const OpenFace& a, const OpenFace& b) {
     return a.verts != b.verts ? a.verts < b.verts : a.face < b.face;
   }
@@ -179,10 +179,11 @@ class PartsJoiner {
     for (std::uint32_t tet = 0; tet < mesh.mesh.size(); ++tet) {
       whole.to_region[base + tet] = mesh.mesh.to_region[tet];
       for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode face = tet * 4 + i, behind = mesh.mesh.to_neighbor[face];
-        whole.to_vert[std::size_t{base} * 4 + face] = to_new[mesh.mesh.to_vert[face]];
-        whole.to_neighbor[std::size_t{base} * 4 + face] = behind == kNone ? kNone : behind + base * 4;
-        if (mesh.mesh.is_fixed(face) && (behind == kNone || face < behind)) write_face(p, face);
+        const FaceCode face(tet, i), behind = mesh.mesh.behind(face);
+        const FaceCode to(base + tet, i);
+        whole.to_vert[to.index()] = to_new[mesh.mesh.apex(face)];
+        whole.behind(to) = behind.valid() ? behind.of_tet(base + behind.tet()) : FaceCode();
+        if (mesh.mesh.is_fixed(face) && (!behind.valid() || face < behind)) write_face(p, face);
       }
     }
     mesh.surface.for_each_edge([&](std::uint32_t a, std::uint32_t b, std::uint32_t edge) {
@@ -194,21 +195,21 @@ class PartsJoiner {
   void write_face(std::size_t p, FaceCode face) {
     const CavityMesh& mesh = parts_[p].mesh;
     const auto base = static_cast<std::uint32_t>(first_tet_[p]);
-    const FaceCode behind = mesh.mesh.to_neighbor[face];
+    const FaceCode behind = mesh.mesh.behind(face);
     Triangle verts = tets::verts_of(mesh.mesh, face);
     const SurfaceTriangle* found = mesh.surface.find(verts);
     const bool frozen = mesh.to_frozen[verts[0]] && mesh.to_frozen[verts[1]] && mesh.to_frozen[verts[2]];
     OpenFace open;
     if (found) {
-      LinkedTriangle triangle{*found, {base + face / 4, behind == kNone ? kNone : base + behind / 4}};
+      LinkedTriangle triangle{*found, {base + face.tet(), !behind.valid() ? kNone : base + behind.tet()}};
       for (std::uint32_t& v : triangle.triangle.verts) v = to_new_[p][v];
       open.triangle = static_cast<std::uint32_t>(triangles_[p].size());
       triangles_[p].push_back(triangle);
     }
-    if (behind != kNone || !frozen) return;
+    if (behind.valid() || !frozen) return;
     for (std::uint32_t& v : verts) v = to_new_[p][v];
     std::ranges::sort(verts);
-    open.verts = verts, open.face = base * 4 + face;
+    open.verts = verts, open.face = face.of_tet(base + face.tet());
     open_[p].push_back(open);
   }
 
@@ -220,16 +221,16 @@ class PartsJoiner {
       while (end < all.size() && all[end].verts[0] == all[begin].verts[0]) ++end;
       for (std::size_t i = begin; i < end; ++i) {
         const OpenFace& a = all[i];
-        if (whole.to_neighbor[a.face] != kNone) continue;
+        if (whole.behind(a.face).valid()) continue;
         const OpenFace* b =
             std::find_if(&all[i] + 1, all.begin() + end, [&](const OpenFace& face) { return face.verts == a.verts; });
         if (b == all.begin() + end) {
           alone_.push_back(a);
           continue;
         }
-        whole.to_neighbor[a.face] = b->face, whole.to_neighbor[b->face] = a.face;
+        whole.behind(a.face) = b->face, whole.behind(b->face) = a.face;
         if (a.triangle == kNone) continue;
-        whole.triangles[a.triangle].tets[1] = b->face / 4;
+        whole.triangles[a.triangle].tets[1] = b->face.tet();
         twice.push_back(b->triangle);
       }
     }
@@ -271,11 +272,9 @@ class PartsJoiner {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) { put_faces(to); });
     const std::vector<Bytes> found = work_.exchange([&](std::span<MessageWriter> to) { match_faces(told, to); });
     work_.each([&] {
-      for (const Bytes& bytes : found) {
-        const auto faces = MessageReader(bytes).get_view<FaceOutside>();
-        links_.faces.insert(links_.faces.end(), faces.begin(), faces.end());
-      }
-      for (FaceOutside& outside : links_.faces) outside.face -= links_.first_tets[rank()] * 4;
+      links_.faces = joined_lists<FaceOutside>(found);
+      for (FaceOutside& outside : links_.faces)
+        outside.face = outside.face.of_tet(outside.face.tet() - links_.first_tets[rank()]);
       std::ranges::sort(links_.faces);
     });
   }
@@ -292,25 +291,21 @@ class PartsJoiner {
       if (!is_outside[face.verts[0]] || !is_outside[face.verts[1]] || !is_outside[face.verts[2]]) continue;
       for (std::uint32_t& v : face.verts) v = links_.to_number[v];
       std::ranges::sort(face.verts);
-      face.face += links_.first_tets[rank()] * 4;
+      face.face = face.face.of_tet(face.face.tet() + links_.first_tets[rank()]);
       faces[rank_in(links_.first_verts, face.verts[0])].push_back(face);
     }
     for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const OpenFace>(faces[r]));
   }
 
   void match_faces(const std::vector<Bytes>& told, std::span<MessageWriter> to) const {
-    std::vector<OpenFace> all;
-    for (const Bytes& bytes : told) {
-      const auto faces = MessageReader(bytes).get_view<OpenFace>();
-      all.insert(all.end(), faces.begin(), faces.end());
-    }
+    std::vector<OpenFace> all = joined_lists<OpenFace>(told);
     parallel_sort(all, runner_);
     std::vector<std::vector<FaceOutside>> pairs(to.size());
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
       const OpenFace &a = all[i], &b = all[i + 1];
       if (a.verts != b.verts) continue;
-      pairs[rank_in(links_.first_tets, a.face / 4)].push_back({a.face, b.face});
-      pairs[rank_in(links_.first_tets, b.face / 4)].push_back({b.face, a.face});
+      pairs[rank_in(links_.first_tets, a.face.tet())].push_back({a.face, b.face});
+      pairs[rank_in(links_.first_tets, b.face.tet())].push_back({b.face, a.face});
       ++i;
     }
     for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceOutside>(pairs[r]));

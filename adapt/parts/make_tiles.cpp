@@ -10,6 +10,7 @@
 
 #include "adapt/parts/home_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "core/base/local_numbers.hpp"
 #include "core/spatial/hilbert.hpp"
 #include "threading/runtime/parallel_sort.hpp"
 
@@ -111,11 +112,7 @@ class TileMaker {
       const auto room = writer.put_room<std::uint64_t>(count);
       for (std::size_t i = 0; i < count; ++i) room[i] = tets_[i * tets_.size() / count].key;
     });
-    std::vector<std::uint64_t> keys;
-    for (const Bytes& bytes : given) {
-      const auto samples = MessageReader(bytes).get_view<std::uint64_t>();
-      keys.insert(keys.end(), samples.begin(), samples.end());
-    }
+    std::vector<std::uint64_t> keys = joined_lists<std::uint64_t>(given);
     std::ranges::sort(keys);
     first_for_.assign(1, 0);
     for (std::size_t r = 1; r < ranks(); ++r) {
@@ -131,9 +128,7 @@ class TileMaker {
   void name_tets() {
     const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r)
-        std::transform(tets_.begin() + static_cast<std::ptrdiff_t>(first_for_[r]),
-                       tets_.begin() + static_cast<std::ptrdiff_t>(first_for_[r + 1]),
-                       to[r].put_room<std::uint64_t>(first_for_[r + 1] - first_for_[r]).begin(),
+        to[r].put_each(std::span(tets_).subspan(first_for_[r], first_for_[r + 1] - first_for_[r]),
                        [](const KeyedTet& one) { return one.key; });
       order_.resize(tets_.size());
       std::ranges::transform(tets_, order_.begin(), &KeyedTet::tet);
@@ -175,14 +170,14 @@ class TileMaker {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       std::vector<std::vector<std::array<FaceCode, 2>>> faces(to.size());  // theirs, and what lies behind it
       for (const FaceOutside& one : links_.faces)
-        faces[rank_in(links_.first_tets, one.behind / 4)].push_back(
-            {one.behind, to_name_[one.face / 4] * 4 + one.face % 4});
+        faces[rank_in(links_.first_tets, one.behind.tet())].push_back(
+            {one.behind, one.face.of_tet(to_name_[one.face.tet()])});
       put_lists(faces, to);
     });
     behind_.resize(links_.faces.size());
     for (const Bytes& bytes : told)
       for (const auto& [face, behind] : MessageReader(bytes).get_view<std::array<FaceCode, 2>>())
-        behind_[place_of(face - first_number() * 4)] = behind;
+        behind_[place_of(face.of_tet(face.tet() - first_number()))] = behind;
   }
 
   // Among the faces between ranks.
@@ -192,11 +187,11 @@ class TileMaker {
   }
 
   // By names.
-  std::uint32_t link_of(FaceCode face) const {
-    const FaceCode behind = share_.to_neighbor[face];
-    if (behind != kNone) return to_name_[behind / 4] * 4 + behind % 4;
+  FaceCode link_of(FaceCode face) const {
+    const FaceCode behind = share_.behind(face);
+    if (behind.valid()) return behind.of_tet(to_name_[behind.tet()]);
     const std::size_t place = place_of(face);
-    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : kNone;
+    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : FaceCode();
   }
 
   void name_hints() {
@@ -209,8 +204,7 @@ class TileMaker {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r) {
         const auto numbers = MessageReader(asked[r]).get_view<std::uint32_t>();
-        std::ranges::transform(numbers, to[r].put_room<std::uint32_t>(numbers.size()).begin(),
-                               [&](std::uint32_t number) { return to_name_[number - first_number()]; });
+        to[r].put_each(numbers, [&](std::uint32_t number) { return to_name_[number - first_number()]; });
       }
     });
     for (std::size_t r = 0; r < ranks(); ++r) {
@@ -235,8 +229,8 @@ class TileMaker {
 
   void make_chunk(std::size_t chunk) {
     std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
-      std::vector<std::uint32_t> to_slot(share_.points.size(), kNone);
-      for (std::size_t r = 0; r < to.size(); ++r) put_tets(tets_in(r, range_of(r, chunk)), to_slot, to[r]);
+      LocalNumbers verts(share_.points.size());
+      for (std::size_t r = 0; r < to.size(); ++r) put_tets(tets_in(r, range_of(r, chunk)), verts, to[r]);
     });
     work_.each([&] {
       NameRange range = range_of(rank(), chunk);
@@ -256,40 +250,29 @@ class TileMaker {
     return {place(range.begin), place(range.end)};
   }
 
-  // As make_home_tiles reads it. `to_slot`: kNone all over, before and after.
-  void put_tets(std::span<const std::uint32_t> own, std::vector<std::uint32_t>& to_slot, MessageWriter& writer) const {
-    const auto put = [&](auto of, std::span<const std::uint32_t> items) {
-      std::ranges::transform(items, writer.put_room<std::decay_t<decltype(of(0))>>(items.size()).begin(), of);
-    };
-    std::vector<std::uint32_t> verts;
-    for (const std::uint32_t tet : own) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        std::uint32_t& slot = to_slot[share_.to_vert[std::size_t{tet} * 4 + i]];
-        if (slot != kNone) continue;
-        slot = static_cast<std::uint32_t>(verts.size());
-        verts.push_back(share_.to_vert[std::size_t{tet} * 4 + i]);
-      }
-    }
+  // As make_home_tiles reads it. `verts`: working memory.
+  void put_tets(std::span<const std::uint32_t> own, LocalNumbers& verts, MessageWriter& writer) const {
+    verts.clear();
+    for (const std::uint32_t tet : own)
+      for (std::size_t i = 0; i < 4; ++i) verts.add(share_.to_vert[std::size_t{tet} * 4 + i]);
     constexpr std::size_t kLengths = 128, kBytesOfTet = 2 * sizeof(FourVerts) + 2 * sizeof(std::uint32_t);
     const std::size_t bytes_of_vert =
         sizeof(std::uint32_t) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
     writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * bytes_of_vert);
-    put([&](std::uint32_t tet) { return to_name_[tet]; }, own);
-    put([&](std::uint32_t tet) { return first_number() + tet; }, own);
-    const auto four = [](std::uint32_t tet, const auto& of) -> FourVerts {
-      return {of(tet * 4), of(tet * 4 + 1), of(tet * 4 + 2), of(tet * 4 + 3)};
-    };
-    put([&](std::uint32_t tet) { return four(tet, [&](FaceCode c) { return to_slot[share_.to_vert[c]]; }); }, own);
-    put([&](std::uint32_t tet) { return four(tet, [&](FaceCode f) { return link_of(f); }); }, own);
-    put([&](std::uint32_t v) { return verts_.to_given[v]; }, verts);
-    put([&](std::uint32_t v) { return share_.points[v]; }, verts);
-    put([&](std::uint32_t v) { return verts_.has_metric ? verts_.logs[v] : Tensor(); }, verts);
-    put([&](std::uint32_t v) { return verts_.implied[v]; }, verts);
-    const auto fields = writer.put_room<double>(verts.size() * verts_.components);
-    for (std::size_t i = 0; i < verts.size(); ++i)
-      std::copy_n(verts_.fields.begin() + static_cast<std::ptrdiff_t>(verts[i] * verts_.components), verts_.components,
-                  fields.begin() + static_cast<std::ptrdiff_t>(i * verts_.components));
-    for (const std::uint32_t v : verts) to_slot[v] = kNone;
+    const auto slot = [&](FaceCode face) { return verts[share_.apex(face)]; };
+    const auto link = [&](FaceCode face) { return link_of(face); };
+    writer.put_each(own, [&](std::uint32_t tet) { return to_name_[tet]; });
+    writer.put_each(own, [&](std::uint32_t tet) { return first_number() + tet; });
+    writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, slot); });
+    writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
+    const auto items = verts.items();
+    writer.put_each(items, [&](std::uint32_t v) { return verts_.to_given[v]; });
+    writer.put_each(items, [&](std::uint32_t v) { return share_.points[v]; });
+    writer.put_each(items, [&](std::uint32_t v) { return verts_.has_metric ? verts_.logs[v] : Tensor(); });
+    writer.put_each(items, [&](std::uint32_t v) { return verts_.implied[v]; });
+    double* fields = writer.put_room<double>(items.size() * verts_.components).data();
+    for (const std::uint32_t v : items)
+      fields = std::copy_n(verts_.fields.data() + v * verts_.components, verts_.components, fields);
   }
 
   void share_tiles() {
@@ -297,17 +280,8 @@ class TileMaker {
     std::vector<TileBox> tets, faces;
     for (std::size_t tile = 0; tile < own_.size(); ++tile)
       add_boxes(Tile::read(own_[tile]), index_.first_tiles[rank()] + static_cast<std::uint32_t>(tile), tets, faces);
-    index_.tets = gather(tets), index_.faces = gather(faces);
-  }
-
-  std::vector<TileBox> gather(const std::vector<TileBox>& own) const {
-    std::vector<TileBox> all;
-    for (const Bytes& bytes :
-         work_.all_gather([&](MessageWriter& writer) { writer.put_array(std::span<const TileBox>(own)); })) {
-      const auto boxes = MessageReader(bytes).get_view<TileBox>();
-      all.insert(all.end(), boxes.begin(), boxes.end());
-    }
-    return all;
+    index_.tets = gather_lists<TileBox>(work_.ranks(), tets),
+    index_.faces = gather_lists<TileBox>(work_.ranks(), faces);
   }
 
   WholeMesh& share_;
@@ -319,7 +293,7 @@ class TileMaker {
   std::vector<std::uint32_t> order_;    // the same without keys
   std::vector<std::size_t> first_for_;  // in both: where those for each rank begin, and how many there are
   std::vector<std::uint32_t> to_name_;  // of the share's tets
-  std::vector<std::uint32_t> behind_;   // links of the faces between ranks, by names
+  std::vector<FaceCode> behind_;        // links of the faces between ranks, by names
   std::size_t own_count_ = 0;
   std::uint32_t first_name_ = 0;
   std::vector<Bytes> own_;

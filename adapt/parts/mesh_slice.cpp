@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "tetloom/communicator.hpp"
 #include "tetloom/error.hpp"
 
@@ -145,9 +146,7 @@ void put_mesh(const MeshSlice& slice, MessageWriter& writer) {
   std::vector<std::uint32_t> own;
   for (std::uint32_t v = 0; v < slice.is_own.size(); ++v)
     if (slice.is_own[v] != 0) own.push_back(v);
-  const auto put_values = [&](auto of) {
-    std::ranges::transform(own, writer.put_room<std::decay_t<decltype(of(0))>>(own.size()).begin(), of);
-  };
+  const auto put_values = [&](auto of) { writer.put_each(own, of); };
   put_values([&](std::uint32_t v) { return slice.to_vert_number[v]; });
   put_values([&](std::uint32_t v) { return mesh.points[v]; });
   put_values([&](std::uint32_t v) { return mesh.point_to_entity.empty() ? ModelEntity() : mesh.point_to_entity[v]; });
@@ -270,8 +269,7 @@ std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::s
     const auto list = MessageReader(bytes).get_view<std::uint64_t>();
     at_home.insert(at_home.end(), list.begin(), list.end());
   }
-  std::ranges::sort(at_home);
-  at_home.erase(std::unique(at_home.begin(), at_home.end()), at_home.end());
+  sort_unique(at_home);
   std::size_t first = 0, sum = 0, r = 0;
   for (const Bytes& bytes :
        work.all_gather([&](MessageWriter& writer) { writer.put(std::uint64_t{at_home.size()}); })) {
@@ -283,7 +281,7 @@ std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::s
   const std::vector<Bytes> told = work.exchange([&](std::span<MessageWriter> to) {
     for (std::size_t i = 0; i < ranks; ++i) {
       const auto list = MessageReader(asked[i]).get_view<std::uint64_t>();
-      std::ranges::transform(list, to[i].put_room<std::uint32_t>(list.size()).begin(), [&](std::uint64_t id) {
+      to[i].put_each(list, [&](std::uint64_t id) {
         return static_cast<std::uint32_t>(
             first + static_cast<std::size_t>(std::ranges::lower_bound(at_home, id) - at_home.begin()));
       });

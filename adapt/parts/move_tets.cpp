@@ -4,6 +4,8 @@
 
 #include "adapt/parts/share.hpp"
 #include "core/base/free_memory.hpp"
+#include "core/base/lists.hpp"
+#include "core/base/local_numbers.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -14,9 +16,9 @@ namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 14;
 // In messages: a neighbour is named by its number in the whole mesh, and not by its place in the message.
-constexpr FaceCode kByNumber = FaceCode{1} << 31;
+constexpr std::uint32_t kByNumber = 1u << 29;
 
-static_assert(CellPlace::kMaxTets <= kByNumber / 4);
+static_assert(CellPlace::kMaxTets <= kByNumber);
 
 // What each rank gets of a share.
 struct Dealt {
@@ -32,23 +34,23 @@ struct Dealt {
 class Packer {
  public:
   Packer(const WholeMesh& share, const ShareLinks& links, const Dealt& all)
-      : share_(share), links_(links), all_(all), to_slot_(share.points.size(), kNone) {}
+      : share_(share), links_(links), all_(all), verts_(share.points.size()) {}
 
   void run(std::uint32_t rank, MessageWriter& writer) {
     rank_ = rank, tets_ = all_.tets[rank];
-    for (const std::uint32_t v : verts_) to_slot_[v] = kNone;
     verts_.clear(), pieces_.clear(), triangles_.clear();
     for (const std::uint32_t tet : tets_)
-      for (std::size_t i = 0; i < 4; ++i) add_vert(share_.to_vert[std::size_t{tet} * 4 + i]);
+      for (std::size_t i = 0; i < 4; ++i) verts_.add(share_.to_vert[std::size_t{tet} * 4 + i]);
     find_pieces();
     find_triangles();
     writer.reserve(bytes());
-    put(writer, tets_, [&](std::uint32_t tet) { return all_.first + tet; });
-    put(writer, tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
-    put(writer, tets_, [&](std::uint32_t tet) { return share_.to_region[tet]; });
-    using Four = std::array<std::uint32_t, 4>;
-    put(writer, tets_, [&](std::uint32_t tet) { return of_corners<Four>(tet, [&](FaceCode c) { return slot(c); }); });
-    put(writer, tets_, [&](std::uint32_t tet) { return of_corners<Four>(tet, [&](FaceCode f) { return behind(f); }); });
+    writer.put_each(tets_, [&](std::uint32_t tet) { return all_.first + tet; });
+    writer.put_each(tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
+    writer.put_each(tets_, [&](std::uint32_t tet) { return share_.to_region[tet]; });
+    const auto slot = [&](FaceCode face) { return verts_[share_.apex(face)]; };
+    const auto link = [&](FaceCode face) { return behind(face); };
+    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, slot); });
+    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
     put_verts(writer);
     writer.put_array(std::span<const ModelEdgePiece>(pieces_));
     writer.put_array(std::span<const LinkedTriangle>(triangles_));
@@ -66,42 +68,23 @@ class Packer {
            pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle);
   }
 
-  void add_vert(std::uint32_t vert) {
-    if (to_slot_[vert] != kNone) return;
-    to_slot_[vert] = static_cast<std::uint32_t>(verts_.size());
-    verts_.push_back(vert);
-  }
-
-  std::uint32_t slot(FaceCode corner) const { return to_slot_[share_.to_vert[corner]]; }
-
   FaceCode behind(FaceCode face) const {
-    const FaceCode behind = share_.to_neighbor[face];
-    if (behind == kNone) {
+    const FaceCode behind = share_.behind(face);
+    if (!behind.valid()) {
       const FaceCode outside = links_.behind(face);
-      return outside == kNone ? kNone : outside | kByNumber;
+      return outside.valid() ? outside.of_tet(outside.tet() | kByNumber) : outside;
     }
-    const std::uint32_t tet = behind / 4;
-    return all_.to_rank[tet] == rank_ ? all_.to_place[tet] * 4 + behind % 4 : (behind + all_.first * 4) | kByNumber;
-  }
-
-  template <class Four, class Value>
-  static Four of_corners(std::uint32_t tet, const Value& value) {
-    return {value(tet * 4), value(tet * 4 + 1), value(tet * 4 + 2), value(tet * 4 + 3)};
-  }
-
-  template <class Value>
-  void put(MessageWriter& writer, std::span<const std::uint32_t> items, const Value& value) const {
-    const auto room = writer.put_room<std::decay_t<decltype(value(0))>>(items.size());
-    std::ranges::transform(items, room.begin(), value);
+    const std::uint32_t tet = behind.tet();
+    return behind.of_tet(all_.to_rank[tet] == rank_ ? all_.to_place[tet] : (tet + all_.first) | kByNumber);
   }
 
   void put_verts(MessageWriter& writer) const {
-    put(writer, verts_, [&](std::uint32_t v) { return links_.number_of(v); });
-    put(writer, verts_, [&](std::uint32_t v) { return share_.points[v]; });
-    put(writer, verts_, [&](std::uint32_t v) { return share_.to_metric[v]; });
-    put(writer, verts_, [&](std::uint32_t v) { return share_.to_entity[v]; });
-    put(writer, verts_, [&](std::uint32_t v) { return share_.to_hint[v]; });
-    put(writer, verts_, [&](std::uint32_t v) { return share_.to_state[v]; });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return links_.number_of(v); });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.points[v]; });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_metric[v]; });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_entity[v]; });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_hint[v]; });
+    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_state[v]; });
   }
 
   void find_pieces() {
@@ -109,7 +92,7 @@ class Packer {
       for_each_piece(share_, tet, [&](const ModelEdgePiece& piece) { pieces_.push_back(piece); });
     sort_pieces(pieces_);
     for (ModelEdgePiece& piece : pieces_)
-      for (std::uint32_t& v : piece.verts) v = to_slot_[v];
+      for (std::uint32_t& v : piece.verts) v = verts_[v];
   }
 
   // With those of their tets that are in the message.
@@ -118,7 +101,7 @@ class Packer {
       LinkedTriangle t = share_.triangles[triangle];
       for (std::uint32_t& tet : t.tets) tet = tet != kNone && all_.to_rank[tet] == rank_ ? all_.to_place[tet] : kNone;
       if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
-      for (std::uint32_t& v : t.triangle.verts) v = to_slot_[v];
+      for (std::uint32_t& v : t.triangle.verts) v = verts_[v];
       triangles_.push_back(t);
     }
   }
@@ -128,7 +111,7 @@ class Packer {
   const Dealt& all_;
   std::uint32_t rank_ = 0;
   std::span<const std::uint32_t> tets_;
-  std::vector<std::uint32_t> to_slot_, verts_;
+  LocalNumbers verts_;
   std::vector<ModelEdgePiece> pieces_;
   std::vector<LinkedTriangle> triangles_;
 };
@@ -149,7 +132,8 @@ struct Packet {
   }
 
   std::span<const std::uint32_t> numbers, parts, regions, vert_numbers, to_hint;
-  std::span<const std::array<std::uint32_t, 4>> to_vert, to_neighbor;
+  std::span<const std::array<std::uint32_t, 4>> to_vert;
+  std::span<const std::array<FaceCode, 4>> to_neighbor;
   std::span<const Vec3> points;
   std::span<const VertexMetric> to_metric;
   std::span<const PackedEntity> to_entity;
@@ -227,12 +211,12 @@ class Unpacker {
   }
 
   FaceCode neighbor_of(const Packet& packet, FaceCode named) const {
-    if (named == kNone) return kNone;
-    if ((named & kByNumber) == 0) return named + packet.first_tet * 4;
-    const FaceCode code = named & ~kByNumber;
-    const auto at = std::ranges::lower_bound(numbers_, code / 4);
-    if (at == numbers_.end() || *at != code / 4) return kNone;
-    return static_cast<FaceCode>(at - numbers_.begin()) * 4 + code % 4;
+    if (!named.valid()) return {};
+    if ((named.tet() & kByNumber) == 0) return named.of_tet(named.tet() + packet.first_tet);
+    const std::uint32_t number = named.tet() & ~kByNumber;
+    const auto at = std::ranges::lower_bound(numbers_, number);
+    if (at == numbers_.end() || *at != number) return {};
+    return named.of_tet(static_cast<std::uint32_t>(at - numbers_.begin()));
   }
 
   void take_edges() {
@@ -319,12 +303,12 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<s
 // something behind them there are all that there are.
 std::vector<std::uint32_t> find_open_verts(const WholeMesh& mesh) {
   std::vector<std::uint32_t> verts;
-  for (std::size_t i = 0; i < mesh.to_neighbor.size(); ++i) {
-    if (mesh.to_neighbor[i] != kNone) continue;
-    for (const std::uint8_t corner : tets::kFaceVerts[i % 4]) verts.push_back(mesh.to_vert[i / 4 * 4 + corner]);
+  for (const FaceCode face : mesh.faces()) {
+    if (mesh.behind(face).valid()) continue;
+    const tets::TriangleVerts triangle = tets::verts_of(mesh.to_vert.data(), face);
+    verts.insert(verts.end(), triangle.begin(), triangle.end());
   }
-  std::ranges::sort(verts);
-  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  sort_unique(verts);
   return verts;
 }
 

@@ -28,7 +28,7 @@ class ShareTaker {
     return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
   }
 
-  FaceCode by_number(FaceCode face) const { return tets_.empty() ? face : tets_[face / 4] * 4 + face % 4; }
+  FaceCode by_number(FaceCode face) const { return tets_.empty() ? face : face.of_tet(tets_[face.tet()]); }
 
   void take_verts(std::vector<std::uint32_t>& to_number) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;
@@ -45,13 +45,12 @@ class ShareTaker {
   }
 
   void take_tets(std::vector<FaceOutside>& faces) {
-    const auto first = static_cast<FaceCode>(begin_ * 4);
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) {
-      share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
       const FaceCode behind = whole_.to_neighbor[i];
-      const bool outside = behind != kNone && !has(behind / 4);
-      if (outside) faces.push_back({static_cast<FaceCode>(i) - first, by_number(behind)});
-      share_.to_neighbor.push_back(outside || behind == kNone ? kNone : behind - first);
+      const std::uint32_t behind_here = behind.valid() ? local_tet(behind.tet()) : kNone;
+      if (behind.valid() && behind_here == kNone) faces.push_back({FaceCode::at(i - begin_ * 4), by_number(behind)});
+      share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
+      share_.to_neighbor.push_back(behind_here == kNone ? FaceCode() : behind.of_tet(behind_here));
     }
     for (std::size_t tet = begin_; tet < end_; ++tet) share_.to_region.push_back(whole_.to_region[tet]);
   }
@@ -93,7 +92,7 @@ FaceCode face_of(const WholeMesh& share, const LinkedTriangle& t) {
   const auto& verts = t.triangle.verts;
   std::uint32_t i = 0;
   while (i < 3 && std::ranges::count(verts, share.to_vert[std::size_t{t.tets[0]} * 4 + i]) != 0) ++i;
-  return t.tets[0] * 4 + i;
+  return {t.tets[0], i};
 }
 
 constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a message
@@ -101,10 +100,9 @@ constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a mes
 // What a rank has that no lower one has, all of it by numbers.
 void put_share(const WholeMesh& share, const ShareLinks& links, int rank, MessageWriter& writer) {
   const std::size_t own = own_vert_count(links, rank);
-  const FaceCode first = links.first_tets[static_cast<std::size_t>(rank)] * 4;
+  const std::uint32_t first = links.first_tets[static_cast<std::size_t>(rank)];
   const auto put_numbers = [&](std::span<const std::uint32_t> verts) {
-    const auto room = writer.put_room<std::uint32_t>(verts.size());
-    std::ranges::transform(verts, room.begin(), [&](std::uint32_t v) { return links.number_of(v); });
+    writer.put_each(verts, [&](std::uint32_t v) { return links.number_of(v); });
   };
   constexpr std::size_t kBytesOfVert = sizeof(Vec3) + sizeof(VertexMetric) + sizeof(PackedEntity);
   writer.reserve(kLengths + own * kBytesOfVert + share.size() * 5 * sizeof(std::uint32_t) +
@@ -117,7 +115,7 @@ void put_share(const WholeMesh& share, const ShareLinks& links, int rank, Messag
   std::vector<SurfaceTriangle> triangles;
   for (const LinkedTriangle& t : share.triangles) {
     const FaceCode face = face_of(share, t), behind = links.behind(face);
-    if (behind != kNone && behind < first + face) continue;
+    if (behind.valid() && behind < face.of_tet(first + face.tet())) continue;
     triangles.push_back(t.triangle);
     for (std::uint32_t& v : triangles.back().verts) v = links.number_of(v);
   }
@@ -151,7 +149,7 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 FaceCode ShareLinks::behind(FaceCode face) const {
   const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
-  return at == faces.end() || at->face != face ? kNone : at->behind;
+  return at == faces.end() || at->face != face ? FaceCode() : at->behind;
 }
 
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest) {

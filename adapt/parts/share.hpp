@@ -12,8 +12,8 @@ namespace tetloom::adapt {
 
 /// A face between two ranks.
 struct FaceOutside {
-  FaceCode face = kNone;    ///< here
-  FaceCode behind = kNone;  ///< the same face of the tet behind it, by that tet's number in the whole mesh
+  FaceCode face;    ///< here
+  FaceCode behind;  ///< the same face of the tet behind it, by that tet's number in the whole mesh
   friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
 };
 
@@ -30,7 +30,7 @@ struct ShareLinks {
   std::vector<std::size_t> part_tets{0}, part_verts{0};
 
   std::uint32_t number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
-  /// The face's code in the whole mesh, behind which it is; kNone where no rank has anything there.
+  /// The face's code in the whole mesh, behind which it is; not valid where no rank has anything there.
   FaceCode behind(FaceCode face) const;
 };
 

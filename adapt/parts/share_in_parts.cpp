@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 
 namespace tetloom::adapt {
@@ -51,13 +52,8 @@ class JoinedNumbers {
   }
 
   void take(const std::vector<Bytes>& given) {
-    std::vector<Named> all;
-    for (const Bytes& bytes : given) {
-      const auto named = MessageReader(bytes).get_view<Named>();
-      all.insert(all.end(), named.begin(), named.end());
-    }
-    std::ranges::sort(all);
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    std::vector<Named> all = joined_lists<Named>(given);
+    sort_unique(all);
     first_.assign(pieces_.touching.to_entity.size(), kNone);
     for (const Named& one : all) {
       if (first_[one.slot] == kNone)
@@ -264,8 +260,7 @@ class PartMaker {
     };
     note_all(1, part_.block(BoundaryKind::Edge).to_entity), note_all(2, part_.block(BoundaryKind::Triangle).to_entity);
     note_all(3, part_.block(CellKind::Tet).to_region);
-    std::ranges::sort(used);
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    sort_unique(used);
     for (const PackedEntity entity : used) add_entity(entity.unpack());
   }
 

@@ -80,8 +80,7 @@ class GhostLinks {
     }
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < ranks(); ++r)
-        std::ranges::transform(wanted[r], to[r].put_room<std::uint32_t>(wanted[r].size()).begin(),
-                               [&](std::uint32_t number) { return owners[number - first]; });
+        to[r].put_each(wanted[r], [&](std::uint32_t number) { return owners[number - first]; });
     });
     // Ghosts ascend, and so do homes.
     taken_.resize(ranks());
@@ -94,8 +93,7 @@ class GhostLinks {
   void ask_owners() {
     const std::vector<Bytes> asked = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < ranks(); ++r)
-        std::ranges::transform(taken_[r], to[r].put_room<std::uint32_t>(taken_[r].size()).begin(),
-                               [&](std::uint32_t v) { return number_of(v); });
+        to[r].put_each(taken_[r], [&](std::uint32_t v) { return number_of(v); });
     });
     for (const Bytes& bytes : asked) {
       std::vector<std::uint32_t>& verts = given_.emplace_back();

@@ -76,8 +76,7 @@ class SideSplitter {
   // Whether any edge is split. New vertices have the numbers after all others, in the order of the edges.
   bool agree() {
     const std::vector<Bytes> told = work_.all_gather([&](MessageWriter& writer) {
-      const auto room = writer.put_room<Named>(own_.size());
-      std::ranges::transform(own_, room.begin(), [&](const OwnEdge& edge) {
+      writer.put_each(own_, [&](const OwnEdge& edge) {
         return Named{{number_of(edge.ends[0]), number_of(edge.ends[1])}, edge.entity, edge.refused};
       });
     });

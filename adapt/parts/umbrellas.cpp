@@ -1,4 +1,5 @@
 #include "adapt/parts/umbrellas.hpp"
+#include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <algorithm>
@@ -99,19 +100,19 @@ class Separator {
     to_slot_.assign(whole_.points.size(), kNone);
     for (std::uint32_t slot = 0; slot < pinches_.verts.size(); ++slot) to_slot_[pinches_.verts[slot]] = slot;
     balls_.resize(pinches_.verts.size());
-    for (std::uint32_t corner = 0; corner < whole_.to_vert.size(); ++corner)
-      if (to_slot_[whole_.to_vert[corner]] != kNone) balls_[to_slot_[whole_.to_vert[corner]]].push_back(corner);
+    for (const FaceCode face : whole_.faces())
+      if (const std::uint32_t slot = to_slot_[whole_.apex(face)]; slot != kNone) balls_[slot].push_back(face);
   }
 
   // Corners of tets at a vertex, those of each umbrella but the first with a new one.
   void split_ball(std::uint32_t slot) {
-    const std::vector<std::uint32_t>& ball = balls_[slot];
+    const std::vector<FaceCode>& ball = balls_[slot];
     DisjointSets umbrellas(ball.size());
     for (std::uint32_t i = 0; i < ball.size(); ++i) {
-      for (std::uint32_t j = 0; j < 4; ++j) {
-        const FaceCode behind = whole_.to_neighbor[ball[i] / 4 * 4 + j];
-        if (j == ball[i] % 4 || behind == kNone) continue;
-        const auto at = std::lower_bound(ball.begin(), ball.end(), behind / 4 * 4);
+      for (const FaceCode face : FaceCode::of(ball[i].tet())) {
+        const FaceCode behind = whole_.behind(face);
+        if (face == ball[i] || !behind.valid()) continue;
+        const auto at = std::lower_bound(ball.begin(), ball.end(), FaceCode(behind.tet(), 0));
         umbrellas.join(i, static_cast<std::uint32_t>(at - ball.begin()));
       }
     }
@@ -119,7 +120,7 @@ class Separator {
     for (std::uint32_t i = 0; i < ball.size(); ++i) {
       const std::uint32_t umbrella = umbrellas.find(i);
       if (umbrella == i && i > 0) to_vert[i] = add_vert(pinches_.verts[slot]);
-      whole_.to_vert[ball[i]] = to_vert[umbrella];
+      whole_.to_vert[ball[i].index()] = to_vert[umbrella];
     }
   }
 
@@ -149,11 +150,9 @@ class Separator {
   void follow_pieces() {
     std::vector<ModelEdgePiece> made;
     for (const auto& ball : balls_)
-      for (const std::uint32_t corner : ball) {
-        const std::uint32_t v = whole_.to_vert[corner];
-        for (std::uint32_t j = corner / 4 * 4; j < corner / 4 * 4 + 4; ++j)
-          if (j != corner) follow_piece(v, whole_.to_vert[j], made);
-      }
+      for (const FaceCode corner : ball)
+        for (const FaceCode other : FaceCode::of(corner.tet()))
+          if (other != corner) follow_piece(whole_.apex(corner), whole_.apex(other), made);
     std::erase_if(whole_.edges, [&](const ModelEdgePiece& piece) {
       return to_slot_[piece.verts[0]] != kNone || to_slot_[piece.verts[1]] != kNone;
     });
@@ -172,8 +171,8 @@ class Separator {
   WholeMesh& whole_;
   Pinches pinches_;
   TouchingVerts touching_;
-  std::vector<std::uint32_t> to_slot_;             // of every vertex: its place in pinches_.verts, or of what it was
-  std::vector<std::vector<std::uint32_t>> balls_;  // corners of tets, ascending
+  std::vector<std::uint32_t> to_slot_;        // of every vertex: its place in pinches_.verts, or of what it was
+  std::vector<std::vector<FaceCode>> balls_;  // corners of tets, ascending
 };
 
 // A vertex at which umbrellas touch, as all ranks know it.
@@ -186,14 +185,8 @@ struct TouchingVert {
 
 // Those of all ranks, ascending.
 std::vector<TouchingVert> gather_touching(const std::vector<TouchingVert>& own, const SharedWork& work) {
-  std::vector<TouchingVert> all;
-  for (const Bytes& bytes :
-       work.all_gather([&](MessageWriter& writer) { writer.put_array(std::span<const TouchingVert>(own)); })) {
-    const auto list = MessageReader(bytes).get_view<TouchingVert>();
-    all.insert(all.end(), list.begin(), list.end());
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::vector<TouchingVert> all = gather_lists<TouchingVert>(work.ranks(), own);
+  sort_unique(all);
   return all;
 }
 

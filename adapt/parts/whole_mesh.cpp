@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/lists.hpp"
 #include "core/tets/find_triangles.hpp"
 #include "core/tets/link_tets.hpp"
 #include "tetloom/error.hpp"
@@ -41,14 +42,8 @@ struct EdgeOfTriangle {
 
 // What all ranks have, each once, ascending.
 std::vector<std::uint32_t> gather_lists(const std::vector<std::uint32_t>& own, const SharedWork& work) {
-  std::vector<std::uint32_t> all;
-  for (const Bytes& bytes :
-       work.all_gather([&](MessageWriter& writer) { writer.put_array(std::span<const std::uint32_t>(own)); })) {
-    const auto list = MessageReader(bytes).get_view<std::uint32_t>();
-    all.insert(all.end(), list.begin(), list.end());
-  }
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::vector<std::uint32_t> all = tetloom::gather_lists<std::uint32_t>(work.ranks(), own);
+  sort_unique(all);
   return all;
 }
 
@@ -101,31 +96,30 @@ class Builder {
     const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
     triangles_.resize(mesh_.tri_to_vert.size());
     const auto unnamed =
-        map_blocks(runner_, tets_.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
-          for (auto face = static_cast<FaceCode>(4 * begin); face < 4 * end; ++face)
+        map_blocks(runner_, tets_.size(), kGrain, FaceCode(), [&](std::size_t begin, std::size_t end, auto& first) {
+          for (const FaceCode face : tets::FaceRange(begin, end))
             if (!find_triangle(face, index)) first = std::min(first, face);
         });
     for (const FaceCode face : unnamed) {
-      if (face == kNone) continue;
-      refuse(tets_.to_neighbor[face] == kNone
-                 ? "a face of the mesh's boundary has no triangle that names its model face"
-                 : "two regions meet in a face without a triangle that names its model face",
-             tets_.points[tets::verts_of(tets_, face)[0]], number_of_tet(face / 4));
+      if (!face.valid()) continue;
+      refuse(!tets_.behind(face).valid() ? "a face of the mesh's boundary has no triangle that names its model face"
+                                         : "two regions meet in a face without a triangle that names its model face",
+             tets_.points[tets::verts_of(tets_, face)[0]], number_of_tet(face.tet()));
     }
     std::erase_if(triangles_, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
   }
 
   // False: the face should be a triangle, and is none. No two faces have the same triangle.
   bool find_triangle(FaceCode face, const tets::TriangleIndex& index) {
-    const FaceCode behind = tets_.to_neighbor[face];
-    const std::uint32_t tet = face / 4;
-    const bool between = behind == kNone || tets_.to_region[tet] != tets_.to_region[behind / 4];
-    if ((!between && !tets_.is_fixed(face)) || (behind != kNone && behind < face)) return true;
+    const FaceCode behind = tets_.behind(face);
+    const std::uint32_t tet = face.tet();
+    const bool between = !behind.valid() || tets_.to_region[tet] != tets_.to_region[behind.tet()];
+    if ((!between && !tets_.is_fixed(face)) || (behind.valid() && behind < face)) return true;
     if (!is_complete(tets::verts_of(tets_, face))) return true;
     const auto* found = index.find(tets::sorted(tets::verts_of(tets_, face)));
     if (!found || mesh_.tri_to_entity[found->triangle] == kNone) return false;
     triangles_[found->triangle] = {{mesh_.tri_to_vert[found->triangle], mesh_.tri_to_entity[found->triangle]},
-                                   {tet, behind == kNone ? kNone : behind / 4}};
+                                   {tet, !behind.valid() ? kNone : behind.tet()}};
     return true;
   }
 

@@ -7,6 +7,7 @@
 
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/parts/mesh_slice.hpp"
+#include "core/base/lists.hpp"
 #include "tetloom/growing_array.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/tasks.hpp"
@@ -28,12 +29,9 @@ struct ModelEdgePiece {
 };
 
 /// Sorts them, and drops what is there twice.
-inline void sort_pieces(std::vector<ModelEdgePiece>& pieces) {
-  std::sort(pieces.begin(), pieces.end());
-  pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
-}
+inline void sort_pieces(std::vector<ModelEdgePiece>& pieces) { sort_unique(pieces); }
 
-/// Struct of arrays. Invariant: `to_neighbor` as in tets::TetMesh; kNone behind triangles of the outer surface alone,
+/// Struct of arrays. Invariant: `to_neighbor` as in tets::TetMesh; nothing behind triangles of the outer surface alone,
 /// and where other ranks have what is behind. `edges` are sorted; all of them are sides of triangles.
 struct WholeMesh {
   GrowingArray<Vec3> points;
@@ -48,6 +46,11 @@ struct WholeMesh {
   std::vector<ModelEdgePiece> edges;
 
   std::size_t size() const { return to_region.size(); }
+  tets::FaceRange faces() const { return {0, size()}; }
+  FaceCode& behind(FaceCode face) { return to_neighbor[face.index()]; }
+  FaceCode behind(FaceCode face) const { return to_neighbor[face.index()]; }
+  /// The vertex that the face's tet has and the face has not.
+  std::uint32_t apex(FaceCode face) const { return to_vert[face.index()]; }
   /// Whether the vertex may be an end of a piece of a model edge.
   bool is_on_edge(std::uint32_t vert) const {
     const ModelEntity entity = to_entity[vert].unpack();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adapt/transfer/clip_tet.hpp"
+#include "core/base/lists.hpp"
 
 namespace tetloom::adapt {
 namespace {
@@ -22,8 +23,7 @@ class RegionCorners {
         if (first_[v] != regions[tet]) others_.emplace_back(v, regions[tet]);
       }
     }
-    std::sort(others_.begin(), others_.end());
-    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+    sort_unique(others_);
   }
 
   std::size_t size() const { return first_.size() + others_.size(); }
@@ -94,15 +94,15 @@ class Slopes {
   void collect(std::uint32_t tet, std::vector<std::uint32_t>& neighbors) const {
     neighbors.clear();
     const auto add_around = [&](std::uint32_t of) {
-      for (std::size_t face = 0; face < 4; ++face) {
-        const std::uint32_t link = mesh_.links()[std::size_t{of} * 4 + face];
-        if (link != kNone && link / 4 != tet && regions_[link / 4] == regions_[tet]) neighbors.push_back(link / 4);
+      for (const FaceCode face : FaceCode::of(of)) {
+        const FaceCode behind = mesh_.behind(face);
+        if (behind.valid() && behind.tet() != tet && regions_[behind.tet()] == regions_[tet])
+          neighbors.push_back(behind.tet());
       }
     };
     add_around(tet);
     for (std::size_t i = 0, count = neighbors.size(); i < count; ++i) add_around(neighbors[i]);
-    std::sort(neighbors.begin(), neighbors.end());
-    neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+    sort_unique(neighbors);
   }
 
   Vec3 limited(std::uint32_t tet, std::size_t c, const Corners& x, const Vec3& center, const Vec3& slope) const {

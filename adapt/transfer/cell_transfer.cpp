@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adapt/transfer/overlaps.hpp"
+#include "core/base/lists.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -21,8 +22,7 @@ class RegionNames {
   explicit RegionNames(std::span<const std::uint32_t> regions) {
     for (const std::uint32_t region : regions)
       if (names_.empty() || names_.back() != region) names_.push_back(region);
-    std::sort(names_.begin(), names_.end());
-    names_.erase(std::unique(names_.begin(), names_.end()), names_.end());
+    sort_unique(names_);
   }
   std::size_t size() const { return names_.size(); }
   std::size_t index(std::uint32_t region) const {

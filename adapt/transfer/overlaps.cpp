@@ -89,9 +89,9 @@ void OverlapFinder::spread(const TetView& to, const TetVerts& verts, const Corne
       covered_ += clipped.share;
     }
     const bool all = touching && touches(values, to, verts, tet);
-    for (std::size_t face = 0; face < 4; ++face) {
-      const std::uint32_t link = mesh_.links()[std::size_t{tet} * 4 + face];
-      if (link != kNone && (all || (overlaps && clipped.crossed[face]))) start(link / 4);
+    for (const FaceCode face : FaceCode::of(tet)) {
+      const FaceCode behind = mesh_.behind(face);
+      if (behind.valid() && (all || (overlaps && clipped.crossed[face.side()]))) start(behind.tet());
     }
   }
 }
@@ -111,9 +111,9 @@ std::uint32_t OverlapFinder::nearest(std::uint32_t region) {
   for (std::size_t next = 0; next < queue_.size() && next < kMostAround; ++next) {
     const std::uint32_t tet = queue_[next];
     if (regions_[tet] == region) return tet;
-    for (std::size_t face = 0; face < 4; ++face) {
-      const std::uint32_t link = mesh_.links()[std::size_t{tet} * 4 + face];
-      if (link != kNone) start(link / 4);
+    for (const FaceCode face : FaceCode::of(tet)) {
+      const FaceCode behind = mesh_.behind(face);
+      if (behind.valid()) start(behind.tet());
     }
   }
   return kNone;

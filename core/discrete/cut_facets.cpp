@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/spatial/along_axis.hpp"
 #include "core/spatial/constrained_delaunay.hpp"
@@ -55,8 +56,7 @@ class FacetCutter {
       check_cancelled(cancel);
       triangulate(tri);
     }
-    std::ranges::sort(cut_.in_the_way);
-    cut_.in_the_way.erase(std::unique(cut_.in_the_way.begin(), cut_.in_the_way.end()), cut_.in_the_way.end());
+    sort_unique(cut_.in_the_way);
     return std::move(cut_);
   }
 
@@ -184,8 +184,7 @@ class FacetCutter {
     };
     for (std::uint32_t i = 0; i < 3; ++i) add_points(rim[i] = points_on(edges_.half_to_edge[3 * tri + i]));
     for (const FacetPair& pair : segments_of_[tri]) add_points(segments_.at(pair));
-    std::ranges::sort(pieces.points);
-    pieces.points.erase(std::unique(pieces.points.begin(), pieces.points.end()), pieces.points.end());
+    sort_unique(pieces.points);
     for (const auto& chain : rim) pieces.add_chain(chain, 1);
     for (const FacetPair& pair : segments_of_[tri]) pieces.add_chain(segments_.at(pair), 2);
     return pieces;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/lists.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/spatial/along_axis.hpp"
 #include "core/spatial/bvh.hpp"
@@ -68,8 +69,7 @@ class PiercingSearch {
       if (edge % kEdgesBetweenLooks == 0) check_cancelled(cancel);
       look_along(edge);
     }
-    std::ranges::sort(found_.in_the_way);
-    found_.in_the_way.erase(std::unique(found_.in_the_way.begin(), found_.in_the_way.end()), found_.in_the_way.end());
+    sort_unique(found_.in_the_way);
     return std::move(found_);
   }
 

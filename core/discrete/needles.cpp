@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/base/lists.hpp"
 #include "core/discrete/facet_edges.hpp"
 
 namespace tetloom::detail {
@@ -69,8 +70,7 @@ class NeedleCollapser {
         if (other != v) verts.push_back(other);
       }
     }
-    std::sort(verts.begin(), verts.end());
-    verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+    sort_unique(verts);
     return verts;
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/lists.hpp"
 #include "core/discrete/polygon.hpp"
 
 namespace tetloom::detail {
@@ -29,8 +30,7 @@ class JunctionCutter {
     for (const std::uint32_t edge : open) {
       for (const std::uint32_t v : edges_.edge_to_vert[edge]) along_x_.push_back({soup_.points[v].x, v});
     }
-    std::sort(along_x_.begin(), along_x_.end());
-    along_x_.erase(std::unique(along_x_.begin(), along_x_.end()), along_x_.end());
+    sort_unique(along_x_);
     std::vector<bool> done(soup_.tri_to_vert.size(), false);
     std::size_t cuts = 0;
     for (const std::uint32_t edge : open) {

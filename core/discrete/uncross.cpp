@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/lists.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/discrete/cut_facets.hpp"
 #include "core/discrete/facet_edges.hpp"
@@ -90,8 +91,7 @@ std::vector<std::uint32_t> find_pierced_verts(std::span<const FacetPiercing> pie
   std::vector<std::uint32_t> verts;
   for (const FacetPiercing& piercing : piercings)
     verts.insert(verts.end(), tris[piercing.tri].begin(), tris[piercing.tri].end());
-  std::ranges::sort(verts);
-  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
+  sort_unique(verts);
   return verts;
 }
 

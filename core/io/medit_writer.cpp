@@ -5,6 +5,7 @@
 #include <array>
 #include <tuple>
 
+#include "core/base/lists.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/medit_detail.hpp"
 #include "core/io/solver/groups.hpp"
@@ -56,9 +57,7 @@ std::vector<std::uint32_t> find_corners(const Mesh& mesh, const BlockLoop& loop)
                                           corners.push_back(static_cast<std::uint32_t>(i));
                                       }
                                     });
-  Corners all;
-  for (const Corners& corners : of_blocks) all.insert(all.end(), corners.begin(), corners.end());
-  return all;
+  return joined(of_blocks);
 }
 
 void print_points(AtomicFile& file, const Mesh& mesh, const BlockLoop& loop) {

@@ -1,3 +1,4 @@
+#include "core/base/lists.hpp"
 #include "core/io/mid_node_reader_detail.hpp"
 
 namespace tetloom::detail {
@@ -55,8 +56,7 @@ void MidNodeReader::check(const InputFile& file, const Mesh& mesh) const {
 
 void MidNodeReader::finish(const InputFile& file, Mesh& mesh, bool classify) {
   if (found_.empty()) return;
-  std::ranges::sort(found_);
-  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+  sort_unique(found_);
   check(file, mesh);
   std::vector<std::uint32_t> mids;
   for (const Found& found : found_) mids.push_back(found.mid);

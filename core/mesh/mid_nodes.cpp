@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "core/base/grouping.hpp"
+#include "core/base/lists.hpp"
 
 namespace tetloom {
 namespace {
@@ -49,8 +50,7 @@ class EdgesByVertex {
       std::vector<std::uint32_t> highs;
       for (std::size_t v = begin; v < end; ++v) {
         highs.assign(highs_[v].begin(), highs_[v].end());
-        std::ranges::sort(highs);
-        highs.erase(std::unique(highs.begin(), highs.end()), highs.end());
+        sort_unique(highs);
         body(static_cast<std::uint32_t>(v), std::span<const std::uint32_t>(highs));
       }
     });

@@ -1,3 +1,4 @@
+#include "core/base/lists.hpp"
 #include "core/mesh/statistics_detail.hpp"
 
 #include <array>
@@ -53,9 +54,7 @@ std::vector<float> values_in(std::span<const float> values, const QuantileBins& 
                                         if (bin >= bins.first && bin <= bins.last) found.push_back(values[i]);
                                       }
                                     });
-  std::vector<float> all;
-  for (const std::vector<float>& found : of_blocks) all.insert(all.end(), found.begin(), found.end());
-  return all;
+  return joined(of_blocks);
 }
 
 double quantile_of(std::vector<float>&& near, const QuantileBins& bins) {

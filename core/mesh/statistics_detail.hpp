@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/lists.hpp"
 #include "tetloom/host.hpp"
 
 namespace tetloom::detail {
@@ -44,8 +45,7 @@ class PerEntity {
     std::vector<std::uint32_t> keys;
     for (const std::uint32_t entity : element_to_entity)
       if (keys.empty() || keys.back() != entity) keys.push_back(entity);
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    sort_unique(keys);
     for (const std::uint32_t entity : keys) items_.push_back({entity, {}});
   }
 

@@ -21,7 +21,7 @@ inline CavityFilling::Slot& CavityFilling::find(const Key& key, const Accept& ac
     Slot& slot = slots_[at];
     if (slot.stamp != stamp_) {
       if (spare) return *spare;
-      slot = {key, kNone, kNone, stamp_, State::Gone, false};
+      slot = {key, {}, {}, stamp_, State::Gone, false};
       return slot;
     }
     if (!(slot.key == key)) continue;
@@ -42,11 +42,11 @@ void CavityFilling::open(const TetMesh& mesh, std::span<const std::uint32_t> old
   unmet_ = 0;
   after_.clear();
   for (const std::uint32_t tet : old)
-    for (std::uint32_t i = 0; i < 4; ++i) add_old(mesh, tet * 4 + i);
+    for (const FaceCode face : FaceCode::of(tet)) add_old(mesh, face);
 }
 
 void CavityFilling::add_old(const TetMesh& mesh, FaceCode face) {
-  const FaceCode behind = mesh.to_neighbor[face];
+  const FaceCode behind = mesh.behind(face);
   Slot& slot = find(key_of(verts_of(mesh, face)),
                     [behind](const Slot& other) { return other.state == State::Outer && other.own == behind; });
   if (slot.state == State::Outer) {  // between two of the cavity's tets
@@ -61,7 +61,7 @@ void CavityFilling::add_old(const TetMesh& mesh, FaceCode face) {
 void CavityFilling::swap_surface(std::span<const TriangleVerts> before, std::span<const TriangleVerts> after) {
   for (const TriangleVerts& triangle : before) {
     Slot& slot = find(key_of(triangle), is_unmet);
-    if (slot.state == State::Outer && slot.code == kNone) slot.state = State::Gone, --unmet_;
+    if (slot.state == State::Outer && !slot.code.valid()) slot.state = State::Gone, --unmet_;
   }
   for (const TriangleVerts& triangle : after) {
     Slot& slot = find(after_.emplace_back(key_of(triangle)), is_unmet);
@@ -104,9 +104,9 @@ void CavityFilling::meet_rest(TetMesh& mesh) {
 
 bool CavityFilling::close(TetMesh& mesh, std::span<const std::uint32_t> made) {
   for (const std::uint32_t tet : made)
-    for (std::uint32_t i = 0; i < 4; ++i) add_made(mesh, tet * 4 + i);
+    for (const FaceCode face : FaceCode::of(tet)) add_made(mesh, face);
   for (const Key& key : after_)
-    if (Slot& slot = find(key, is_unmet); is_unmet(slot)) meet(mesh, slot, kNone, true);
+    if (Slot& slot = find(key, is_unmet); is_unmet(slot)) meet(mesh, slot, {}, true);
   if (unmet_ > 0) meet_rest(mesh);
   return unmet_ == 0;
 }

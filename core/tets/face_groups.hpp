@@ -21,10 +21,10 @@ void for_each_face_group(std::span<const std::uint32_t> to_vert, std::size_t poi
   constexpr std::size_t kGrain = 1 << 10;
   const auto verts_of_face = [to_vert](FaceCode face) { return sorted(verts_of(to_vert.data(), face)).verts; };
   const Grouping by_lowest(point_count, [&](const auto& add) {
-    loop.for_blocks(to_vert.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end) {
-      for (auto face = static_cast<FaceCode>(begin); face < end; ++face) {
+    loop.for_blocks(to_vert.size() / 4, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (const FaceCode face : FaceRange(begin, end)) {
         const TriangleVerts v = verts_of(to_vert.data(), face);
-        add(face, std::min({v[0], v[1], v[2]}));
+        add(static_cast<std::uint32_t>(face.index()), std::min({v[0], v[1], v[2]}));
       }
     });
   });
@@ -33,7 +33,8 @@ void for_each_face_group(std::span<const std::uint32_t> to_vert, std::size_t poi
     std::vector<FaceCode> group;
     for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
       keys.clear();
-      for (const FaceCode face : by_lowest[v]) {
+      for (const std::uint32_t index : by_lowest[v]) {
+        const FaceCode face = FaceCode::at(index);
         const TriangleVerts verts = verts_of_face(face);
         keys.emplace_back(std::uint64_t{verts[1]} << 32 | verts[2], face);
       }

@@ -41,7 +41,7 @@ TriangleIndex::TriangleIndex(std::span<const TriangleVerts> triangles, std::size
 
 std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const TriangleVerts> triangles,
                                      const TriangleIndex& index, const BlockLoop& loop) {
-  std::vector<FaceCode> result(triangles.size(), kNone);
+  std::vector<FaceCode> result(triangles.size());
   const std::vector<std::uint8_t> marks = mark_points(mesh.points.size(), triangles);
   loop.for_blocks(mesh.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
@@ -50,10 +50,10 @@ std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const Triang
       const int on_surface = marks[v[0]] + marks[v[1]] + marks[v[2]] + marks[v[3]];
       if (on_surface < 3) continue;
       for (std::uint32_t i = 0; i < 4; ++i) {
-        const auto code = static_cast<FaceCode>(tet * 4 + i);
-        const FaceCode back = mesh.to_neighbor[code];
+        const FaceCode code(tet, i);
+        const FaceCode back = mesh.behind(code);
         // Each face once, so that no two tasks write the same place. The hull is no surface.
-        if (back == kNone || back < code || (on_surface == 3 && marks[v[i]] != 0)) continue;
+        if (!back.valid() || back < code || (on_surface == 3 && marks[v[i]] != 0)) continue;
         const auto& f = kFaceVerts[i];
         const SortedTriangle key = sorted({v[f[0]], v[f[2]], v[f[1]]});  // as seen from inside
         if (const TriangleIndex::Entry* entry = index.find(key))
@@ -72,8 +72,8 @@ std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const Triang
     if (!are_below(triangles[i], mesh.points.size())) continue;
     const SortedTriangle key = sorted(triangles[i]);
     const TriangleIndex::Entry& first = *index.find(key);
-    if (first.triangle != i && result[first.triangle] != kNone)
-      result[i] = key.turned == first.turned ? result[first.triangle] : mesh.to_neighbor[result[first.triangle]];
+    if (first.triangle != i && result[first.triangle].valid())
+      result[i] = key.turned == first.turned ? result[first.triangle] : mesh.behind(result[first.triangle]);
   }
   return result;
 }
@@ -83,11 +83,11 @@ std::vector<std::uint32_t> fix_triangles(TetMesh& mesh, std::span<const Triangle
   const std::vector<FaceCode> tri_to_face = find_triangles(mesh, triangles, index, loop);
   std::vector<std::uint32_t> missing;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (tri_to_face[i] == kNone) {
+    if (!tri_to_face[i].valid()) {
       missing.push_back(i);
       continue;
     }
-    for (const FaceCode face : {tri_to_face[i], mesh.to_neighbor[tri_to_face[i]]}) fix_side(mesh, face);
+    for (const FaceCode face : {tri_to_face[i], mesh.behind(tri_to_face[i])}) fix_side(mesh, face);
   }
   return missing;
 }

@@ -37,13 +37,13 @@ class LowestFault {
     if (face < face_) face_ = face, message_ = message;
   }
   Fault fault(const TetMesh& mesh) const {
-    if (face_ == kNone) return {};
+    if (!face_.valid()) return {};
     return {message_, {}, mesh.points[sorted(verts_of(mesh, face_)).verts[0]]};
   }
 
  private:
   std::mutex mutex_;
-  FaceCode face_ = kNone;
+  FaceCode face_;
   const char* message_ = nullptr;
 };
 
@@ -68,10 +68,10 @@ Fault fix_surface(TetMesh& mesh, std::span<const TriangleVerts> triangles, const
   Fault fault;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const FaceCode face = tri_to_face[index.find(sorted(triangles[t]))->triangle];
-    if (face == kNone) {
+    if (!face.valid()) {
       fault.triangles.push_back(t);
     } else {
-      link_sides(mesh, face, mesh.to_neighbor[face], true);
+      link_sides(mesh, face, mesh.behind(face), true);
     }
   }
   if (fault.triangles.empty()) return fault;
@@ -87,12 +87,12 @@ Fault link_tets(TetMesh& mesh, std::span<const std::array<std::uint32_t, 4>> tet
                 std::span<const TriangleVerts> triangles, const BlockLoop& loop) {
   mesh.to_vert.reserve(tet_to_vert.size() * 4);
   for (const auto& tet : tet_to_vert) mesh.to_vert.append(std::span<const std::uint32_t>(tet));
-  mesh.to_neighbor.resize(tet_to_vert.size() * 4, kNone);
+  mesh.to_neighbor.resize(tet_to_vert.size() * 4);
   mesh.to_region.resize(tet_to_vert.size(), kNone);
   mesh.to_fixed.resize(tet_to_vert.size(), 0);
   if (Fault fault = turn_tets(mesh, loop); fault.any()) return fault;
   const TriangleIndex index(triangles, mesh.points.size());
-  std::vector<FaceCode> tri_to_face(triangles.size(), kNone);
+  std::vector<FaceCode> tri_to_face(triangles.size());
   if (Fault fault = link_faces(mesh, index, tri_to_face, loop); fault.any()) return fault;
   return fix_surface(mesh, triangles, index, tri_to_face);
 }

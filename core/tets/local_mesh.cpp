@@ -39,10 +39,10 @@ void LocalMesh::flood(std::uint32_t seed, const Keep& keep, TetList& tets) const
   stamps_[seed] = stamp_;
   for (std::size_t i = 0; i < tets.size(); ++i) {
     for (std::uint32_t k = 0; k < 4; ++k) {
-      const FaceCode back = mesh_.to_neighbor[std::size_t{tets[i]} * 4 + k];
-      if (back == kNone || stamps_[back / 4] == stamp_ || !keep(back / 4)) continue;
-      stamps_[back / 4] = stamp_;
-      tets.push_back(back / 4);
+      const FaceCode back = mesh_.behind({tets[i], k});
+      if (!back.valid() || stamps_[back.tet()] == stamp_ || !keep(back.tet())) continue;
+      stamps_[back.tet()] = stamp_;
+      tets.push_back(back.tet());
     }
   }
 }
@@ -70,25 +70,25 @@ FaceCode LocalMesh::find_face(const TriangleVerts& triangle) const {
     const Tet v = tet(t);
     for (std::uint32_t i = 0; i < 4; ++i) {
       if (v[i] == a || v[i] == b || v[i] == c) continue;
-      const TriangleVerts f = face(t * 4 + i);
+      const TriangleVerts f = face({t, i});
       const auto at = static_cast<std::size_t>(std::find(f.begin(), f.end(), a) - f.begin());
-      if (f[(at + 1) % 3] == b) return t * 4 + i;
-      if (mesh_.to_neighbor[std::size_t{t} * 4 + i] != kNone) return mesh_.to_neighbor[std::size_t{t} * 4 + i];
+      if (f[(at + 1) % 3] == b) return {t, i};
+      if (mesh_.behind({t, i}).valid()) return mesh_.behind({t, i});
     }
   }
-  return kNone;
+  return {};
 }
 
 void LocalMesh::fix(FaceCode code) {
-  for (const FaceCode side : {code, mesh_.to_neighbor[code]}) {
-    if (side != kNone) fix_side(mesh_, side);
+  for (const FaceCode side : {code, mesh_.behind(code)}) {
+    if (side.valid()) fix_side(mesh_, side);
   }
 }
 
 void LocalMesh::release(FaceCode code) {
-  for (const FaceCode side : {code, mesh_.to_neighbor[code]}) {
-    if (side != kNone)
-      mesh_.to_fixed[side / 4] = static_cast<std::uint8_t>(mesh_.to_fixed[side / 4] & ~(1u << side % 4));
+  for (const FaceCode side : {code, mesh_.behind(code)}) {
+    if (side.valid())
+      mesh_.to_fixed[side.tet()] = static_cast<std::uint8_t>(mesh_.to_fixed[side.tet()] & ~(1u << side.side()));
   }
 }
 

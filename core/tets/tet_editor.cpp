@@ -7,9 +7,9 @@
 namespace tetloom::tets {
 
 std::uint32_t TetEditor::take(TetMesh& mesh, GrowingArray<float>* to_quality) {
-  if (first_dead_ != kNone) {
-    const std::uint32_t tet = first_dead_;
-    first_dead_ = mesh.to_neighbor[std::size_t{tet} * 4];
+  if (first_dead_.valid()) {
+    const std::uint32_t tet = first_dead_.tet();
+    first_dead_ = mesh.behind(first_dead_);
     return tet;
   }
   const std::size_t tet = mesh.size();
@@ -23,10 +23,10 @@ std::uint32_t TetEditor::take(TetMesh& mesh, GrowingArray<float>* to_quality) {
 
 void TetEditor::drop(TetMesh& mesh, GrowingArray<float>* to_quality, std::uint32_t tet) {
   mesh.to_vert[std::size_t{tet} * 4] = kNone;
-  mesh.to_neighbor[std::size_t{tet} * 4] = first_dead_;
+  mesh.behind({tet, 0}) = first_dead_;
   mesh.to_fixed[tet] = 0;
   if (to_quality) (*to_quality)[tet] = kDeadQuality;
-  first_dead_ = tet;
+  first_dead_ = {tet, 0};
 }
 
 std::span<const std::uint32_t> TetEditor::replace(TetMesh& mesh, GrowingArray<float>* to_quality,

@@ -47,12 +47,12 @@ class TetEditor {
   void drop(TetMesh& mesh, GrowingArray<float>* to_quality, std::uint32_t tet);
 
   /// The dead tets, which are in the list, have been dropped by `compact`.
-  void forget_dead() { first_dead_ = kNone; }
+  void forget_dead() { first_dead_ = {}; }
 
  private:
   std::uint32_t take(TetMesh& mesh, GrowingArray<float>* to_quality);
 
-  std::uint32_t first_dead_ = kNone;
+  FaceCode first_dead_;  // first face of the last tet that died; behind it lies the one before
   CavityFilling filling_;
   std::vector<std::uint32_t> ids_;
 };

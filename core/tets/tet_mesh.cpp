@@ -13,9 +13,9 @@ namespace {
 void move_tet(TetMesh& mesh, std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t i = 0; i < 4; ++i) {
     mesh.to_vert[std::size_t{to} * 4 + i] = mesh.to_vert[std::size_t{from} * 4 + i];
-    const FaceCode neighbor = mesh.to_neighbor[std::size_t{from} * 4 + i];
-    mesh.to_neighbor[std::size_t{to} * 4 + i] = neighbor;
-    if (neighbor != kNone) mesh.to_neighbor[neighbor] = to * 4 + i;
+    const FaceCode neighbor = mesh.behind({from, i});
+    mesh.behind({to, i}) = neighbor;
+    if (neighbor.valid()) mesh.behind(neighbor) = {to, i};
   }
   mesh.to_region[to] = mesh.to_region[from];
   mesh.to_fixed[to] = mesh.to_fixed[from];
@@ -24,17 +24,18 @@ void move_tet(TetMesh& mesh, std::uint32_t from, std::uint32_t to) {
 std::string name_of(std::uint32_t tet) { return "tet " + std::to_string(tet); }
 
 std::string find_face_fault(const TetMesh& mesh, std::uint32_t tet, std::uint32_t i) {
-  const FaceCode face = tet * 4 + i, back = mesh.to_neighbor[face];
-  if (back == kNone) return {};
-  if (back >= mesh.to_neighbor.size() || mesh.is_dead(back / 4)) return name_of(tet) + " has a neighbour that is not";
-  if (mesh.to_neighbor[back] != face) return name_of(tet) + " is not the neighbour of its neighbour";
+  const FaceCode face(tet, i), back = mesh.behind(face);
+  if (!back.valid()) return {};
+  if (back.index() >= mesh.to_neighbor.size() || mesh.is_dead(back.tet()))
+    return name_of(tet) + " has a neighbour that is not";
+  if (mesh.behind(back) != face) return name_of(tet) + " is not the neighbour of its neighbour";
   if (mesh.is_fixed(face) != mesh.is_fixed(back)) return name_of(tet) + " has a face fixed on one side only";
-  if (mesh.to_region[tet] != mesh.to_region[back / 4] && !mesh.is_fixed(face))
+  if (mesh.to_region[tet] != mesh.to_region[back.tet()] && !mesh.is_fixed(face))
     return name_of(tet) + " has a face between regions that is not fixed";
   std::array<std::uint32_t, 3> mine, theirs;
   for (std::size_t k = 0; k < 3; ++k) {
     mine[k] = mesh.to_vert[std::size_t{tet} * 4 + kFaceVerts[i][k]];
-    theirs[k] = mesh.to_vert[std::size_t{back / 4} * 4 + kFaceVerts[back % 4][k]];
+    theirs[k] = mesh.to_vert[std::size_t{back.tet()} * 4 + kFaceVerts[back.side()][k]];
   }
   std::sort(mine.begin(), mine.end());
   std::sort(theirs.begin(), theirs.end());

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/tets/face_code.hpp"
 #include "core/tets/tet_topology.hpp"
 #include "tetloom/growing_array.hpp"
 #include "tetloom/ids.hpp"
@@ -16,14 +17,11 @@ namespace tetloom::tets {
 
 using tetloom::kNone;  // no tet, vertex, region or face
 
-/// One face of one tet as tet · 4 + face, the code of CellPlace for tets; kNone: nothing.
-using FaceCode = std::uint32_t;
-
 /// Struct of arrays, 37 bytes per tet and 24 per point. Tets have positive volume (orient3d > 0) in exact arithmetic.
 ///
-/// `to_neighbor[4 t + i]` is the same face as a face of the tet behind it, kNone where there is none. Bit i of
-/// `to_fixed[t]` says that face i must stay: it is a triangle of the given surface, and both tets beside it say so.
-/// A dead tet has kNone as its first vertex; nothing points to it; `compact` drops it. Faces whose two tets lie in
+/// `behind(face)` is the same face as a face of the tet behind it; not valid where there is none. Bit i of
+/// `to_fixed[t]` says that face i must stay: it is a triangle of the given surface, and both tets beside it say so. A
+/// dead tet has kNone as its first vertex; nothing points to it; `compact` drops it. Faces whose two tets lie in
 /// different regions are fixed.
 struct TetMesh {
   GrowingArray<Vec3> points;
@@ -34,26 +32,31 @@ struct TetMesh {
 
   std::size_t size() const { return to_fixed.size(); }
   bool is_dead(std::uint32_t tet) const { return to_vert[std::size_t{tet} * 4] == kNone; }
-  bool is_fixed(FaceCode face) const { return (to_fixed[face / 4] >> face % 4 & 1) != 0; }
+  FaceRange faces() const { return {0, size()}; }
+  FaceCode& behind(FaceCode face) { return to_neighbor[face.index()]; }
+  FaceCode behind(FaceCode face) const { return to_neighbor[face.index()]; }
+  /// The vertex that the face's tet has and the face has not.
+  std::uint32_t apex(FaceCode face) const { return to_vert[face.index()]; }
+  bool is_fixed(FaceCode face) const { return (to_fixed[face.tet()] >> face.side() & 1) != 0; }
   const Vec3& point_of(std::uint32_t tet, int corner) const { return points[to_vert[std::size_t{tet} * 4 + corner]]; }
 };
 
 /// Says of this side of a face that it must stay.
 inline void fix_side(TetMesh& mesh, FaceCode face) {
-  mesh.to_fixed[face / 4] = static_cast<std::uint8_t>(mesh.to_fixed[face / 4] | 1u << face % 4);
+  mesh.to_fixed[face.tet()] = static_cast<std::uint8_t>(mesh.to_fixed[face.tet()] | 1u << face.side());
 }
 
-/// Makes two faces the two sides of one; kNone: nothing lies there.
+/// Makes two faces the two sides of one; without a tet: nothing lies there.
 inline void link_sides(TetMesh& mesh, FaceCode one, FaceCode other) {
-  if (one != kNone) mesh.to_neighbor[one] = other;
-  if (other != kNone) mesh.to_neighbor[other] = one;
+  if (one.valid()) mesh.behind(one) = other;
+  if (other.valid()) mesh.behind(other) = one;
 }
 /// The same, and where `fixed`, both must stay.
 inline void link_sides(TetMesh& mesh, FaceCode one, FaceCode other, bool fixed) {
   link_sides(mesh, one, other);
   if (!fixed) return;
-  if (one != kNone) fix_side(mesh, one);
-  if (other != kNone) fix_side(mesh, other);
+  if (one.valid()) fix_side(mesh, one);
+  if (other.valid()) fix_side(mesh, other);
 }
 
 /// Calls move(from, to) until none of `count` places is a hole, with those from the end that are none for the holes,

@@ -27,8 +27,8 @@ inline SortedTriangle sorted(TriangleVerts v) {
 
 /// The vertices of a face, counter-clockwise seen from outside its tet.
 inline TriangleVerts verts_of(const std::uint32_t* tet_to_vert, FaceCode face) {
-  const std::uint32_t* v = tet_to_vert + std::size_t{face / 4} * 4;
-  const auto& f = kFaceVerts[face % 4];
+  const std::uint32_t* v = tet_to_vert + std::size_t{face.tet()} * 4;
+  const auto& f = kFaceVerts[face.side()];
   return {v[f[0]], v[f[1]], v[f[2]]};
 }
 inline TriangleVerts verts_of(const TetMesh& mesh, FaceCode face) { return verts_of(mesh.to_vert.data(), face); }

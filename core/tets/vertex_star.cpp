@@ -34,18 +34,18 @@ StarVerdict find_star(const WorkingMesh& mesh, std::uint32_t tet, std::uint32_t 
   TetSet seen;
   seen.add(tet);
   // Entered, as it were, through one of the faces at the vertex; what is behind that one is found from elsewhere.
-  star.codes[0] = tet * 4 + (corner + 1) % 4;
+  star.codes[0] = {tet, (corner + 1) % 4};
   std::size_t count = 1;
   for (std::size_t i = 0; i < count; ++i) {
     if (count > WorkingMesh::kMostTets) return StarVerdict::TooLarge;
-    const std::uint32_t here = star.codes[i] / 4, entry = star.codes[i] % 4;
+    const std::uint32_t here = star.codes[i].tet(), entry = star.codes[i].side();
     const std::uint32_t own = mesh.corner_of(here, star.vertex);
-    star.codes[i] = here * 4 + own;
+    star.codes[i] = {here, own};
     for (const std::uint8_t face : kOtherCorners[own][entry]) {
-      const FaceCode behind = m.to_neighbor[std::size_t{here} * 4 + face];
+      const FaceCode behind = m.behind({here, face});
       star.codes[count] = behind;
-      count += seen.add(behind / 4);
-      mesh.prefetch(behind / 4);
+      count += seen.add(behind.tet());
+      mesh.prefetch(behind.tet());
     }
     mesh.prefetch_point(m.to_vert[std::size_t{here} * 4 + entry]);
   }

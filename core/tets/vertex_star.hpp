@@ -13,7 +13,7 @@ namespace tetloom::tets {
 struct VertexStar {
   std::uint32_t vertex = kNone;
   std::size_t count = 0;
-  std::array<FaceCode, WorkingMesh::kMostTets + 3> codes;  ///< tet * 4 + the vertex's corner in it
+  std::array<FaceCode, WorkingMesh::kMostTets + 3> codes;  ///< of each tet the face opposite of the vertex
 
   std::span<const FaceCode> tets() const { return {codes.data(), count}; }
 };

@@ -19,7 +19,7 @@ WorkingMesh::WorkingMesh(TetMesh& mesh, std::uint32_t fixed_points, std::uint32_
     std::fill(to_quality_.begin(), to_quality_.begin() + alike, to_quality_[0]);
   }
   for (const FaceCode face : open_faces)
-    for (const std::uint8_t corner : kFaceVerts[face % 4]) set_fixed_point(verts(face / 4)[corner]);
+    for (const std::uint8_t corner : kFaceVerts[face.side()]) set_fixed_point(verts(face.tet())[corner]);
   for (std::uint32_t tet = alike; tet < count; ++tet) {
     if (mesh.is_dead(tet)) {
       editor_.drop(mesh, &to_quality_, tet);
@@ -50,7 +50,7 @@ void WorkingMesh::read_tet(std::uint32_t tet) {
 void WorkingMesh::fix_points_of(std::uint32_t tet) {
   const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
   for (std::uint32_t face = 0; face < 4; ++face) {
-    if (mesh_.to_neighbor[std::size_t{tet} * 4 + face] != kNone && !mesh_.is_fixed(tet * 4 + face)) continue;
+    if (mesh_.behind({tet, face}).valid() && !mesh_.is_fixed({tet, face})) continue;
     for (const std::uint8_t corner : kFaceVerts[face]) set_fixed_point(v[corner]);
   }
 }
@@ -67,12 +67,12 @@ void WorkingMesh::replace_ring(const EdgeRing& ring, std::span<const RingTriangl
 }
 
 void WorkingMesh::replace_face(std::uint32_t tet, std::uint32_t face, const std::array<double, 3>& qualities) {
-  const FaceCode opposite = mesh_.to_neighbor[std::size_t{tet} * 4 + face];
-  const std::uint32_t apex = verts(tet)[face], beyond = mesh_.to_vert[opposite];
-  const TriangleVerts edge = verts_of(mesh_, tet * 4 + face);
+  const FaceCode opposite = mesh_.behind({tet, face});
+  const std::uint32_t apex = verts(tet)[face], beyond = mesh_.apex(opposite);
+  const TriangleVerts edge = verts_of(mesh_, {tet, face});
   std::array<NewTet, 3> made;
   for (std::size_t i = 0; i < 3; ++i) made[i] = {{edge[(i + 1) % 3], edge[(i + 2) % 3], apex, beyond}, qualities[i]};
-  editor_.replace(mesh_, &to_quality_, {std::array{tet, opposite / 4}, made});
+  editor_.replace(mesh_, &to_quality_, {std::array{tet, opposite.tet()}, made});
 }
 
 void WorkingMesh::replace(std::span<const std::uint32_t> old, std::span<const NewTet> made) {

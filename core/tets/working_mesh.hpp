@@ -65,10 +65,10 @@ class WorkingMesh {
   /// Fetches the same of its neighbours.
   void prefetch_neighbors(std::uint32_t tet) const {
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode behind = mesh_.to_neighbor[std::size_t{tet} * 4 + i];
-      if (behind == kNone) continue;
-      prefetch(behind / 4);
-      __builtin_prefetch(&to_quality_[behind / 4]);
+      const FaceCode behind = mesh_.behind({tet, i});
+      if (!behind.valid()) continue;
+      prefetch(behind.tet());
+      __builtin_prefetch(&to_quality_[behind.tet()]);
     }
   }
 

@@ -1,9 +1,11 @@
 #pragma once
 // How ranks and parts talk, by threads and by MPI.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,6 +51,12 @@ class MessageWriter {
   std::span<T> put_room(std::size_t count) {
     put(static_cast<std::uint64_t>(count));
     return make_room<T>(count);
+  }
+  /// The length, and `value(item)` for each of the items.
+  template <class Items, class Value>
+  void put_each(const Items& items, const Value& value) {
+    using T = std::decay_t<decltype(value(*std::begin(items)))>;
+    std::ranges::transform(items, put_room<T>(std::size(items)).begin(), value);
   }
   Bytes take() { return std::move(bytes_); }
 

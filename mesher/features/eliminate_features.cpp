@@ -4,6 +4,7 @@
 #include <memory>
 #include <tuple>
 
+#include "core/base/lists.hpp"
 #include "core/spatial/bvh.hpp"
 #include "mesher/features/shape_check.hpp"
 
@@ -25,9 +26,7 @@ std::vector<std::uint32_t> find_small_triangles(const Mesh& mesh, const FeatureE
         found[begin / kBlock].push_back(static_cast<std::uint32_t>(t));
     }
   });
-  std::vector<std::uint32_t> all;
-  for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
-  return all;
+  return joined(found);
 }
 
 /// The balls in which nothing is eliminated, to be asked for a place.

@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/spatial/distances.hpp"
 #include "core/spatial/triangle_shape.hpp"
 #include "mesher/features/displacement.hpp"
@@ -223,8 +224,7 @@ class Eliminator {
         const auto triangles = surface_.triangles_at(v);
         around.insert(around.end(), triangles.begin(), triangles.end());
       }
-    std::ranges::sort(around);
-    around.erase(std::unique(around.begin(), around.end()), around.end());
+    sort_unique(around);
     for (const std::uint32_t t : around) push(t);
   }
 

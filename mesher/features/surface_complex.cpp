@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::features {
 namespace {
 
@@ -65,8 +67,7 @@ std::vector<std::uint32_t> SurfaceComplex::neighbours(std::uint32_t v) const {
   for (const std::uint32_t t : triangles_at(v))
     for (const std::uint32_t w : triangle(t))
       if (w != v) found.push_back(w);
-  std::ranges::sort(found);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   return found;
 }
 

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "tetloom/tasks.hpp"
@@ -170,8 +171,7 @@ std::vector<TriangleIntersection> find_self_intersections(const IntersectionSear
     const std::size_t begin = block * kLeavesPerBlock;
     return searcher.search_leaves(begin, std::min(begin + kLeavesPerBlock, searcher.leaf_count()));
   });
-  std::vector<TriangleIntersection> all;
-  for (const auto& found : block_to_found) all.insert(all.end(), found.begin(), found.end());
+  std::vector<TriangleIntersection> all = joined(block_to_found);
   std::sort(all.begin(), all.end(), comes_before);
   if (all.size() > search.most) all.resize(search.most);
   return all;

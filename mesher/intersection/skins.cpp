@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/predicates/predicates.hpp"
 
 namespace tetloom {
@@ -95,8 +96,7 @@ std::vector<TriangleIntersection> find_skins(const Mesh& surface, std::span<cons
       if (const auto skin = search.find(static_cast<std::uint32_t>(t))) found.push_back(*skin);
     return found;
   });
-  std::vector<TriangleIntersection> all;
-  for (const auto& found : lists) all.insert(all.end(), found.begin(), found.end());
+  std::vector<TriangleIntersection> all = joined(lists);
   const auto pair_of = [](const TriangleIntersection& hit) { return std::pair(hit.first, hit.second); };
   std::ranges::stable_sort(all, {}, pair_of);
   const auto repeated = std::ranges::unique(all, {}, pair_of);

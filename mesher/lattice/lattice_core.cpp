@@ -205,14 +205,14 @@ class LevelEmitter {
         std::uint32_t* v = mesh_.to_vert.data() + std::size_t{tet} * 4;
         FaceCode* n = mesh_.to_neighbor.data() + std::size_t{tet} * 4;
         for (int i = 0; i < 4; ++i) v[i] = verts[place + type.vert_offset[i]];
-        for (int i = 0; i < 4; ++i) {
+        for (std::uint32_t i = 0; i < 4; ++i) {
           const std::size_t other = place + type.behind_offset[i];
           const auto bit = static_cast<TypeSet>(TypeSet{1} << type.behind_type[i]);
           const bool there = (types[other] & bit) != 0;
-          n[i] = there ? (first[other] + Tables::count(static_cast<TypeSet>(types[other] & (bit - 1)))) * 4 +
-                             type.behind_face[i]
-                       : kNone;
-          if (!there) core_.open_faces.push_back(tet * 4 + i);
+          n[i] = there ? FaceCode(first[other] + Tables::count(static_cast<TypeSet>(types[other] & (bit - 1))),
+                                  type.behind_face[i])
+                       : FaceCode();
+          if (!there) core_.open_faces.push_back({tet, i});
         }
       }
     });

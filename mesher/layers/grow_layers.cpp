@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/lists.hpp"
 #include "core/geometry/bad_geometry.hpp"
 #include "mesher/layers/crossings.hpp"
 #include "mesher/layers/regrowth.hpp"
@@ -55,8 +56,7 @@ LayerGrowth::LayerGrowth(const GeometricModel& model, const Mesh& mesh, const Si
   int tries = 0;
   for (std::vector<std::uint32_t> failed = grow(tries); !failed.empty(); failed = grow(++tries)) {
     blunt_verts_.insert(blunt_verts_.end(), failed.begin(), failed.end());
-    std::ranges::sort(blunt_verts_);
-    blunt_verts_.erase(std::ranges::unique(blunt_verts_).begin(), blunt_verts_.end());
+    sort_unique(blunt_verts_);
   }
   before_.reset();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/lists.hpp"
 #include "mesher/layers/stack_elements.hpp"
 
 namespace tetloom::layers {
@@ -37,8 +38,7 @@ class PartCurves {
       curves_.insert(curves_.end(), more.begin(), more.end());
       if (const std::uint32_t apex = numbers.made_apex(stack); apex != kNone) apexes_.push_back({stack, apex});
     }
-    std::ranges::sort(curves_);
-    curves_.erase(std::unique(curves_.begin(), curves_.end()), curves_.end());
+    sort_unique(curves_);
   }
 
   std::span<const std::uint32_t> curves() const { return curves_; }
@@ -83,8 +83,7 @@ class PartCurves {
         if (const std::uint64_t made = numbers_.made({c, level}); known.find(made) == kNone) missing.push_back(made);
     for (const auto& [stack, apex] : apexes_)
       if (known.find(apex) == kNone) missing.push_back(apex);
-    std::ranges::sort(missing);
-    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    sort_unique(missing);
     for (const std::uint64_t made : missing) add(made, growth_.surface().mesh.points[made], part);
   }
 

@@ -5,6 +5,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::layers {
 namespace {
 
@@ -185,8 +187,7 @@ std::vector<std::uint32_t> SideFaces::edges_from(const CurveSides& at) const {
       for (const std::uint32_t next : next_on_rim(one, foot, false))
         if (has_piece(other, foot, next)) found.push_back(next);
     }
-  std::ranges::sort(found);
-  found.erase(std::ranges::unique(found).begin(), found.end());
+  sort_unique(found);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "mesher/surface/face_plane.hpp"
 #include "mesher/surface/rim_mesh.hpp"
 
@@ -107,8 +108,7 @@ class RestMesher {
   void find_in_the_way(std::span<const std::uint32_t> crossing) {
     for (const std::uint32_t node : crossing)
       if (result_.nodes[node].curve != kNone) result_.in_the_way.push_back(result_.nodes[node].curve);
-    std::ranges::sort(result_.in_the_way);
-    result_.in_the_way.erase(std::ranges::unique(result_.in_the_way).begin(), result_.in_the_way.end());
+    sort_unique(result_.in_the_way);
     if (!result_.in_the_way.empty()) return;
     std::ranges::copy_if(side_.curves, std::back_inserter(result_.in_the_way),
                          [&](std::uint32_t c) { return tops_[c].grows; });

@@ -34,7 +34,7 @@ class ShellAppender {
     mesh_.to_region.resize(count, input_.only_region);
     mesh_.points = std::move(state_.shell.mesh.points);
     state_.figures.shell_tets = state_.shell.kept.size();
-    std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.to_neighbor[face] != kNone; });
+    std::erase_if(state_.core.open_faces, [&](FaceCode face) { return mesh_.behind(face).valid(); });
     drop_points_of_others();
     release_shell();
     state_.waits.resize(mesh_.points.size(), 0);
@@ -63,10 +63,10 @@ class ShellAppender {
     mesh_.to_fixed[kept] = shell.to_fixed[tet];
     state_.seen_sides += static_cast<std::size_t>(std::popcount(shell.to_fixed[tet]));
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode from = tet * 4 + i, to = kept * 4 + i, behind = shell.to_neighbor[from];
-      mesh_.to_vert[to] = shell.to_vert[from];
-      const std::uint32_t next = behind == kNone ? kNone : to_kept_[behind / 4];
-      mesh_.to_neighbor[to] = next == kNone ? kNone : next * 4 + behind % 4;
+      const FaceCode from(tet, i), to(kept, i), behind = shell.behind(from);
+      mesh_.to_vert[to.index()] = shell.apex(from);
+      const std::uint32_t next = !behind.valid() ? kNone : to_kept_[behind.tet()];
+      mesh_.behind(to) = next == kNone ? FaceCode() : behind.of_tet(next);
       if (next == kNone && !shell.is_fixed(from)) link_to_core(from, to, open);
     }
   }
@@ -78,8 +78,8 @@ class ShellAppender {
     const auto* face = open.find(tets::sorted(verts));
     if (!face) return;
     const FaceCode core = state_.core.open_faces[face->triangle];
-    mesh_.to_neighbor[to] = core;
-    mesh_.to_neighbor[core] = to;
+    mesh_.behind(to) = core;
+    mesh_.behind(core) = to;
   }
 
   // What served to make the core and the shell.
@@ -143,11 +143,11 @@ void name_regions(const SharedInput& input, PartState& state) {
       const std::uint32_t tet = stack.back();
       stack.pop_back();
       mesh.to_region[tet] = region;
-      for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-        const FaceCode behind = mesh.to_neighbor[face];
-        if (behind == kNone || mesh.is_fixed(face) || is_named[behind / 4]) continue;
-        is_named[behind / 4] = 1;
-        stack.push_back(behind / 4);
+      for (const FaceCode face : FaceCode::of(tet)) {
+        const FaceCode behind = mesh.behind(face);
+        if (!behind.valid() || mesh.is_fixed(face) || is_named[behind.tet()]) continue;
+        is_named[behind.tet()] = 1;
+        stack.push_back(behind.tet());
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/lists.hpp"
 #include "core/base/mix_bits.hpp"
 #include "core/tets/many_values.hpp"
 #include "core/tets/triangle_verts.hpp"
@@ -136,8 +137,7 @@ bool all_faces_met(const AllParts& parts) {
     names.insert(names.end(), unmet.begin(), unmet.end());
   }
   names = gather_lists<std::uint64_t>(parts.communicator, names);
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
+  sort_unique(names);
   std::vector<std::int64_t> counts(names.size(), 0);
   for (const PartId part : parts.states.local()) {
     const auto& open = parts.states.at(part).open_names;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
@@ -191,16 +192,14 @@ void Decomposition::find_neighbors(const lattice::LatticeCells& cells, const Tas
           if (other != part) pairs.emplace_back(part, other), pairs.emplace_back(other, part);
       });
     }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    sort_unique(pairs);
   });
   part_to_neighbors_.resize(boxes_.size());
   for (const std::vector<Pair>& pairs : block_to_pairs)
     for (const auto& [part, other] : pairs) part_to_neighbors_[part.value].push_back(other);
   runner.for_each(boxes_.size(), [&](std::size_t part) {
     std::vector<PartId>& list = part_to_neighbors_[part];
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    sort_unique(list);
   });
 }
 

@@ -25,7 +25,7 @@ class Extraction {
     const std::size_t first_layer = taken_.size();
     for (std::size_t i = 0; i < first_layer; ++i) {
       const auto [part, tet] = taken_[i];
-      for (std::uint32_t corner = 0; corner < 4; ++corner) take_star(tet * 4 + corner, part);
+      for (const FaceCode code : FaceCode::of(tet)) take_star(code, part);
     }
     std::sort(taken_.begin(), taken_.end());
     std::vector<TetsToMigrate> result;
@@ -54,7 +54,7 @@ class Extraction {
       for (const std::uint32_t v : verts_of(mesh_, face)) {
         if (!(vert_flags_[v] & kWanted)) continue;
         const auto owned = std::lower_bound(vert_to_part.begin(), vert_to_part.end(), std::pair{v, PartId(0)});
-        seeds.emplace_back(owned->second, face / 4 * 4 + corner_of(mesh_, face / 4, v));
+        seeds.emplace_back(owned->second, FaceCode(face.tet(), corner_of(mesh_, face.tet(), v)));
       }
     }
     std::stable_sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -64,7 +64,7 @@ class Extraction {
   // Tets around the vertex at a corner, as far as they hang together, that nobody has yet. Stars are not cut where
   // others have taken a part of them.
   void take_star(FaceCode code, PartId part) {
-    std::uint8_t& flags = vert_flags_[mesh_.to_vert[code]];
+    std::uint8_t& flags = vert_flags_[mesh_.apex(code)];
     // Stars that are no part's border hang together: one walk is enough.
     if (flags & kShared ? is_walked(code) : (flags & kDone) != 0) return;
     flags |= kDone;
@@ -72,20 +72,20 @@ class Extraction {
   }
 
   void walk_star(FaceCode code, PartId part) {
-    const std::uint32_t vert = mesh_.to_vert[code];
+    const std::uint32_t vert = mesh_.apex(code);
     stack_.assign(1, code);
     walk(code);
     while (!stack_.empty()) {
-      const std::uint32_t tet = stack_.back() / 4, corner = stack_.back() % 4;
+      const std::uint32_t tet = stack_.back().tet(), corner = stack_.back().side();
       stack_.pop_back();
       if (!(tet_flags_[tet] & kTaken)) {
         tet_flags_[tet] |= kTaken;
         taken_.emplace_back(part, tet);
       }
       for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode face = tet * 4 + i, behind = mesh_.to_neighbor[face];
-        if (i == corner || behind == kNone || mesh_.is_fixed(face)) continue;
-        const FaceCode next = behind / 4 * 4 + corner_of(mesh_, behind / 4, vert);
+        const FaceCode face(tet, i), behind = mesh_.behind(face);
+        if (i == corner || !behind.valid() || mesh_.is_fixed(face)) continue;
+        const FaceCode next(behind.tet(), corner_of(mesh_, behind.tet(), vert));
         if (is_walked(next)) continue;
         walk(next);
         stack_.push_back(next);
@@ -94,8 +94,8 @@ class Extraction {
   }
 
   // Whether the star of the vertex at this corner was walked through the tet.
-  bool is_walked(FaceCode code) const { return (tet_flags_[code / 4] >> code % 4 & 1) != 0; }
-  void walk(FaceCode code) { tet_flags_[code / 4] |= static_cast<std::uint8_t>(1u << code % 4); }
+  bool is_walked(FaceCode code) const { return (tet_flags_[code.tet()] >> code.side() & 1) != 0; }
+  void walk(FaceCode code) { tet_flags_[code.tet()] |= static_cast<std::uint8_t>(1u << code.side()); }
 
   const TetMesh& mesh_;
   std::vector<std::uint8_t> tet_flags_, vert_flags_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/tets/many_values.hpp"
 #include "core/tets/tet_quality.hpp"
 #include "core/tets/triangle_verts.hpp"
@@ -22,12 +23,6 @@ using volume::Complex;
 // In sizes. Tets between two boxes are mostly of the part with the lower number, which so may change points beside its
 // box. Others stay away from there: triangles at two points that change must not meet.
 constexpr double kBesideBox = 1, kFromOtherBoxes = 3;
-
-template <class T>
-void sort_unique(std::vector<T>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 class Improvement {
  public:
@@ -51,7 +46,7 @@ class Improvement {
   // The surface that the part knows or has tets at, with numbers of its own.
   void collect() {
     triangles_ = state_.triangles;
-    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
+    for (const FaceCode face : mesh_.faces()) {
       if (!mesh_.is_fixed(face)) continue;
       const auto* triangle = input_.triangles.find(tets::sorted(complex_verts(face)));
       if (triangle) triangles_.push_back(triangle->triangle);
@@ -117,8 +112,8 @@ class Improvement {
     for (const std::uint32_t point : state_.surface_elsewhere)
       if (const auto at = std::lower_bound(points_.begin(), points_.end(), point); at != points_.end() && *at == point)
         is_frozen_[static_cast<std::size_t>(at - points_.begin())] = 1;
-    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
-      if (mesh_.to_neighbor[face] != kNone || mesh_.is_fixed(face)) continue;
+    for (const FaceCode face : mesh_.faces()) {
+      if (mesh_.behind(face).valid() || mesh_.is_fixed(face)) continue;
       for (const std::uint32_t v : verts_of(mesh_, face))
         if (v < is_frozen_.size()) is_frozen_[v] = 1;
     }
@@ -171,7 +166,7 @@ std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, 
   tets::for_each_that(0, state.mesh.size(), has_fixed, [&](std::size_t at) {
     const auto tet = static_cast<std::uint32_t>(at);
     if (state.mesh.is_dead(tet)) return;
-    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+    for (const FaceCode face : FaceCode::of(tet)) {
       if (!state.mesh.is_fixed(face)) continue;
       for (const std::uint32_t v : verts_of(state.mesh, face))
         if (!std::exchange(seen[v], 1)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));

@@ -84,11 +84,11 @@ class ClusterRecovery {
   void fix_core() {
     std::vector<char> in_core(mesh_.size());
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) in_core[tet] = is_in_core(tet);
-    for (FaceCode face = 0; face < mesh_.to_neighbor.size(); ++face) {
-      const FaceCode behind = mesh_.to_neighbor[face];
-      if (behind == kNone || in_core[face / 4] == in_core[behind / 4]) continue;
-      if (!has_outer(face / 4) && !has_outer(behind / 4))
-        mesh_.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4);
+    for (const FaceCode face : mesh_.faces()) {
+      const FaceCode behind = mesh_.behind(face);
+      if (!behind.valid() || in_core[face.tet()] == in_core[behind.tet()]) continue;
+      if (!has_outer(face.tet()) && !has_outer(behind.tet()))
+        mesh_.to_fixed[face.tet()] |= static_cast<std::uint8_t>(1u << face.side());
     }
   }
 
@@ -128,7 +128,7 @@ class ClusterRecovery {
     const std::vector<FaceCode> faces = tets::find_triangles(mesh_, near_verts, runner_);
     for (std::size_t t = 0; t < count; ++t) {
       const bool wanted = std::binary_search(cluster_.triangles.begin(), cluster_.triangles.end(), near[t]);
-      if (faces[t] == kNone && !wanted) continue;
+      if (!faces[t].valid() && !wanted) continue;
       verts_.push_back(near_verts[t]);
       triangles_.push_back(near[t]);
     }
@@ -172,7 +172,7 @@ class ClusterRecovery {
     result_.tets.made.push_back(keys_of(tet));
     std::uint8_t& fixed = result_.tets.fixed.emplace_back(mesh_.to_fixed[tet]);
     for (std::uint32_t i = 0; i < 4; ++i)
-      if (verts_of(mesh_, tet * 4 + i)[0] >= surface_count_) fixed &= static_cast<std::uint8_t>(~(1u << i));
+      if (verts_of(mesh_, {tet, i})[0] >= surface_count_) fixed &= static_cast<std::uint8_t>(~(1u << i));
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t v = mesh_.to_vert[std::size_t{tet} * 4 + i];
       if (v >= first_outer_) continue;

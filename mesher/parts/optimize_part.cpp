@@ -57,8 +57,8 @@ void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, co
   tets::TetMesh& mesh = strip.mesh;
   count(optimize(mesh, options, runner), state.figures.optimizer);
   std::vector<char> is_outside(mesh.points.size(), 0);
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.to_neighbor[face] != kNone || mesh.is_fixed(face)) continue;
+  for (const FaceCode face : mesh.faces()) {
+    if (mesh.behind(face).valid() || mesh.is_fixed(face)) continue;
     for (const std::uint32_t v : verts_of(mesh, face)) is_outside[v] = 1;
   }
   for (std::size_t v = 0; v < strip.waits.size(); ++v)

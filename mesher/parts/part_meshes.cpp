@@ -180,9 +180,9 @@ class TriangleFinder {
   // With vertices of the state.
   void find(BoundaryBlock& triangles) const {
     std::vector<std::pair<std::uint32_t, TriangleVerts>> found;
-    for (FaceCode face = 0; face < state_.mesh.to_neighbor.size(); ++face) {
-      const FaceCode behind = state_.mesh.to_neighbor[face];
-      if (state_.mesh.is_fixed(face) && (behind == kNone || face < behind)) found.push_back(triangle_at(face));
+    for (const FaceCode face : state_.mesh.faces()) {
+      const FaceCode behind = state_.mesh.behind(face);
+      if (state_.mesh.is_fixed(face) && (!behind.valid() || face < behind)) found.push_back(triangle_at(face));
     }
     std::sort(found.begin(), found.end());
     for (const auto& [triangle, verts] : found) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <compare>
 
+#include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
@@ -32,8 +33,7 @@ class Pairs {
     runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
       std::vector<Pair>& pairs = block_to_pairs_[before + begin / kBlock];
       for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(i), pairs);
-      std::sort(pairs.begin(), pairs.end());
-      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+      sort_unique(pairs);
     });
   }
 
@@ -46,8 +46,7 @@ class Pairs {
         auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{PartId(p), 0});
         for (; at != pairs.end() && at->part == PartId(p); ++at) items.push_back(at->item);
       }
-      if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
-      items.erase(std::unique(items.begin(), items.end()), items.end());
+      if (!std::is_sorted(items.begin(), items.end())) sort_unique(items);
     });
     block_to_pairs_.clear();
     return part_to_items;

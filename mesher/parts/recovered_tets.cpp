@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/lists.hpp"
 #include "mesher/parts/strip.hpp"
 
 namespace tetloom::parts {
@@ -47,8 +48,7 @@ void add_tet(const RecoveredTets& recovered, std::uint32_t tet, RecoveredTets& p
 // Numbers the new points of a piece and finds the places of all.
 void finish_piece(const RecoveredTets& recovered, RecoveredTets& piece) {
   std::vector<VertKey>& keys = piece.keys;
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  sort_unique(keys);
   const auto first_new = std::lower_bound(keys.begin(), keys.end(), kNewPoint);
   for (auto key = keys.begin(); key != first_new; ++key) {
     const auto at = std::lower_bound(recovered.keys.begin(), recovered.keys.end(), *key);
@@ -115,8 +115,8 @@ void add_recovered(PartState& state, PartId part, const RecoveredTets& recovered
   state.figures.shell_tets += recovered.made.size();
   link_strip(strip);
   std::vector<FaceCode> open;
-  for (FaceCode face = 0; face < state.mesh.to_neighbor.size(); ++face)
-    if (state.mesh.to_neighbor[face] == kNone && !state.mesh.is_fixed(face)) open.push_back(face);
+  for (const FaceCode face : state.mesh.faces())
+    if (!state.mesh.behind(face).valid() && !state.mesh.is_fixed(face)) open.push_back(face);
   put_in(state, part, std::move(strip), open);
 }
 

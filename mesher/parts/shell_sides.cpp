@@ -22,14 +22,14 @@ bool ShellSides::walk(std::uint32_t tet) {
   for (std::size_t k = 0; k < walked_.size() && !told; ++k) {
     told = told_by(walked_[k]);
     if (told) break;
-    for (FaceCode face = walked_[k] * 4; face < walked_[k] * 4 + 4; ++face) {
-      const FaceCode behind = shell_.mesh.to_neighbor[face];
-      if (behind == kNone || shell_.mesh.is_fixed(face)) continue;
-      const Side side = to_side_[behind / 4];
+    for (const FaceCode face : FaceCode::of(walked_[k])) {
+      const FaceCode behind = shell_.mesh.behind(face);
+      if (!behind.valid() || shell_.mesh.is_fixed(face)) continue;
+      const Side side = to_side_[behind.tet()];
       if (side == Side::Inside || side == Side::Outside) told = side == Side::Inside;
-      if (side != Side::Unknown || !is_sure(behind / 4)) continue;
-      to_side_[behind / 4] = Side::Walked;
-      walked_.push_back(behind / 4);
+      if (side != Side::Unknown || !is_sure(behind.tet())) continue;
+      to_side_[behind.tet()] = Side::Walked;
+      walked_.push_back(behind.tet());
     }
   }
   const bool inside = told ? *told : is_inside_by_center(input_, shell_.mesh, tet);
@@ -56,11 +56,11 @@ bool ShellSides::is_sure(std::uint32_t tet) const {
 }
 
 bool ShellSides::is_at_outside(std::uint32_t tet) const {
-  for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-    const FaceCode behind = shell_.mesh.to_neighbor[face];
+  for (const FaceCode face : FaceCode::of(tet)) {
+    const FaceCode behind = shell_.mesh.behind(face);
     if (shell_.mesh.is_fixed(face)) continue;
-    if (behind == kNone) return true;
-    const std::uint32_t* v = verts(behind / 4);
+    if (!behind.valid()) return true;
+    const std::uint32_t* v = verts(behind.tet());
     if (std::max({v[0], v[1], v[2], v[3]}) >= shell_.first_outer) return true;
   }
   return false;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <optional>
 
+#include "core/base/lists.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/tets/circumsphere.hpp"
@@ -253,8 +254,7 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
     if (is_of_surface(sent.key) && !std::binary_search(state.surface.begin(), state.surface.end(), point))
       surface.push_back(point);
   }
-  std::sort(surface.begin(), surface.end());
-  surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
+  sort_unique(surface);
   if (!surface.empty()) add_surface_points(input, state, surface);
   std::vector<std::pair<VertKey, std::uint32_t>> known;
   for (std::uint32_t v = state.surface_count(); v < state.keys.size(); ++v) known.emplace_back(state.keys[v], v);

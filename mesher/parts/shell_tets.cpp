@@ -43,7 +43,7 @@ bool TetBall::holds(const lattice::SiteLattice& lattice, const lattice::Site& si
 
 std::optional<bool> is_inside_by_faces(const SharedInput& input, const TetMesh& mesh, std::uint32_t tet,
                                        const ComplexTriangles& known) {
-  for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
+  for (const FaceCode face : FaceCode::of(tet)) {
     if (!mesh.is_fixed(face)) continue;
     const tets::SortedTriangle key = tets::sorted(verts_of(mesh, face));
     const auto* triangle = known.index.find(key);

@@ -25,7 +25,7 @@ struct PackedVert {
 
 struct PackedTet {
   std::array<std::uint32_t, 4> verts;   // of those packed
-  std::array<FaceCode, 4> to_neighbor;  // the same; kNone: not packed
+  std::array<FaceCode, 4> to_neighbor;  // the same; not valid: not packed
   std::uint32_t region, fixed;
 };
 
@@ -66,8 +66,8 @@ void link_pairs(TetMesh& mesh, std::span<Side> sides) {
   std::sort(sides.begin(), sides.end());
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     if (sides[i].verts != sides[i + 1].verts) continue;
-    mesh.to_neighbor[sides[i].face] = sides[i + 1].face;
-    mesh.to_neighbor[sides[i + 1].face] = sides[i].face;
+    mesh.behind(sides[i].face) = sides[i + 1].face;
+    mesh.behind(sides[i + 1].face) = sides[i].face;
     ++i;
   }
 }
@@ -76,33 +76,27 @@ void link_pairs(TetMesh& mesh, std::span<Side> sides) {
 
 Bytes TetPacker::pack(std::span<const std::uint32_t> tets) {
   const TetMesh& mesh = state_.mesh;
-  to_packed_.resize(mesh.points.size(), kNone);
-  std::vector<std::uint32_t> verts;
-  for (const std::uint32_t tet : tets) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t v = mesh.to_vert[std::size_t{tet} * 4 + i];
-      if (std::exchange(to_packed_[v], 0) == kNone) verts.push_back(v);
-    }
-  }
-  std::sort(verts.begin(), verts.end());
-  for (std::uint32_t i = 0; i < verts.size(); ++i) to_packed_[verts[i]] = i;
+  verts_.clear();
+  verts_.set_item_count(mesh.points.size());
+  for (const std::uint32_t tet : tets)
+    for (std::size_t i = 0; i < 4; ++i) verts_.add(mesh.to_vert[std::size_t{tet} * 4 + i]);
+  verts_.sort();
   MessageWriter writer;
-  const std::span<PackedVert> packed = writer.put_room<PackedVert>(verts.size());
-  for (std::size_t i = 0; i < verts.size(); ++i)
-    packed[i] = {mesh.points[verts[i]], state_.keys[verts[i]], state_.waits[verts[i]]};
+  writer.put_each(verts_.items(), [&](std::uint32_t v) {
+    return PackedVert{mesh.points[v], state_.keys[v], state_.waits[v]};
+  });
   const TetPlaces places(tets);
   const std::span<PackedTet> packed_tets = writer.put_room<PackedTet>(tets.size());
   for (std::size_t t = 0; t < tets.size(); ++t) {
     PackedTet& to = packed_tets[t];
     for (std::size_t i = 0; i < 4; ++i) {
-      to.verts[i] = to_packed_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
-      const FaceCode behind = mesh.to_neighbor[std::size_t{tets[t]} * 4 + i];
-      const std::uint32_t place = behind == kNone ? kNone : places.find(behind / 4);
-      to.to_neighbor[i] = place == kNone ? kNone : place * 4 + behind % 4;
+      to.verts[i] = verts_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
+      const FaceCode behind = mesh.behind({tets[t], i});
+      const std::uint32_t place = !behind.valid() ? kNone : places.find(behind.tet());
+      to.to_neighbor[i] = place == kNone ? FaceCode() : behind.of_tet(place);
     }
     to.region = mesh.to_region[tets[t]], to.fixed = mesh.to_fixed[tets[t]];
   }
-  for (const std::uint32_t v : verts) to_packed_[v] = kNone;
   return writer.take();
 }
 
@@ -114,10 +108,10 @@ void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector
   }
   state.has_dead |= !tets.empty();
   for (const std::uint32_t tet : tets) {
-    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face) {
-      const FaceCode behind = mesh.to_neighbor[face];
-      if (behind == kNone || mesh.is_dead(behind / 4)) continue;
-      mesh.to_neighbor[behind] = kNone;
+    for (const FaceCode face : FaceCode::of(tet)) {
+      const FaceCode behind = mesh.behind(face);
+      if (!behind.valid() || mesh.is_dead(behind.tet())) continue;
+      mesh.behind(behind) = {};
       opened.push_back(behind);
     }
     mesh.to_fixed[tet] = 0;
@@ -157,11 +151,11 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
     for (const PackedVert& vert : piece.verts)
       to_vert.push_back(static_cast<std::uint32_t>(std::lower_bound(strip.keys.begin(), strip.keys.end(), vert.key) -
                                                    strip.keys.begin()));
-    const auto first = static_cast<FaceCode>(mesh.to_vert.size());
+    const auto first = static_cast<std::uint32_t>(mesh.size());
     for (const PackedTet& tet : piece.tets) {
       for (const std::uint32_t v : tet.verts) mesh.to_vert.push_back(to_vert[v]);
       for (const FaceCode behind : tet.to_neighbor)
-        mesh.to_neighbor.push_back(behind == kNone ? kNone : first + behind);
+        mesh.to_neighbor.push_back(behind.valid() ? behind.of_tet(first + behind.tet()) : behind);
       mesh.to_region.push_back(tet.region);
       mesh.to_fixed.push_back(static_cast<std::uint8_t>(tet.fixed));
     }
@@ -172,11 +166,11 @@ Strip unpack_strip(std::span<const Bytes> pieces) {
 
 void link_strip(Strip& strip) {
   TetMesh& mesh = strip.mesh;
-  mesh.to_neighbor.resize(mesh.to_vert.size(), kNone);
+  mesh.to_neighbor.resize(mesh.to_vert.size());
   // By lowest vertex first: there are few at each.
   std::vector<Side> alone;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face)
-    if (mesh.to_neighbor[face] == kNone) alone.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
+  for (const FaceCode face : mesh.faces())
+    if (!mesh.behind(face).valid()) alone.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
   std::vector<std::uint32_t> end(mesh.points.size() + 1, 0);
   for (const Side& side : alone) ++end[side.verts[0] + 1];
   for (std::size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
@@ -224,17 +218,17 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
   }
   for (const std::uint32_t v : strip.mesh.to_vert) mesh.to_vert.push_back(to_vert[v]);
   for (const FaceCode face : strip.mesh.to_neighbor)
-    mesh.to_neighbor.push_back(face == kNone ? kNone : first * 4 + face);
+    mesh.to_neighbor.push_back(face.valid() ? face.of_tet(first + face.tet()) : face);
   mesh.to_region.append(strip.mesh.to_region.span());
   mesh.to_fixed.append(strip.mesh.to_fixed.span());
   state.qualities.append(strip.qualities.span());
-  for (FaceCode face = first * 4; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.to_neighbor[face] != kNone) continue;
+  for (const FaceCode face : tets::FaceRange(first, mesh.size())) {
+    if (mesh.behind(face).valid()) continue;
     sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});
     open.push_back(face);
   }
   link_pairs(mesh, sides);
-  std::erase_if(open, [&](FaceCode face) { return mesh.to_neighbor[face] != kNone || mesh.is_fixed(face); });
+  std::erase_if(open, [&](FaceCode face) { return mesh.behind(face).valid() || mesh.is_fixed(face); });
 }
 
 }  // namespace tetloom::parts

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/local_numbers.hpp"
 #include "mesher/parts/part_state.hpp"
 
 namespace tetloom::parts {
@@ -25,7 +26,7 @@ class TetPacker {
 
  private:
   const PartState& state_;
-  std::vector<std::uint32_t> to_packed_;  // working memory, per vertex of the part: kNone
+  LocalNumbers verts_;  // of the part, in the message; working memory
 };
 
 /// Takes the given tets out of the part's mesh; appends the faces that lie open for that.

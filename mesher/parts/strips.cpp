@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/borders.hpp"
 #include "mesher/parts/extraction.hpp"
@@ -36,10 +37,10 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
   std::vector<FaceCode> open;
   const std::span<const FaceCode> behind = mesh.to_neighbor;
   tets::for_each_that(
-      0, behind.size(), [=](std::size_t face) { return behind[face] == kNone; },
+      0, behind.size(), [=](std::size_t face) { return !behind[face].valid(); },
       [&](std::size_t at) {
-        const auto face = static_cast<FaceCode>(at);
-        if (!mesh.is_dead(face / 4) && !mesh.is_fixed(face)) open.push_back(face);
+        const FaceCode face = FaceCode::at(at);
+        if (!mesh.is_dead(face.tet()) && !mesh.is_fixed(face)) open.push_back(face);
       });
   return open;
 }
@@ -77,10 +78,10 @@ std::vector<ToldVert> find_poor(const PartState& state) {
     }
   };
   for (const FaceCode open : state.open_faces) {
-    const std::uint32_t tet = open / 4;
+    const std::uint32_t tet = open.tet();
     look_at(tet, open);
-    for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
-      if (mesh.to_neighbor[face] != kNone) look_at(mesh.to_neighbor[face] / 4, open);
+    for (const FaceCode face : FaceCode::of(tet))
+      if (mesh.behind(face).valid()) look_at(mesh.behind(face).tet(), open);
   }
   keep_farthest(poor);
   return poor;
@@ -196,8 +197,7 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
     }
   }
   std::sort(wanted.begin(), wanted.end());
-  std::sort(tellers.begin(), tellers.end());
-  tellers.erase(std::unique(tellers.begin(), tellers.end()), tellers.end());
+  sort_unique(tellers);
   state.shared.clear();
   if (wanted.empty()) return;
   const NeighborBoxes boxes(input.decomposition, task.part());
@@ -268,9 +268,9 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
     pieces.push_back(std::move(message.bytes));
   }
   if (!state.own_piece.empty()) pieces.push_back(std::exchange(state.own_piece, {}));
-  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_dead(face / 4); });
+  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_dead(face.tet()); });
   for (const FaceCode face : state.opened)
-    if (!state.mesh.is_dead(face / 4)) state.open_faces.push_back(face);
+    if (!state.mesh.is_dead(face.tet())) state.open_faces.push_back(face);
   if (!pieces.empty()) {
     state.open_faces_changed = true;
     Strip strip = unpack_strip(pieces);

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/lists.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "core/tets/link_tets.hpp"
 
@@ -78,8 +79,7 @@ class PatchFinder {
   void link(BadPatch& patch, std::vector<tets::TriangleVerts>& triangles) const {
     for (const std::uint32_t tet : patch.to_tet)
       std::ranges::copy(mesh_.tet_to_vert[tet], std::back_inserter(patch.to_vert));
-    std::ranges::sort(patch.to_vert);
-    patch.to_vert.erase(std::unique(patch.to_vert.begin(), patch.to_vert.end()), patch.to_vert.end());
+    sort_unique(patch.to_vert);
     for (const std::uint32_t v : patch.to_vert) patch.tets.points.push_back(mesh_.points[v]);
     const auto own = [&](std::uint32_t v) {
       return static_cast<std::uint32_t>(std::ranges::lower_bound(patch.to_vert, v) - patch.to_vert.begin());

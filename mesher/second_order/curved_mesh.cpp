@@ -2,17 +2,12 @@
 
 #include <algorithm>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::second_order {
 namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 13;
-
-template <class Item>
-std::vector<Item> joined(const std::vector<std::vector<Item>>& lists) {
-  std::vector<Item> all;
-  for (const std::vector<Item>& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
-}
 
 }  // namespace
 
@@ -49,8 +44,7 @@ std::vector<std::uint32_t> tets_of(std::span<const MidAndTet> pairs) {
   std::vector<std::uint32_t> tets;
   tets.reserve(pairs.size());
   for (const auto& [mid, tet] : pairs) tets.push_back(tet);
-  std::ranges::sort(tets);
-  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  sort_unique(tets);
   return tets;
 }
 

@@ -103,7 +103,7 @@ void PatchMender::try_cavity(std::span<const std::uint32_t> tets) {
   if (kept.made.empty()) return;
   for (std::size_t i = 0; i < kMostGrowth; ++i) {
     const FaceCode behind = cavity_.facets[worst_facet(kept)].behind;
-    if (behind == kNone || !add_tet(behind / 4)) break;
+    if (!behind.valid() || !add_tet(behind.tet())) break;
     Change grown = lead(kept.point);
     if (!(grown.value > kept.value)) break;
     kept = std::move(grown);
@@ -117,8 +117,8 @@ bool PatchMender::add_tet(std::uint32_t tet) {
   auto& [tets, facets] = cavity_;
   if (facets.size() + 3 > tets::WorkingMesh::kMostTets || std::ranges::count(tets, tet) > 0) return false;
   for (std::uint32_t i = 0; i < 4; ++i) {
-    const FaceCode face = tet * 4 + i, behind = m.is_fixed(face) ? kNone : m.to_neighbor[face];
-    if (behind == kNone || std::ranges::count(tets, behind / 4) == 0) {
+    const FaceCode face(tet, i), behind = m.is_fixed(face) ? FaceCode() : m.behind(face);
+    if (!behind.valid() || std::ranges::count(tets, behind.tet()) == 0) {
       facets.push_back({inward_face(m, face), behind});
       continue;
     }
@@ -257,13 +257,13 @@ bool PatchMender::smooth(std::uint32_t tet, std::uint32_t corner) {
   const Vec3 step = find_newton_step(star_, here, floor_);
   if (step == Vec3{}) return false;
   mesh_.mesh().points[star.vertex] = here + step;
-  if (!std::ranges::all_of(star.tets(), [&](FaceCode code) { return is_good(code / 4); })) {
+  if (!std::ranges::all_of(star.tets(), [&](FaceCode code) { return is_good(code.tet()); })) {
     mesh_.mesh().points[star.vertex] = here;
     return false;
   }
   for (const FaceCode code : star.tets()) {
-    const auto [a, b, c, d] = verts_of(code / 4);
-    mesh_.set_quality(code / 4, tets::cubed_quality(mesh_.point(a), mesh_.point(b), mesh_.point(c), mesh_.point(d)));
+    const auto [a, b, c, d] = verts_of(code.tet());
+    mesh_.set_quality(code.tet(), tets::cubed_quality(mesh_.point(a), mesh_.point(b), mesh_.point(c), mesh_.point(d)));
   }
   return true;
 }

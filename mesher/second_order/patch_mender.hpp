@@ -43,7 +43,7 @@ class PatchMender {
  private:
   struct Facet {
     std::array<std::uint32_t, 3> verts;  // counter-clockwise from inside
-    tets::FaceCode behind;               // kNone where the cavity must end
+    tets::FaceCode behind;               // not valid where the cavity must end
   };
   struct Cavity {
     std::vector<std::uint32_t> tets;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/tets/deep_point.hpp"
 #include "mesher/second_order/curved_mesh.hpp"
 
@@ -62,8 +63,7 @@ class Straightener {
   void collect_tets_at(const std::vector<std::uint32_t>& bad) {
     std::vector<std::uint32_t> wanted;
     for (const std::uint32_t tet : bad) std::ranges::copy(mesh_.mids_of(tet), std::back_inserter(wanted));
-    std::ranges::sort(wanted);
-    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    sort_unique(wanted);
     at_mids_ = mesh_.tets_at(wanted);
     std::vector<std::uint32_t> all;
     std::ranges::set_union(curved_tets_, tets_of(at_mids_), std::back_inserter(all));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/lists.hpp"
 #include "mesher/sizing/corner_values.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/model_sources.hpp"
@@ -78,7 +79,7 @@ std::vector<SizeSource> collect_sources(const Workpiece& piece, const SharedWork
   lists[2] = face_sources(piece.model, piece.targets, piece.facets, work);
   if (piece.targets.proximity > 0)
     lists[3] = proximity_sources(piece.model, piece.targets, piece.facets, piece.tree, work);
-  return join(std::move(lists));
+  return joined(lists);
 }
 
 /// What a build leaves to the next one, which has more refinements.

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/sizing/curvature_size.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
 #include "mesher/sizing/narrow_entities.hpp"
@@ -164,9 +165,7 @@ std::vector<FaceMeasures> measure_faces(const GeometricModel& model, const SizeT
     });
     return std::vector{measures};
   });
-  std::vector<FaceMeasures> all;
-  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
+  return joined(lists);
 }
 
 // That of wires lets them have so many edges per turn as can be afforded.
@@ -197,15 +196,6 @@ std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& 
 }
 
 }  // namespace
-
-std::vector<SizeSource> join(std::vector<std::vector<SizeSource>> lists) {
-  std::size_t count = 0;
-  for (const auto& list : lists) count += list.size();
-  std::vector<SizeSource> all;
-  all.reserve(count);
-  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
-}
 
 std::vector<double> facet_counts(const std::vector<Tessellation>& facets) {
   std::vector<double> work;
@@ -259,13 +249,13 @@ std::vector<SizeSource> edge_sources(const GeometricModel& model, const SizeTarg
     const Vec3 point = model.vertex_point(ModelVertexId(v));
     lists.back().push_back({point, point, point, targets.vertex[v]});
   }
-  return join(std::move(lists));
+  return joined(lists);
 }
 
 std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTargets& targets,
                                      const std::vector<Tessellation>& facets, const SharedWork& work) {
   const std::vector<double> floors = face_floors(model, targets, facets, work);
-  return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
+  return joined(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
     if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {

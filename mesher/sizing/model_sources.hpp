@@ -30,9 +30,6 @@ std::vector<SizeSource> proximity_sources(const GeometricModel& model, const Siz
                                           const std::vector<Tessellation>& facets, const FacetTree& tree,
                                           const SharedWork& work);
 
-/// One list after the other.
-std::vector<SizeSource> join(std::vector<std::vector<SizeSource>> lists);
-
 /// The number of facets of each face, as an estimate of the work on it.
 std::vector<double> facet_counts(const std::vector<Tessellation>& facets);
 

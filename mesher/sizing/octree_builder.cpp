@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/assert.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -149,8 +150,7 @@ void OctreeBuilder::append_parents(int level, const Codes& cuts, Codes& coarser)
   runner_.for_blocks(cuts.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     Codes& parents = blocks[begin / kBlock];
     for (std::size_t i = begin; i < end; ++i) append_neighbour_parents(cuts[i], level, parents);
-    std::ranges::sort(parents);
-    parents.erase(std::unique(parents.begin(), parents.end()), parents.end());
+    sort_unique(parents);
   });
   for (const auto& parents : blocks) coarser.insert(coarser.end(), parents.begin(), parents.end());
 }

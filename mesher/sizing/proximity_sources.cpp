@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "mesher/sizing/facet_refiner.hpp"
 #include "mesher/sizing/model_sources.hpp"
 #include "tetloom/tasks.hpp"
@@ -18,8 +19,7 @@ std::vector<std::vector<std::uint32_t>> face_to_vertices(const ModelTopology& to
     for (const ModelLoop& loop : topology.face_to_loops[f])
       for (const EdgeUse& use : loop)
         for (const ModelVertexId v : topology.edges[use.edge.value].vertices) table[f].push_back(v.value);
-    std::ranges::sort(table[f]);
-    table[f].erase(std::unique(table[f].begin(), table[f].end()), table[f].end());
+    sort_unique(table[f]);
   }
   return table;
 }
@@ -95,7 +95,7 @@ std::vector<SizeSource> proximity_sources(const GeometricModel& model, const Siz
                                           const std::vector<Tessellation>& facets, const FacetTree& tree,
                                           const SharedWork& work) {
   const GapProbe probe(model, targets, tree);
-  return join(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
+  return joined(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     return probe.run(static_cast<std::uint32_t>(f), facets[f], work.runner());
   }));
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
 
@@ -202,8 +203,7 @@ Region make_region(const Triangles& triangles) {
   Region region;
   for (const auto& triangle : triangles)
     region.ids.insert(region.ids.end(), triangle.verts.begin(), triangle.verts.end());
-  std::ranges::sort(region.ids);
-  region.ids.erase(std::unique(region.ids.begin(), region.ids.end()), region.ids.end());
+  sort_unique(region.ids);
   std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
   for (const auto& triangle : triangles) {
     auto& local = tri_to_vert.emplace_back();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/lists.hpp"
 #include "core/sizing/size_change.hpp"
 #include "mesher/surface/coincident_faces.hpp"
 #include "mesher/surface/copied_surface.hpp"
@@ -161,8 +162,7 @@ class SurfaceMesher::State {
       pending.push_back(chords[i].face);
       if (taken_chords_.empty() || taken_chords_.back() != chords[i].nodes) taken_chords_.push_back(chords[i].nodes);
     }
-    std::sort(pending.begin(), pending.end());
-    pending.erase(std::unique(pending.begin(), pending.end()), pending.end());
+    sort_unique(pending);
     if (!pending.empty()) mesh_faces(pending);
   }
 

@@ -60,9 +60,9 @@ class CauseFinder {
  private:
   bool find_surface_angle() {
     double angle = dihedral_.angle;
-    const FaceCode one = turn(tet_ * 4 + dihedral_.face, angle);
-    const FaceCode other = one == kNone ? kNone : turn(tet_ * 4 + dihedral_.other, angle);
-    if (other == kNone || angle >= least_wanted_) return false;
+    const FaceCode one = turn({tet_, dihedral_.face}, angle);
+    const FaceCode other = one.valid() ? turn({tet_, dihedral_.other}, angle) : FaceCode();
+    if (!other.valid() || angle >= least_wanted_) return false;
     found_.cause = AngleCause::SurfaceAngle;
     found_.cause_angle = degrees(angle);
     found_.triangles = {verts_of(mesh_.mesh(), one), verts_of(mesh_.mesh(), other)};
@@ -70,7 +70,7 @@ class CauseFinder {
   }
 
   // Goes from tet to tet around the edge of the angle, through `out` first, up to a face that has to stay, and adds
-  // their angles; kNone when that leads back to the tet.
+  // their angles; not valid when that leads back to the tet.
   FaceCode turn(FaceCode out, double& angle) const {
     const TetMesh& mesh = mesh_.mesh();
     const auto is_of_edge = [&](std::uint32_t vertex) {
@@ -78,19 +78,19 @@ class CauseFinder {
       return mesh_.verts(tet_)[corner] == vertex && corner != dihedral_.face && corner != dihedral_.other;
     };
     while (!mesh.is_fixed(out)) {
-      const FaceCode in = mesh.to_neighbor[out];
-      if (in == kNone || in / 4 == tet_) return kNone;
+      const FaceCode in = mesh.behind(out);
+      if (!in.valid() || in.tet() == tet_) return {};
       std::uint32_t corner = 0;
-      while (corner == in % 4 || is_of_edge(mesh_.verts(in / 4)[corner])) ++corner;
-      out = in / 4 * 4 + corner;
-      angle += dihedral_between(mesh, in / 4, in % 4, corner);
+      while (corner == in.side() || is_of_edge(mesh_.verts(in.tet())[corner])) ++corner;
+      out = {in.tet(), corner};
+      angle += dihedral_between(mesh, in.tet(), in.side(), corner);
     }
     return out;
   }
 
   bool find_triangle() {
     double least = kPoorTriangle;
-    for (FaceCode face = tet_ * 4; face < tet_ * 4 + 4; ++face) {
+    for (const FaceCode face : FaceCode::of(tet_)) {
       if (!mesh_.mesh().is_fixed(face)) continue;
       const TriangleVerts verts = verts_of(mesh_.mesh(), face);
       const std::array corners{mesh_.point(verts[0]), mesh_.point(verts[1]), mesh_.point(verts[2])};
@@ -125,8 +125,8 @@ class CauseFinder {
   void find_height(double least) {
     const auto verts = mesh_.verts(tet_);
     for (std::uint32_t i = 0; i < 4; ++i) {
-      if (!mesh_.mesh().is_fixed(tet_ * 4 + i) || !mesh_.is_fixed_point(verts[i])) continue;
-      const TriangleVerts t = verts_of(mesh_.mesh(), tet_ * 4 + i);
+      if (!mesh_.mesh().is_fixed({tet_, i}) || !mesh_.is_fixed_point(verts[i])) continue;
+      const TriangleVerts t = verts_of(mesh_.mesh(), {tet_, i});
       const Vec3 &x = mesh_.point(t[0]), normal = cross(mesh_.point(t[1]) - x, mesh_.point(t[2]) - x);
       const double height = std::abs(dot(normalized(normal), mesh_.point(verts[i]) - x));
       if (height >= kSlant * least) continue;
@@ -143,7 +143,7 @@ class CauseFinder {
     for (const std::uint32_t tet : tets_beside()) {
       for (const std::uint32_t v : mesh_.verts(tet))
         if (mesh_.is_fixed_point(v) && std::ranges::find(points, v) == points.end()) points.push_back(v);
-      for (FaceCode face = tet * 4; face < tet * 4 + 4; ++face)
+      for (const FaceCode face : FaceCode::of(tet))
         if (mesh_.mesh().is_fixed(face)) triangles.push_back(verts_of(mesh_.mesh(), face));
     }
     double least = kShortEdge * longest_edge();
@@ -165,9 +165,9 @@ class CauseFinder {
     std::vector<std::uint32_t> found{tet_};
     const auto own = mesh_.verts(tet_);
     for (std::size_t i = 0; i < found.size() && found.size() < kMostBeside; ++i)
-      for (FaceCode face = found[i] * 4; face < found[i] * 4 + 4; ++face) {
-        if (mesh_.mesh().is_fixed(face) || mesh_.mesh().to_neighbor[face] == kNone) continue;
-        const std::uint32_t other = mesh_.mesh().to_neighbor[face] / 4;
+      for (const FaceCode face : FaceCode::of(found[i])) {
+        if (mesh_.mesh().is_fixed(face) || !mesh_.mesh().behind(face).valid()) continue;
+        const std::uint32_t other = mesh_.mesh().behind(face).tet();
         const auto verts = mesh_.verts(other);
         const bool touches =
             std::ranges::any_of(verts, [&](std::uint32_t v) { return std::ranges::find(own, v) != own.end(); });

@@ -113,7 +113,7 @@ double largest_cosine(WorkingMesh& mesh, const VertexStar& star, const Vec3& x, 
   const Vec3 from = std::exchange(place, x);
   double largest = -1;
   for (const FaceCode code : star.tets()) {
-    largest = std::max(largest, std::cos(smallest_dihedral(mesh.mesh(), code / 4).angle));
+    largest = std::max(largest, std::cos(smallest_dihedral(mesh.mesh(), code.tet()).angle));
     if (largest >= enough) break;
   }
   place = from;
@@ -147,8 +147,8 @@ bool move_for_angle(WorkingMesh& mesh, std::uint32_t tet, std::uint32_t corner, 
   const Vec3 x = mesh.point(star.vertex);
   double reach = 0, least_before = 1;
   for (std::size_t i = 0; i < star.count; ++i) {
-    const auto verts = mesh.verts(star.codes[i] / 4);
-    const auto& [a, c, b] = kFaceVerts[star.codes[i] % 4];
+    const auto verts = mesh.verts(star.codes[i].tet());
+    const auto& [a, c, b] = kFaceVerts[star.codes[i].side()];
     tets[i] = star_tet(mesh.point(verts[a]) - x, mesh.point(verts[b]) - x, mesh.point(verts[c]) - x);
     reach += distance(mesh.point(verts[a]), x) / static_cast<double>(star.count);
     least_before = std::min(least_before, cubed_quality(tets[i].volume, tets[i].squares));
@@ -163,7 +163,7 @@ bool move_for_angle(WorkingMesh& mesh, std::uint32_t tet, std::uint32_t corner, 
   if (step == Vec3{}) return false;
   mesh.mesh().points[star.vertex] = x + step;
   for (std::size_t i = 0; i < star.count; ++i)
-    mesh.set_quality(star.codes[i] / 4, cubed_quality(tets[i].volume_at(step), tets[i].squares_at(step)));
+    mesh.set_quality(star.codes[i].tet(), cubed_quality(tets[i].volume_at(step), tets[i].squares_at(step)));
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <new>
 
+#include "core/base/local_numbers.hpp"
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/insertion_order.hpp"
 #include "mesher/tets/locate.hpp"
@@ -42,14 +43,14 @@ int raised_insphere(const GrowingArray<Vec3>& points, std::span<const std::uint6
 class Insertion {
  public:
   Insertion(TetMesh& mesh, std::span<const std::uint64_t> keys, std::uint32_t vertex_count) : mesh_(mesh), keys_(keys) {
-    vert_to_local_.resize(vertex_count, kNone);
+    locals_.set_item_count(vertex_count);
     in_cavity_.resize(mesh.size(), 0);
     verts_ = mesh_.to_vert.data(), neighbors_ = mesh_.to_neighbor.data();
   }
 
   void start(std::uint32_t first_outer) {
     add_tets(1);
-    for (std::uint32_t i = 0; i < 4; ++i) verts_[i] = first_outer + i, neighbors_[i] = kNone;
+    for (std::uint32_t i = 0; i < 4; ++i) verts_[i] = first_outer + i, neighbors_[i] = {};
   }
 
   /// The vertex that lies where `vert` does, or kNone after inserting it.
@@ -99,8 +100,8 @@ class Insertion {
       const std::size_t first = std::size_t{cavity_[k]} * 4;
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode outside = neighbors_[first + i];
-        if (outside != kNone) {
-          const std::uint32_t next = outside / 4;
+        if (outside.valid()) {
+          const std::uint32_t next = outside.tet();
           if (in_cavity_[next] == 1) continue;
           if (in_cavity_[next] == 0) {
             if (conflicts(next, vert, x)) {
@@ -138,9 +139,9 @@ class Insertion {
       const Rim& rim = rim_[k];
       std::uint32_t* v = verts_ + std::size_t{cavity_[k]} * 4;
       v[0] = vert, v[1] = rim.vert[0], v[2] = rim.vert[1], v[3] = rim.vert[2];
-      const FaceCode face = cavity_[k] * 4;
-      neighbors_[face] = rim.outside;
-      if (rim.outside != kNone) neighbors_[rim.outside] = face;
+      const FaceCode face(cavity_[k], 0);
+      neighbors_[face.index()] = rim.outside;
+      if (rim.outside.valid()) neighbors_[rim.outside.index()] = face;
     }
     number_rim();
     if (locals_.size() <= kSmallCavity) {
@@ -148,7 +149,6 @@ class Insertion {
     } else {
       match_by_sorting();
     }
-    for (const std::uint32_t v : locals_) vert_to_local_[v] = kNone;
     walk_.restart(cavity_[0]);
     for (std::size_t k = rim_.size(); k < removed; ++k) {
       verts_[std::size_t{cavity_[k]} * 4] = kNone;
@@ -158,32 +158,26 @@ class Insertion {
 
   void number_rim() {
     locals_.clear();
-    for (const Rim& rim : rim_) {
-      for (const std::uint32_t v : rim.vert) {
-        if (vert_to_local_[v] != kNone) continue;
-        vert_to_local_[v] = static_cast<std::uint32_t>(locals_.size());
-        locals_.push_back(v);
-      }
-    }
+    for (const Rim& rim : rim_)
+      for (const std::uint32_t v : rim.vert) locals_.add(v);
   }
 
   // Two new tets meet in a face with `vert` for every edge of the rim, which they run through in opposite directions.
   void match_in_table() {
     for (std::size_t k = 0; k < rim_.size(); ++k) {
       std::array<std::uint32_t, 3> local;
-      for (std::size_t i = 0; i < 3; ++i) local[i] = vert_to_local_[rim_[k].vert[i]];
-      const FaceCode face = cavity_[k] * 4;
-      table_[local[1] * kSmallCavity + local[2]] = face + 1;
-      table_[local[2] * kSmallCavity + local[0]] = face + 2;
-      table_[local[0] * kSmallCavity + local[1]] = face + 3;
+      for (std::size_t i = 0; i < 3; ++i) local[i] = locals_[rim_[k].vert[i]];
+      table_[local[1] * kSmallCavity + local[2]] = {cavity_[k], 1};
+      table_[local[2] * kSmallCavity + local[0]] = {cavity_[k], 2};
+      table_[local[0] * kSmallCavity + local[1]] = {cavity_[k], 3};
       rim_[k].vert = local;
     }
     for (std::size_t k = 0; k < rim_.size(); ++k) {
       const auto& local = rim_[k].vert;
-      const FaceCode face = cavity_[k] * 4;
-      neighbors_[face + 1] = table_[local[2] * kSmallCavity + local[1]];
-      neighbors_[face + 2] = table_[local[0] * kSmallCavity + local[2]];
-      neighbors_[face + 3] = table_[local[1] * kSmallCavity + local[0]];
+      FaceCode* const behind = neighbors_ + std::size_t{cavity_[k]} * 4;
+      behind[1] = table_[local[2] * kSmallCavity + local[1]];
+      behind[2] = table_[local[0] * kSmallCavity + local[2]];
+      behind[3] = table_[local[1] * kSmallCavity + local[0]];
     }
   }
 
@@ -197,14 +191,14 @@ class Insertion {
     for (std::size_t k = 0; k < rim_.size(); ++k) {
       for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t a = rim_[k].vert[(i + 1) % 3], b = rim_[k].vert[(i + 2) % 3];
-        edges.push_back({std::min(a, b), std::max(a, b), cavity_[k] * 4 + 1 + i});
+        edges.push_back({std::min(a, b), std::max(a, b), {cavity_[k], 1 + i}});
       }
     }
     std::sort(edges.begin(), edges.end(),
               [](const Edge& a, const Edge& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
     for (std::size_t k = 0; k + 1 < edges.size(); k += 2) {
-      neighbors_[edges[k].face] = edges[k + 1].face;
-      neighbors_[edges[k + 1].face] = edges[k].face;
+      neighbors_[edges[k].face.index()] = edges[k + 1].face;
+      neighbors_[edges[k + 1].face.index()] = edges[k].face;
     }
   }
 
@@ -213,8 +207,8 @@ class Insertion {
   std::uint32_t* verts_ = nullptr;
   FaceCode* neighbors_ = nullptr;
   GrowingArray<std::uint8_t> in_cavity_;  // 1: in it, 2: tested and not in it
-  GrowingArray<std::uint32_t> vert_to_local_;
-  std::vector<std::uint32_t> cavity_, tested_, locals_;
+  LocalNumbers locals_;                   // of the rim's vertices
+  std::vector<std::uint32_t> cavity_, tested_;
   std::vector<Rim> rim_;
   std::vector<FaceCode> table_ = std::vector<FaceCode>(std::size_t{kSmallCavity} * kSmallCavity);
   std::vector<std::uint32_t> free_;  // dead tets

@@ -36,9 +36,9 @@ class Flipper {
     const auto v = mesh_.verts(tet);
     const Circumsphere sphere(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
     for (std::uint32_t face = 0; face < 4; ++face) {
-      const FaceCode code = tet * 4 + face, behind = m.to_neighbor[code];
-      if (behind == kNone || behind < code || behind / 4 < first_) continue;
-      if (!sphere.holds(mesh_.point(m.to_vert[behind]), kInside) || m.is_fixed(code)) continue;
+      const FaceCode code(tet, face), behind = m.behind(code);
+      if (!behind.valid() || behind < code || behind.tet() < first_) continue;
+      if (!sphere.holds(mesh_.point(m.apex(behind)), kInside) || m.is_fixed(code)) continue;
       if (flip(pair_at(tet, face))) return true;
     }
     return false;
@@ -46,10 +46,10 @@ class Flipper {
 
  private:
   FacePair pair_at(std::uint32_t tet, std::uint32_t face) const {
-    const FaceCode behind = mesh_.mesh().to_neighbor[std::size_t{tet} * 4 + face];
+    const FaceCode behind = mesh_.mesh().behind({tet, face});
     const auto v = mesh_.verts(tet);
     const auto& k = kFaceVerts[face];
-    return {tet, face, behind / 4, {v[k[0]], v[k[1]], v[k[2]]}, v[face], mesh_.mesh().to_vert[behind]};
+    return {tet, face, behind.tet(), {v[k[0]], v[k[1]], v[k[2]]}, v[face], mesh_.mesh().apex(behind)};
   }
 
   double least_of(std::uint32_t a, std::uint32_t b) const {
@@ -86,14 +86,14 @@ class Flipper {
     const TetMesh& m = mesh_.mesh();
     const std::uint32_t in_tet = mesh_.corner_of(pair.tet, pair.verts[which]);
     const std::uint32_t in_behind = mesh_.corner_of(pair.behind, pair.verts[which]);
-    const FaceCode third = m.to_neighbor[pair.tet * 4 + in_tet], same = m.to_neighbor[pair.behind * 4 + in_behind];
-    if (third == kNone || same == kNone || third / 4 != same / 4 || third / 4 < first_) return false;
+    const FaceCode third = m.behind({pair.tet, in_tet}), same = m.behind({pair.behind, in_behind});
+    if (!third.valid() || !same.valid() || third.tet() != same.tet() || third.tet() < first_) return false;
     if (m.is_fixed(third) || m.is_fixed(same)) return false;
     EdgeRing ring;
     ring.a = pair.verts[(which + 1) % 3], ring.b = pair.verts[(which + 2) % 3], ring.count = 3;
     ring.verts = {pair.verts[which], pair.beyond, pair.apex};
-    ring.tets = {pair.behind, third / 4, pair.tet};
-    const double bearable = std::min(least_of(pair.tet, pair.behind), double{mesh_.quality(third / 4)});
+    ring.tets = {pair.behind, third.tet(), pair.tet};
+    const double bearable = std::min(least_of(pair.tet, pair.behind), double{mesh_.quality(third.tet())});
     const double worse = RingInSpace(mesh_, ring).worse_over(0, 1, 2);
     if (!(worse > kSurelyPositive) || worse < bearable) return false;
     const RingTriangle triangle{0, 1, 2};

@@ -38,9 +38,9 @@ EdgeVerdict walk_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, cons
   ring.verts[0] = verts[corners[2]];
   for (;;) {
     ring.tets[ring.count++] = here;
-    const FaceCode face = here * 4 + leaving, behind = m.to_neighbor[face];
-    if (may_be_on_surface && (behind == kNone || m.is_fixed(face))) return EdgeVerdict::OnSurface;
-    here = behind / 4;
+    const FaceCode face(here, leaving), behind = m.behind(face);
+    if (may_be_on_surface && (!behind.valid() || m.is_fixed(face))) return EdgeVerdict::OnSurface;
+    here = behind.tet();
     if (here == tet) return EdgeVerdict::Removed;
     if (ring.count == limits.longest) return EdgeVerdict::LongRing;
     const float other = mesh.quality(here);
@@ -48,7 +48,7 @@ EdgeVerdict walk_ring(const WorkingMesh& mesh, std::uint32_t tet, int edge, cons
       return EdgeVerdict::WorseBeside;
     ring.verts[ring.count] = ahead;
     leaving = mesh.corner_of(here, ahead);
-    ahead = m.to_vert[behind];
+    ahead = m.apex(behind);
   }
 }
 

@@ -34,8 +34,8 @@ class Walk {
       }
       if (leave == 4) return last_ = tet;
       ++turn_;
-      const FaceCode next = mesh.to_neighbor[std::size_t{tet} * 4 + leave];
-      tet = next / 4, came_through = next % 4;
+      const FaceCode next = mesh.behind({tet, leave});
+      tet = next.tet(), came_through = next.side();
     }
   }
 

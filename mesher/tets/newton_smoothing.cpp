@@ -27,8 +27,8 @@ double least_quality(WorkingMesh& mesh) {
 
 // The points of the face opposite to a star's vertex, turned so that they are counter-clockwise seen from it.
 std::array<const Vec3*, 3> opposite_face(const WorkingMesh& mesh, FaceCode code) {
-  const auto verts = mesh.verts(code / 4);
-  const auto& [a, c, b] = kFaceVerts[code % 4];
+  const auto verts = mesh.verts(code.tet());
+  const auto& [a, c, b] = kFaceVerts[code.side()];
   return {&mesh.point(verts[a]), &mesh.point(verts[b]), &mesh.point(verts[c])};
 }
 
@@ -78,7 +78,7 @@ MoveVerdict VertexMover::move(std::uint32_t tet, std::uint32_t corner) {
   if (step == Vec3{}) return MoveVerdict::NoGain;
   x += step;
   for (std::size_t i = 0; i < star_.count; ++i)
-    mesh_.set_quality(star_.codes[i] / 4, cubed_quality(tets[i].volume_at(step), tets[i].squares_at(step)));
+    mesh_.set_quality(star_.codes[i].tet(), cubed_quality(tets[i].volume_at(step), tets[i].squares_at(step)));
   return MoveVerdict::Moved;
 }
 

@@ -21,23 +21,23 @@ void flood(const LocalMesh& mesh, const Passes& passes, Obstacles& found) {
   std::unordered_set<std::uint32_t> seen(found.tets.begin(), found.tets.end());
   for (std::size_t i = 0; i < found.tets.size() && found.tets.size() < kTetsAtMost; ++i) {
     for (std::uint32_t k = 0; k < 4; ++k) {
-      const FaceCode code = found.tets[i] * 4 + k, back = mesh.mesh().to_neighbor[code];
-      if (back != kNone && seen.contains(back / 4)) {
+      const FaceCode code(found.tets[i], k), back = mesh.mesh().behind(code);
+      if (back.valid() && seen.contains(back.tet())) {
         if (!mesh.mesh().is_fixed(code)) continue;
       }
       const TriangleVerts face = mesh.face(code);
       if (!passes(face)) continue;
-      if (back == kNone || mesh.mesh().is_fixed(code))
+      if (!back.valid() || mesh.mesh().is_fixed(code))
         return found.block(RecoveryFault::Crossed, center_of(mesh, face), code);
-      seen.insert(back / 4);
-      found.tets.push_back(back / 4);
+      seen.insert(back.tet());
+      found.tets.push_back(back.tet());
     }
   }
 }
 
 // Whether the tet at a, seen from there, has b in its closed cone.
 bool cone_holds(const LocalMesh& mesh, std::uint32_t tet, std::uint32_t a, std::uint32_t b) {
-  const TriangleVerts f = mesh.face(tet * 4 + mesh.corner_of(tet, a));
+  const TriangleVerts f = mesh.face({tet, mesh.corner_of(tet, a)});
   const Vec3 &p = mesh.point(f[0]), &q = mesh.point(f[1]), &r = mesh.point(f[2]), &x = mesh.point(a),
              &y = mesh.point(b);
   return orient3d(y, q, r, x) >= 0 && orient3d(p, y, r, x) >= 0 && orient3d(p, q, y, x) >= 0;

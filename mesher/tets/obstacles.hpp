@@ -10,10 +10,10 @@ struct Obstacles {
   TetList tets;
   RecoveryFault fault = RecoveryFault::NotRecovered;
   bool blocked = false;
-  Vec3 point;             ///< where it is blocked
-  FaceCode face = kNone;  ///< the fixed face that blocks it
+  Vec3 point;     ///< where it is blocked
+  FaceCode face;  ///< the fixed face that blocks it
 
-  void block(RecoveryFault why, const Vec3& where, FaceCode by = kNone) {
+  void block(RecoveryFault why, const Vec3& where, FaceCode by = {}) {
     fault = why;
     blocked = true;
     point = where;

@@ -21,8 +21,8 @@ constexpr double kNearlyFlat = 0.15 * 0.15 * 0.15;  // what tets with an angle b
 
 // Faces are listed counter-clockwise from outside; turned, they are seen from inside.
 std::array<std::uint32_t, 3> inward_face(const TetMesh& mesh, FaceCode face) {
-  const auto& [a, c, b] = kFaceVerts[face % 4];
-  const std::uint32_t* verts = &mesh.to_vert[std::size_t{face / 4} * 4];
+  const auto& [a, c, b] = kFaceVerts[face.side()];
+  const std::uint32_t* verts = &mesh.to_vert[std::size_t{face.tet()} * 4];
   return {verts[a], verts[b], verts[c]};
 }
 
@@ -35,8 +35,8 @@ bool PointInserter::add_tet(std::uint32_t tet) {
   if (now_.tet_count == now_.tets.size() || now_.facet_count + 3 > now_.facets.size()) return false;
   if (std::find(tets.begin(), tets.end(), tet) != tets.end()) return false;
   for (std::uint32_t i = 0; i < 4; ++i) {
-    const FaceCode face = tet * 4 + i, behind = m.is_fixed(face) ? kNone : m.to_neighbor[face];
-    const bool inner = behind != kNone && std::find(tets.begin(), tets.end(), behind / 4) != tets.end();
+    const FaceCode face(tet, i), behind = m.is_fixed(face) ? FaceCode() : m.behind(face);
+    const bool inner = behind.valid() && std::find(tets.begin(), tets.end(), behind.tet()) != tets.end();
     if (!inner) {
       now_.facets[now_.facet_count++] = {inward_face(m, face), behind};
       continue;
@@ -135,7 +135,7 @@ void PointInserter::try_cavity(std::span<const std::uint32_t> tets, const Vec3& 
   kept_ = now_;
   for (std::size_t i = 0; i < kMostGrowth; ++i) {
     const FaceCode behind = now_.facets[worst_facet()].behind;
-    if (behind == kNone || !add_tet(behind / 4) || !lead_point() || now_.least <= kept_.least) break;
+    if (!behind.valid() || !add_tet(behind.tet()) || !lead_point() || now_.least <= kept_.least) break;
     kept_ = now_;
   }
   const bool was_flat = kept_.least_before < kNearlyFlat;

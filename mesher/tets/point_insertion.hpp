@@ -30,7 +30,7 @@ class PointInserter {
  private:
   struct Facet {
     std::array<std::uint32_t, 3> verts;  // counter-clockwise from inside
-    FaceCode behind;                     // kNone where the cavity must end
+    FaceCode behind;                     // not valid where the cavity must end
   };
   struct Cavity {
     std::size_t tet_count = 0, facet_count = 0;

@@ -49,12 +49,12 @@ bool Recoverer::remove_point(std::uint32_t point, std::span<const TriangleVerts>
 
 bool Recoverer::recover_triangle(const TriangleVerts& triangle, Obstacles& why) {
   FaceCode code = mesh_.find_face(triangle);
-  if (code == kNone) {
+  if (!code.valid()) {
     why = find_obstacles(mesh_, triangle);
     if (why.blocked) return false;
     if (!reconnect([&](RecoveryCavity& cavity) { demand(cavity, triangle); }, why.tets)) return false;
     code = mesh_.find_face(triangle);
-    if (code == kNone) return false;
+    if (!code.valid()) return false;
   }
   mesh_.fix(code);
   return true;

@@ -110,7 +110,7 @@ class Recovery {
       if (edge.there || !recoverer_.recover_edge(edge.verts[0], edge.verts[1], why)) continue;
       edge.there = true;
       for (const std::uint32_t t : edge.triangles) {
-        if (const FaceCode code = local_.find_face(triangles_[t]); code != kNone) local_.fix(code);
+        if (const FaceCode code = local_.find_face(triangles_[t]); code.valid()) local_.fix(code);
       }
     }
   }
@@ -164,8 +164,8 @@ class Recovery {
     }
     std::erase_if(missing_, [&](std::uint32_t t) {
       const FaceCode code = local_.find_face(triangles_[t]);
-      if (code != kNone) local_.fix(code);
-      return code != kNone;
+      if (code.valid()) local_.fix(code);
+      return code.valid();
     });
   }
 
@@ -184,7 +184,7 @@ class Recovery {
     if (!why.blocked && has_edges(t)) why = find_obstacles(local_, v);
     const Vec3 center = (local_.point(v[0]) + local_.point(v[1]) + local_.point(v[2])) / 3;
     UnrecoveredTriangle entry{t, why.fault, why.blocked ? why.point : center, kNone};
-    if (why.face != kNone) {
+    if (why.face.valid()) {
       if (const TriangleIndex::Entry* other = index_.find(sorted(local_.face(why.face)))) entry.other = other->triangle;
     }
     report_.unrecovered.push_back(entry);

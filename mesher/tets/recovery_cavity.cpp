@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::tets {
 
 namespace {
@@ -13,8 +15,7 @@ std::vector<std::uint32_t> points_of(const LocalMesh& mesh, const TetList& tets)
   for (const std::uint32_t t : tets) {
     for (const std::uint32_t v : mesh.tet(t)) points.push_back(v);
   }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   return points;
 }
 
@@ -23,8 +24,8 @@ void add_faces(const LocalMesh& mesh, RecoveryCavity& cavity) {
   std::sort(inside.begin(), inside.end());
   for (const std::uint32_t t : inside) {
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode code = t * 4 + i, back = mesh.mesh().to_neighbor[code];
-      if (back != kNone && !mesh.mesh().is_fixed(code) && std::binary_search(inside.begin(), inside.end(), back / 4))
+      const FaceCode code(t, i), back = mesh.mesh().behind(code);
+      if (back.valid() && !mesh.mesh().is_fixed(code) && std::binary_search(inside.begin(), inside.end(), back.tet()))
         continue;
       const TriangleVerts f = mesh.face(code);
       cavity.shape.faces.push_back({cavity.local(f[0]), cavity.local(f[1]), cavity.local(f[2])});
@@ -75,7 +76,7 @@ void demand(RecoveryCavity& cavity, const TriangleVerts& triangle) {
   const auto a = cavity.local(triangle[0]), b = cavity.local(triangle[1]), c = cavity.local(triangle[2]);
   cavity.shape.faces.push_back({a, b, c});
   cavity.shape.faces.push_back({a, c, b});
-  cavity.face_to_code.insert(cavity.face_to_code.end(), 2, kNone);
+  cavity.face_to_code.insert(cavity.face_to_code.end(), 2, FaceCode());
   std::erase_if(cavity.shape.edges, [&](const std::array<std::uint8_t, 2>& e) {
     return (e[0] == a || e[0] == b || e[0] == c) && (e[1] == a || e[1] == b || e[1] == c);
   });
@@ -118,14 +119,14 @@ TetList grown(const LocalMesh& mesh, const RecoveryCavity& cavity, const SmallFi
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < cavity.face_to_code.size(); ++i) {
     const FaceCode code = cavity.face_to_code[i];
-    if (code != kNone && !mesh.mesh().is_fixed(code) && mesh.mesh().to_neighbor[code] != kNone) order.push_back(i);
+    if (code.valid() && !mesh.mesh().is_fixed(code) && mesh.mesh().behind(code).valid()) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return filling.face_to_dead_ends[a] > filling.face_to_dead_ends[b];
   });
   std::size_t added = 0;
   for (const std::uint32_t i : order) {
-    const std::uint32_t behind = mesh.mesh().to_neighbor[cavity.face_to_code[i]] / 4;
+    const std::uint32_t behind = mesh.mesh().behind(cavity.face_to_code[i]).tet();
     if (std::find(tets.begin(), tets.end(), behind) != tets.end()) continue;
     const Tet v = mesh.tet(behind);
     const bool adds_no_point = std::all_of(v.begin(), v.end(), [&](std::uint32_t x) {

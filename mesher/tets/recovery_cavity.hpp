@@ -25,7 +25,7 @@ class EdgeSet {
 struct RecoveryCavity {
   TetList tets;
   std::vector<std::uint32_t> to_vert;  ///< ascending
-  std::vector<FaceCode> face_to_code;  ///< of the faces of `shape`, those of cavity tets; kNone for wanted ones
+  std::vector<FaceCode> face_to_code;  ///< of the faces of `shape`, those of cavity tets; not valid for wanted ones
   SmallPolyhedron shape;
 
   std::uint8_t local(std::uint32_t vert) const;

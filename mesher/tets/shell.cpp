@@ -72,9 +72,9 @@ class Joiner {
 
   Fault run() {
     flood();
-    for (FaceCode face = 0; face < shell_.to_neighbor.size(); ++face) {
-      if (face % (4 * kBlock) == 0) runner_.check_cancelled();
-      if (shell_.is_dead(face / 4)) continue;
+    for (const FaceCode face : shell_.faces()) {
+      if (face.index() % (4 * kBlock) == 0) runner_.check_cancelled();
+      if (shell_.is_dead(face.tet())) continue;
       if (Fault fault = name_flood(face); fault.any()) return fault;
     }
     if (Fault fault = check_sides(); fault.any()) return fault;
@@ -99,10 +99,10 @@ class Joiner {
       if (tet % kBlock == 0) runner_.check_cancelled();
       if (shell_.is_dead(tet)) continue;
       std::uint32_t& flood = to_flood_[tet];
-      for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
-        const FaceCode next = shell_.to_neighbor[face];
-        if (next == kNone || next / 4 >= tet || shell_.is_fixed(face)) continue;
-        const std::uint32_t other = to_flood_[next / 4];
+      for (const FaceCode face : FaceCode::of(tet)) {
+        const FaceCode next = shell_.behind(face);
+        if (!next.valid() || next.tet() >= tet || shell_.is_fixed(face)) continue;
+        const std::uint32_t other = to_flood_[next.tet()];
         if (flood == kNone) {
           flood = other;
         } else if (flood != other) {
@@ -114,15 +114,15 @@ class Joiner {
     for (std::uint32_t& flood : to_flood_)
       if (flood != kNone) flood = sets.find(flood);
     flood_to_region_.assign(sets.size(), kUnnamed);
-    flood_to_namer_.assign(sets.size(), kNone);
+    flood_to_namer_.assign(sets.size(), FaceCode());
   }
 
   Fault name_flood(FaceCode face) {
-    if (!shell_.is_fixed(face) && shell_.to_neighbor[face] != kNone) return {};
-    std::uint32_t& name = flood_to_region_[to_flood_[face / 4]];
+    if (!shell_.is_fixed(face) && shell_.behind(face).valid()) return {};
+    std::uint32_t& name = flood_to_region_[to_flood_[face.tet()]];
     const std::uint32_t told = told_by(face);
     if (told == kUnnamed || told == name) return {};
-    FaceCode& namer = flood_to_namer_[to_flood_[face / 4]];
+    FaceCode& namer = flood_to_namer_[to_flood_[face.tet()]];
     if (name != kUnnamed) return contradiction(namer, face);
     name = told;
     namer = face;
@@ -153,9 +153,9 @@ class Joiner {
 
   // Two faces of one flood that tell different things of it.
   Fault contradiction(FaceCode one, FaceCode other) const {
-    Fault fault{"the surface does not separate its regions", {}, center_of(shell_, other / 4)};
+    Fault fault{"the surface does not separate its regions", {}, center_of(shell_, other.tet())};
     for (const FaceCode face : {one, other}) {
-      if (shell_.to_neighbor[face] == kNone) fault.message = "a region lies outside of its surface: it is inside out";
+      if (!shell_.behind(face).valid()) fault.message = "a region lies outside of its surface: it is inside out";
       const auto* triangle = find_triangle(sorted(verts_of(shell_, face)));
       if (!triangle) continue;
       fault.triangles.push_back(triangle->triangle);
@@ -204,10 +204,8 @@ class Joiner {
       const std::uint32_t begin = (end - 1) / kBlock * kBlock;
       for (std::uint32_t tet = end; tet-- > begin;)
         if (to_kept_[tet] != kNone) append_tet(tet, to_kept_[tet]);
-      for (auto* array : {&shell_.to_vert, &shell_.to_neighbor}) {
-        array->resize_for_overwrite(std::size_t{begin} * 4);
-        array->shrink_to_fit();
-      }
+      shell_.to_vert.resize_for_overwrite(std::size_t{begin} * 4), shell_.to_vert.shrink_to_fit();
+      shell_.to_neighbor.resize_for_overwrite(std::size_t{begin} * 4), shell_.to_neighbor.shrink_to_fit();
       end = begin;
     }
   }
@@ -215,7 +213,7 @@ class Joiner {
   void append_tet(std::uint32_t tet, std::uint32_t kept) {
     for (std::uint32_t i = 4; i-- > 0;) {
       core_.to_vert[std::size_t{kept} * 4 + i] = shell_.to_vert[std::size_t{tet} * 4 + i];
-      link(tet * 4 + i, kept * 4 + i);
+      link({tet, i}, {kept, i});
     }
   }
 
@@ -225,15 +223,15 @@ class Joiner {
       while (next_met_ > 0 && met_[next_met_ - 1].shell > from) --next_met_;
       if (next_met_ > 0 && met_[next_met_ - 1].shell == from) {
         const FaceCode core = met_[next_met_ - 1].core;
-        core_.to_neighbor[to] = core;
-        core_.to_neighbor[core] = to;
+        core_.behind(to) = core;
+        core_.behind(core) = to;
         return;
       }
-      core_.to_fixed[to / 4] = static_cast<std::uint8_t>(core_.to_fixed[to / 4] | 1 << to % 4);
+      core_.to_fixed[to.tet()] = static_cast<std::uint8_t>(core_.to_fixed[to.tet()] | 1 << to.side());
     }
-    const FaceCode behind = shell_.to_neighbor[from];
-    const std::uint32_t next = behind == kNone ? kNone : to_kept_[behind / 4];
-    core_.to_neighbor[to] = next == kNone ? kNone : next * 4 + behind % 4;
+    const FaceCode behind = shell_.behind(from);
+    const std::uint32_t next = !behind.valid() ? kNone : to_kept_[behind.tet()];
+    core_.behind(to) = next == kNone ? FaceCode() : behind.of_tet(next);
   }
 
   // kNone when there are several.
@@ -258,10 +256,10 @@ class Joiner {
       const std::uint32_t tet = stack.back();
       stack.pop_back();
       for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode next = core_.to_neighbor[std::size_t{tet} * 4 + i];
-        if (next == kNone || core_.to_region[next / 4] != kNone) continue;
-        core_.to_region[next / 4] = core_.to_region[tet];
-        stack.push_back(next / 4);
+        const FaceCode next = core_.behind({tet, i});
+        if (!next.valid() || core_.to_region[next.tet()] != kNone) continue;
+        core_.to_region[next.tet()] = core_.to_region[tet];
+        stack.push_back(next.tet());
       }
     }
   }
@@ -291,16 +289,16 @@ class Joiner {
 std::size_t fix_core_faces(TetMesh& shell, const TetMesh& core, std::span<const FaceCode> open_faces) {
   const OpenFaces open(core, open_faces, shell.points.size());
   const auto fix = [&shell](FaceCode face) {
-    shell.to_fixed[face / 4] = static_cast<std::uint8_t>(shell.to_fixed[face / 4] | 1 << face % 4);
+    shell.to_fixed[face.tet()] = static_cast<std::uint8_t>(shell.to_fixed[face.tet()] | 1 << face.side());
   };
   std::size_t found = 0;
   for (std::uint32_t tet = 0; tet < shell.size(); ++tet) {
     if (shell.is_dead(tet) || !open.has_three_of(&shell.to_vert[std::size_t{tet} * 4])) continue;
-    for (FaceCode face = 4 * tet; face < 4 * tet + 4; ++face) {
-      const FaceCode behind = shell.to_neighbor[face];
+    for (const FaceCode face : FaceCode::of(tet)) {
+      const FaceCode behind = shell.behind(face);
       if (behind < face || !open.find(verts_of(shell, face))) continue;
       fix(face);
-      if (behind != kNone) fix(behind);
+      if (behind.valid()) fix(behind);
       ++found;
     }
   }

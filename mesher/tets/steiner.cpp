@@ -31,12 +31,12 @@ std::unordered_map<std::uint32_t, std::uint32_t> number_sectors(const LocalMesh&
       const std::uint32_t t = stack.back();
       stack.pop_back();
       for (std::uint32_t k = 0; k < 4; ++k) {
-        const FaceCode back = mesh.mesh().to_neighbor[std::size_t{t} * 4 + k];
-        if (back == kNone || mesh.mesh().is_fixed(t * 4 + k)) continue;
-        const auto at = sector_of.find(back / 4);
+        const FaceCode back = mesh.mesh().behind({t, k});
+        if (!back.valid() || mesh.mesh().is_fixed({t, k})) continue;
+        const auto at = sector_of.find(back.tet());
         if (at == sector_of.end() || at->second != kNone) continue;
         at->second = count;
-        stack.push_back(back / 4);
+        stack.push_back(back.tet());
       }
     }
     ++count;
@@ -73,7 +73,7 @@ bool SteinerRecovery::run(SteinerOrder order) {
   }
   release_pieces();
   const bool all_there =
-      std::ranges::all_of(roots, [&](std::uint32_t root) { return mesh_.find_face(pieces_[root].verts) != kNone; });
+      std::ranges::all_of(roots, [&](std::uint32_t root) { return mesh_.find_face(pieces_[root].verts).valid(); });
   if (!all_there) withdraw();
   return all_there;
 }
@@ -121,7 +121,7 @@ void SteinerRecovery::release_pieces() {
   for (const SurfacePiece& piece : pieces_) {
     if (piece.divided || piece.verts == pieces_[piece.root].verts) continue;
     const FaceCode code = mesh_.find_face(piece.verts);
-    if (code != kNone) mesh_.release(code);
+    if (code.valid()) mesh_.release(code);
   }
 }
 
@@ -198,7 +198,7 @@ bool SteinerRecovery::has_children(const PieceSplit& split) const {
   for (const auto& children : split.children) {
     for (const std::uint32_t child : children) {
       const FaceCode code = mesh_.find_face(pieces_[child].verts);
-      if (code == kNone || !mesh_.mesh().is_fixed(code)) return false;
+      if (!code.valid() || !mesh_.mesh().is_fixed(code)) return false;
     }
   }
   return true;
@@ -210,14 +210,14 @@ bool SteinerRecovery::refill_sectors(const PieceSplit& split) {
   const auto sector_of = number_sectors(mesh_, ball);
   std::vector<Sector> sectors(ball.size());
   for (const std::uint32_t t : ball) {
-    const FaceCode outer = t * 4 + mesh_.corner_of(t, split.point);
+    const FaceCode outer(t, mesh_.corner_of(t, split.point));
     sectors[sector_of.at(t)].faces.push_back(mesh_.face(outer));
   }
   for (std::size_t i = 0; i < split.parents.size(); ++i) {
     const TriangleVerts verts = pieces_[split.parents[i]].verts;
     const FaceCode child = mesh_.find_face(pieces_[split.children[i].front()].verts);
-    sectors[sector_of.at(child / 4)].faces.push_back(verts);
-    sectors[sector_of.at(mesh_.mesh().to_neighbor[child] / 4)].faces.push_back({verts[0], verts[2], verts[1]});
+    sectors[sector_of.at(child.tet())].faces.push_back(verts);
+    sectors[sector_of.at(mesh_.mesh().behind(child).tet())].faces.push_back({verts[0], verts[2], verts[1]});
   }
   std::vector<Tet> fresh;
   for (const Sector& sector : sectors) {

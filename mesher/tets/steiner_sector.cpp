@@ -3,6 +3,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/base/lists.hpp"
 #include "core/predicates/predicates.hpp"
 #include "mesher/tets/steiner.hpp"
 
@@ -89,8 +90,7 @@ std::optional<std::vector<Tet>> search(const LocalMesh& mesh, const Sector& sect
                                        std::span<const std::uint32_t> free_points, std::uint64_t steps) {
   std::vector<std::uint32_t> to_vert(free_points.begin(), free_points.end());
   for (const TriangleVerts& f : sector.faces) to_vert.insert(to_vert.end(), f.begin(), f.end());
-  std::sort(to_vert.begin(), to_vert.end());
-  to_vert.erase(std::unique(to_vert.begin(), to_vert.end()), to_vert.end());
+  sort_unique(to_vert);
   if (to_vert.size() > 64) return std::nullopt;
   const auto id = [&](std::uint32_t v) {
     return static_cast<std::uint8_t>(std::lower_bound(to_vert.begin(), to_vert.end(), v) - to_vert.begin());

@@ -35,8 +35,8 @@ bool split(LocalMesh& mesh, const TetList& tets, const TriangleVerts& verts, con
       const bool in_simplex = std::find(verts.begin(), verts.end(), v[k]) != verts.end();
       if (in_simplex && !is_positive(mesh, v, v[k], p)) return false;
       // The faces that hold the simplex are divided.
-      if (!is_face && !in_simplex && mesh.mesh().is_fixed(t * 4 + k)) return false;
-      if (is_face && !in_simplex && mesh.mesh().is_fixed(t * 4 + k)) return false;
+      if (!is_face && !in_simplex && mesh.mesh().is_fixed({t, k})) return false;
+      if (is_face && !in_simplex && mesh.mesh().is_fixed({t, k})) return false;
     }
   }
   const std::uint32_t point = mesh.add_point(p);
@@ -56,8 +56,8 @@ bool split(LocalMesh& mesh, const EdgeSet& kept, const Crossing& crossing) {
   const auto& [a, b, c] = crossing.verts;
   if (c == kNone) return !kept.contains(a, b) && split(mesh, mesh.find_shell(a, b), crossing.verts, crossing.point);
   const FaceCode code = mesh.find_face(crossing.verts);
-  if (code == kNone || mesh.mesh().to_neighbor[code] == kNone) return false;
-  return split(mesh, {code / 4, mesh.mesh().to_neighbor[code] / 4}, crossing.verts, crossing.point);
+  if (!code.valid() || !mesh.mesh().behind(code).valid()) return false;
+  return split(mesh, {code.tet(), mesh.mesh().behind(code).tet()}, crossing.verts, crossing.point);
 }
 
 std::uint32_t split_best(LocalMesh& mesh, const EdgeSet& kept, std::vector<Crossing>& crossings) {
@@ -93,7 +93,7 @@ std::uint32_t split_obstacle(LocalMesh& mesh, const EdgeSet& kept, std::uint32_t
   std::vector<Crossing> crossings;
   for (const std::uint32_t t : obstacles) {
     for (std::uint32_t k = 0; k < 4; ++k) {
-      const TriangleVerts f = sorted(mesh.face(t * 4 + k)).verts;
+      const TriangleVerts f = sorted(mesh.face({t, k})).verts;
       if (std::find(f.begin(), f.end(), a) != f.end() || std::find(f.begin(), f.end(), b) != f.end()) continue;
       if (!meets(mesh, a, b, f)) continue;
       bool on_edge = false;

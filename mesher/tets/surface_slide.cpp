@@ -30,16 +30,16 @@ StarVerdict find_surface_star(const WorkingMesh& mesh, std::uint32_t tet, std::u
   const TetMesh& m = mesh.mesh();
   star.vertex = mesh.verts(tet)[corner];
   star.count = 1;
-  star.codes[0] = tet * 4 + corner;
+  star.codes[0] = {tet, corner};
   for (std::size_t i = 0; i < star.count; ++i) {
-    const std::uint32_t here = star.codes[i] / 4;
+    const std::uint32_t here = star.codes[i].tet();
     for (std::uint32_t face = 0; face < 4; ++face) {
-      const FaceCode behind = m.to_neighbor[std::size_t{here} * 4 + face];
-      if (face == star.codes[i] % 4 || behind == kNone) continue;
+      const FaceCode behind = m.behind({here, face});
+      if (face == star.codes[i].side() || !behind.valid()) continue;
       const auto found = star.tets();
-      if (std::ranges::any_of(found, [&](FaceCode code) { return code / 4 == behind / 4; })) continue;
+      if (std::ranges::any_of(found, [&](FaceCode code) { return code.tet() == behind.tet(); })) continue;
       if (star.count == WorkingMesh::kMostTets) return StarVerdict::TooLarge;
-      star.codes[star.count++] = behind / 4 * 4 + mesh.corner_of(behind / 4, star.vertex);
+      star.codes[star.count++] = {behind.tet(), mesh.corner_of(behind.tet(), star.vertex)};
     }
   }
   return StarVerdict::Found;
@@ -80,8 +80,8 @@ bool SurfaceSlider::collect_kept(std::uint32_t vertex) {
 void SurfaceSlider::measure() {
   const Vec3 x = mesh_.point(star_.vertex);
   for (std::size_t i = 0; i < star_.count; ++i) {
-    const auto verts = mesh_.verts(star_.codes[i] / 4);
-    const auto& [a, c, b] = kFaceVerts[star_.codes[i] % 4];
+    const auto verts = mesh_.verts(star_.codes[i].tet());
+    const auto& [a, c, b] = kFaceVerts[star_.codes[i].side()];
     tets_[i] = star_tet(mesh_.point(verts[a]) - x, mesh_.point(verts[b]) - x, mesh_.point(verts[c]) - x);
   }
 }
@@ -223,7 +223,7 @@ void SurfaceSlider::apply(const Vec3& to) {
   const Vec3 step = to - x;
   x = to;
   for (std::size_t i = 0; i < star_.count; ++i)
-    mesh_.set_quality(star_.codes[i] / 4, cubed_quality(tets_[i].volume_at(step), tets_[i].squares_at(step)));
+    mesh_.set_quality(star_.codes[i].tet(), cubed_quality(tets_[i].volume_at(step), tets_[i].squares_at(step)));
 }
 
 SlideVerdict SurfaceSlider::collect(std::uint32_t tet, std::uint32_t corner) {

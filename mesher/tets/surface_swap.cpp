@@ -18,33 +18,33 @@ struct RingPlace {
   std::uint32_t tet, first, second;  // the tet is (a, b, first, second)
 };
 
-bool stays(const TetMesh& mesh, FaceCode face) { return mesh.to_neighbor[face] == kNone || mesh.is_fixed(face); }
+bool stays(const TetMesh& mesh, FaceCode face) { return !mesh.behind(face).valid() || mesh.is_fixed(face); }
 
 // Turns around the edge, against the ring's sense, up to a face that stays. False when there is none.
 bool rewind(const WorkingMesh& mesh, RingPlace& place) {
   const TetMesh& m = mesh.mesh();
   for (std::size_t i = 0; i < WorkingMesh::kMostTets; ++i) {
-    const FaceCode face = place.tet * 4 + mesh.corner_of(place.tet, place.second);
+    const FaceCode face(place.tet, mesh.corner_of(place.tet, place.second));
     if (stays(m, face)) return true;
-    const FaceCode behind = m.to_neighbor[face];
-    place = {behind / 4, m.to_vert[behind], place.first};
+    const FaceCode behind = m.behind(face);
+    place = {behind.tet(), m.apex(behind), place.first};
   }
   return false;
 }
 
-// The tets from `place` to the next face that stays, which is returned; kNone when there are too many.
+// The tets from `place` to the next face that stays, which is returned; not valid when there are too many.
 FaceCode collect(const WorkingMesh& mesh, RingPlace place, EdgeRing& ring) {
   const TetMesh& m = mesh.mesh();
   ring.verts[0] = place.first;
   for (ring.count = 1; ring.count < kMostRingVerts;) {
     ring.tets[static_cast<std::size_t>(ring.count) - 1] = place.tet;
     ring.verts[static_cast<std::size_t>(ring.count++)] = place.second;
-    const FaceCode face = place.tet * 4 + mesh.corner_of(place.tet, place.first);
+    const FaceCode face(place.tet, mesh.corner_of(place.tet, place.first));
     if (stays(m, face)) return face;
-    const FaceCode behind = m.to_neighbor[face];
-    place = {behind / 4, place.second, m.to_vert[behind]};
+    const FaceCode behind = m.behind(face);
+    place = {behind.tet(), place.second, m.apex(behind)};
   }
-  return kNone;
+  return {};
 }
 
 std::span<const std::uint32_t> tets_of(const EdgeRing& ring) {
@@ -72,17 +72,17 @@ bool SurfaceSwapper::collect_rings(std::uint32_t tet, std::size_t edge) {
   far.count = 0;
   if (!rewind(mesh_, place)) return false;
   const TetMesh& m = mesh_.mesh();
-  const FaceCode first = place.tet * 4 + mesh_.corner_of(place.tet, place.second);
+  const FaceCode first(place.tet, mesh_.corner_of(place.tet, place.second));
   const FaceCode last = collect(mesh_, place, near);
-  if (last == kNone) return false;
+  if (!last.valid()) return false;
   const std::uint32_t from = near.verts[0], to = near.verts[static_cast<std::size_t>(near.count) - 1];
   const auto& [p, q] = std::pair(now_.diamond.p, now_.diamond.q);
   if (!((from == p && to == q) || (from == q && to == p))) return false;
-  const FaceCode beyond = m.to_neighbor[last];
-  if ((beyond == kNone) != (m.to_neighbor[first] == kNone)) return false;
-  if (beyond == kNone) return true;
-  const FaceCode back = collect(mesh_, {beyond / 4, to, m.to_vert[beyond]}, far);
-  return back != kNone && m.to_neighbor[back] == first;
+  const FaceCode beyond = m.behind(last);
+  if (beyond.valid() != m.behind(first).valid()) return false;
+  if (!beyond.valid()) return true;
+  const FaceCode back = collect(mesh_, {beyond.tet(), to, m.apex(beyond)}, far);
+  return back.valid() && m.behind(back) == first;
 }
 
 SwapVerdict SurfaceSwapper::triangulate(double goal) {

@@ -11,9 +11,9 @@ namespace {
 
 // The tet at `code` with its vertex there replaced.
 std::array<std::uint32_t, 4> with_vertex(const WorkingMesh& mesh, FaceCode code, std::uint32_t vertex) {
-  const auto verts = mesh.verts(code / 4);
+  const auto verts = mesh.verts(code.tet());
   std::array<std::uint32_t, 4> result{verts[0], verts[1], verts[2], verts[3]};
-  result[code % 4] = vertex;
+  result[code.side()] = vertex;
   return result;
 }
 
@@ -32,7 +32,7 @@ double quality_of(const WorkingMesh& mesh, const std::array<std::uint32_t, 4>& v
 double VertexRemover::least_with(std::uint32_t target, double goal) const {
   double least = 1;
   for (const FaceCode code : star_.tets()) {
-    if (has_vertex(mesh_, code / 4, target)) continue;
+    if (has_vertex(mesh_, code.tet(), target)) continue;
     least = std::min(least, quality_of(mesh_, with_vertex(mesh_, code, target)));
     if (least <= goal) break;
   }
@@ -41,10 +41,10 @@ double VertexRemover::least_with(std::uint32_t target, double goal) const {
 
 void VertexRemover::try_star() {
   float before = 1;
-  for (const FaceCode code : star_.tets()) before = std::min(before, mesh_.quality(code / 4));
+  for (const FaceCode code : star_.tets()) before = std::min(before, mesh_.quality(code.tet()));
   double goal = std::max({best_, before * kGain, kSurelyPositive});
   for (const FaceCode code : star_.tets()) {
-    for (const std::uint32_t target : mesh_.verts(code / 4)) {
+    for (const std::uint32_t target : mesh_.verts(code.tet())) {
       if (target == star_.vertex || target == best_target_) continue;
       const double least = least_with(target, goal);
       if (least <= goal) continue;
@@ -61,8 +61,8 @@ void VertexRemover::apply() {
   std::size_t made_count = 0;
   for (std::size_t i = 0; i < best_star_.count; ++i) {
     const FaceCode code = best_star_.codes[i];
-    old[i] = code / 4;
-    if (has_vertex(mesh_, code / 4, best_target_)) continue;
+    old[i] = code.tet();
+    if (has_vertex(mesh_, code.tet(), best_target_)) continue;
     const auto verts = with_vertex(mesh_, code, best_target_);
     made[made_count++] = {verts, quality_of(mesh_, verts)};
   }

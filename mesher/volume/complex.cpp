@@ -8,6 +8,7 @@
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/filing.hpp"
+#include "core/base/local_numbers.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -93,33 +94,20 @@ Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion>
   return diagnostic;
 }
 
-// `to_local` holds kNone for all vertices, before and after.
-void number_vertices(const VolumeInput& input, Complex& complex, std::vector<std::uint32_t>& to_local) {
-  auto& vertices = complex.to_input_vert;
-  for (const std::uint32_t t : complex.to_input_tri) {
-    for (const std::uint32_t v : input.tri_to_vert[t]) {
-      if (std::exchange(to_local[v], 0u) == kNone) vertices.push_back(v);
-    }
-  }
-  constexpr std::size_t kFew = 16;
-  if (vertices.size() < input.points.size() / kFew) {
-    std::sort(vertices.begin(), vertices.end());
-  } else {
-    vertices.clear();
-    for (std::uint32_t v = 0; v < to_local.size(); ++v)
-      if (to_local[v] != kNone) vertices.push_back(v);
-  }
-  complex.points.reserve(vertices.size());
+// `numbers`: working memory.
+void number_vertices(const VolumeInput& input, Complex& complex, LocalNumbers& numbers) {
+  numbers.clear();
+  for (const std::uint32_t t : complex.to_input_tri)
+    for (const std::uint32_t v : input.tri_to_vert[t]) numbers.add(v);
+  numbers.sort();
+  complex.to_input_vert.assign(numbers.items().begin(), numbers.items().end());
+  complex.points.reserve(numbers.size());
   complex.tri_to_vert.reserve(complex.to_input_tri.size());
-  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
-    to_local[vertices[i]] = i;
-    complex.points.push_back(input.points[vertices[i]]);
-  }
+  for (const std::uint32_t v : numbers.items()) complex.points.push_back(input.points[v]);
   for (const std::uint32_t t : complex.to_input_tri) {
     const auto& [a, b, c] = input.tri_to_vert[t];
-    complex.tri_to_vert.push_back({to_local[a], to_local[b], to_local[c]});
+    complex.tri_to_vert.push_back({numbers[a], numbers[b], numbers[c]});
   }
-  for (const std::uint32_t v : vertices) to_local[v] = kNone;
 }
 
 }  // namespace
@@ -196,8 +184,8 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
     complexes[complex].to_input_tri.push_back(t);
     complexes[complex].tri_to_sides.push_back(sides);
   });
-  std::vector<std::uint32_t> to_local(input.points.size(), kNone);
-  for (Complex& complex : complexes) number_vertices(input, complex, to_local);
+  LocalNumbers numbers(input.points.size());
+  for (Complex& complex : complexes) number_vertices(input, complex, numbers);
   return complexes;
 }
 

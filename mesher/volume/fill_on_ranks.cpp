@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/lists.hpp"
 #include "mesher/volume/copied_filling.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
@@ -123,8 +124,7 @@ class RankFiller {
     for (std::size_t i = 0; i < failed.size(); ++i)
       if (failed[i]) own.push_back(i);
     std::vector<std::size_t> all = gather_lists<std::size_t>(communicator_, own);
-    std::ranges::sort(all);
-    all.erase(std::ranges::unique(all).begin(), all.end());
+    sort_unique(all);
     for (const std::size_t i : all) filled_[i] = {};
     return all;
   }

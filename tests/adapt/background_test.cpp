@@ -31,12 +31,12 @@ bool is_sound(const BackgroundPlace& place) {
 BackgroundMesh background_of(const BoxMesh& mesh) { return {mesh.view(), {}, TaskRunner(1)}; }
 
 /// The distance from x to the nearest of all boundary faces.
-double brute_distance(const BoxMesh& mesh, const std::vector<std::uint32_t>& links, const Vec3& x) {
+double brute_distance(const BoxMesh& mesh, const std::vector<FaceCode>& links, const Vec3& x) {
   double best = HUGE_VAL;
-  for (std::uint32_t face = 0; face < links.size(); ++face) {
-    if (links[face] != kNone) continue;
-    const TetVerts& tet = mesh.tets[face / 4];
-    const auto& f = kFaceVerts[face % 4];
+  for (const FaceCode face : tets::FaceRange(0, links.size() / 4)) {
+    if (links[face.index()].valid()) continue;
+    const TetVerts& tet = mesh.tets[face.tet()];
+    const auto& f = kFaceVerts[face.side()];
     best = std::min(
         best, closest_on_triangle(x, mesh.points[tet[f[0]]], mesh.points[tet[f[1]]], mesh.points[tet[f[2]]]).distance2);
   }
@@ -52,16 +52,17 @@ TEST_CASE("tets are linked across their common faces", "[background]") {
   const BoxMesh mesh = make_box_mesh(4);
   const auto links = link_tets(mesh.view(), test::BackwardsLoop());
   std::size_t open = 0;
-  for (std::uint32_t face = 0; face < links.size(); ++face) {
-    if (links[face] == kNone) {
+  for (const FaceCode face : tets::FaceRange(0, links.size() / 4)) {
+    const FaceCode behind = links[face.index()];
+    if (!behind.valid()) {
       ++open;
       continue;
     }
-    REQUIRE(links[links[face]] == face);
+    REQUIRE(links[behind.index()] == face);
     std::array<std::uint32_t, 3> a, b;
     for (std::size_t i = 0; i < 3; ++i) {
-      a[i] = mesh.tets[face / 4][kFaceVerts[face % 4][i]];
-      b[i] = mesh.tets[links[face] / 4][kFaceVerts[links[face] % 4][i]];
+      a[i] = mesh.tets[face.tet()][kFaceVerts[face.side()][i]];
+      b[i] = mesh.tets[behind.tet()][kFaceVerts[behind.side()][i]];
     }
     std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
     CHECK(a == b);
@@ -70,8 +71,8 @@ TEST_CASE("tets are linked across their common faces", "[background]") {
   // Three tets at one face: two of them are linked.
   const std::vector<Vec3> points(6);
   const std::vector<TetVerts> fan{{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 2, 5}};
-  CHECK(link_tets({points, fan})[3] == 7);
-  CHECK(link_tets({points, fan})[11] == kNone);
+  CHECK(link_tets({points, fan})[3] == FaceCode(1, 3));
+  CHECK_FALSE(link_tets({points, fan})[11].valid());
 }
 
 TEST_CASE("the closest point of a triangle is found for all kinds of places", "[background]") {

@@ -147,12 +147,12 @@ long euler_characteristic(const Contents& contents) {
 void check_invariants(const CavityMesh& mesh) {
   REQUIRE(tets::find_fault(mesh.mesh) == "");
   std::size_t fixed = 0;
-  for (FaceCode face = 0; face < mesh.mesh.to_neighbor.size(); ++face) {
-    if (mesh.mesh.is_dead(face / 4)) continue;
+  for (const FaceCode face : mesh.mesh.faces()) {
+    if (mesh.mesh.is_dead(face.tet())) continue;
     const bool is_triangle = mesh.surface.find(tets::verts_of(mesh.mesh, face)) != nullptr;
     REQUIRE(is_triangle == mesh.mesh.is_fixed(face));
-    const FaceCode behind = mesh.mesh.to_neighbor[face];
-    fixed += is_triangle && (behind == kNone || face < behind);
+    const FaceCode behind = mesh.mesh.behind(face);
+    fixed += is_triangle && (!behind.valid() || face < behind);
   }
   REQUIRE(fixed == mesh.surface.triangle_count());
   for (std::uint32_t t = 0; t < mesh.mesh.size(); ++t) {
@@ -299,9 +299,9 @@ class Mangler {
   }
 
   bool swap_face(const Core& core, std::uint32_t tet, std::uint32_t own) {
-    const FaceCode face = tet * 4 + mesh_.corner_of(tet, own), behind = mesh_.mesh.to_neighbor[face];
-    if (behind == kNone || mesh_.mesh.is_fixed(face)) return false;
-    return carry_out(core, tet, mesh_.mesh.to_vert[behind]);
+    const FaceCode face(tet, mesh_.corner_of(tet, own)), behind = mesh_.mesh.behind(face);
+    if (!behind.valid() || mesh_.mesh.is_fixed(face)) return false;
+    return carry_out(core, tet, mesh_.mesh.apex(behind));
   }
 
   bool move(std::uint32_t v, std::uint32_t tet) {

@@ -29,7 +29,7 @@ void write(TetMesh& mesh, std::uint32_t tet, const TetVerts& verts) {
 
 std::uint32_t append_tet(TetMesh& mesh, std::uint32_t region) {
   mesh.to_vert.resize(mesh.to_vert.size() + 4, kNone);
-  mesh.to_neighbor.resize(mesh.to_neighbor.size() + 4, kNone);
+  mesh.to_neighbor.resize(mesh.to_neighbor.size() + 4);
   mesh.to_region.push_back(region);
   mesh.to_fixed.push_back(0);
   return static_cast<std::uint32_t>(mesh.size() - 1);
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> pick_cavity(const TetMesh& mesh, std::size_t count, s
   std::vector<std::uint32_t> tets{static_cast<std::uint32_t>(random() % mesh.size())};
   while (tets.size() < count) {
     const FaceCode behind = mesh.to_neighbor[tets[random() % tets.size()] * 4 + random() % 4];
-    if (behind != kNone && std::find(tets.begin(), tets.end(), behind / 4) == tets.end()) tets.push_back(behind / 4);
+    if (behind.valid() && std::find(tets.begin(), tets.end(), behind.tet()) == tets.end()) tets.push_back(behind.tet());
   }
   return tets;
 }
@@ -137,16 +137,16 @@ TEST_CASE("a triangle of the hull passes to the tet behind one that goes") {
   mesh.to_vert[0] = kNone;
   REQUIRE(filling.close(mesh, {}));
   CHECK(find_fault(mesh).empty());
-  CHECK(mesh.is_fixed(4 + 3));
-  CHECK(mesh.to_neighbor[4 + 3] == kNone);
+  CHECK(mesh.is_fixed({1, 3}));
+  CHECK_FALSE(mesh.behind({1, 3}).valid());
 }
 
 TEST_CASE("a surface inside of a cavity gives way to another one, fixed on both sides") {
   // Four tets around the edge 4-5, whose ring is 0 1 2 3: the surface through 0, 2 and the edge turns to 1, 3 and it.
   TetMesh mesh = make_ring(4, 1);
   for (const auto& [tet, behind] : {std::pair(0u, 3u), std::pair(2u, 1u)})
-    for (std::uint32_t i = 0; i < 4; ++i)
-      if (mesh.to_neighbor[tet * 4 + i] / 4 == behind) fix_face(mesh, tet * 4 + i);
+    for (const FaceCode face : FaceCode::of(tet))
+      if (mesh.behind(face).tet() == behind) fix_face(mesh, face);
   const std::array<TriangleVerts, 2> before{{{4, 5, 0}, {4, 5, 2}}}, after{{{4, 5, 1}, {4, 5, 3}}};
   REQUIRE(find_fault(mesh).empty());
   const EdgeRing ring = ring_of(4);
@@ -171,15 +171,16 @@ TEST_CASE("what lies behind two tets between the same vertices meets where both 
        std::vector<TetVerts>{{0, 1, 2, 3}, {1, 0, 2, 3}, {4, 0, 2, 3}, {5, 1, 2, 3}, {6, 0, 2, 3}, {7, 1, 2, 3}})
     write(mesh, append_tet(mesh, 0), tet);
   for (const auto& [one, other] : {std::pair(2u, 6u), {3u, 7u}, {1u, 8u}, {0u, 12u}, {4u, 16u}, {5u, 20u}})
-    link_sides(mesh, one, other);
-  fix_face(mesh, 20);
+    link_sides(mesh, FaceCode::at(one), FaceCode::at(other));
+  fix_face(mesh, {5, 0});
   CavityFilling filling;
   filling.open(mesh, std::array{0u, 1u}, 0);
   REQUIRE(filling.close(mesh, {}));
-  CHECK(mesh.to_neighbor[8] == 16);
-  CHECK(mesh.to_neighbor[16] == 8);
-  CHECK(mesh.to_neighbor[12] == 20);
-  CHECK(mesh.to_neighbor[20] == 12);
-  CHECK((mesh.is_fixed(12) && mesh.is_fixed(20)));
-  CHECK_FALSE((mesh.is_fixed(8) || mesh.is_fixed(16)));
+  const FaceCode behind_first(2, 0), behind_second(4, 0), fixed_first(3, 0), fixed_second(5, 0);
+  CHECK(mesh.behind(behind_first) == behind_second);
+  CHECK(mesh.behind(behind_second) == behind_first);
+  CHECK(mesh.behind(fixed_first) == fixed_second);
+  CHECK(mesh.behind(fixed_second) == fixed_first);
+  CHECK((mesh.is_fixed(fixed_first) && mesh.is_fixed(fixed_second)));
+  CHECK_FALSE((mesh.is_fixed(behind_first) || mesh.is_fixed(behind_second)));
 }

@@ -57,9 +57,7 @@ TEST_CASE("tets turned and numbered at random are linked as they were") {
   REQUIRE(!link_tets(mesh, tets, surface, TaskRunner(threads)).any());
   CHECK(find_fault(mesh).empty());
   CHECK(fixed_faces(mesh) == fixed_faces(expected));
-  const auto count_hull = [](const TetMesh& m) {
-    return std::count(m.to_neighbor.begin(), m.to_neighbor.end(), kNone);
-  };
+  const auto count_hull = [](const TetMesh& m) { return std::ranges::count(m.to_neighbor, FaceCode()); };
   CHECK(count_hull(mesh) == count_hull(expected));
 }
 

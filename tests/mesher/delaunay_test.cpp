@@ -41,12 +41,12 @@ Tetrahedralised tetrahedralise(const std::vector<Vec3>& points) {
 // By the lemma of Delaunay, empty spheres across all faces make all spheres empty.
 std::size_t count_conflicts(const TetMesh& mesh) {
   std::size_t conflicts = 0;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) {
-    const FaceCode behind = mesh.to_neighbor[face];
-    if (behind == kNone) continue;
-    const std::uint32_t t = face / 4;
+  for (const FaceCode face : mesh.faces()) {
+    const FaceCode behind = mesh.behind(face);
+    if (!behind.valid()) continue;
+    const std::uint32_t t = face.tet();
     conflicts += insphere(mesh.point_of(t, 0), mesh.point_of(t, 1), mesh.point_of(t, 2), mesh.point_of(t, 3),
-                          mesh.points[mesh.to_vert[behind]]) > 0;
+                          mesh.points[mesh.apex(behind)]) > 0;
   }
   return conflicts;
 }
@@ -243,8 +243,8 @@ TEST_CASE("compacting drops dead tets and keeps the others joined") {
   std::size_t killed = 0;
   for (std::uint32_t t = 0; t < mesh.size(); t += 3) {
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const FaceCode behind = mesh.to_neighbor[std::size_t{t} * 4 + i];
-      if (behind != kNone) mesh.to_neighbor[behind] = kNone;
+      const FaceCode behind = mesh.behind({t, i});
+      if (behind.valid()) mesh.behind(behind) = {};
     }
     mesh.to_vert[std::size_t{t} * 4] = kNone;
     ++killed;

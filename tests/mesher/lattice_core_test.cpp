@@ -139,8 +139,8 @@ TEST_CASE("open faces are those without a neighbour, and shell vertices those th
   for (const LatticeKind kind : kBoth) {
     const Made made(ball(), SizeField::uniform(0.1), kind);
     std::vector<FaceCode> open;
-    for (FaceCode face = 0; face < made.mesh.to_neighbor.size(); ++face)
-      if (made.mesh.to_neighbor[face] == tets::kNone) open.push_back(face);
+    for (const FaceCode face : made.mesh.faces())
+      if (!made.mesh.behind(face).valid()) open.push_back(face);
     CHECK((open == made.core.open_faces));
     std::set<std::uint32_t> shell(made.core.shell_verts.begin(), made.core.shell_verts.end());
     std::vector<std::size_t> tets_at(made.mesh.points.size(), 0);
@@ -171,9 +171,9 @@ TEST_CASE("core and shell fit face to face and fill the surface") {
       return sorted;
     }();
     std::size_t found = 0;
-    for (FaceCode face = 0; face < shell.to_neighbor.size(); ++face) {
+    for (const FaceCode face : shell.faces()) {
       if (!triangles.count(tets::sorted(verts_of(shell, face)).verts)) continue;
-      shell.to_fixed[face / 4] = static_cast<std::uint8_t>(shell.to_fixed[face / 4] | 1 << face % 4);
+      shell.to_fixed[face.tet()] = static_cast<std::uint8_t>(shell.to_fixed[face.tet()] | 1 << face.side());
       ++found;
     }
     REQUIRE(found == 2 * triangles.size());

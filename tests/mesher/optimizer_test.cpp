@@ -175,7 +175,7 @@ TEST_CASE("dead tets of the input are dropped") {
   ShakenGrid grid = make_shaken_grid(3, 1, 0.4, 5);
   TetMesh mesh = grid.mesh;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 4; ++k) mesh.to_vert.push_back(kNone), mesh.to_neighbor.push_back(kNone);
+    for (int k = 0; k < 4; ++k) mesh.to_vert.push_back(kNone), mesh.to_neighbor.push_back({});
     mesh.to_region.push_back(0);
     mesh.to_fixed.push_back(0);
   }

@@ -66,10 +66,10 @@ class RandomPolyhedra {
       const bool is_inner = std::all_of(v, v + 4, [&](std::uint32_t x) { return x < surface.points.size(); });
       if (is_inner && uniform(0, 1) < share) to_region[t] = below(regions);
     }
-    for (std::uint32_t face = 0; face < mesh.to_neighbor.size(); ++face) {
-      const std::uint32_t behind = mesh.to_neighbor[face];
-      if (behind == tets::kNone || behind < face || to_region[face / 4] == to_region[behind / 4]) continue;
-      surface.add(tets::verts_of(mesh, face), to_region[behind / 4], to_region[face / 4], 0);
+    for (const tets::FaceCode face : mesh.faces()) {
+      const tets::FaceCode behind = mesh.behind(face);
+      if (!behind.valid() || behind < face || to_region[face.tet()] == to_region[behind.tet()]) continue;
+      surface.add(tets::verts_of(mesh, face), to_region[behind.tet()], to_region[face.tet()], 0);
     }
     return surface;
   }

@@ -36,7 +36,7 @@ double volume_of(const TetMesh& mesh) {
 
 std::size_t count_fixed(const TetMesh& mesh) {
   std::size_t sides = 0;
-  for (FaceCode face = 0; face < mesh.to_neighbor.size(); ++face) sides += mesh.is_fixed(face);
+  for (const FaceCode face : mesh.faces()) sides += mesh.is_fixed(face);
   return sides;
 }
 
@@ -63,9 +63,9 @@ Recovered recover(const Shape& shape, const RecoverOptions& options = {}, int th
 void check_wholly_recovered(const Shape& shape, const Recovered& result) {
   CHECK(result.report.unrecovered.empty());
   for (const FaceCode face : result.tri_to_face) {
-    REQUIRE(face != tets::kNone);
+    REQUIRE(face.valid());
     CHECK(result.mesh.is_fixed(face));
-    CHECK(result.mesh.is_fixed(result.mesh.to_neighbor[face]));
+    CHECK(result.mesh.is_fixed(result.mesh.behind(face)));
   }
   CHECK(count_fixed(result.mesh) == 2 * shape.triangles.size());
 }
@@ -87,7 +87,7 @@ TEST_CASE("the face found for a triangle is that of the tet on its front side") 
   const Recovered result = recover(ball);
   for (std::size_t i = 0; i < ball.triangles.size(); ++i) {
     const auto& [a, b, c] = ball.triangles[i];
-    const std::uint32_t apex = result.mesh.to_vert[result.tri_to_face[i]];
+    const std::uint32_t apex = result.mesh.apex(result.tri_to_face[i]);
     CHECK(orient3d(ball.points[a], ball.points[b], ball.points[c], result.mesh.points[apex]) > 0);
   }
 }
@@ -118,7 +118,7 @@ TEST_CASE("without new points Schoenhardt's polyhedron is reported and the mesh 
     for (const auto& entry : result.report.unrecovered) {
       CHECK(entry.fault == RecoveryFault::NotRecovered);
       CHECK(norm(entry.point) < 2);
-      CHECK(result.tri_to_face[entry.triangle] == tets::kNone);
+      CHECK_FALSE(result.tri_to_face[entry.triangle].valid());
     }
   }
 }
@@ -147,7 +147,7 @@ TEST_CASE("open surfaces with edges of any number of triangles leave a sound mes
     const Recovered result = recover(shape);
     std::vector<std::uint32_t> absent;
     for (std::uint32_t i = 0; i < shape.triangles.size(); ++i) {
-      if (result.tri_to_face[i] == tets::kNone) absent.push_back(i);
+      if (!result.tri_to_face[i].valid()) absent.push_back(i);
     }
     REQUIRE(result.report.unrecovered.size() == absent.size());
     for (std::size_t i = 0; i < absent.size(); ++i) CHECK(result.report.unrecovered[i].triangle == absent[i]);
@@ -183,7 +183,7 @@ TEST_CASE("faces that were fixed before stay") {
     CHECK(recover_boundary(mesh, second, {}, runner).unrecovered.empty());
     CHECK(find_fault(mesh) == "");
     for (const FaceCode face : find_triangles(mesh, both.triangles, runner)) {
-      REQUIRE(face != tets::kNone);
+      REQUIRE(face.valid());
       CHECK(mesh.is_fixed(face));
     }
   }

@@ -49,11 +49,11 @@ double mean_quality(const TetMesh& mesh) {
 // Faces behind which a vertex lies inside of the circumsphere.
 std::size_t count_not_delaunay(const TetMesh& mesh) {
   std::size_t count = 0;
-  for (std::uint32_t face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.to_neighbor[face] == kNone) continue;
-    const std::uint32_t t = face / 4;
+  for (const tets::FaceCode face : mesh.faces()) {
+    if (!mesh.behind(face).valid()) continue;
+    const std::uint32_t t = face.tet();
     const tets::Circumsphere sphere(mesh.point_of(t, 0), mesh.point_of(t, 1), mesh.point_of(t, 2), mesh.point_of(t, 3));
-    count += sphere.holds(mesh.points[mesh.to_vert[mesh.to_neighbor[face]]], 1e-6);
+    count += sphere.holds(mesh.points[mesh.apex(mesh.behind(face))], 1e-6);
   }
   return count;
 }
@@ -127,7 +127,7 @@ TEST_CASE("what is Delaunay, has to stay or would become too poor is not exchang
   TetMesh before = far;
   CHECK(flip(far) == 0);
   CHECK(same(far, before));
-  for (std::uint32_t face = 0; face < 4; ++face) fix_face(fixed, face);
+  for (const tets::FaceCode face : tets::FaceCode::of(0)) fix_face(fixed, face);
   before = fixed;
   CHECK(flip(fixed) == 0);
   CHECK(same(fixed, before));

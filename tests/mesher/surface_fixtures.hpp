@@ -50,8 +50,8 @@ struct TestSurface {
 template <class FaceOf>
 TestSurface surface_of(const TetMesh& mesh, FaceOf&& face_of) {
   TestSurface surface;
-  for (std::uint32_t face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (!mesh.is_fixed(face) || mesh.to_neighbor[face] < face) continue;
+  for (const tets::FaceCode face : mesh.faces()) {
+    if (!mesh.is_fixed(face) || mesh.behind(face) < face) continue;
     surface.tri_to_vert.push_back(tets::verts_of(mesh, face));
     surface.tri_to_face.push_back(face_of(surface.tri_to_vert.back(), surface.tri_to_face.size()));
   }

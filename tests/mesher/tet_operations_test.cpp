@@ -83,9 +83,9 @@ TEST_CASE("edges of the surface stay") {
 
 TEST_CASE("an edge of a face that has to stay, stays") {
   TetMesh mesh = make_ring(4, 3);
-  for (std::uint32_t f = 0; f < 4; ++f) {
-    if (mesh.to_neighbor[f] != kNone) {
-      fix_face(mesh, f);
+  for (const tets::FaceCode face : tets::FaceCode::of(0)) {
+    if (mesh.behind(face).valid()) {
+      fix_face(mesh, face);
       break;
     }
   }
@@ -210,8 +210,8 @@ TEST_CASE("points of the surface and those of faces that have to stay do not mov
     CHECK(tets::VertexMover(working, 1).move(0, working.corner_of(0, 6)) == MoveVerdict::OnSurface);
     CHECK(same(mesh, before));
   }
-  for (std::uint32_t f = 0; f < 4; ++f) {
-    if (mesh.to_neighbor[f] != kNone) fix_face(mesh, f);
+  for (const tets::FaceCode face : tets::FaceCode::of(0)) {
+    if (mesh.behind(face).valid()) fix_face(mesh, face);
   }
   const TetMesh before = mesh;
   WorkingMesh working(mesh, 0);

@@ -14,6 +14,7 @@
 
 namespace tetloom::tet_tests {
 
+using tets::FaceCode;
 using tets::kNone;
 using tets::TetMesh;
 
@@ -34,31 +35,30 @@ inline TetMesh make_tets(const std::vector<Vec3>& points, std::vector<std::array
                          const std::vector<std::uint32_t>& regions = {}) {
   TetMesh mesh;
   for (const Vec3& p : points) mesh.points.push_back(p);
-  std::map<std::array<std::uint32_t, 3>, std::uint32_t> open;
+  std::map<std::array<std::uint32_t, 3>, FaceCode> open;
   for (std::uint32_t t = 0; t < tet_to_vert.size(); ++t) {
     auto& v = tet_to_vert[t];
     if (orient3d(points[v[0]], points[v[1]], points[v[2]], points[v[3]]) < 0) std::swap(v[2], v[3]);
     for (const std::uint32_t vertex : v) mesh.to_vert.push_back(vertex);
     mesh.to_region.push_back(regions.empty() ? 0 : regions[t]);
     mesh.to_fixed.push_back(0);
-    for (std::uint32_t f = 0; f < 4; ++f) {
-      const auto& corners = tets::kFaceVerts[f];
+    for (const FaceCode face : FaceCode::of(t)) {
+      const auto& corners = tets::kFaceVerts[face.side()];
       std::array<std::uint32_t, 3> key{v[corners[0]], v[corners[1]], v[corners[2]]};
       std::sort(key.begin(), key.end());
-      mesh.to_neighbor.push_back(kNone);
+      mesh.to_neighbor.push_back({});
       if (const auto found = open.find(key); found != open.end()) {
-        mesh.to_neighbor[t * 4 + f] = found->second;
-        mesh.to_neighbor[found->second] = t * 4 + f;
+        link_sides(mesh, face, found->second);
         open.erase(found);
       } else {
-        open[key] = t * 4 + f;
+        open[key] = face;
       }
     }
   }
-  for (std::uint32_t face = 0; face < mesh.to_neighbor.size(); ++face) {
-    const std::uint32_t behind = mesh.to_neighbor[face];
-    if (behind == kNone || mesh.to_region[behind / 4] != mesh.to_region[face / 4])
-      mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4);
+  for (const FaceCode face : mesh.faces()) {
+    const FaceCode behind = mesh.behind(face);
+    if (!behind.valid() || mesh.to_region[behind.tet()] != mesh.to_region[face.tet()])
+      mesh.to_fixed[face.tet()] |= static_cast<std::uint8_t>(1u << face.side());
   }
   return mesh;
 }
@@ -70,10 +70,10 @@ inline TetMesh make_octahedron(const Vec3& center) {
       {{6, 0, 2, 4}, {6, 2, 1, 4}, {6, 1, 3, 4}, {6, 3, 0, 4}, {6, 0, 2, 5}, {6, 2, 1, 5}, {6, 1, 3, 5}, {6, 3, 0, 5}});
 }
 
-inline void fix_face(TetMesh& mesh, std::uint32_t face) {
-  mesh.to_fixed[face / 4] |= static_cast<std::uint8_t>(1u << face % 4);
-  const std::uint32_t behind = mesh.to_neighbor[face];
-  if (behind != kNone) mesh.to_fixed[behind / 4] |= static_cast<std::uint8_t>(1u << behind % 4);
+inline void fix_face(TetMesh& mesh, FaceCode face) {
+  mesh.to_fixed[face.tet()] |= static_cast<std::uint8_t>(1u << face.side());
+  const FaceCode behind = mesh.behind(face);
+  if (behind.valid()) mesh.to_fixed[behind.tet()] |= static_cast<std::uint8_t>(1u << behind.side());
 }
 
 /// `count` tets around the edge from (0, 0, -height) to (0, 0, height), whose ring is a circle of radius 1. Points: the
@@ -162,11 +162,11 @@ inline double volume_of_region(const TetMesh& mesh, std::uint32_t region) {
 /// The fixed faces by their vertices, each as often as a tet has it.
 inline std::vector<std::array<std::uint32_t, 3>> fixed_faces(const TetMesh& mesh) {
   std::vector<std::array<std::uint32_t, 3>> faces;
-  for (std::uint32_t face = 0; face < mesh.to_neighbor.size(); ++face) {
-    if (mesh.is_dead(face / 4) || !mesh.is_fixed(face)) continue;
-    const auto& corners = tets::kFaceVerts[face % 4];
+  for (const FaceCode face : mesh.faces()) {
+    if (mesh.is_dead(face.tet()) || !mesh.is_fixed(face)) continue;
+    const auto& corners = tets::kFaceVerts[face.side()];
     std::array<std::uint32_t, 3> key;
-    for (std::size_t k = 0; k < 3; ++k) key[k] = mesh.to_vert[face / 4 * 4 + corners[k]];
+    for (std::size_t k = 0; k < 3; ++k) key[k] = mesh.to_vert[face.tet() * 4 + corners[k]];
     std::sort(key.begin(), key.end());
     faces.push_back(key);
   }

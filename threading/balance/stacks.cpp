@@ -5,6 +5,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "core/base/lists.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom::balance_detail {
@@ -33,8 +34,7 @@ std::vector<std::uint64_t> distinct(const std::vector<std::uint64_t>& stacks) {
   std::vector<std::uint64_t> found;
   for (const std::uint64_t stack : stacks)
     if (stack != 0 && (found.empty() || found.back() != stack)) found.push_back(stack);
-  std::ranges::sort(found);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   return found;
 }
 

@@ -36,17 +36,20 @@ std::uint64_t share_number(Communicator& communicator, std::uint64_t value);
 std::vector<Bytes> all_gather(Communicator& communicator, const Put& put);
 /// Calls `take` for what each rank has put, by rank, on all ranks.
 void gather(Communicator& communicator, const Put& put, const Take& take);
+/// The lists with which messages begin, one after the other.
+template <class T>
+std::vector<T> joined_lists(std::span<const Bytes> messages) {
+  std::vector<T> all;
+  for (const Bytes& bytes : messages) {
+    const auto list = MessageReader(bytes).get_view<T>();
+    all.insert(all.end(), list.begin(), list.end());
+  }
+  return all;
+}
 /// The lists of all ranks, one after the other.
 template <class T>
 std::vector<T> gather_lists(Communicator& communicator, std::span<const T> own) {
-  std::vector<T> all;
-  gather(
-      communicator, [&](MessageWriter& writer) { writer.put_array<T>(own); },
-      [&](MessageReader& reader) {
-        const auto list = reader.get_view<T>();
-        all.insert(all.end(), list.begin(), list.end());
-      });
-  return all;
+  return joined_lists<T>(all_gather(communicator, [&](MessageWriter& writer) { writer.put_array<T>(own); }));
 }
 /// `put` on rank 0, `take` on all.
 void share_from_first(Communicator& communicator, const Put& put, const Take& take);

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom {
@@ -24,8 +25,7 @@ std::size_t find_edge(const SharedEdges& shared, std::uint32_t a, std::uint32_t 
 
 template <class T>
 void sort_unique(std::vector<T>& items) {
-  std::ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+  sort_unique(items);
 }
 
 // Elements of one kind, all of whose vertices are joined by edges.

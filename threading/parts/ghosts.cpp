@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/neighbor_writers.hpp"
@@ -18,10 +19,7 @@ struct Wish {
   friend constexpr auto operator<=>(const Wish&, const Wish&) = default;
 };
 
-void sort_unique(std::vector<Wish>& wishes) {
-  std::sort(wishes.begin(), wishes.end());
-  wishes.erase(std::unique(wishes.begin(), wishes.end()), wishes.end());
-}
+void sort_unique(std::vector<Wish>& wishes) { sort_unique(wishes); }
 
 // What other parts want of one part, layer by layer: first the cells around the vertices that they share, then those
 // around all vertices of these cells, where every part that has such a vertex must know of the wish.

@@ -2,6 +2,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
@@ -109,8 +110,7 @@ class PartLinker {
 
   void list_neighbors() {
     neighbor_parts_ = residence_.parts;
-    std::sort(neighbor_parts_.begin(), neighbor_parts_.end());
-    neighbor_parts_.erase(std::unique(neighbor_parts_.begin(), neighbor_parts_.end()), neighbor_parts_.end());
+    sort_unique(neighbor_parts_);
     neighbors_.resize(neighbor_parts_.size());
     for (std::size_t k = 0; k < neighbors_.size(); ++k) neighbors_[k].part = neighbor_parts_[k];
   }
@@ -191,8 +191,7 @@ class PartLinker {
         }
       }
     }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges);
     return edges;
   }
 
@@ -217,8 +216,7 @@ class PartLinker {
     std::vector<Entity> entities;
     for (const Neighbor& neighbor : neighbors_)
       for (const auto& candidate : neighbor.*candidates) entities.push_back(candidate.entity);
-    std::sort(entities.begin(), entities.end());
-    entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
+    sort_unique(entities);
     return GrowingArray<Entity>(std::span<const Entity>(entities));
   }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/local_numbers.hpp"
 #include "tetloom/partition.hpp"
 
 namespace tetloom::detail {
@@ -20,10 +21,8 @@ class CellPacker {
 
   /// Working memory, for any number of packets one after the other.
   struct Scratch {
-    std::vector<std::uint32_t> local;     ///< number in the packet of a vertex of the part
-    std::vector<std::uint32_t> verts;     ///< those numbered, in order
-    std::vector<bool> taken;              ///< boundary elements in the packet
-    std::vector<std::uint32_t> boundary;  ///< those, by kind
+    LocalNumbers verts;     ///< of the part, in the packet
+    LocalNumbers elements;  ///< of the boundary, counted over its kinds
   };
   /// Puts a packet behind what `writer` has already. Pre: `cells` ascends; cells of all kinds are numbered one after
   /// the other. `verts` (may be null) gets the part's vertices in the order in which the packet has them.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 #include "threading/comm/codec.hpp"
 #include "threading/parts/packet_detail.hpp"
@@ -21,10 +22,7 @@ class EntitySet {
   }
 
  private:
-  void compact() {
-    std::sort(entities_.begin(), entities_.end());
-    entities_.erase(std::unique(entities_.begin(), entities_.end()), entities_.end());
-  }
+  void compact() { sort_unique(entities_); }
   std::vector<PackedEntity> entities_;
 };
 
@@ -150,17 +148,11 @@ class CellPacker::PacketWriter {
  public:
   PacketWriter(const CellPacker& packer, Scratch& scratch, MessageWriter& writer)
       : part_(packer.part_.mesh), shared_(packer.shared_), index_(*packer.index_), scratch_(scratch), writer_(writer) {
-    if (scratch_.local.size() == part_.vertex_count()) return;
-    scratch_.local.assign(part_.vertex_count(), kNone);
-    scratch_.taken.assign(part_.boundary[0].size() + part_.boundary[1].size() + part_.boundary[2].size(), false);
+    scratch_.verts.set_item_count(part_.vertex_count());
+    scratch_.elements.set_item_count(part_.boundary[0].size() + part_.boundary[1].size() + part_.boundary[2].size());
   }
   // The scratch is clean again for the next packet.
-  ~PacketWriter() {
-    for (const std::uint32_t v : scratch_.verts) scratch_.local[v] = kNone;
-    for (const std::uint32_t element : scratch_.boundary) scratch_.taken[element] = false;
-    scratch_.verts.clear();
-    scratch_.boundary.clear();
-  }
+  ~PacketWriter() { scratch_.verts.clear(), scratch_.elements.clear(); }
   PacketWriter(const PacketWriter&) = delete;
   PacketWriter& operator=(const PacketWriter&) = delete;
 
@@ -190,8 +182,9 @@ class CellPacker::PacketWriter {
     std::uint32_t* out = writer_.put_room<std::uint32_t>(cells.size() * shape.vertex_count).data();
     for (const std::uint32_t cell : cells) {
       const std::uint32_t* verts = block.to_vert.data() + std::size_t{cell - begin} * shape.vertex_count;
-      for (std::uint32_t i = 0; i < shape.vertex_count; ++i) *out++ = number_of(verts[i]);
-      for_each_boundary_element_of(index_, shape, verts, [&](std::uint32_t element) { take_element(element); });
+      for (std::uint32_t i = 0; i < shape.vertex_count; ++i) *out++ = scratch_.verts.add(verts[i]);
+      for_each_boundary_element_of(index_, shape, verts,
+                                   [&](std::uint32_t element) { scratch_.elements.add(element); });
     }
     const std::span<std::uint32_t> regions = writer_.put_room<std::uint32_t>(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -206,46 +199,30 @@ class CellPacker::PacketWriter {
     }
   }
 
-  std::uint32_t number_of(std::uint32_t vert) {
-    std::uint32_t& number = scratch_.local[vert];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(scratch_.verts.size());
-      scratch_.verts.push_back(vert);
-    }
-    return number;
-  }
-
-  void take_element(std::uint32_t element) {
-    if (scratch_.taken[element]) return;
-    scratch_.taken[element] = true;
-    scratch_.boundary.push_back(element);
-  }
-
   void put_vertices() {
     gather(part_.points);
     gather(part_.vert_to_entity);
     gather(part_.vert_to_global);
     std::uint8_t* shared = writer_.put_room<std::uint8_t>(scratch_.verts.size()).data();
-    for (const std::uint32_t v : scratch_.verts) {
+    for (const std::uint32_t v : scratch_.verts.items()) {
       *shared++ = shared_[v];
       entities_.add(part_.vert_to_entity[v]);
     }
     for (const VertexField& field : part_.vertex_fields) {
       const auto n = static_cast<std::size_t>(field.components);
       double* room = writer_.put_room<double>(scratch_.verts.size() * n).data();
-      for (const std::uint32_t v : scratch_.verts) room = std::copy_n(field.values.data() + v * n, n, room);
+      for (const std::uint32_t v : scratch_.verts.items()) room = std::copy_n(field.values.data() + v * n, n, room);
     }
   }
 
   template <class T>
   void gather(const GrowingArray<T>& values) {
-    T* room = writer_.put_room<T>(scratch_.verts.size()).data();
-    for (const std::uint32_t v : scratch_.verts) *room++ = values[v];
+    writer_.put_each(scratch_.verts.items(), [&](std::uint32_t v) { return values[v]; });
   }
 
   void put_boundary() {
-    std::sort(scratch_.boundary.begin(), scratch_.boundary.end());
-    std::span<const std::uint32_t> elements(scratch_.boundary);
+    scratch_.elements.sort();
+    std::span<const std::uint32_t> elements = scratch_.elements.items();
     std::uint32_t begin = 0;
     for (std::size_t kind = 0; kind < part_.boundary.size(); ++kind) {
       const auto end = begin + static_cast<std::uint32_t>(part_.boundary[kind].size());
@@ -262,7 +239,7 @@ class CellPacker::PacketWriter {
     std::uint32_t* out = writer_.put_room<std::uint32_t>(elements.size() * n).data();
     for (const std::uint32_t element : elements)
       for (std::uint32_t j = 0; j < n; ++j)
-        *out++ = scratch_.local[block.to_vert[std::size_t{element - begin} * n + j]];
+        *out++ = scratch_.verts[block.to_vert[std::size_t{element - begin} * n + j]];
     std::uint32_t* entity = writer_.put_room<std::uint32_t>(elements.size()).data();
     for (const std::uint32_t element : elements) {
       *entity = block.to_entity[element - begin];
@@ -293,7 +270,7 @@ void CellPacker::pack(std::span<const std::uint32_t> cells, Scratch& scratch, Me
                       std::vector<std::uint32_t>* verts) const {
   PacketWriter packet(*this, scratch, writer);
   packet.write(cells);
-  if (verts != nullptr) *verts = scratch.verts;
+  if (verts != nullptr) verts->assign(scratch.verts.items().begin(), scratch.verts.items().end());
 }
 
 }  // namespace tetloom::detail

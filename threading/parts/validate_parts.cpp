@@ -1,3 +1,4 @@
+#include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
@@ -114,8 +115,7 @@ class PartValidator {
   std::vector<PartId> receivers(std::size_t part_count) const {
     std::vector<PartId> parts = part_.boundary.neighbors;
     std::erase_if(parts, [&](PartId part) { return part.value >= part_count || part == self_; });
-    std::sort(parts.begin(), parts.end());
-    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+    sort_unique(parts);
     return parts;
   }
 

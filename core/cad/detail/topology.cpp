@@ -9,6 +9,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 
+#include "core/base/lists.hpp"
 #include "core/cad/detail/conversions.hpp"
 #include "core/cad/detail/loops.hpp"
 
@@ -222,8 +223,7 @@ class TopologyBuilder {
       if (orientation != TopAbs_REVERSED) claim(sides.back, region, id);
       faces.push_back(id);
     }
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_unique(faces);
   }
 
   void claim(ModelRegionId& side, ModelRegionId region, ModelFaceId face) {

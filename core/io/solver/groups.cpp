@@ -4,6 +4,7 @@
 #include <cctype>
 #include <map>
 
+#include "core/base/lists.hpp"
 #include "core/io/element_nodes_detail.hpp"
 #include "core/io/formats_detail.hpp"
 
@@ -175,8 +176,7 @@ std::vector<std::uint32_t> points_of(const Mesh& mesh, const ElementNodes& nodes
     }
     first += elements.size();
   });
-  std::ranges::sort(points);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   return points;
 }
 
