@@ -20,27 +20,6 @@ Bvh tree_over(const std::vector<TileBox>& all, const TaskRunner& runner) {
   return build_bvh(boxes, runner);
 }
 
-// Calls visit(item) for the items of nodes that are not farther away than reach2(), squared; the nearer child first.
-template <class Reach, class Visit>
-void visit_near_first(const Bvh& bvh, const Vec3& x, const Reach& reach2, const Visit& visit) {
-  if (bvh.nodes.empty()) return;
-  const auto far = [&](std::uint32_t index) { return squared_distance_to_box(x, bvh.nodes[index].box); };
-  std::array<std::uint32_t, 64> stack{0};
-  for (std::size_t size = 1; size > 0;) {
-    const std::uint32_t index = stack[--size];
-    const BvhNode& node = bvh.nodes[index];
-    if (far(index) > reach2()) continue;
-    if (node.right == 0) {
-      for (std::uint32_t i = node.begin; i < node.end; ++i) visit(bvh.order[i]);
-      continue;
-    }
-    const std::uint32_t left = index + 1, right = node.right;
-    const bool left_first = far(left) <= far(right);
-    stack[size++] = left_first ? right : left;
-    stack[size++] = left_first ? left : right;
-  }
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks) {
@@ -85,9 +64,10 @@ BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
   double reach2 = HUGE_VAL;
   std::vector<std::uint32_t> unknown;
   const auto distance_to = [&](const TileBox& box) { return squared_distance_to_box(x, box.box); };
-  visit_near_first(
+  visit_nearest_first(
       faces_, x, [&] { return reach2; },
-      [&](std::uint32_t item) {
+      [&](std::uint32_t position) {
+        const std::uint32_t item = faces_.order[position];
         const TileBox& box = index_.faces[item];
         if (distance_to(box) > reach2) return;
         if (held_[box.tile] == nullptr) return unknown.push_back(item);

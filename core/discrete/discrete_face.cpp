@@ -60,13 +60,12 @@ SurfacePoint DiscreteFace::closest_point(const Vec3& x, const std::optional<Vec2
   Vec3 direction;
   if (guess) {
     const Place p = decode(*guess);
-    start = closest_on_triangle(x, corner(p, 0), corner(p, 1), corner(p, 2));
-    start.tri = p.tri;
+    start = {p.tri, closest_on_triangle(x, corner(p, 0), corner(p, 1), corner(p, 2))};
     direction = normal(*guess);
   }
   const FacetPoint found = facets_.bvh.closest_facing(x, direction, start);
   SurfacePoint result;
-  result.uv = encode(found.tri, found.b1, found.b2);
+  result.uv = encode(found.tri, found.place.weights[1], found.place.weights[2]);
   result.point = evaluate(result.uv);
   result.distance = distance(result.point, x);
   return result;

@@ -1,15 +1,12 @@
 #include "core/discrete/facet_bvh.hpp"
-#include "core/spatial/distances.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "tetloom/host.hpp"
 
 namespace tetloom::detail {
 namespace {
-
-constexpr std::uint32_t kLeafSize = 4;
-constexpr std::size_t kMaxDepth = 64;  // halving 2^32 triangles takes 32 levels
 
 bool ray_touches(const Vec3& origin, const Vec3& direction, const Box3& box) {
   double from = 0, to = HUGE_VAL;
@@ -23,29 +20,6 @@ bool ray_touches(const Vec3& origin, const Vec3& direction, const Box3& box) {
     from = std::max(from, std::min(a, b)), to = std::min(to, std::max(a, b));
   }
   return from <= to * (1 + 1e-12) + 1e-300;
-}
-
-FacetPoint facet_point(const Vec3& x, const std::array<Vec3, 3>& p, double b1, double b2) {
-  FacetPoint result{0xffffffffu, b1, b2, p[0] + b1 * (p[1] - p[0]) + b2 * (p[2] - p[0]), 0};
-  result.distance2 = norm2(x - result.point);
-  return result;
-}
-
-/// Where on the segment from a to b the point nearest to x lies, 0 … 1.
-double project_on_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const double length2 = norm2(b - a);
-  return length2 > 0 ? std::clamp(dot(x - a, b - a) / length2, 0.0, 1.0) : 0.0;
-}
-
-/// For a triangle without area: the best of its three sides.
-FacetPoint closest_on_sides(const Vec3& x, const std::array<Vec3, 3>& p) {
-  const double s01 = project_on_segment(x, p[0], p[1]), s02 = project_on_segment(x, p[0], p[2]);
-  const double s12 = project_on_segment(x, p[1], p[2]);
-  FacetPoint best = facet_point(x, p, s01, 0);
-  for (const FacetPoint& other : {facet_point(x, p, 0, s02), facet_point(x, p, 1 - s12, s12)}) {
-    if (other.distance2 < best.distance2) best = other;
-  }
-  return best;
 }
 
 /// The frame along the longest edge of all.
@@ -147,42 +121,19 @@ Box3 box_between(const Corners& corners, const Box3& box, double from, double to
 
 }  // namespace
 
-FacetPoint closest_on_triangle(const Vec3& x, const Vec3& p0, const Vec3& p1, const Vec3& p2) {
-  const std::array<Vec3, 3> p{p0, p1, p2};
-  const Vec3 ab = p1 - p0, ac = p2 - p0, ap = x - p0;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return facet_point(x, p, 0, 0);
-  const Vec3 bp = x - p1;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return facet_point(x, p, 1, 0);
-  const Vec3 cp = x - p2;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return facet_point(x, p, 0, 1);
-  const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return facet_point(x, p, d1 / (d1 - d3), 0);
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return facet_point(x, p, 0, d2 / (d2 - d6));
-  const double on_bc = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && on_bc > 0) {
-    const double s = (d4 - d3) / on_bc;
-    return facet_point(x, p, 1 - s, s);
-  }
-  const double sum = va + vb + vc;
-  if (!(va >= 0 && vb >= 0 && vc >= 0 && sum > 0)) return closest_on_sides(x, p);
-  return facet_point(x, p, vb / sum, vc / sum);
-}
-
 FacetBvh::FacetBvh(std::span<const Vec3> points, std::span<const Triangle> tri_to_vert)
     : frame_(choose_frame(points, tri_to_vert)), points_(points), tri_to_vert_(tri_to_vert) {
-  std::vector<Piece> pieces = cut_facets();
-  nodes_.reserve(pieces.size());
-  if (!pieces.empty()) build(0, static_cast<std::uint32_t>(pieces.size()), pieces);
-  for (const Piece& piece : pieces) facets_.push_back(piece.tri);
+  const Pieces pieces = cut_facets();
+  bvh_ = build_bvh(pieces.boxes, serial_loop());
+  facets_.reserve(pieces.facets.size());
+  for (const std::uint32_t piece : bvh_.order) facets_.push_back(pieces.facets[piece]);
+  bvh_.order = {};
 }
 
-std::vector<FacetBvh::Piece> FacetBvh::cut_facets() const {
+FacetBvh::Pieces FacetBvh::cut_facets() const {
   constexpr double kRounding = 1e-14;
   const double longest = longest_piece(frame_, points_, tri_to_vert_);
-  std::vector<Piece> pieces;
+  Pieces pieces;
   for (std::uint32_t tri = 0; tri < tri_to_vert_.size(); ++tri) {
     const Corners corners = corners_in(frame_, points_, tri_to_vert_[tri]);
     const Box3 box = box_of(corners);
@@ -193,82 +144,41 @@ std::vector<FacetBvh::Piece> FacetBvh::cut_facets() const {
       const Box3 part = count == 1 ? box
                                    : box_between(corners, box, static_cast<double>(i) / static_cast<double>(count),
                                                  static_cast<double>(i + 1) / static_cast<double>(count));
-      const Vec3 center = count == 1 ? (corners[0] + corners[1] + corners[2]) / 3 : part.center();
-      pieces.push_back({{part.lo - margin, part.hi + margin}, center, tri});
+      pieces.boxes.push_back({part.lo - margin, part.hi + margin});
+      pieces.facets.push_back(tri);
     }
   }
   return pieces;
 }
 
-void FacetBvh::build(std::uint32_t begin, std::uint32_t end, std::span<Piece> pieces) {
-  const std::size_t self = nodes_.size();
-  nodes_.emplace_back();
-  if (end - begin <= kLeafSize) {
-    Box3 box;
-    for (std::uint32_t i = begin; i < end; ++i) box.add(pieces[i].box);
-    nodes_[self] = {box, 0, begin, end - begin};
-    return;
-  }
-  Box3 spread;
-  for (std::uint32_t i = begin; i < end; ++i) spread.add(pieces[i].center);
-  const int axis = longest_axis(spread);
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  const auto key = [axis](const Piece& piece) { return std::pair(piece.center[axis], piece.tri); };
-  std::nth_element(pieces.begin() + begin, pieces.begin() + middle, pieces.begin() + end,
-                   [&](const Piece& a, const Piece& b) { return key(a) < key(b); });
-  build(begin, middle, pieces);
-  const auto second = static_cast<std::uint32_t>(nodes_.size());
-  build(middle, end, pieces);
-  Box3 box = nodes_[self + 1].box;
-  box.add(nodes_[second].box);
-  nodes_[self] = {box, second, 0, 0};
-}
-
 FacetPoint FacetBvh::closest_facing(const Vec3& x, const Vec3& direction, FacetPoint start) const {
-  struct Entry {
-    std::uint32_t node;
-    double distance2;
-  };
-  if (nodes_.empty()) return start;
-  const Vec3 in_frame = frame_(x);
-  std::array<Entry, kMaxDepth> stack;
-  std::size_t depth = 0;
-  stack[depth++] = {0, squared_distance_to_box(in_frame, nodes_[0].box)};
-  while (depth > 0) {
-    const Entry entry = stack[--depth];
-    if (!(entry.distance2 < start.distance2)) continue;
-    const Node& node = nodes_[entry.node];
-    for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i) {
-      const Triangle& t = tri_to_vert_[facets_[i]];
-      FacetPoint candidate = closest_on_triangle(x, points_[t[0]], points_[t[1]], points_[t[2]]);
-      candidate.tri = facets_[i];
-      if (!(candidate.distance2 < start.distance2)) continue;
-      const Vec3 normal = cross(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]);
-      if (!(dot(normal, direction) < 0)) start = candidate;
-    }
-    if (node.count > 0) continue;
-    Entry near{entry.node + 1, squared_distance_to_box(in_frame, nodes_[entry.node + 1].box)};
-    Entry far{node.second, squared_distance_to_box(in_frame, nodes_[node.second].box)};
-    if (far.distance2 < near.distance2) std::swap(near, far);
-    stack[depth++] = far, stack[depth++] = near;
-  }
-  return start;
+  FacetPoint nearest = start;
+  double reach2 = reach_of_boxes(start.place.distance2, x);
+  visit_nearest_first(
+      bvh_, frame_(x), [&] { return reach2; },
+      [&](std::uint32_t i) {
+        const auto [a, b, c] = tri_to_vert_[facets_[i]];
+        const TrianglePoint place = closest_on_triangle(x, points_[a], points_[b], points_[c]);
+        const bool is_nearer = place.distance2 < nearest.place.distance2;
+        const bool is_as_near = place.distance2 == nearest.place.distance2 && nearest.tri != start.tri;
+        if (!is_nearer && !(is_as_near && facets_[i] < nearest.tri)) return;
+        const Vec3 normal = cross(points_[b] - points_[a], points_[c] - points_[a]);
+        if (dot(normal, direction) < 0) return;
+        nearest = {facets_[i], place};
+        reach2 = reach_of_boxes(place.distance2, x);
+      });
+  return nearest;
 }
 
 void FacetBvh::for_each_near_ray(const Vec3& origin, const Vec3& direction,
                                  const std::function<void(std::uint32_t)>& visit) const {
-  if (nodes_.empty()) return;
   const Vec3 start = frame_(origin), along = frame_(direction);
-  std::array<std::uint32_t, kMaxDepth> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t index = stack[--depth];
-    const Node& node = nodes_[index];
-    if (!ray_touches(start, along, node.box)) continue;
-    for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i) visit(facets_[i]);
-    if (node.count == 0) stack[depth++] = node.second, stack[depth++] = index + 1;
-  }
+  any_entered(
+      bvh_, [&](const Box3& box) { return ray_touches(start, along, box); },
+      [&](std::uint32_t i) {
+        visit(facets_[i]);
+        return false;
+      });
 }
 
 }  // namespace tetloom::detail

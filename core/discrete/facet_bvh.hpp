@@ -3,26 +3,22 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/discrete/facet_soup.hpp"
+#include "core/spatial/bvh.hpp"
+#include "core/spatial/distances.hpp"
+#include "tetloom/ids.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom::detail {
 
-/// A point of a facet: (1 - b1 - b2)·p0 + b1·p1 + b2·p2.
+/// A place on a facet.
 struct FacetPoint {
-  std::uint32_t tri = 0xffffffffu;
-  double b1 = 0, b2 = 0;
-  Vec3 point;
-  double distance2 = HUGE_VAL;
+  std::uint32_t tri = kNone;
+  TrianglePoint place;
 };
-
-/// The point of triangle p0 p1 p2 nearest to x (Ericson, Real-Time Collision Detection, 2005, §5.1.5); `tri` is left
-/// alone. Degenerate triangles give a point of theirs.
-FacetPoint closest_on_triangle(const Vec3& x, const Vec3& p0, const Vec3& p1, const Vec3& p2);
 
 /// Directions of unit length, at right angles to each other.
 struct OrthogonalFrame {
@@ -44,7 +40,8 @@ class FacetBvh {
   FacetBvh() = default;
   FacetBvh(std::span<const Vec3> points, std::span<const Triangle> tri_to_vert);
 
-  /// The nearest point of all triangles that is nearer than `start`, or `start` itself.
+  /// The nearest point of all triangles that is nearer than `start`, or `start` itself; that of the first triangle
+  /// where several are as near.
   FacetPoint closest(const Vec3& x, FacetPoint start = {}) const { return closest_facing(x, {}, start); }
   /// The same of the triangles that do not face away from `direction`; all where it is zero.
   FacetPoint closest_facing(const Vec3& x, const Vec3& direction, FacetPoint start) const;
@@ -54,25 +51,18 @@ class FacetBvh {
                          const std::function<void(std::uint32_t)>& visit) const;
 
  private:
-  /// Children follow in the array: the first at once, the second at `second`. Leaves have a `count` > 0.
-  struct Node {
-    Box3 box;
-    std::uint32_t second = 0, begin = 0, count = 0;
-  };
   /// A facet, or what lies of it between two planes across its box; in the frame.
-  struct Piece {
-    Box3 box;
-    Vec3 center;
-    std::uint32_t tri;
+  struct Pieces {
+    std::vector<Box3> boxes;
+    std::vector<std::uint32_t> facets;
   };
-  std::vector<Piece> cut_facets() const;
-  void build(std::uint32_t begin, std::uint32_t end, std::span<Piece> pieces);
+  Pieces cut_facets() const;
 
   OrthogonalFrame frame_;  // of the boxes
   std::span<const Vec3> points_;
   std::span<const Triangle> tri_to_vert_;
-  std::vector<std::uint32_t> facets_;  // of the leaves
-  std::vector<Node> nodes_;
+  Bvh bvh_;
+  std::vector<std::uint32_t> facets_;  // in the order of the tree
 };
 
 }  // namespace tetloom::detail

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "core/spatial/distances.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/vec.hpp"
 
@@ -24,29 +26,41 @@ struct Bvh {
   std::vector<std::uint32_t> order;  ///< item indices, so that every node's items are contiguous
 };
 
+/// Of stacks that walk a tree: halving 2^32 items takes 32 levels, and each leaves one node waiting.
+constexpr std::size_t kBvhDepth = 64;
+
 /// Splits at the median of the centres along their longest extent. The result does not depend on the thread count.
 /// Complexity: O(n log n), in parallel.
 Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop);
 
-/// Visits items whose leaf overlaps `box`, in the order of the tree, until `test` is true of one; whether it was.
-/// O(log n + leaves met).
-template <class Test>
-bool any_near(const Bvh& bvh, const Box3& box, const Test& test) {
+/// Goes through the leaves below nodes whose boxes `enter` lets through, in the order of the tree, until `test` is true
+/// of one of their positions in Bvh::order; whether it was.
+template <class Enter, class Test>
+bool any_entered(const Bvh& bvh, const Enter& enter, const Test& test) {
   if (bvh.nodes.empty()) return false;
-  std::array<std::uint32_t, 64> stack{0};
+  std::array<std::uint32_t, kBvhDepth> stack{0};
   for (std::size_t count = 1; count > 0;) {
     const std::uint32_t index = stack[--count];
     const BvhNode& node = bvh.nodes[index];
-    if (!node.box.overlaps(box)) continue;
+    if (!enter(node.box)) continue;
     if (node.right != 0) {
       stack[count++] = node.right;
       stack[count++] = index + 1;
       continue;
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i)
-      if (test(bvh.order[i])) return true;
+      if (test(i)) return true;
   }
   return false;
+}
+
+/// Visits items whose leaf overlaps `box`, in the order of the tree, until `test` is true of one; whether it was.
+/// O(log n + leaves met).
+template <class Test>
+bool any_near(const Bvh& bvh, const Box3& box, const Test& test) {
+  return any_entered(
+      bvh, [&](const Box3& node) { return node.overlaps(box); },
+      [&](std::uint32_t position) { return test(bvh.order[position]); });
 }
 
 /// Visits every item whose leaf overlaps `box`, in the order of the tree. O(log n + leaves met).
@@ -56,6 +70,35 @@ void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
     visit(item);
     return false;
   });
+}
+
+/// Calls visit(position in Bvh::order) for the items of leaves that are not farther from `x` than reach2(), squared,
+/// which may become smaller meanwhile; of two children the nearer one first.
+template <class Reach, class Visit>
+void visit_nearest_first(const Bvh& bvh, const Vec3& x, const Reach& reach2, const Visit& visit) {
+  struct Entry {
+    std::uint32_t node;
+    double distance2;
+  };
+  if (bvh.nodes.empty()) return;
+  const auto entry_of = [&](std::uint32_t node) {
+    return Entry{node, squared_distance_to_box(x, bvh.nodes[node].box)};
+  };
+  std::array<Entry, kBvhDepth> stack;
+  stack[0] = entry_of(0);
+  for (std::size_t count = 1; count > 0;) {
+    const Entry entry = stack[--count];
+    if (entry.distance2 > reach2()) continue;
+    const BvhNode& node = bvh.nodes[entry.node];
+    if (node.right == 0) {
+      for (std::uint32_t i = node.begin; i < node.end; ++i) visit(i);
+      continue;
+    }
+    Entry near = entry_of(entry.node + 1), far = entry_of(node.right);
+    if (far.distance2 < near.distance2) std::swap(near, far);
+    stack[count++] = far;
+    stack[count++] = near;
+  }
 }
 
 }  // namespace tetloom

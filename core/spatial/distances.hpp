@@ -1,6 +1,7 @@
 #pragma once
-// Distances of a point from boxes, segments and triangles, all closed.
+// How far a point is from boxes, segments and triangles, all closed, and the nearest points of those.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tetloom/vec.hpp"
@@ -39,5 +40,20 @@ inline double distance_to_triangle(const Vec3& x, const Vec3& a, const Vec3& b, 
   return std::sqrt(std::min({squared_distance_to_segment(x, a, b), squared_distance_to_segment(x, b, c),
                              squared_distance_to_segment(x, c, a)}));
 }
+
+/// The point of a triangle that is nearest to some other point, by its barycentric coordinates.
+struct TrianglePoint {
+  std::array<double, 3> weights{};  ///< not negative, sum 1
+  double distance2 = HUGE_VAL;      ///< squared
+};
+
+/// After Ericson, "Real-time collision detection" (2005), 5.1.5. Triangles without area give the nearest point of
+/// their sides.
+TrianglePoint closest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// How far something may be away, squared, that is to be looked at where the nearest known so far is at a squared
+/// distance of `distance2` from x: a little more than that, so that what is found as nearest does not depend on the
+/// order of looking, whatever was rounded.
+double reach_of_boxes(double distance2, const Vec3& x);
 
 }  // namespace tetloom
