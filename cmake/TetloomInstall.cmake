@@ -1,5 +1,5 @@
-# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading, ::mesher and
-# ::adapt.
+# The installed CMake package: find_package(tetloom) gives tetloom::core, ::cad, ::discrete, ::threading, ::geometry,
+# ::mesher and ::adapt.
 # The headers are those of include/tetloom, included as <tetloom/mesh.hpp>; nothing else is installed.
 include(CMakePackageConfigHelpers)
 

@@ -36,12 +36,13 @@ FOLDER_MAY_INCLUDE = {
     "threading/comm": {"threading/runtime"},
     "threading/parts": {"threading/runtime", "threading/comm"},
     "threading/balance": {"threading/runtime", "threading/comm", "threading/parts"},
+    "threading/geometry": {"threading/runtime", "threading/comm"},
 }
 
 # Public headers (include/tetloom) and the rooms whose declarations they hold.
 PUBLIC = {
-    "core": {"assert", "check", "error", "growing_array", "host", "ids", "io", "mesh_data", "model", "part_mesh",
-             "size_field", "vec"},
+    "core": {"assert", "check", "error", "host", "ids", "io", "mesh_data", "model", "part_mesh",
+             "size_field", "storage", "vec"},
     "threading": {"communicator", "partition", "tasks"},
     "mesher": {"filling", "layers", "mesh"},
     "adapt": {"adapt", "metric"},

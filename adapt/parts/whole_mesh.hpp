@@ -8,8 +8,8 @@
 #include "adapt/kernel/cavity_mesh.hpp"
 #include "adapt/parts/mesh_slice.hpp"
 #include "core/base/lists.hpp"
-#include "tetloom/growing_array.hpp"
 #include "tetloom/mesh_data.hpp"
+#include "tetloom/storage.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/shared_work.hpp"
 

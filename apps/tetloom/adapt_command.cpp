@@ -5,6 +5,7 @@
 #include "apps/tetloom/adapt_input.hpp"
 #include "apps/tetloom/adapt_report.hpp"
 #include "apps/tetloom/commands.hpp"
+#include "apps/tetloom/model_reading.hpp"
 #include "apps/tetloom/parts_text.hpp"
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/rank_figures.hpp"
@@ -55,6 +56,11 @@ AdaptInput read_pieces(const AdaptCommand& command, Communicator& communicator, 
   run.report().seconds.read =
       timed([&] { input = read_input([&] { return read_pieces_of(command, work, run.cancel()); }); });
   if (input.parts) input.parts->communicator = &communicator;
+  if (command.model.empty()) return input;
+  const auto read_model_of_run = [&] {
+    return read_on_ranks(command.model, command.read, command.options.threads, run.cancel(), communicator);
+  };
+  run.report().seconds.read += timed([&] { input.document = read_input(read_model_of_run); });
   return input;
 }
 
@@ -62,8 +68,7 @@ void read_input_with_metric(const AdaptCommand& command, AdaptTask& task, Run& r
   const TaskRunner runner(command.options.threads, run.host());
   RunReport& report = run.report();
   run.begin(Stage::Read);
-  report.seconds.read +=
-      timed([&] { read_input([&] { read_adapt_input(command, runner, run.cancel(), task.input); }); });
+  report.seconds.read += timed([&] { read_input([&] { read_adapt_input(command, run.cancel(), task.input); }); });
   report.warnings = task.input.document.warnings;
   run.begin(Stage::SizeField);
   task.metric_seconds = timed([&] {
@@ -116,7 +121,8 @@ void note_parts(PartitionedMesh& mesh, const PartsFigures& figures, const TaskRu
 }
 
 // By all ranks.
-void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, const TaskRunner& runner, Run& run) {
+void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, const GeometricModel* model,
+                     const TaskRunner& runner, Run& run) {
   RunReport& report = run.report();
   run.begin_together(Stage::Check);
   PartsFigures figures;
@@ -132,7 +138,7 @@ void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, co
   report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });
   run.set_text(render_adaptation(result.run.report, report, command.output.string(), command.report.string()) +
                render_parts(figures));
-  note_ranks(*result.mesh->communicator, tets_of_rank(*result.mesh), report);
+  note_ranks(*result.mesh->communicator, tets_of_rank(*result.mesh), model, report);
 }
 
 // Nothing is left of the mesh afterwards.
@@ -163,7 +169,8 @@ void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& r
   const TaskRunner runner(options.threads, run.host());
   if (command.in_parts) {
     AdaptInPartsResult result = adapt_in_parts(task, options, communicator, run.host());
-    if (note_run(result.run, task.metric_seconds, run.report())) finish_in_parts(command, result, runner, run);
+    if (note_run(result.run, task.metric_seconds, run.report()))
+      finish_in_parts(command, result, options.model, runner, run);
     return;
   }
   AdaptResult result = adapt_on_ranks(task, options, communicator, run.host());
@@ -172,7 +179,7 @@ void adapt_input(const AdaptCommand& command, Communicator& communicator, Run& r
     finish_in_one_piece(command, result, runner.with_idle_threads(communicator.ranks_on_machine()), run);
   });
   share_status(communicator, run.report());
-  note_ranks(communicator, result.mesh.tet_to_vert.size(), run.report());
+  note_ranks(communicator, result.mesh.tet_to_vert.size(), options.model, run.report());
 }
 
 }  // namespace

@@ -111,8 +111,7 @@ AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, c
   return input;
 }
 
-void read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel,
-                      AdaptInput& input) {
+void read_adapt_input(const AdaptCommand& command, const CancelToken& cancel, AdaptInput& input) {
   if (!input.parts && !input.mesh) input.mesh = read_mesh(command.input, &cancel);
   if (has_fields_beside(command.input)) {
     if (needs_fields(command)) read_fields_beside(command.input, *input.mesh, cancel);
@@ -127,7 +126,6 @@ void read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, con
     input.metric = read_metric_file(command.metric_file, mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
-  if (!command.model.empty()) input.document = read_model(command.model, command.read, &cancel, runner);
 }
 
 PerPart<adapt::MetricField> make_metric_of_parts(const AdaptCommand& command, const AdaptInput& input,

@@ -30,10 +30,9 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 /// all have it in the end. In SharedWork::together. Errors: those of read_parts.
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
-/// Reads what the command names, but for a mesh that is there. Errors: as those of the readers; InputUnsuitable for
-/// fields that are not there.
-void read_adapt_input(const AdaptCommand& command, const TaskRunner& runner, const CancelToken& cancel,
-                      AdaptInput& input);
+/// Reads what the command names, but for the model and a mesh that is there. Errors: as those of the readers;
+/// InputUnsuitable for fields that are not there.
+void read_adapt_input(const AdaptCommand& command, const CancelToken& cancel, AdaptInput& input);
 
 /// Of the whole mesh. Consumes the values of `input.metric`. Errors: as those of the functions of adapt/metric.
 adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, const TaskRunner& runner);

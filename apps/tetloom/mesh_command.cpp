@@ -2,6 +2,8 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <span>
 
 #include "apps/tetloom/commands.hpp"
 #include "apps/tetloom/console.hpp"
@@ -43,16 +45,14 @@ void put_in_far_field(double factor, ModelDocument& document, SizeOptions& sizes
   sizes.relative_size = 0;
 }
 
-// The model of a run, as `read` gives it, with the sizes asked for its entities.
-Sized read_sized_model(const MeshCommand& command, const std::function<ModelDocument()>& read, Run& run) {
+// A model with the sizes asked for its entities.
+Sized with_sizes(const MeshCommand& command, ModelDocument document, Run& run) {
   RunReport& report = run.report();
   SizesFile sizes;
   if (!command.sizes_file.empty()) sizes = read_sizes(command.sizes_file);
   std::vector<GroupWish> groups = command.groups;
   if (!command.groups_file.empty()) std::ranges::copy(read_groups(command.groups_file), std::back_inserter(groups));
-  run.begin(Stage::Read);
-  Sized sized{{}, command.options, {}};
-  report.seconds.read += timed([&] { sized.document = read_input(read); });
+  Sized sized{std::move(document), command.options, {}};
   report.warnings = sized.document.warnings;
   if (command.far_field > 0) put_in_far_field(command.far_field, sized.document, sized.options.sizes);
   apply_sizes(sizes, *sized.document.model, sized.options.sizes);
@@ -68,23 +68,49 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
   report.seconds.check = timed([&] { measure_mesh(result.mesh, result.sizes, runner, report); });
 }
 
-// Makes solids anew from the space that they enclose. False where that cannot be done, and nothing has changed.
-bool repair(const MeshCommand& command, const std::vector<ModelRegionId>& solids, Sized& sized,
-            Communicator& communicator, Run& run) {
-  bool is_changed = false;
-  run_on_all(communicator, [&] {
+using SolidLists = std::vector<std::vector<ModelRegionId>>;
+
+// The document with solids made anew, those of one list after those of the other; none where that cannot be done.
+std::optional<ModelDocument> rebuild(const ModelDocument& document, std::span<const std::vector<ModelRegionId>> lists,
+                                     const CancelToken& cancel, const TaskRunner& runner) {
+  std::optional<ModelDocument> rebuilt = rebuild_solids(document, lists.front(), &cancel, runner);
+  return rebuilt && lists.size() > 1 ? rebuild(*rebuilt, lists.subspan(1), cancel, runner) : std::move(rebuilt);
+}
+
+// The same for the ranks of a run that hold the shapes they need: the first one reads the file again.
+std::optional<ModelDocument> rebuild_stored(const MeshCommand& command, const SolidLists& lists,
+                                            Communicator& communicator, const CancelToken& cancel) {
+  std::uint64_t is_rebuilt = 0;
+  const TaskRunner runner(command.options.threads, {{}, &cancel});
+  ModelDocument document = read_model_on_ranks(
+      [&] {
+        ModelDocument given = read_model(command.input, command.read, &cancel, runner);
+        std::optional<ModelDocument> rebuilt = rebuild(given, lists, cancel, runner);
+        is_rebuilt = rebuilt.has_value();
+        return rebuilt ? std::move(*rebuilt) : std::move(given);
+      },
+      communicator, runner);
+  if (share_number(communicator, is_rebuilt) == 0) return {};
+  return document;
+}
+
+// Makes the last of the solids anew from the space that they enclose. False where that cannot be done, and nothing has
+// changed then.
+bool repair(const MeshCommand& command, const SolidLists& lists, Sized& sized, Communicator& communicator, Run& run) {
+  std::optional<ModelDocument> rebuilt;
+  run.begin_together(Stage::Read);
+  run.report().seconds.read += timed([&] {
+    if (sized.document.model->shape_memory()) {
+      rebuilt = rebuild_stored(command, lists, communicator, run.cancel());
+      return;
+    }
     const TaskRunner runner(command.options.threads, {{}, &run.cancel()});
-    std::optional<ModelDocument> rebuilt;
-    run.begin(Stage::Read);
-    run.report().seconds.read +=
-        timed([&] { rebuilt = rebuild_solids(sized.document, solids, &run.cancel(), runner); });
-    is_changed = rebuilt.has_value();
-    if (is_changed)
-      sized = read_sized_model(
-          command, [&] { return std::move(*rebuilt); }, run);
+    run_on_all(communicator, [&] { rebuilt = rebuild(sized.document, {&lists.back(), 1}, run.cancel(), runner); });
   });
-  if (is_changed) note_rebuilt(solids, run.report());
-  return is_changed;
+  if (!rebuilt) return false;
+  run_on_all(communicator, [&] { sized = with_sizes(command, std::move(*rebuilt), run); });
+  note_rebuilt(lists.back(), run.report());
+  return true;
 }
 
 void add(const StageSeconds& more, StageSeconds& seconds) {
@@ -102,6 +128,7 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   constexpr int kMostRepairs = 2;
   StageSeconds seconds;
   std::vector<ModelRegionId> repaired;
+  SolidLists lists;
   bool may_repair = command.read.heal && command.far_field == 0;
   for (int attempt = 0;; ++attempt) {
     MeshOptions options = sized.options;
@@ -116,8 +143,10 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
     const bool is_again =
         std::ranges::any_of(crossing, [&](ModelRegionId r) { return std::ranges::count(repaired, r) > 0; });
     const std::size_t regions = topology.region_count();
-    const bool is_repaired = !crossing.empty() && !is_again && repair(command, crossing, sized, communicator, run);
+    lists.push_back(crossing);
+    const bool is_repaired = !crossing.empty() && !is_again && repair(command, lists, sized, communicator, run);
     if (!is_repaired && !result.stopped_early) return result;
+    if (!is_repaired) lists.pop_back();
     repaired.insert(repaired.end(), crossing.begin(), crossing.end());
     // Solids in several pieces change the numbers of the others.
     may_repair = is_repaired && sized.document.model->topology().region_count() == regions;
@@ -201,7 +230,7 @@ void mesh_model(const MeshCommand& command, Sized& sized, Communicator& communic
     report.seconds.write = timed([&] { write(command, scale, result.mesh, runner, run); });
     run.set_text(render_summary(report, command.output.string(), command.report.string()));
   });
-  note_ranks(communicator, result.mesh.tet_to_vert.size(), report);
+  note_ranks(communicator, result.mesh.tet_to_vert.size(), document.model.get(), report);
 }
 
 void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communicator& communicator, Run& run) {
@@ -230,14 +259,17 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_in_parts(command, scale, *result.mesh, runner, run); });
   run.set_text(render_summary(report, command.output.string(), command.report.string()) + render_parts(figures));
-  note_ranks(communicator, tets_of_rank(*result.mesh), report);
+  note_ranks(communicator, tets_of_rank(*result.mesh), document.model.get(), report);
 }
 
 void mesh_input(const MeshCommand& command, ModelReading& reading, Communicator& communicator, Run& run) {
   if (communicator.rank_count() > 1) return_freed_memory();
   Sized sized;
-  const auto read = [&] { return reading.take(run.cancel()); };
-  run_on_all(communicator, [&] { sized = read_sized_model(command, read, run); });
+  ModelDocument document;
+  run.begin_together(Stage::Read);
+  run.report().seconds.read +=
+      timed([&] { document = read_input([&] { return reading.take(run.cancel(), communicator); }); });
+  run_on_all(communicator, [&] { sized = with_sizes(command, std::move(document), run); });
   command.in_parts ? mesh_model_in_parts(command, sized, communicator, run)
                    : mesh_model(command, sized, communicator, run);
 }

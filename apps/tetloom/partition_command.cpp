@@ -57,7 +57,7 @@ void partition(const PartitionCommand& command, Communicator& communicator, Run&
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_parts(*mesh, command.output, runner, &run.cancel()); });
   run.set_text(render_run(command, figures, report));
-  note_ranks(communicator, tets_of_rank(*mesh), report);
+  note_ranks(communicator, tets_of_rank(*mesh), nullptr, report);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "apps/tetloom/validation_report.hpp"
 
-#include "threading/comm/codec.hpp"
+#include "core/base/codec.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom::app {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "tetloom/growing_array.hpp"
+#include "tetloom/storage.hpp"
 
 namespace tetloom {
 

@@ -47,6 +47,7 @@ class FarFieldModel : public GeometricModel {
     return extent[side.u] * extent[side.v];
   }
   double volume(ModelRegionId) const override { return volume_; }
+  std::optional<ShapeMemory> shape_memory() const override { return model_->shape_memory(); }
 
  private:
   friend class RenumberedFace;

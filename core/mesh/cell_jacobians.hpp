@@ -1,8 +1,8 @@
 #pragma once
 // Scaled Jacobians of cells that are no tets.
-#include "tetloom/growing_array.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/mesh_data.hpp"
+#include "tetloom/storage.hpp"
 
 namespace tetloom {
 

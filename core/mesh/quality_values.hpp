@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tetloom/check.hpp"
-#include "tetloom/growing_array.hpp"
+#include "tetloom/storage.hpp"
 
 namespace tetloom {
 

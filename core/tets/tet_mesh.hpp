@@ -9,8 +9,8 @@
 
 #include "core/tets/face_code.hpp"
 #include "core/tets/tet_topology.hpp"
-#include "tetloom/growing_array.hpp"
 #include "tetloom/ids.hpp"
+#include "tetloom/storage.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom::tets {

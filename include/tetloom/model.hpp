@@ -166,6 +166,12 @@ class FaceGeometry {
   virtual Tessellation tessellate(double chord, double angle) = 0;
 };
 
+/// What a process holds of a model of which it reads the shapes of edges and faces when it needs them.
+struct ShapeMemory {
+  std::uint64_t most_held_bytes = 0;  ///< at once, so far
+  std::uint64_t total_bytes = 0;      ///< of all edges and faces
+};
+
 /// A geometric model. Entities are numbered from 0 in each dimension; the numbering depends on the file alone.
 class GeometricModel {
  public:
@@ -187,6 +193,8 @@ class GeometricModel {
   virtual FacePlace place(ModelFaceId) const { return {}; }
   /// Signed as the region's boundary is oriented; positive for a proper solid.
   virtual double volume(ModelRegionId id) const = 0;
+  /// None where the model has all of its shapes at hand.
+  virtual std::optional<ShapeMemory> shape_memory() const { return {}; }
 
  protected:
   ModelTopology topology_;
@@ -232,6 +240,20 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
 /// regions of the document's model. Errors and thread safety: as read_model.
 std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const std::vector<ModelRegionId>& solids,
                                             const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
+
+// Models for several processes: one reads the file and stores the shapes, each then reads those that it needs.
+
+/// Writes a document to a file from which open_stored_model makes it anew, for processes of this program on machines of
+/// one kind. False, and nothing written, for models of facets. Errors: OutputFailed, and those of questions to the
+/// model. Thread safety: as these; on the threads of `loop`.
+bool store_model(const ModelDocument& document, const std::filesystem::path& path,
+                 const BlockLoop& loop = serial_loop());
+
+/// The document that store_model wrote. Its model answers as the one that was stored, to the last bit; it holds the
+/// shapes of edges and faces that were asked for last, `most_shape_bytes` at most or a single one, and reads others
+/// from the file, which may be removed from its folder once it is open. Its solids cannot be made anew
+/// (rebuild_solids). Errors: InputUnreadable.
+ModelDocument open_stored_model(const std::filesystem::path& path, std::uint64_t most_shape_bytes);
 
 // Geometric models made of facets: STL and OBJ files, or triangles in memory.
 //

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "tetloom/growing_array.hpp"
 #include "tetloom/ids.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
+#include "tetloom/storage.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 #include "tetloom/error.hpp"
 #include "tetloom/host.hpp"
 #include "tetloom/mesh_data.hpp"
+#include "tetloom/model.hpp"
 #include "tetloom/part_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -268,5 +270,17 @@ struct PartsAsTheyAre {
 /// The same for those who judge: pieces that do not fit together are no error.
 PartsAsTheyAre read_parts_as_they_are(const std::filesystem::path& path, Communicator& communicator,
                                       const TaskRunner& runner, const CancelToken* cancel = nullptr);
+
+// A geometric model for several ranks.
+
+/// The document that `read` gives, which is called on the first rank alone where the model can be stored
+/// (`store_model`), and on all ranks where not. A stored model lies in a file in the folder for temporary files, one on
+/// each machine, which is removed from there before this returns. Each rank has the topology, names and measures of all
+/// entities, and holds the shapes that it was asked for last: those of one and a half times its share, of a quarter of
+/// a megabyte at least. Questions are answered as by the model that `read` gave, to the last bit. A collective call, of
+/// the library `tetloom::geometry`. Errors: of `read`, on all ranks alike; InputUnreadable where the file is lost
+/// meanwhile.
+ModelDocument read_model_on_ranks(const std::function<ModelDocument()>& read, Communicator& communicator,
+                                  const BlockLoop& loop = serial_loop());
 
 }  // namespace tetloom

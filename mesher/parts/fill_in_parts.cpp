@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/codec.hpp"
 #include "mesher/parts/ask_others.hpp"
 #include "mesher/parts/borders.hpp"
 #include "mesher/parts/lattice_steps.hpp"
@@ -13,7 +14,6 @@
 #include "mesher/parts/strips.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom::parts {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/codec.hpp"
 #include "core/base/lists.hpp"
 #include "mesher/volume/copied_filling.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom::volume {

@@ -1,6 +1,6 @@
 #include "mesher/volume/filling_messages.hpp"
 
-#include "threading/comm/codec.hpp"
+#include "core/base/codec.hpp"
 
 namespace tetloom::volume {
 

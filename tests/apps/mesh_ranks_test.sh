@@ -48,6 +48,11 @@ bytes_of_ranks() {
 first=$(bytes_of_ranks peak_bytes | head -n 1) least=$(bytes_of_ranks peak_bytes | sort -n | head -n 1)
 tets=$(bytes_of_ranks tets | head -n 1)
 [ $((first - least)) -lt $((50 * tets)) ] || fail "the first rank has $((first - least)) bytes more than another"
+# Each rank holds shapes of the model, and the file that they come from is gone.
+[ "$(bytes_of_ranks model_bytes | grep -c .)" = 3 ] || fail "not all ranks tell what they hold of the model"
+mkdir temporary
+TMPDIR=$PWD/temporary on_ranks 2 mesh block.step -o parts.pvtu --relative-size 0.05 --parts 3 --quiet
+[ -z "$(find temporary -name 'tetloom*')" ] || fail "the file of shapes is left behind"
 on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
 "$tetloom" check surface.stl --quiet
 

@@ -1,4 +1,4 @@
-#include "tetloom/growing_array.hpp"
+#include "tetloom/storage.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <tuple>
 
-#include "threading/comm/codec.hpp"
+#include "core/base/codec.hpp"
 
 namespace tetloom {
 namespace {

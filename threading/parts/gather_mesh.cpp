@@ -4,8 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/codec.hpp"
 #include "core/part/convert.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/comm/collectives.hpp"
 #include "threading/parts/packet_detail.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "threading/comm/codec.hpp"
+#include "core/base/codec.hpp"
 #include "threading/comm/collectives.hpp"
 
 namespace tetloom::detail {

@@ -2,8 +2,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/base/codec.hpp"
 #include "core/part/adjacency.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/codec.hpp"
 #include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {

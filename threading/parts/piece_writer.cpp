@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/base/codec.hpp"
 #include "core/io/atomic_file.hpp"
 #include "core/io/atomic_folder.hpp"
 #include "core/io/mesh_piece.hpp"
 #include "core/part/convert.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/codec.hpp"
 #include "threading/comm/collectives.hpp"
 #include "threading/parts/parts_io_detail.hpp"
 

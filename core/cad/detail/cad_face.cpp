@@ -25,10 +25,10 @@ auto on_face(const NamedEntity& who, const char* doing, Body&& body) {
 
 }  // namespace
 
-CadFace::CadFace(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, NamedEntity who)
-    : shapes_(shapes), topology_(topology), id_(id), who_(std::move(who)), face_(shapes.face(id)) {
+CadFace::CadFace(std::shared_ptr<const FaceShape> shape, const ModelTopology& topology, ModelFaceId id, NamedEntity who)
+    : shape_(std::move(shape)), topology_(topology), id_(id), who_(std::move(who)) {
   on_face(who_, "taking the surface", [&] {
-    geometry_ = untrimmed(BRep_Tool::Surface(face_));
+    geometry_ = untrimmed(BRep_Tool::Surface(shape_->face()));
     if (geometry_.IsNull()) throw Error(ErrorCode::FaceFailed, "the face has no surface");
     surface_ = make_evaluator(geometry_);
     period_ = {geometry_->IsUPeriodic() ? geometry_->UPeriod() : 0,
@@ -40,11 +40,10 @@ CadFace::CadFace(const ShapeTables& shapes, const ModelTopology& topology, Model
 }
 
 CadFace::CadFace(const CadFace& other)
-    : shapes_(other.shapes_),
+    : shape_(other.shape_),
       topology_(other.topology_),
       id_(other.id_),
       who_(other.who_),
-      face_(other.face_),
       geometry_(other.geometry_),
       surface_(make_evaluator(geometry_)),
       box_(other.box_),
@@ -69,7 +68,7 @@ SurfaceDerivatives CadFace::derivatives(const Vec2& uv) {
 }
 
 void CadFace::find_box() {
-  BRepTools::UVBounds(face_, box_.lo.u, box_.hi.u, box_.lo.v, box_.hi.v);
+  BRepTools::UVBounds(shape_->face(), box_.lo.u, box_.hi.u, box_.lo.v, box_.hi.v);
   for (ParameterCurve& curve : curves_) {  // UVBounds may cut a loop off that leaves the surface's domain
     for (int i = 0; i <= 16; ++i) {
       const Vec2 p = edge_parameters(curve.use, curve.range.lo + (curve.range.hi - curve.range.lo) * i / 16);
@@ -109,10 +108,10 @@ CadFace::ParameterCurve& CadFace::parameter_curve(const EdgeUse& use) {
 }
 
 CadFace::ParameterCurve CadFace::make_parameter_curve(const EdgeUse& use) const {
-  const TopoDS_Edge edge = shapes_.edge(use.edge);
+  const TopoDS_Edge& edge = shape_->edge(use.edge);
   const TopoDS_Shape side = edge.Oriented(use.second_side ? TopAbs_REVERSED : TopAbs_FORWARD);
   double first = 0, last = 0;
-  const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(TopoDS::Edge(side), face_, first, last);
+  const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(TopoDS::Edge(side), shape_->face(), first, last);
   if (curve.IsNull()) {
     Diagnostic diagnostic{ErrorCode::FaceFailed, "an edge of the face has no parameter curve", {}, {}, {}};
     diagnostic.entities = {who_, {use.edge, ""}};
@@ -196,7 +195,7 @@ PrincipalCurvatures CadFace::curvature(const Vec2& uv) {
 }
 
 Tessellation CadFace::tessellate(double chord, double angle) {
-  return on_face(who_, "tessellation", [&] { return tessellate_face(shapes_, topology_, id_, chord, angle); });
+  return on_face(who_, "tessellation", [&] { return tessellate_face(*shape_, topology_, id_, chord, angle); });
 }
 
 }  // namespace tetloom::cad

@@ -2,12 +2,10 @@
 // One face of an OpenCASCADE shape as a FaceGeometry. Private to core/cad.
 #include <Geom2dAdaptor_Curve.hxx>
 #include <memory>
-#include <TopoDS_Edge.hxx>
-#include <TopoDS_Face.hxx>
 #include <vector>
 
+#include "core/cad/detail/face_shape.hpp"
 #include "core/cad/detail/surface_evaluator.hpp"
-#include "core/cad/detail/topology.hpp"
 #include "tetloom/model.hpp"
 
 namespace tetloom::cad {
@@ -18,8 +16,8 @@ inline constexpr double kCollapsed = 1e-9;
 
 class CadFace final : public FaceGeometry {
  public:
-  /// `shapes` and `topology` belong to the model and outlive this. Errors: FaceFailed.
-  CadFace(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, NamedEntity who);
+  /// `topology` belongs to the model and outlives this. Errors: FaceFailed.
+  CadFace(std::shared_ptr<const FaceShape> shape, const ModelTopology& topology, ModelFaceId id, NamedEntity who);
 
   /// Another one of the same face, which shares nothing mutable with this: much cheaper than to look at the shape
   /// again, above all where parameter curves on planes have to be made. Thread safety: any number of threads, while
@@ -68,11 +66,10 @@ class CadFace final : public FaceGeometry {
   bool is_least_around(int i, int j) const;
   Vec2 at_share(double u, double v) const;
 
-  const ShapeTables& shapes_;
+  std::shared_ptr<const FaceShape> shape_;
   const ModelTopology& topology_;
   ModelFaceId id_;
   NamedEntity who_;
-  TopoDS_Face face_;
   Handle(Geom_Surface) geometry_;  ///< untrimmed
   std::unique_ptr<SurfaceEvaluator> surface_;
   ParameterBox box_, search_box_;

@@ -181,8 +181,10 @@ std::unique_ptr<EdgeGeometry> CadModel::edge_geometry(ModelEdgeId id) const {
 
 std::unique_ptr<FaceGeometry> CadModel::face_geometry(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < topology_.face_count());
-  const auto& known =
-      faces_.get(id.value, [&] { return std::make_unique<const CadFace>(shapes_, topology_, id, named(id)); });
+  const auto& known = faces_.get(id.value, [&] {
+    auto shape = std::make_shared<const FaceShape>(face_shape(shapes_, topology_, id));
+    return std::make_unique<const CadFace>(std::move(shape), topology_, id, named(id));
+  });
   return known->another();
 }
 

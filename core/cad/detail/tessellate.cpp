@@ -14,6 +14,7 @@
 #include <TopoDS.hxx>
 
 #include "core/cad/detail/conversions.hpp"
+#include "core/cad/detail/face_shape.hpp"
 
 namespace tetloom::cad {
 namespace {
@@ -121,6 +122,11 @@ void SharedFacets::add_places(const TopTools_IndexedMapOfShape& faces) {
     if (++places[faces(i).TShape().get()] == 2) repeated_.insert(faces(i).TShape());
 }
 
+void SharedFacets::add_repeated(const TopoDS_Face& face) {
+  const std::lock_guard lock(mutex_);
+  repeated_.insert(face.TShape());
+}
+
 std::shared_ptr<const SharedFacets::Facetted> SharedFacets::find(const TopoDS_Face& face, double chord, double angle) {
   std::shared_ptr<Entry> entry;
   {
@@ -136,12 +142,12 @@ std::shared_ptr<const SharedFacets::Facetted> SharedFacets::find(const TopoDS_Fa
   return {entry, entry->facetted.get()};
 }
 
-Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
+Tessellation tessellate_face(const FaceShape& shape, const ModelTopology& topology, ModelFaceId id, double chord,
                              double angle) {
   if (!(chord > 0) || !(angle > 0)) throw Error(ErrorCode::InvalidArgument, "chord and angle must be positive");
-  const TopoDS_Face face = shapes.face(id);
+  const TopoDS_Face& face = shape.face();
   std::shared_ptr<const SharedFacets::Facetted> made =
-      shapes.facets ? shapes.facets->find(face, chord, angle) : nullptr;
+      shape.facets() ? shape.facets()->find(face, chord, angle) : nullptr;
   const TopLoc_Location place = made ? face.Location() : TopLoc_Location();  // of the face that was facetted
   if (!made) made = std::make_shared<const SharedFacets::Facetted>(face, chord, angle);
   const Facets& facets = made->facets;
@@ -151,7 +157,7 @@ Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& top
   const TopLoc_Location back = place.Inverted();
   for (const ModelLoop& loop : topology.face_to_loops[id.value]) {
     for (const EdgeUse& use : loop) {
-      const TopoDS_Edge placed = shapes.edge(use.edge);
+      const TopoDS_Edge& placed = shape.edge(use.edge);
       const TopoDS_Shape edge = made->copy.ModifiedShape(placed.Located(back * placed.Location()));
       marker.mark(use, TopoDS::Edge(edge.Oriented(use.second_side ? TopAbs_REVERSED : TopAbs_FORWARD)));
     }

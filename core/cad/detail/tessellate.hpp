@@ -7,7 +7,10 @@
 #include <TopoDS_TShape.hxx>
 #include <tuple>
 
-#include "core/cad/detail/topology.hpp"
+#include <TopoDS_Face.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+
+#include "tetloom/model.hpp"
 
 namespace tetloom::cad {
 
@@ -23,6 +26,7 @@ class SharedFacets {
 
   /// Faces that are here more than once count as repeated from now on.
   void add_places(const TopTools_IndexedMapOfShape& faces);
+  void add_repeated(const TopoDS_Face& face);
   /// The facets of the face without its location; null where it is not repeated. Errors: as tessellate_face.
   std::shared_ptr<const Facetted> find(const TopoDS_Face& face, double chord, double angle);
 
@@ -33,9 +37,11 @@ class SharedFacets {
   std::map<std::tuple<const TopoDS_TShape*, double, double>, std::shared_ptr<Entry>> entries_;
 };
 
+class FaceShape;
+
 /// Works on a copy of the face, because OpenCASCADE writes triangulations into shapes. Where its mesher fails at the
 /// fineness asked for, others are tried, finer ones first, then larger angles. Errors: FaceFailed, InvalidArgument.
-Tessellation tessellate_face(const ShapeTables& shapes, const ModelTopology& topology, ModelFaceId id, double chord,
+Tessellation tessellate_face(const FaceShape& shape, const ModelTopology& topology, ModelFaceId id, double chord,
                              double angle);
 
 }  // namespace tetloom::cad

@@ -1,12 +1,12 @@
 #pragma once
-// How texts, errors and warnings travel in messages.
+// Texts, errors and warnings packed into bytes.
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "tetloom/communicator.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/storage.hpp"
 
 namespace tetloom {
 

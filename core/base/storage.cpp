@@ -1,4 +1,4 @@
-#include "tetloom/growing_array.hpp"
+#include "tetloom/storage.hpp"
 
 #include <cstdlib>
 #include <cstring>

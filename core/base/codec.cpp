@@ -1,4 +1,4 @@
-#include "threading/comm/codec.hpp"
+#include "core/base/codec.hpp"
 
 namespace tetloom {
 

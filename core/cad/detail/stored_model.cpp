@@ -1,0 +1,195 @@
+#include "core/cad/detail/stored_model.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <TopoDS.hxx>
+#include <unordered_map>
+#include <utility>
+
+#include "core/base/codec.hpp"
+#include "core/base/failure.hpp"
+#include "core/cad/detail/cad_edge.hpp"
+#include "core/cad/detail/occt_guard.hpp"
+#include "core/geometry/model_codec.hpp"
+#include "tetloom/assert.hpp"
+
+namespace tetloom::cad {
+namespace {
+
+/// The edges or faces of a model: the first of each shape, and which shape each one is.
+struct DistinctShapes {
+  std::vector<std::uint32_t> first;          ///< per shape
+  std::vector<std::uint64_t> item_to_shape;  ///< numbered from 0
+};
+
+/// `is_alone` tells of an item whether it has a shape of its own whatever the others have.
+template <class IsAlone>
+DistinctShapes find_distinct(const TopTools_IndexedMapOfShape& items, const IsAlone& is_alone) {
+  DistinctShapes result;
+  std::unordered_map<const TopoDS_TShape*, std::uint64_t> known;
+  for (int i = 1; i <= items.Extent(); ++i) {
+    const auto [place, is_new] = known.emplace(items(i).TShape().get(), result.first.size());
+    if (!is_new && is_alone(items(i))) place->second = result.first.size();
+    if (place->second == result.first.size()) result.first.push_back(static_cast<std::uint32_t>(i - 1));
+    result.item_to_shape.push_back(place->second);
+  }
+  return result;
+}
+
+using Encode = std::function<Bytes(std::uint32_t item)>;
+
+/// Some hundred at a time, so that the bytes of a large model are never held at once.
+void add_shapes(const std::vector<std::uint32_t>& items, const Encode& encode, const BlockLoop& loop,
+                ShapeFileWriter& file) {
+  constexpr std::size_t kTogether = 512, kGrain = 8;
+  for (std::size_t begin = 0; begin < items.size(); begin += kTogether) {
+    std::vector<Bytes> shapes(std::min(kTogether, items.size() - begin));
+    loop.for_blocks(shapes.size(), kGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) shapes[i] = encode(items[begin + i]);
+    });
+    for (const Bytes& shape : shapes) file.add(shape);
+  }
+}
+
+void put_placed(MessageWriter& writer, std::uint64_t shape, const TopLoc_Location& place) {
+  writer.put(shape);
+  writer.put_array(std::span<const LocationFactor>(factors_of(place)));
+}
+
+template <class Measured>
+void put_measures(MessageWriter& writer, std::size_t count, const BlockLoop& loop, const Measured& measure) {
+  std::vector<double> values(count);
+  std::vector<std::optional<Diagnostic>> failures(count);
+  loop.for_blocks(count, 1,
+                  [&](std::size_t i, std::size_t) { failures[i] = failure_of([&] { values[i] = measure(i); }); });
+  for (std::size_t i = 0; i < count; ++i) {
+    writer.put(values[i]);
+    writer.put(failures[i].has_value());
+    if (failures[i]) put_diagnostic(writer, *failures[i]);
+  }
+}
+
+}  // namespace
+
+void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton) {
+  const ModelTopology& topology = model.topology();
+  const ShapeTables& shapes = model.shapes();
+  const auto is_alone = [](const TopoDS_Shape& edge) { return has_placed_curve(TopoDS::Edge(edge)); };
+  const DistinctShapes edges = find_distinct(shapes.edges, is_alone);
+  const DistinctShapes faces = find_distinct(shapes.faces, [](const TopoDS_Shape&) { return false; });
+  const auto encode_one_edge = [&](std::uint32_t e) {
+    return topology.edges[e].degenerate ? Bytes() : encode_edge(shapes.edge(ModelEdgeId(e)));
+  };
+  const auto encode_one_face = [&](std::uint32_t f) {
+    return encode_face(face_shape(shapes, topology, ModelFaceId(f)), edges_of(topology, ModelFaceId(f)));
+  };
+  add_shapes(edges.first, encode_one_edge, loop, file);
+  add_shapes(faces.first, encode_one_face, loop, file);
+
+  put_topology(skeleton, topology);
+  for (int dim = 0; dim <= 3; ++dim)
+    for (std::uint32_t i = 0; i < topology.count(dim); ++i)
+      put_attributes(skeleton, model.attributes({static_cast<std::uint8_t>(dim), i}));
+  skeleton.put(model.bounding_box());
+  skeleton.put(model.metres_per_unit());
+  for (std::size_t v = 0; v < topology.vertex_count; ++v) skeleton.put(model.vertex_point(ModelVertexId(v)));
+  std::vector<int> places(faces.first.size());
+  for (const std::uint64_t shape : faces.item_to_shape) ++places[shape];
+  for (std::size_t e = 0; e < topology.edge_count(); ++e) {
+    const TopoDS_Edge edge = shapes.edge(ModelEdgeId(e));
+    put_placed(skeleton, edges.item_to_shape[e], is_alone(edge) ? TopLoc_Location() : edge.Location());
+  }
+  for (std::size_t f = 0; f < topology.face_count(); ++f) {
+    const std::uint64_t shape = faces.item_to_shape[f];
+    put_placed(skeleton, edges.first.size() + shape, shapes.face(ModelFaceId(f)).Location());
+    skeleton.put(static_cast<std::uint8_t>(places[shape] > 1));
+    skeleton.put(model.place(ModelFaceId(f)));
+  }
+  put_measures(skeleton, topology.face_count(), loop, [&](std::size_t f) { return model.area(ModelFaceId(f)); });
+  put_measures(skeleton, topology.region_count(), loop, [&](std::size_t r) { return model.volume(ModelRegionId(r)); });
+}
+
+StoredCadModel::StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageReader& skeleton, std::uint64_t most_bytes)
+    : file_(std::move(file)), held_(most_bytes) {
+  topology_ = get_topology(skeleton);
+  for (int dim = 0; dim <= 3; ++dim)
+    for (std::size_t i = 0; i < topology_.count(dim); ++i) attributes_[dim].push_back(get_attributes(skeleton));
+  const auto get_placed = [](MessageReader& reader) {
+    const auto shape = reader.get<std::uint64_t>();
+    return Placed{shape, reader.get_array<LocationFactor>()};
+  };
+  bounding_box_ = skeleton.get<Box3>();
+  metres_per_unit_ = skeleton.get<double>();
+  for (std::size_t v = 0; v < topology_.vertex_count; ++v) vertices_.push_back(skeleton.get<Vec3>());
+  for (std::size_t e = 0; e < topology_.edge_count(); ++e) edges_.push_back(get_placed(skeleton));
+  for (std::size_t f = 0; f < topology_.face_count(); ++f) {
+    faces_.push_back(get_placed(skeleton));
+    is_repeated_.push_back(skeleton.get<std::uint8_t>());
+    places_.push_back(skeleton.get<FacePlace>());
+  }
+  const auto get_measures = [&](std::size_t count) {
+    std::vector<Measure> measures(count);
+    for (Measure& measure : measures) {
+      measure.value = skeleton.get<double>();
+      if (skeleton.get<bool>()) measure.failure = get_diagnostic(skeleton);
+    }
+    return measures;
+  };
+  areas_ = get_measures(topology_.face_count());
+  volumes_ = get_measures(topology_.region_count());
+}
+
+Vec3 StoredCadModel::vertex_point(ModelVertexId id) const {
+  TETLOOM_ASSERT(id.value < vertices_.size());
+  return vertices_[id.value];
+}
+
+std::unique_ptr<EdgeGeometry> StoredCadModel::edge_geometry(ModelEdgeId id) const {
+  TETLOOM_ASSERT(id.value < edges_.size());
+  const NamedEntity who = named(id);
+  const auto edge = held_.get<TopoDS_Edge>(id.value, [&] {
+    return translate_failures(who, ErrorCode::EdgeFailed, "reading its shape", [&] {
+      const Bytes bytes = file_->read(edges_[id.value].shape);
+      auto decoded = std::make_shared<const TopoDS_Edge>(decode_edge(bytes, edges_[id.value].place));
+      return HeldShapes::Shape{std::move(decoded), bytes.size()};
+    });
+  });
+  return std::make_unique<CadEdge>(*edge, who);
+}
+
+std::unique_ptr<FaceGeometry> StoredCadModel::face_geometry(ModelFaceId id) const {
+  TETLOOM_ASSERT(id.value < faces_.size());
+  const NamedEntity who = named(id);
+  const auto face = held_.get<CadFace>(edges_.size() + id.value, [&] {
+    return translate_failures(who, ErrorCode::FaceFailed, "reading its shape", [&] {
+      const Placed& placed = faces_[id.value];
+      const Bytes bytes = file_->read(placed.shape);
+      auto shape = std::make_shared<const FaceShape>(
+          decode_face(bytes, edges_of(topology_, id), placed.place, is_repeated_[id.value] != 0));
+      return HeldShapes::Shape{std::make_shared<const CadFace>(std::move(shape), topology_, id, who), bytes.size()};
+    });
+  });
+  return face->another();
+}
+
+double StoredCadModel::area(ModelFaceId id) const {
+  TETLOOM_ASSERT(id.value < areas_.size());
+  return areas_[id.value].get();
+}
+
+FacePlace StoredCadModel::place(ModelFaceId id) const {
+  TETLOOM_ASSERT(id.value < places_.size());
+  return places_[id.value];
+}
+
+double StoredCadModel::volume(ModelRegionId id) const {
+  TETLOOM_ASSERT(id.value < volumes_.size());
+  return volumes_[id.value].get();
+}
+
+std::optional<ShapeMemory> StoredCadModel::shape_memory() const {
+  return ShapeMemory{held_.peak_bytes(), file_->total_bytes()};
+}
+
+}  // namespace tetloom::cad
