@@ -23,11 +23,6 @@ std::size_t find_edge(const SharedEdges& shared, std::uint32_t a, std::uint32_t 
                                                     : static_cast<std::size_t>(at - shared.entities.begin());
 }
 
-template <class T>
-void sort_unique(std::vector<T>& items) {
-  sort_unique(items);
-}
-
 // Elements of one kind, all of whose vertices are joined by edges.
 struct Elements {
   std::size_t corners = 0;
