@@ -19,8 +19,6 @@ struct Wish {
   friend constexpr auto operator<=>(const Wish&, const Wish&) = default;
 };
 
-void sort_unique(std::vector<Wish>& wishes) { sort_unique(wishes); }
-
 // What other parts want of one part, layer by layer: first the cells around the vertices that they share, then those
 // around all vertices of these cells, where every part that has such a vertex must know of the wish.
 class GhostGiver {
