@@ -52,8 +52,16 @@ tets=$(bytes_of_ranks tets | head -n 1)
 # Each rank holds shapes of the model, and the file that they come from is gone.
 [ "$(bytes_of_ranks model_bytes | grep -c .)" = 3 ] || fail "not all ranks tell what they hold of the model"
 mkdir temporary
-TMPDIR=$PWD/temporary on_ranks 2 mesh block.step -o parts.pvtu --relative-size 0.05 --parts 3 --quiet
+coarse="mesh block.step -o parts.pvtu --relative-size 0.05 --parts 3 --quiet --report report.json"
+# shellcheck disable=SC2086
+TMPDIR=$PWD/temporary on_ranks 2 $coarse
+digest=$(grep '"digest"' report.json)
 [ -z "$(find temporary -name 'tetloom*')" ] || fail "the file of shapes is left behind"
+# Without a folder for it each rank reads the model for itself.
+# shellcheck disable=SC2086
+run_on_ranks 2 env TMPDIR=/nowhere "$tetloom" $coarse
+[ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest where no shapes are stored"
+[ -z "$(bytes_of_ranks model_bytes)" ] || fail "shapes are held that were not stored"
 on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
 "$tetloom" check surface.stl --quiet
 

@@ -26,7 +26,9 @@ constexpr double kShare = 1.5;  // of what each rank would hold if no two held t
 class TemporaryFile {
  public:
   TemporaryFile() {
-    std::string path = (fs::temp_directory_path() / "tetloom-shapes-XXXXXX").string();
+    std::error_code none;
+    std::string path = (fs::temp_directory_path(none) / "tetloom-shapes-XXXXXX").string();
+    if (none) throw Error(ErrorCode::OutputFailed, "the folder for temporary files: " + none.message());
     const int file = ::mkstemp(path.data());
     if (file < 0) throw Error(ErrorCode::OutputFailed, "'" + path + "': " + std::strerror(errno));
     ::close(file);
