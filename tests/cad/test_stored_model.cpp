@@ -174,8 +174,9 @@ TEST_CASE("stored shared models answer as those that were read, to the last bit"
     WARN("skipped: no models in " << folder);
     return;
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() != ".md") check_stored(entry.path());
+  for (const char* model : {"OCCT__occ_CrankArm.brep", "OCCT__step_linkrods.step", "OCCT__occ_bottle.brep",
+                            "tigl__TestData_simplewing.brep", "GEOUNED__Torus_tank.stp", "OCCT__step_screw.step"})
+    check_stored(folder / model);
 }
 
 TEST_CASE("of a stored model no more shapes are held than asked for, and one at least") {
