@@ -5,16 +5,15 @@
 #include "adapt/parts/share.hpp"
 #include "core/base/free_memory.hpp"
 #include "core/base/lists.hpp"
-#include "core/base/local_numbers.hpp"
 #include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/parts/tet_packet.hpp"
 #include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 // In messages: a neighbour is named by its number in the whole mesh, and not by its place in the message.
 constexpr std::uint32_t kByNumber = 1u << 29;
 
@@ -34,23 +33,19 @@ struct Dealt {
 class Packer {
  public:
   Packer(const WholeMesh& share, const ShareLinks& links, const Dealt& all)
-      : share_(share), links_(links), all_(all), verts_(share.points.size()) {}
+      : share_(share), links_(links), all_(all), packer_(share) {}
 
   void run(std::uint32_t rank, MessageWriter& writer) {
     rank_ = rank, tets_ = all_.tets[rank];
-    verts_.clear(), pieces_.clear(), triangles_.clear();
-    for (const std::uint32_t tet : tets_)
-      for (std::size_t i = 0; i < 4; ++i) verts_.add(share_.to_vert[std::size_t{tet} * 4 + i]);
+    packer_.begin(tets_);
+    pieces_.clear(), triangles_.clear();
     find_pieces();
     find_triangles();
     writer.reserve(bytes());
+    packer_.put(
+        writer, [&](std::uint32_t v) { return links_.number_of(v); }, [&](FaceCode face) { return behind(face); });
     writer.put_each(tets_, [&](std::uint32_t tet) { return all_.first + tet; });
     writer.put_each(tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
-    writer.put_each(tets_, [&](std::uint32_t tet) { return share_.to_region[tet]; });
-    const auto slot = [&](FaceCode face) { return verts_[share_.apex(face)]; };
-    const auto link = [&](FaceCode face) { return behind(face); };
-    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, slot); });
-    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
     put_verts(writer);
     writer.put_array(std::span<const ModelEdgePiece>(pieces_));
     writer.put_array(std::span<const LinkedTriangle>(triangles_));
@@ -59,12 +54,12 @@ class Packer {
  private:
   static constexpr std::size_t kBytesOfTet = 11 * sizeof(std::uint32_t);
   static constexpr std::size_t kBytesOfVert =
-      sizeof(Vec3) + sizeof(VertexMetric) + 3 * sizeof(std::uint32_t) + sizeof(std::uint8_t);
+      sizeof(std::uint64_t) + sizeof(Vec3) + sizeof(VertexMetric) + 2 * sizeof(std::uint32_t) + sizeof(std::uint8_t);
 
   // A little more than it takes.
   std::size_t bytes() const {
     constexpr std::size_t kLengths = 512;
-    return kLengths + tets_.size() * kBytesOfTet + verts_.size() * kBytesOfVert +
+    return kLengths + tets_.size() * kBytesOfTet + packer_.verts().size() * kBytesOfVert +
            pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle);
   }
 
@@ -79,12 +74,10 @@ class Packer {
   }
 
   void put_verts(MessageWriter& writer) const {
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return links_.number_of(v); });
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.points[v]; });
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_metric[v]; });
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_entity[v]; });
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_hint[v]; });
-    writer.put_each(verts_.items(), [&](std::uint32_t v) { return share_.to_state[v]; });
+    writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_metric[v]; });
+    writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_entity[v]; });
+    writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_hint[v]; });
+    writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_state[v]; });
   }
 
   void find_pieces() {
@@ -92,7 +85,7 @@ class Packer {
       for_each_piece(share_, tet, [&](const ModelEdgePiece& piece) { pieces_.push_back(piece); });
     sort_pieces(pieces_);
     for (ModelEdgePiece& piece : pieces_)
-      for (std::uint32_t& v : piece.verts) v = verts_[v];
+      for (std::uint32_t& v : piece.verts) v = packer_.place_of(v);
   }
 
   // With those of their tets that are in the message.
@@ -101,7 +94,7 @@ class Packer {
       LinkedTriangle t = share_.triangles[triangle];
       for (std::uint32_t& tet : t.tets) tet = tet != kNone && all_.to_rank[tet] == rank_ ? all_.to_place[tet] : kNone;
       if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
-      for (std::uint32_t& v : t.triangle.verts) v = verts_[v];
+      for (std::uint32_t& v : t.triangle.verts) v = packer_.place_of(v);
       triangles_.push_back(t);
     }
   }
@@ -111,107 +104,63 @@ class Packer {
   const Dealt& all_;
   std::uint32_t rank_ = 0;
   std::span<const std::uint32_t> tets_;
-  LocalNumbers verts_;
+  TetPacker<WholeMesh> packer_;
   std::vector<ModelEdgePiece> pieces_;
   std::vector<LinkedTriangle> triangles_;
 };
 
-// What came from one rank, where it lies.
-struct Packet {
-  explicit Packet(const Bytes& bytes) {
-    MessageReader reader(bytes);
+// What stands behind the tets in one rank's message, where it lies.
+struct Beside {
+  explicit Beside(MessageReader& reader) {
     numbers = reader.get_view<std::uint32_t>(), parts = reader.get_view<std::uint32_t>();
-    regions = reader.get_view<std::uint32_t>();
-    to_vert = reader.get_view<std::array<std::uint32_t, 4>>();
-    to_neighbor = reader.get_view<std::array<FaceCode, 4>>();
-    vert_numbers = reader.get_view<std::uint32_t>();
-    points = reader.get_view<Vec3>(), to_metric = reader.get_view<VertexMetric>();
-    to_entity = reader.get_view<PackedEntity>(), to_hint = reader.get_view<std::uint32_t>();
-    to_state = reader.get_view<std::uint8_t>();
+    to_metric = reader.get_view<VertexMetric>(), to_entity = reader.get_view<PackedEntity>();
+    to_hint = reader.get_view<std::uint32_t>(), to_state = reader.get_view<std::uint8_t>();
     edges = reader.get_view<ModelEdgePiece>(), triangles = reader.get_view<LinkedTriangle>();
   }
 
-  std::span<const std::uint32_t> numbers, parts, regions, vert_numbers, to_hint;
-  std::span<const std::array<std::uint32_t, 4>> to_vert;
-  std::span<const std::array<FaceCode, 4>> to_neighbor;
-  std::span<const Vec3> points;
+  std::span<const std::uint32_t> numbers, parts, to_hint;
   std::span<const VertexMetric> to_metric;
   std::span<const PackedEntity> to_entity;
   std::span<const std::uint8_t> to_state;
   std::span<const ModelEdgePiece> edges;
   std::span<const LinkedTriangle> triangles;
-  std::uint32_t first_tet = 0;          // place of its tets among all
-  std::vector<std::uint32_t> to_local;  // of its vertices
 };
 
 // The tets of all packets, which are ascending in number: so ranks have numbered them. Packets are freed on the way.
 class Unpacker {
  public:
-  Unpacker(std::vector<Bytes>&& given, const TaskRunner& runner) : runner_(runner), given_(std::move(given)) {
-    std::size_t tets = 0;
-    for (const Bytes& bytes : given_) {
-      Packet& packet = packets_.emplace_back(bytes);
-      packet.first_tet = static_cast<std::uint32_t>(tets);
-      tets += packet.numbers.size();
+  Unpacker(std::vector<Bytes>&& given, const TaskRunner& runner) : runner_(runner), packets_(std::move(given)) {
+    numbers_.reserve(packets_.tet_count()), share_.to_part.reserve(packets_.tet_count());
+    for (TetPacket& packet : packets_.all()) {
+      const Beside& beside = beside_.emplace_back(packet.rest);
+      numbers_.insert(numbers_.end(), beside.numbers.begin(), beside.numbers.end());
+      share_.to_part.append(beside.parts);
     }
-    numbers_.reserve(tets);
-    for (const Packet& packet : packets_) numbers_.insert(numbers_.end(), packet.numbers.begin(), packet.numbers.end());
   }
 
   RoundShare run() {
     take_verts();
     take_edges();
     take_triangles();
-    take_tets();
+    packets_.move_tets_into(share_.mesh, runner_,
+                            [&](const TetPacket& packet, FaceCode named) { return neighbor_of(packet, named); });
     return std::move(share_);
   }
 
  private:
   // Several packets may have a vertex, the same in all.
   void take_verts() {
-    std::vector<std::array<std::uint32_t, 3>> all;  // number, packet, place in it
-    for (std::uint32_t p = 0; p < packets_.size(); ++p) {
-      packets_[p].to_local.resize(packets_[p].vert_numbers.size());
-      for (std::uint32_t i = 0; i < packets_[p].vert_numbers.size(); ++i)
-        all.push_back({packets_[p].vert_numbers[i], p, i});
-    }
-    parallel_sort(all, runner_);
     WholeMesh& mesh = share_.mesh;
-    for (const auto& [number, p, i] : all) {
-      Packet& packet = packets_[p];
-      if (share_.to_number.empty() || share_.to_number.back() != number) {
-        share_.to_number.push_back(number);
-        mesh.points.push_back(packet.points[i]), mesh.to_metric.push_back(packet.to_metric[i]);
-        mesh.to_entity.push_back(packet.to_entity[i]), mesh.to_hint.push_back(packet.to_hint[i]);
-        mesh.to_state.push_back(packet.to_state[i]);
-      }
-      packet.to_local[i] = static_cast<std::uint32_t>(share_.to_number.size() - 1);
-    }
+    packets_.number_verts(runner_, [&](std::uint64_t number, std::uint32_t p, std::uint32_t i, bool is_new) {
+      if (!is_new) return;
+      share_.to_number.push_back(static_cast<std::uint32_t>(number));
+      mesh.points.push_back(packets_.all()[p].points[i]);
+      mesh.to_metric.push_back(beside_[p].to_metric[i]), mesh.to_entity.push_back(beside_[p].to_entity[i]);
+      mesh.to_hint.push_back(beside_[p].to_hint[i]), mesh.to_state.push_back(beside_[p].to_state[i]);
+    });
   }
 
-  void take_tets() {
-    WholeMesh& mesh = share_.mesh;
-    mesh.to_vert.resize_for_overwrite(numbers_.size() * 4), mesh.to_neighbor.resize_for_overwrite(numbers_.size() * 4);
-    share_.to_part.reserve(numbers_.size()), mesh.to_region.reserve(numbers_.size());
-    for (std::size_t p = 0; p < packets_.size(); ++p) {
-      const Packet& packet = packets_[p];
-      share_.to_part.append(packet.parts);
-      mesh.to_region.append(packet.regions);
-      runner_.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t tet = begin; tet < end; ++tet) {
-          const std::size_t first = (packet.first_tet + tet) * 4;
-          for (std::size_t i = 0; i < 4; ++i) {
-            mesh.to_vert[first + i] = packet.to_local[packet.to_vert[tet][i]];
-            mesh.to_neighbor[first + i] = neighbor_of(packet, packet.to_neighbor[tet][i]);
-          }
-        }
-      });
-      given_[p] = Bytes();
-    }
-  }
-
-  FaceCode neighbor_of(const Packet& packet, FaceCode named) const {
-    if (!named.valid()) return {};
+  FaceCode neighbor_of(const TetPacket& packet, FaceCode named) const {
     if ((named.tet() & kByNumber) == 0) return named.of_tet(named.tet() + packet.first_tet);
     const std::uint32_t number = named.tet() & ~kByNumber;
     const auto at = std::ranges::lower_bound(numbers_, number);
@@ -220,9 +169,9 @@ class Unpacker {
   }
 
   void take_edges() {
-    for (const Packet& packet : packets_) {
-      for (ModelEdgePiece piece : packet.edges) {
-        for (std::uint32_t& v : piece.verts) v = packet.to_local[v];
+    for (std::size_t p = 0; p < beside_.size(); ++p) {
+      for (ModelEdgePiece piece : beside_[p].edges) {
+        for (std::uint32_t& v : piece.verts) v = packets_.all()[p].to_local[v];
         std::ranges::sort(piece.verts);
         share_.mesh.edges.push_back(piece);
       }
@@ -239,8 +188,9 @@ class Unpacker {
     };
     std::vector<LinkedTriangle>& triangles = share_.mesh.triangles;
     std::vector<Half> halves;
-    for (const Packet& packet : packets_) {
-      for (LinkedTriangle t : packet.triangles) {
+    for (std::size_t p = 0; p < beside_.size(); ++p) {
+      const TetPacket& packet = packets_.all()[p];
+      for (LinkedTriangle t : beside_[p].triangles) {
         for (std::uint32_t& v : t.triangle.verts) v = packet.to_local[v];
         for (std::uint32_t& tet : t.tets) tet = tet == kNone ? kNone : tet + packet.first_tet;
         if (t.tets[1] == kNone)
@@ -258,8 +208,8 @@ class Unpacker {
   }
 
   const TaskRunner& runner_;
-  std::vector<Bytes> given_;
-  std::vector<Packet> packets_;
+  TetPackets packets_;
+  std::vector<Beside> beside_;  // per packet
   std::vector<std::uint32_t> numbers_;
   RoundShare share_;
 };

@@ -17,18 +17,6 @@ using tets::FaceCode;
 using tets::TetMesh;
 using tets::TriangleVerts;
 
-struct PackedVert {
-  Vec3 point;
-  VertKey key;
-  std::uint64_t waits;
-};
-
-struct PackedTet {
-  std::array<std::uint32_t, 4> verts;   // of those packed
-  std::array<FaceCode, 4> to_neighbor;  // the same; not valid: not packed
-  std::uint32_t region, fixed;
-};
-
 // A face by its vertices; equal ones are the two sides of the same.
 struct Side {
   TriangleVerts verts;
@@ -74,29 +62,19 @@ void link_pairs(TetMesh& mesh, std::span<Side> sides) {
 
 }  // namespace
 
-Bytes TetPacker::pack(std::span<const std::uint32_t> tets) {
-  const TetMesh& mesh = state_.mesh;
-  verts_.clear();
-  verts_.set_item_count(mesh.points.size());
-  for (const std::uint32_t tet : tets)
-    for (std::size_t i = 0; i < 4; ++i) verts_.add(mesh.to_vert[std::size_t{tet} * 4 + i]);
-  verts_.sort();
-  MessageWriter writer;
-  writer.put_each(verts_.items(), [&](std::uint32_t v) {
-    return PackedVert{mesh.points[v], state_.keys[v], state_.waits[v]};
-  });
+Bytes pack_piece(const PartState& state, std::span<const std::uint32_t> tets, TetPacker<TetMesh>& packer) {
+  packer.begin(tets);
   const TetPlaces places(tets);
-  const std::span<PackedTet> packed_tets = writer.put_room<PackedTet>(tets.size());
-  for (std::size_t t = 0; t < tets.size(); ++t) {
-    PackedTet& to = packed_tets[t];
-    for (std::size_t i = 0; i < 4; ++i) {
-      to.verts[i] = verts_[mesh.to_vert[std::size_t{tets[t]} * 4 + i]];
-      const FaceCode behind = mesh.behind({tets[t], i});
-      const std::uint32_t place = !behind.valid() ? kNone : places.find(behind.tet());
-      to.to_neighbor[i] = place == kNone ? FaceCode() : behind.of_tet(place);
-    }
-    to.region = mesh.to_region[tets[t]], to.fixed = mesh.to_fixed[tets[t]];
-  }
+  const auto link = [&](FaceCode face) {
+    const FaceCode behind = state.mesh.behind(face);
+    const std::uint32_t place = !behind.valid() ? kNone : places.find(behind.tet());
+    return place == kNone ? FaceCode() : behind.of_tet(place);
+  };
+  MessageWriter writer;
+  packer.put(
+      writer, [&](std::uint32_t v) { return state.keys[v]; }, link);
+  writer.put_each(packer.verts(), [&](std::uint32_t v) { return state.waits[v]; });
+  writer.put_each(tets, [&](std::uint32_t tet) { return state.mesh.to_fixed[tet]; });
   return writer.take();
 }
 
@@ -118,48 +96,27 @@ void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector
   }
 }
 
-Strip unpack_strip(std::span<const Bytes> pieces) {
-  struct Piece {
-    std::span<const PackedVert> verts;
-    std::span<const PackedTet> tets;
-  };
-  std::vector<Piece> views;
-  std::vector<PackedVert> verts;
-  for (const Bytes& bytes : pieces) {
-    MessageReader reader(bytes);
-    Piece& piece = views.emplace_back();
-    piece.verts = reader.get_view<PackedVert>();
-    piece.tets = reader.get_view<PackedTet>();
-    verts.insert(verts.end(), piece.verts.begin(), piece.verts.end());
-  }
-  const auto by_key = [](const PackedVert& a, const PackedVert& b) { return a.key < b.key; };
-  std::stable_sort(verts.begin(), verts.end(), by_key);
+Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
+  TetPackets packets(std::move(pieces));
   Strip strip;
-  for (const PackedVert& vert : verts) {
-    if (!strip.keys.empty() && strip.keys.back() == vert.key) {
-      strip.waits[strip.keys.size() - 1] |= static_cast<std::uint8_t>(vert.waits);
-      continue;
-    }
-    strip.surface_count += is_of_surface(vert.key);
-    strip.keys.push_back(vert.key);
-    strip.mesh.points.push_back(vert.point);
-    strip.waits.push_back(static_cast<std::uint8_t>(vert.waits));
+  std::vector<std::span<const std::uint8_t>> waits;
+  for (TetPacket& packet : packets.all()) {
+    waits.push_back(packet.rest.get_view<std::uint8_t>());
+    strip.mesh.to_fixed.append(packet.rest.get_view<std::uint8_t>());
   }
-  TetMesh& mesh = strip.mesh;
-  for (const Piece& piece : views) {
-    std::vector<std::uint32_t> to_vert;
-    for (const PackedVert& vert : piece.verts)
-      to_vert.push_back(static_cast<std::uint32_t>(std::lower_bound(strip.keys.begin(), strip.keys.end(), vert.key) -
-                                                   strip.keys.begin()));
-    const auto first = static_cast<std::uint32_t>(mesh.size());
-    for (const PackedTet& tet : piece.tets) {
-      for (const std::uint32_t v : tet.verts) mesh.to_vert.push_back(to_vert[v]);
-      for (const FaceCode behind : tet.to_neighbor)
-        mesh.to_neighbor.push_back(behind.valid() ? behind.of_tet(first + behind.tet()) : behind);
-      mesh.to_region.push_back(tet.region);
-      mesh.to_fixed.push_back(static_cast<std::uint8_t>(tet.fixed));
+  packets.number_verts(runner, [&](VertKey key, std::uint32_t packet, std::uint32_t place, bool is_new) {
+    if (!is_new) {
+      strip.waits[strip.keys.size() - 1] |= waits[packet][place];
+      return;
     }
-  }
+    strip.surface_count += is_of_surface(key);
+    strip.keys.push_back(key);
+    strip.mesh.points.push_back(packets.all()[packet].points[place]);
+    strip.waits.push_back(waits[packet][place]);
+  });
+  packets.move_tets_into(strip.mesh, runner, [](const TetPacket& packet, FaceCode link) {
+    return link.of_tet(packet.first_tet + link.tet());
+  });
   link_strip(strip);
   return strip;
 }

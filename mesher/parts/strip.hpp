@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/local_numbers.hpp"
 #include "mesher/parts/part_state.hpp"
+#include "threading/parts/tet_packet.hpp"
 
 namespace tetloom::parts {
 
@@ -18,22 +18,14 @@ struct Strip {
   std::uint32_t surface_count = 0;   ///< points of the surface
 };
 
-/// Some of a part's tets as bytes, several times.
-class TetPacker {
- public:
-  explicit TetPacker(const PartState& state) : state_(state) {}
-  Bytes pack(std::span<const std::uint32_t> tets);
-
- private:
-  const PartState& state_;
-  LocalNumbers verts_;  // of the part, in the message; working memory
-};
+/// Some of a part's tets as a message. `packer` is one of the part's mesh, for many pieces.
+Bytes pack_piece(const PartState& state, std::span<const std::uint32_t> tets, TetPacker<tets::TetMesh>& packer);
 
 /// Takes the given tets out of the part's mesh; appends the faces that lie open for that.
 void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<tets::FaceCode>& opened);
 
 /// One strip of the pieces that parts have packed, in this order, linked where they meet. Pre: they do not overlap.
-Strip unpack_strip(std::span<const Bytes> pieces);
+Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner);
 
 /// Links the strip's tets through the faces that they share and are not linked through yet.
 void link_strip(Strip& strip);

@@ -246,9 +246,9 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
   if (owned.empty()) return;
   std::sort(owned.begin(), owned.end());
   state.open_faces_changed = true;
-  TetPacker packer(state);
+  TetPacker packer(state.mesh);
   for (const auto& [part, tets] : find_tets_to_migrate(state, owned)) {
-    Bytes bytes = packer.pack(tets);
+    Bytes bytes = pack_piece(state, tets, packer);
     take_out(state, tets, state.opened);
     state.figures.parts.strips[round].tets += tets.size();
     state.figures.parts.strips[round].moved += part == task.part() ? 0 : tets.size();
@@ -273,7 +273,7 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
     if (!state.mesh.is_dead(face.tet())) state.open_faces.push_back(face);
   if (!pieces.empty()) {
     state.open_faces_changed = true;
-    Strip strip = unpack_strip(pieces);
+    Strip strip = unpack_strip(std::move(pieces), task.runner());
     optimize_strip(input, strip, state, task.runner());
     put_in(state, task.part(), std::move(strip), state.open_faces);
   }
