@@ -30,6 +30,19 @@ std::string number(double value) {
   return text;
 }
 
+// Vertices and mid nodes of a surface element, seen from `origin`.
+template <std::size_t N>
+std::array<Vec3, 2 * N> nodes_of(const Mesh& mesh, const MidNodes& mids, const std::array<std::uint32_t, N>& verts,
+                                 const Vec3& origin) {
+  std::array<Vec3, 2 * N> nodes;
+  for (std::size_t i = 0; i < N; ++i) {
+    const std::uint32_t a = verts[i], b = verts[(i + 1) % N];
+    nodes[i] = mesh.points[a] - origin;
+    nodes[N + i] = (mids.empty() ? 0.5 * (mesh.points[a] + mesh.points[b]) : mesh.points[mids.point(a, b)]) - origin;
+  }
+  return nodes;
+}
+
 std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.tri_to_vert[triangle];
   return {mesh.points[a], mesh.points[b], mesh.points[c]};
@@ -61,7 +74,35 @@ double volume_below(const std::array<Vec3, 6>& nodes) {
   return sum / 6;
 }
 
-// What the triangles of each region bound, measured from the middle of them all; NaN where there are none.
+// The same of a quadrilateral with mid nodes, of degree 5 along each side.
+double volume_below(const std::array<Vec3, 8>& nodes) {
+  constexpr std::array<std::array<double, 2>, 3> kPoints{
+      {{-0.774596669241483, 5.0 / 9}, {0, 8.0 / 9}, {0.774596669241483, 5.0 / 9}}};  // coordinate, weight (Gauss)
+  constexpr std::array<std::array<double, 2>, 4> kCorners{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+  double sum = 0;
+  for (const auto& [u, weight_u] : kPoints)
+    for (const auto& [v, weight_v] : kPoints) {
+      Vec3 x, along_u, along_v;
+      const auto add = [&](const Vec3& node, double value, double by_u, double by_v) {
+        x += value * node, along_u += by_u * node, along_v += by_v * node;
+      };
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto [a, b] = kCorners[i];
+        add(nodes[i], 0.25 * (1 + a * u) * (1 + b * v) * (a * u + b * v - 1),
+            0.25 * a * (1 + b * v) * (2 * a * u + b * v), 0.25 * b * (1 + a * u) * (2 * b * v + a * u));
+        const auto [c, d] = kCorners[(i + 1) % 4];
+        if (a == c)
+          add(nodes[4 + i], 0.5 * (1 + a * u) * (1 - v * v), 0.5 * a * (1 - v * v), -v * (1 + a * u));
+        else
+          add(nodes[4 + i], 0.5 * (1 - u * u) * (1 + b * v), -u * (1 + b * v), 0.5 * b * (1 - u * u));
+      }
+      sum += weight_u * weight_v * dot(x, cross(along_u, along_v));
+    }
+  return sum / 3;
+}
+
+// What the triangles and quadrilaterals of each region bound, measured from the middle of them all; NaN where there are
+// none.
 std::vector<double> volumes_of(const MeshedModel& meshed) {
   const ModelTopology& topology = meshed.model.topology();
   std::vector<double> volumes(topology.region_count(), std::numeric_limits<double>::quiet_NaN());
@@ -74,21 +115,14 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
   for (const Vec3& x : meshed.surface.points) box.add(x);
   const Vec3 middle = box.center();
   const MidNodes mids(meshed.surface);
-  const auto volume_of = [&](std::size_t t) {
-    const auto& verts = meshed.surface.tri_to_vert[t];
-    std::array<Vec3, 6> nodes;
-    for (std::size_t i = 0; i < 3; ++i) nodes[i] = meshed.surface.points[verts[i]] - middle;
-    if (mids.empty()) return dot(nodes[0], cross(nodes[1], nodes[2])) / 6;
-    for (std::size_t i = 0; i < 3; ++i)
-      nodes[3 + i] = meshed.surface.points[mids.point(verts[i], verts[(i + 1) % 3])] - middle;
-    return volume_below(nodes);
-  };
-  for (std::size_t t = 0; t < meshed.surface.tri_to_vert.size(); ++t) {
-    const FaceSides& sides = topology.face_to_sides[meshed.surface.tri_to_entity[t]];
-    const double volume = volume_of(t);
-    add(sides.back, volume);
-    add(sides.front, -volume);
-  }
+  for_each_surface_kind(meshed.surface, [&](const auto& elements, const auto& faces) {
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const FaceSides& sides = topology.face_to_sides[faces[e]];
+      const double volume = volume_below(nodes_of(meshed.surface, mids, elements[e], middle));
+      add(sides.back, volume);
+      add(sides.front, -volume);
+    }
+  });
   return volumes;
 }
 

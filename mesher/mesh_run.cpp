@@ -271,8 +271,8 @@ MeshResult run_mesh(const GeometricModel& model, const MeshOptions& options, con
   if (!(options.min_scaled_jacobian >= 0 && options.min_scaled_jacobian <= 0.9))
     throw Error(ErrorCode::InvalidArgument, "min_scaled_jacobian must lie between 0 and .9");
   layers::check_layer_options(model, options.layers);
-  if (!options.layers.walls.empty() && options.order == 2)
-    throw Error(ErrorCode::InvalidArgument, "meshes with layers are of first order");
+  if (!options.layers.walls.empty() && options.layers.all_tets && options.order == 2)
+    throw Error(ErrorCode::InvalidArgument, "layers of tets alone are of first order");
   if (!options.layers.walls.empty() && options.surface_only)
     throw Error(ErrorCode::InvalidArgument, "layers need a volume");
   if (!(options.most_refinement >= 1)) throw Error(ErrorCode::InvalidArgument, "most_refinement must be at least 1");

@@ -138,7 +138,7 @@ std::string render_quality(const RunReport& report) {
                              format_number(std::round(1e3 * cells.min_scaled_jacobian) / 1e3) + ", 99 % above " +
                              format_number(std::round(1e3 * cells.scaled_jacobian_p1) / 1e3));
   if (quality.curved.count > 0)
-    text += row("curved", plural(quality.curved.count, "tet") + ", the least Jacobian is " +
+    text += row("curved", plural(quality.curved.count, "cell") + ", the least Jacobian is " +
                               format_number(std::round(1e3 * quality.curved.min_scaled_jacobian) / 1e3) +
                               " of the straight tet's");
   if (cells.count > 0) text += volume_row(report);

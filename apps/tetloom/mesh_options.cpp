@@ -113,7 +113,7 @@ void set_layers(const RawMeshOptions& raw, MeshCommand& command) {
           "--fan-angle must lie between 45 and 180 degrees, or be 0");
   require(raw.layers.ends_with(".json") || raw.first_height, "--layers needs --first-height, or a file");
   require(!command.options.surface_only, "--layers needs volumes, and --surface-only makes none");
-  require(command.options.order == 1, "meshes with --layers are of first order");
+  require(command.options.order == 1 || !raw.all_tets, "--all-tets needs --order 1");
   try {
     command.layers = parse_layers(raw.layers, common);
   } catch (const Error& error) {

@@ -90,7 +90,7 @@ Json quality_json(const RunReport& report) {
   }
   json["edges_in_band"] = tets.count > 0 ? tets.edges.in_band : report.quality->triangles.edges.in_band;
   if (const CurvedQuality& curved = report.quality->curved; curved.count > 0)
-    json["second_order"] = {{"curved_tets", curved.count},
+    json["second_order"] = {{"curved_cells", curved.count},
                             {"not_positive", curved.not_positive},
                             {"min_scaled_jacobian", curved.min_scaled_jacobian},
                             {"volume", curved.volume}};

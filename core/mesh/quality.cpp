@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/mesh/cell_jacobians.hpp"
+#include "core/mesh/curved_cell.hpp"
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/incidence_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
@@ -398,9 +399,7 @@ struct CurvedSums {
   }
 };
 
-CurvedQuality measure_curved_tets(const Mesh& mesh, double straight_volume, const BlockLoop& loop) {
-  if (mesh.mid_to_vert.empty()) return {0, 0, 1, straight_volume};
-  const MidNodes mids(mesh);
+CurvedSums measure_curved_tets(const Mesh& mesh, const MidNodes& mids, const BlockLoop& loop) {
   const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
     for (std::size_t t = begin; t < end; ++t) {
       const auto& [a, b, c, d] = mesh.tet_to_vert[t];
@@ -417,6 +416,33 @@ CurvedQuality measure_curved_tets(const Mesh& mesh, double straight_volume, cons
   CurvedSums total;
   for (const CurvedSums& sums : map_blocks(loop, mesh.tet_to_vert.size(), kGrain, CurvedSums{}, measure))
     total.add(sums);
+  return total;
+}
+
+CurvedSums measure_curved_cells(const Mesh& mesh, const MidNodes& mids, const BlockLoop& loop) {
+  CurvedSums total;
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
+    if (kind == CellKind::Tet) return;
+    const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
+      for (std::size_t c = begin; c < end; ++c) {
+        const CurvedCell cell = curved_cell_of(mesh, mids, kind, cells[c]);
+        sums.volume.add(volume_of(cell));
+        if (cell.is_straight()) continue;
+        ++sums.count;
+        sums.least = std::min(sums.least, least_jacobian(cell, sums.least));
+        if (!has_positive_jacobian(cell)) ++sums.not_positive;
+      }
+    };
+    for (const CurvedSums& sums : map_blocks(loop, cells.size(), kGrain, CurvedSums{}, measure)) total.add(sums);
+  });
+  return total;
+}
+
+CurvedQuality measure_curved(const Mesh& mesh, double straight_volume, const BlockLoop& loop) {
+  if (mesh.mid_to_vert.empty()) return {0, 0, 1, straight_volume};
+  const MidNodes mids(mesh);
+  CurvedSums total = measure_curved_tets(mesh, mids, loop);
+  total.add(measure_curved_cells(mesh, mids, loop));
   return {total.count, total.not_positive, total.least, total.volume.value()};
 }
 
@@ -435,7 +461,7 @@ QualityReport compute_quality(const Mesh& mesh, const SizeField* sizes, const Bl
   report.tets = measure_tets(mesh, loop, of_tets, values.mean_ratios);
   report.cells = measure_cells(mesh, of_tets, loop, values.jacobians);
   report.triangles = measure_triangles(mesh, loop, values.shapes);
-  report.curved = measure_curved_tets(mesh, report.tets.volume, loop);
+  report.curved = measure_curved(mesh, report.cells.volume, loop);
   const std::vector<double> point_size = sizes_at_points(mesh, sizes, loop);
   const EdgeMeter meter(mesh.points, point_size);
   report.tets.edges = meter.measure_all(mesh.tet_to_vert, measured, measured.more_of_tets, loop);

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "core/mesh/curved_cell.hpp"
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/mid_nodes.hpp"
@@ -199,7 +200,7 @@ void validate_shapes(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog
   });
 }
 
-void validate_curved_tets(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
+void validate_curved_cells(const Mesh& mesh, const BlockLoop& loop, detail::ProblemLog& log) {
   if (mesh.mid_to_vert.empty()) return;
   const MidNodes mids(mesh);
   detail::log_blocks(mesh, mesh.tet_to_vert.size(), loop, log,
@@ -208,6 +209,17 @@ void validate_curved_tets(const Mesh& mesh, const BlockLoop& loop, detail::Probl
                          if (!is_straight_tet(mesh, mids, t) && !has_positive_jacobian(mesh, mids, t))
                            of_block.add(ProblemKind::NonPositiveJacobian, ElementKind::Tet, t);
                      });
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto&) {
+    if (kind == CellKind::Tet) return;
+    detail::log_blocks(mesh, cells.size(), loop, log,
+                       [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
+                         for (std::size_t c = begin; c < end; ++c) {
+                           const CurvedCell cell = curved_cell_of(mesh, mids, kind, cells[c]);
+                           if (!cell.is_straight() && !has_positive_jacobian(cell))
+                             of_block.add(ProblemKind::NonPositiveJacobian, detail::element_kind(kind), c);
+                         }
+                       });
+  });
 }
 
 template <class Element>
@@ -329,7 +341,7 @@ ValidationReport validate_mesh(const Mesh& mesh, const BlockLoop& loop) {
   detail::ProblemLog log(mesh);
   if (arrays_fit(mesh, loop, log)) {
     validate_shapes(mesh, loop, log);
-    validate_curved_tets(mesh, loop, log);
+    validate_curved_cells(mesh, loop, log);
     const detail::PointMarks marks = mark_points(mesh, loop, report);
     detail::validate_faces(mesh, loop, log, report);
     detail::validate_surface_edges(mesh, marks, loop, log, report);

@@ -151,13 +151,13 @@ struct TriangleQuality {
   std::vector<FaceQuality> faces;  ///< ascending by face
 };
 
-/// Tets of second order. Those of a mesh of first order are straight.
+/// Cells of second order. Those of a mesh of first order are straight.
 struct CurvedQuality {
-  std::size_t count = 0;           ///< tets with a mid node beside the middle of its edge
+  std::size_t count = 0;           ///< cells with a mid node beside the middle of its edge
   std::size_t not_positive = 0;    ///< those whose Jacobian is not proven to be positive everywhere
-  double min_scaled_jacobian = 1;  ///< the least Jacobian of all tets, over that of the straight tet; a lower bound
+  double min_scaled_jacobian = 1;  ///< the least Jacobian of all cells, over the least of the straight one; a bound
                                    ///< within .001, by Bézier coefficients (Johnen, Remacle & Geuzaine 2013)
-  double volume = 0;               ///< of all tets, the straight ones as well; exact but for rounding
+  double volume = 0;               ///< of all cells, the straight ones as well; exact but for rounding
 };
 
 /// All fields of a kind of element that the mesh does not have are zero.

@@ -1,11 +1,11 @@
 #pragma once
-// A mesh of second order while its mid nodes move: which tets are valid, and which lie at a mid node.
-#include <array>
+// A mesh of second order while its mid nodes move: which cells are valid, and which lie at a mid node.
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "core/mesh/curved_cell.hpp"
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "mesher/second_order/mid_node_places.hpp"
@@ -14,15 +14,15 @@
 
 namespace tetloom::second_order {
 
-/// A mid node, by its place in `Mesh::mid_to_vert`, and a tet that has it.
-using MidAndTet = std::pair<std::uint32_t, std::uint32_t>;
+/// A mid node, by its place in `Mesh::mid_to_vert`, and a cell that has it.
+using MidAndCell = std::pair<std::uint32_t, std::uint32_t>;
 
+/// Cells of all kinds are numbered one after the other, tets first.
 class CurvedMesh {
  public:
-  /// Tets are good where their Jacobian is proven to be at least `least` times that of the straight tet. All outlive
+  /// Cells are good where their Jacobian is proven to be at least `least` times that of the straight cell. All outlive
   /// the object, and `mesh` keeps its elements.
-  CurvedMesh(Mesh& mesh, double least, const TaskRunner& runner)
-      : mesh_(mesh), mids_(mesh), first_mid_(vertex_count(mesh)), least_(least), runner_(runner) {}
+  CurvedMesh(Mesh& mesh, double least, const TaskRunner& runner);
 
   const Mesh& mesh() const { return mesh_; }
   double least() const { return least_; }
@@ -30,31 +30,42 @@ class CurvedMesh {
 
   Vec3& point(std::uint32_t mid) { return mesh_.points[first_mid_ + mid]; }
   Vec3 middle(std::uint32_t mid) const { return middle_of_edge(mesh_, mid); }
-  /// Inside of a region, not on the surface.
-  bool is_inside(std::uint32_t mid) const { return mesh_.point_to_entity[first_mid_ + mid].dim == 3; }
-
-  std::array<std::uint32_t, 6> mids_of(std::uint32_t tet) const { return mids_of_tet(mesh_, mids_, tet); }
-  TetJacobian jacobian_of(std::uint32_t tet) const { return tet_jacobian(nodes_of_tet(mesh_, mids_, tet)); }
-  bool is_straight(std::uint32_t tet) const { return is_straight_tet(mesh_, mids_, tet); }
-  bool is_good(std::uint32_t tet) const {
-    return is_straight(tet) || least_jacobian(jacobian_of(tet), least_) >= least_;
+  bool is_on_surface(std::uint32_t mid) const { return mesh_.point_to_entity[first_mid_ + mid].dim < 3; }
+  /// Inside of a region, not on the surface, and only tets have it.
+  bool is_free(std::uint32_t mid) const {
+    return !is_on_surface(mid) && (is_of_layers_.empty() || !is_of_layers_[mid]);
   }
 
-  /// Those of `tets` that are not good, in their order.
-  std::vector<std::uint32_t> find_bad(std::span<const std::uint32_t> tets) const;
-  /// All pairs of one of `mids`, which ascend, and a tet; ascending.
-  std::vector<MidAndTet> tets_at(std::span<const std::uint32_t> mids) const;
+  bool is_tet(std::uint32_t cell) const { return cell < mesh_.tet_to_vert.size(); }
+  CellMids mids_of(std::uint32_t cell) const;
+  TetJacobian jacobian_of(std::uint32_t tet) const { return tet_jacobian(nodes_of_tet(mesh_, mids_, tet)); }
+  bool is_straight(std::uint32_t cell) const;
+  /// As tetloom::least_jacobian.
+  double least_jacobian_of(std::uint32_t cell) const;
+  bool is_good(std::uint32_t cell) const { return is_straight(cell) || least_jacobian_of(cell) >= least_; }
+
+  /// Those of `cells` that are not good, in their order.
+  std::vector<std::uint32_t> find_bad(std::span<const std::uint32_t> cells) const;
+  /// All pairs of one of `mids`, which ascend, and a cell; ascending.
+  std::vector<MidAndCell> cells_at(std::span<const std::uint32_t> mids) const;
 
  private:
+  struct CellVerts {
+    CellKind kind;
+    std::span<const std::uint32_t> verts;
+  };
+  CellVerts verts_of(std::uint32_t cell) const;
+
   Mesh& mesh_;
   MidNodes mids_;
   std::size_t first_mid_;
   double least_;
   const TaskRunner& runner_;
+  std::vector<bool> is_of_layers_;  // by mid: of a cell that is no tet; empty: none is
 };
 
-/// The tets of some pairs, each once, ascending.
-std::vector<std::uint32_t> tets_of(std::span<const MidAndTet> pairs);
+/// The cells of some pairs, each once, ascending.
+std::vector<std::uint32_t> cells_of(std::span<const MidAndCell> pairs);
 
 /// The mid nodes of `curved`.
 std::vector<std::uint32_t> mids_of(std::span<const CurvedNode> curved);

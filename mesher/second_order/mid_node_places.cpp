@@ -7,13 +7,13 @@
 
 #include "core/geometry/model_projector.hpp"
 #include "core/mesh/mid_nodes.hpp"
+#include "mesher/second_order/layer_mid_nodes.hpp"
 
 namespace tetloom::second_order {
 namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 14;
 constexpr std::size_t kProjectedTogether = 1024;  // their projector remembers what it has found
-constexpr double kMostDisplacement = 0.5;         // of the chord: what is farther away lies elsewhere on the model
 constexpr double kStraight = 1e-9;                // of the chord: below, the mid node is left in the middle
 
 void add_mid_nodes(Mesh& mesh, const TaskRunner& runner) {
@@ -68,7 +68,7 @@ MidNodePlaces project(const GeometricModel& model, const Mesh& mesh, ModelEntity
     if (!(away <= kMostDisplacement * chord))
       places.off_model.push_back({entity, away, middle});
     else if (away > kStraight * chord)
-      places.curved.push_back({mid, spot->point});
+      places.curved.push_back({mid, spot->point, kNone});
   }
   return places;
 }
@@ -96,6 +96,7 @@ MidNodePlaces place_mid_nodes(const GeometricModel& model, Mesh& mesh, const Tas
     append(places.off_model, of_block.off_model);
   }
   std::ranges::sort(places.curved, {}, &CurvedNode::mid);
+  carry_through_layers(model, mesh, places.curved);
   return places;
 }
 

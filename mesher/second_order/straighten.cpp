@@ -26,69 +26,78 @@ struct Displaced {
   std::uint32_t mid = 0;
   Vec3 first;  // displacement from the middle, when it was put on the model or moved
   Vec3 now;
+  std::vector<Displaced> followers;  // that keep the same share of theirs
 };
 
 class Straightener {
  public:
   Straightener(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner)
-      : mesh_(mesh, least, runner), curved_tets_(tets_of(mesh_.tets_at(mids_of(curved)))) {
+      : mesh_(mesh, least, runner), curved_cells_(cells_of(mesh_.cells_at(mids_of(curved)))) {
+    for (const CurvedNode& node : curved)
+      if (node.follows == kNone) displaced_.push_back(place(node));
     for (const CurvedNode& node : curved) {
-      const Vec3 away = node.on_model - mesh_.middle(node.mid);
-      on_model_.push_back({node.mid, away, away});
-      mesh_.point(node.mid) = node.on_model;
+      if (node.follows == kNone) continue;
+      followed_.emplace_back(node.mid, node.follows);
+      find_placed(node.follows)->followers.push_back(place(node));
     }
   }
 
   Straightening run(std::vector<std::uint32_t> bad) {
     for (int round = 0; !bad.empty(); ++round) {
-      collect_tets_at(bad);
-      for (const std::uint32_t tet : bad) {
+      collect_cells_at(bad);
+      for (const std::uint32_t cell : bad) {
         mesh_.runner().check_cancelled();
-        mend(tet, round);
+        mend(cell, round);
       }
       bad = find_bad();
     }
     return conclude();
   }
 
-  std::vector<std::uint32_t> find_bad() const { return mesh_.find_bad(curved_tets_); }
+  std::vector<std::uint32_t> find_bad() const { return mesh_.find_bad(curved_cells_); }
 
   std::vector<std::uint32_t> hopeless_of(std::vector<std::uint32_t> bad) const {
-    std::erase_if(bad, [&](std::uint32_t tet) { return may_be_mended_inside(tet); });
+    std::erase_if(bad, [&](std::uint32_t cell) { return !mesh_.is_tet(cell) || may_be_mended_inside(cell); });
     return bad;
   }
 
  private:
-  // The tets at all mid nodes of `bad`: they may be bad next, as nodes move.
-  void collect_tets_at(const std::vector<std::uint32_t>& bad) {
-    std::vector<std::uint32_t> wanted;
-    for (const std::uint32_t tet : bad) std::ranges::copy(mesh_.mids_of(tet), std::back_inserter(wanted));
-    sort_unique(wanted);
-    at_mids_ = mesh_.tets_at(wanted);
-    std::vector<std::uint32_t> all;
-    std::ranges::set_union(curved_tets_, tets_of(at_mids_), std::back_inserter(all));
-    curved_tets_ = std::move(all);
+  Displaced place(const CurvedNode& node) {
+    const Vec3 away = node.place - mesh_.middle(node.mid);
+    mesh_.point(node.mid) = node.place;
+    return {node.mid, away, away, {}};
   }
 
-  void mend(std::uint32_t tet, int round) {
-    if (mesh_.is_good(tet)) return;
-    if (round < kRoundsOfMoving && may_be_mended_inside(tet)) {
-      for (const std::uint32_t mid : mesh_.mids_of(tet)) {
-        if (!mesh_.is_inside(mid)) continue;
+  // The cells at all mid nodes of `bad`, and those at mid nodes that follow: they may be bad next, as nodes move.
+  void collect_cells_at(const std::vector<std::uint32_t>& bad) {
+    std::vector<std::uint32_t> wanted;
+    for (const std::uint32_t cell : bad) std::ranges::copy(mesh_.mids_of(cell), std::back_inserter(wanted));
+    sort_unique(wanted);
+    at_mids_ = mesh_.cells_at(wanted);
+    std::vector<std::uint32_t> all;
+    std::ranges::set_union(curved_cells_, cells_of(at_mids_), std::back_inserter(all));
+    curved_cells_ = std::move(all);
+  }
+
+  void mend(std::uint32_t cell, int round) {
+    if (mesh_.is_good(cell)) return;
+    if (round < kRoundsOfMoving && mesh_.is_tet(cell) && may_be_mended_inside(cell)) {
+      for (const std::uint32_t mid : mesh_.mids_of(cell)) {
+        if (!mesh_.is_free(mid)) continue;
         move_inside(mid);
-        if (mesh_.is_good(tet)) return;
+        if (mesh_.is_good(cell)) return;
       }
     }
-    pull(tet, round);
+    pull(cell, round);
   }
 
   // False where the Jacobian at a vertex is too small whose mid nodes are all on the surface, as between two faces on
   // one smooth surface: the tangents of three edges lie in one plane there.
   bool may_be_mended_inside(std::uint32_t tet) const {
-    const std::array<std::uint32_t, 6> mids = mesh_.mids_of(tet);
+    const CellMids mids = mesh_.mids_of(tet);
     std::array<bool, 4> is_fixed{true, true, true, true};
     for (std::size_t e = 0; e < mids.size(); ++e)
-      if (mesh_.is_inside(mids[e]))
+      if (mesh_.is_free(mids[e]))
         for (const std::uint8_t v : shape_of(CellKind::Tet).edge[e]) is_fixed[v] = false;
     const TetJacobian jacobian = mesh_.jacobian_of(tet);
     for (std::size_t v = 0; v < is_fixed.size(); ++v)
@@ -124,7 +133,7 @@ class Straightener {
     const auto [a, b] = mesh_.mesh().mid_to_vert[mid];
     const double step = distance(mesh_.mesh().points[a], mesh_.mesh().points[b]);
     std::vector<tets::AffineFunction> functions;
-    const auto first = std::ranges::lower_bound(at_mids_, MidAndTet{mid, 0});
+    const auto first = std::ranges::lower_bound(at_mids_, MidAndCell{mid, 0});
     for (auto at = first; at != at_mids_.end() && at->first == mid; ++at) {
       const TetJacobian base = mesh_.jacobian_of(at->second);
       std::array<TetJacobian, 3> moved;
@@ -143,37 +152,47 @@ class Straightener {
 
   void remember(std::uint32_t mid) {
     const Vec3 now = mesh_.point(mid) - mesh_.middle(mid);
-    moved_.insert_or_assign(mid, Displaced{mid, now, now});
+    moved_.insert_or_assign(mid, Displaced{mid, now, now, {}});
   }
 
-  // Null where the mid node has always been in the middle.
+  // One that follows nothing. Null where there is none.
+  Displaced* find_placed(std::uint32_t mid) {
+    const auto at = std::ranges::lower_bound(displaced_, mid, {}, &Displaced::mid);
+    return at == displaced_.end() || at->mid != mid ? nullptr : &*at;
+  }
+
+  // What the mid node moves with. Null where it has always been in the middle.
   Displaced* find_displaced(std::uint32_t mid) {
-    if (mesh_.is_inside(mid)) {
+    if (mesh_.is_free(mid)) {
       const auto at = moved_.find(mid);
-      return at == moved_.end() ? nullptr : &at->second;
+      if (at != moved_.end()) return &at->second;
     }
-    const auto at = std::ranges::lower_bound(on_model_, mid, {}, &Displaced::mid);
-    return at == on_model_.end() || at->mid != mid ? nullptr : &*at;
+    const auto at = std::ranges::lower_bound(followed_, mid, {}, &std::pair<std::uint32_t, std::uint32_t>::first);
+    return find_placed(at == followed_.end() || at->first != mid ? mid : at->second);
   }
 
-  // Takes away from the displacements of a tet's mid nodes what it takes: that of a single one, if that suffices, the
+  // Takes away from the displacements of a cell's mid nodes what it takes: that of a single one, if that suffices, the
   // least change of all; otherwise all by the same share.
-  void pull(std::uint32_t tet, int round) {
+  void pull(std::uint32_t cell, int round) {
     std::vector<Displaced*> nodes;
-    for (const std::uint32_t mid : mesh_.mids_of(tet))
-      if (Displaced* node = find_displaced(mid); node && node->now != Vec3{}) nodes.push_back(node);
+    for (const std::uint32_t mid : mesh_.mids_of(cell)) {
+      Displaced* node = find_displaced(mid);
+      if (node && node->now != Vec3{} && std::ranges::find(nodes, node) == nodes.end()) nodes.push_back(node);
+    }
     std::span<Displaced*> best = nodes;
     double best_share = 0, best_change = HUGE_VAL;
     for (Displaced*& node : nodes) {
-      const std::optional<double> share = find_share(tet, {&node, 1});
+      const std::optional<double> share = find_share(cell, {&node, 1});
       const double change = share ? (1 - *share) * norm(node->now) : HUGE_VAL;
       if (change < best_change) best = {&node, 1}, best_share = *share, best_change = change;
     }
-    if (best_change == HUGE_VAL) best_share = find_share(tet, nodes).value_or(0);
+    if (best_change == HUGE_VAL) best_share = find_share(cell, nodes).value_or(0);
     if (round >= 2 * kRoundsOfMoving) best_share = std::min(best_share, kMostKept);
     for (Displaced* node : best) {
       node->now *= best_share;
-      if (norm(node->now) < kLeastKept * norm(node->first)) node->now = {};
+      const bool is_small = norm(node->now) < kLeastKept * norm(node->first);
+      if (is_small) node->now = {};
+      for (Displaced& follower : node->followers) follower.now = is_small ? Vec3{} : best_share * follower.now;
       put(*node, 1);
     }
   }
@@ -181,14 +200,15 @@ class Straightener {
   void put(const Displaced& node, double share) {
     const Vec3 middle = mesh_.middle(node.mid);
     mesh_.point(node.mid) = share * norm2(node.now) > 0 ? middle + share * node.now : middle;
+    for (const Displaced& follower : node.followers) put(follower, share);
   }
 
-  // The largest share of the displacements of `nodes` with which the tet is good; nothing where there is none. Leaves
+  // The largest share of the displacements of `nodes` with which the cell is good; nothing where there is none. Leaves
   // them as they were.
-  std::optional<double> find_share(std::uint32_t tet, std::span<Displaced* const> nodes) {
+  std::optional<double> find_share(std::uint32_t cell, std::span<Displaced* const> nodes) {
     const auto is_good_with = [&](double share) {
       for (const Displaced* node : nodes) put(*node, share);
-      return mesh_.is_good(tet);
+      return mesh_.is_good(cell);
     };
     std::optional<double> found;
     if (is_good_with(0)) {
@@ -201,25 +221,32 @@ class Straightener {
     return found;
   }
 
+  void note(const Displaced& node, Straightening& result) const {
+    if (mesh_.is_on_surface(node.mid) && node.now != node.first)
+      result.off_model.push_back({node.mid, mesh_.middle(node.mid) + node.first, kNone});
+    if (!mesh_.is_on_surface(node.mid) && node.now != Vec3{}) result.moved.push_back(node.mid);
+    for (const Displaced& follower : node.followers) note(follower, result);
+  }
+
   Straightening conclude() const {
     Straightening result;
-    for (const auto& [mid, node] : moved_)
-      if (node.now != Vec3{}) result.moved.push_back(mid);
-    for (const Displaced& node : on_model_)
-      if (node.now != node.first) result.off_model.push_back({node.mid, mesh_.middle(node.mid) + node.first});
+    for (const auto& [mid, node] : moved_) note(node, result);
+    for (const Displaced& node : displaced_) note(node, result);
+    std::ranges::sort(result.moved);
+    std::ranges::sort(result.off_model, {}, &CurvedNode::mid);
     struct Bounds {
       double least = 1;
       std::size_t not_positive = 0;
     };
     const auto bound = [&](std::size_t begin, std::size_t end, Bounds& bounds) {
       for (std::size_t i = begin; i < end; ++i) {
-        if (mesh_.is_straight(curved_tets_[i])) continue;
-        const double least = least_jacobian(mesh_.jacobian_of(curved_tets_[i]), mesh_.least());
+        if (mesh_.is_straight(curved_cells_[i])) continue;
+        const double least = mesh_.least_jacobian_of(curved_cells_[i]);
         bounds.least = std::min(bounds.least, least);
         bounds.not_positive += least > 0 ? 0 : 1;
       }
     };
-    for (const Bounds& bounds : map_blocks(mesh_.runner(), curved_tets_.size(), kGrain, Bounds{}, bound)) {
+    for (const Bounds& bounds : map_blocks(mesh_.runner(), curved_cells_.size(), kGrain, Bounds{}, bound)) {
       result.min_scaled_jacobian = std::min(result.min_scaled_jacobian, bounds.least);
       result.not_positive += bounds.not_positive;
     }
@@ -227,10 +254,11 @@ class Straightener {
   }
 
   CurvedMesh mesh_;
-  std::vector<Displaced> on_model_;           // ascending by mid; those put on the model at first
-  std::map<std::uint32_t, Displaced> moved_;  // by mid; inside of regions
-  std::vector<std::uint32_t> curved_tets_;    // ascending; those that may be bad
-  std::vector<MidAndTet> at_mids_;            // ascending; of the mid nodes of bad tets
+  std::vector<Displaced> displaced_;  // ascending by mid; those put in their places at first
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> followed_;  // ascending; mid nodes, and what they follow
+  std::map<std::uint32_t, Displaced> moved_;                       // by mid; those free to move
+  std::vector<std::uint32_t> curved_cells_;                        // ascending; those that may be bad
+  std::vector<MidAndCell> at_mids_;                                // ascending; of the mid nodes of bad cells
 };
 
 }  // namespace

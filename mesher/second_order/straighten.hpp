@@ -1,5 +1,5 @@
 #pragma once
-// Mid nodes are moved until every tet of second order is proven valid.
+// Mid nodes are moved until every cell of second order is proven valid.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,18 +15,19 @@ namespace tetloom::second_order {
 struct Straightening {
   std::vector<std::uint32_t> moved;   ///< mid nodes inside of regions that are not in the middle, ascending
   std::vector<CurvedNode> off_model;  ///< those of `curved` that had to leave the model, ascending
-  double min_scaled_jacobian = 1;     ///< a lower bound over all tets; at most 1
-  std::size_t not_positive = 0;       ///< tets whose bound is not positive
+  double min_scaled_jacobian = 1;     ///< a lower bound over all cells; at most 1
+  std::size_t not_positive = 0;       ///< cells whose bound is not positive
 };
 
-/// Puts the nodes of `curved` on the model. Where the Jacobian of a tet is then less than `least` times that of the
-/// straight tet somewhere, mid nodes inside of the region move to where the least Jacobian of the tets around their
-/// edge is largest, as far as it takes; where that does not suffice, mid nodes of the tet are pulled towards the middle
-/// of their edges, as little as it takes. Ends always: a tet whose mid nodes are all in the middle has the Jacobian 1.
-/// The result does not depend on the number of threads.
+/// Puts the nodes of `curved` in their places. Where the Jacobian of a cell is then less than `least` times that of the
+/// straight cell somewhere, mid nodes that tets alone have inside of the region move to where the least Jacobian of the
+/// tets around their edge is largest, as far as it takes; where that does not suffice, mid nodes of the cell are pulled
+/// towards the middle of their edges, as little as it takes, those that follow one another by the same share. Ends
+/// always: a cell whose mid nodes are all in the middle is straight. The result does not depend on the number of
+/// threads.
 ///
-/// Pre: mesh.mid_to_vert is there, its nodes inside of regions are in the middle, tets are positive, 0 <= least < 1.
-/// Errors: what the runner throws.
+/// Pre: mesh.mid_to_vert is there, its nodes inside of regions are in the middle, cells are positive, 0 <= least < 1;
+/// what a node follows is in `curved` and follows nothing. Errors: what the runner throws.
 Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh& mesh, const TaskRunner& runner);
 
 /// The same where there are no hopeless tets: those whose Jacobian is less at a vertex all of whose edges lie on the

@@ -106,12 +106,29 @@ TEST_CASE("second order is reported, checked and read back") {
        std::vector<std::vector<std::string>>{{"--order", "2", "-o", folder / "a.su2"},
                                              {"--order", "3", "-o", folder / "a.vtu"},
                                              {"--order", "2", "-o", folder / "a.pvtu"},
+                                             {"--order", "2", "-o", folder / "a.vtu", "--layers", "*", "--first-height",
+                                              "0.01", "--layer-count", "3", "--all-tets"},
                                              {"--min-scaled-jacobian", "0.2", "-o", folder / "a.vtu"},
                                              {"--order", "2", "--min-scaled-jacobian", "1", "-o", folder / "a.vtu"}}) {
     std::vector<std::string> words{"mesh", input};
     words.insert(words.end(), arguments.begin(), arguments.end());
     CHECK(run_tetloom(words).status == 2);
   }
+}
+
+TEST_CASE("boundary layers of second order are written, checked and read back") {
+  const TestFolder folder;
+  const auto report = mesh_with_report(folder, demo_model("sphere"), "a.vtu",
+                                       {"--size", "20", "--order", "2", "--layers", "*", "--first-height", "0.2",
+                                        "--growth", "1.2", "--layer-count", "5"});
+  CHECK(report["layers"]["cells"]["prisms"].get<int>() > 500);
+  CHECK(report["second_order"]["invalid"] == 0);
+  CHECK(report["second_order"]["off_model"].empty());
+  CHECK(report["quality"]["second_order"]["curved_cells"].get<int>() > 500);
+  CHECK(report["warnings"].empty());
+  const ProcessResult check = run_tetloom({"check", folder / "a.vtu", "--report", folder / "check.json"});
+  CHECK(check.status == 0);
+  CHECK(read_json(folder / "check.json")["digest"] == report["digest"]);
 }
 
 TEST_CASE("groups of faces get to files for solvers and into the report") {

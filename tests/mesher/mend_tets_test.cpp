@@ -105,8 +105,8 @@ TEST_CASE("a tet with two faces on one smooth surface gives way to tets with one
   CHECK(find_hopeless(cap.curved, mesh, runner).empty());
   CHECK(cap.curved.size() == 5);
   for (const CurvedNode& node : cap.curved) {
-    CHECK(mesh.points[vertex_count(mesh) + node.mid] == node.on_model);
-    CHECK(norm(node.on_model) == Approx(1));
+    CHECK(mesh.points[vertex_count(mesh) + node.mid] == node.place);
+    CHECK(norm(node.place) == Approx(1));
   }
 }
 

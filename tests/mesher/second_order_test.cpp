@@ -124,7 +124,7 @@ TEST_CASE("mid nodes that would invert tets are pulled back as little as it take
     CHECK(compute_quality(box.mesh).curved.min_scaled_jacobian >= 0.2 - 1e-3);
     const std::size_t first = vertex_count(box.mesh);
     std::size_t off = 0;
-    for (const CurvedNode& node : box.curved) off += box.mesh.points[first + node.mid] != node.on_model;
+    for (const CurvedNode& node : box.curved) off += box.mesh.points[first + node.mid] != node.place;
     CHECK(off == result.off_model.size());
     if (by < 0.1) CHECK(off == 0);
     if (by > 0.3) CHECK(off > 0);
@@ -135,8 +135,7 @@ TEST_CASE("mid nodes that would invert tets are pulled back as little as it take
 TEST_CASE("mid nodes inside of a region give way before those on the model do") {
   // The middle of one face of a box is pushed towards the inside, over the mid nodes behind it.
   BentBox box(1, [](const Vec3& x) { return x.z > 0.999 ? Vec3{0, 0, -0.42} : Vec3{}; });
-  std::erase_if(box.curved,
-                [&](const CurvedNode& node) { return node.on_model == middle_of_edge(box.mesh, node.mid); });
+  std::erase_if(box.curved, [&](const CurvedNode& node) { return node.place == middle_of_edge(box.mesh, node.mid); });
   REQUIRE_FALSE(box.curved.empty());
   const Straightening result = straighten(box.curved, 0.1, box.mesh, TaskRunner(1));
   CHECK(result.moved.size() > 0);
