@@ -84,6 +84,35 @@ bool have_mid_nodes(std::span<const Element> elements, std::span<const LocalEdge
   });
 }
 
+// Whether all cells lie in one region, and which; nothing without cells.
+std::optional<std::uint32_t> only_region_of(const Mesh& mesh) {
+  std::optional<std::uint32_t> region;
+  bool is_only = true;
+  for_each_cell_kind(mesh, [&](CellKind, const auto& cells, const auto& regions) {
+    if (cells.empty()) return;
+    if (!region) region = regions.front();
+    is_only &= std::ranges::all_of(regions, [&](std::uint32_t r) { return r == *region; });
+  });
+  return is_only ? region : std::nullopt;
+}
+
+// Every mid node into the lowest of the regions of its cells, or into none. In a mesh of one region those of edges that
+// no cell has get it too; such an edge belongs to an element that has the last word.
+void put_into_regions(const Mesh& mesh, const MidNodes& mids, std::span<ModelEntity> entities, const BlockLoop& loop) {
+  if (const std::optional<std::uint32_t> region = only_region_of(mesh)) {
+    std::ranges::fill(entities, ModelEntity{3, *region});
+    return;
+  }
+  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
+    loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c)
+        for (const auto& [a, b] : shape_of(kind).edges())
+          lower_to(entities[mids.find(cells[c][a], cells[c][b])].index, regions[c]);
+    });
+  });
+  for (ModelEntity& entity : entities) entity = {3, entity.index};
+}
+
 }  // namespace
 
 std::vector<Edge> edges_of_elements(const Mesh& mesh, const BlockLoop& loop) {
@@ -96,6 +125,15 @@ MidNodes::MidNodes(const Mesh& mesh)
   begins_.resize(vertices_ + std::size_t{1}, 0);
   for (const Edge& edge : edges_) ++begins_[edge[0] + 1];
   for (std::size_t v = 0; v < vertices_; ++v) begins_[v + 1] += begins_[v];
+}
+
+std::vector<std::uint8_t> ends_of_bent_edges(const Mesh& mesh) {
+  const std::size_t vertices = vertex_count(mesh);
+  std::vector<std::uint8_t> is_end(vertices, 0);
+  for (std::size_t m = 0; m < mesh.mid_to_vert.size(); ++m)
+    if (mesh.points[vertices + m] != middle_of_edge(mesh, m))
+      for (const std::uint32_t v : mesh.mid_to_vert[m]) is_end[v] = 1;
+  return is_end;
 }
 
 std::optional<std::string> find_mid_node_fault(const Mesh& mesh, const BlockLoop& loop) {
@@ -121,14 +159,7 @@ std::optional<std::string> find_mid_node_fault(const Mesh& mesh, const BlockLoop
 void classify_mid_nodes(Mesh& mesh, const BlockLoop& loop) {
   const MidNodes mids(mesh);
   const std::span<ModelEntity> entities = std::span(mesh.point_to_entity).subspan(vertex_count(mesh));
-  for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
-    loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c)
-        for (const auto& [a, b] : shape_of(kind).edges())
-          lower_to(entities[mids.find(cells[c][a], cells[c][b])].index, regions[c]);
-    });
-  });
-  for (ModelEntity& entity : entities) entity = {3, entity.index};
+  put_into_regions(mesh, mids, entities, loop);
   const auto classify = [&](const auto& elements, const auto& owners, std::span<const LocalEdge> edges, int dim) {
     for (std::size_t e = elements.size(); e-- > 0;)  // the first element has the last word
       for (const auto& [a, b] : edges) entities[mids.find(elements[e][a], elements[e][b])] = {dim, owners[e]};

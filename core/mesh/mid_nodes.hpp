@@ -74,6 +74,18 @@ class MidNodes {
   std::vector<std::uint32_t> begins_;  // by lower end
 };
 
+/// By vertex: whether an edge is bent that ends there, its mid node beside the middle. An element with fewer than two
+/// such vertices is straight.
+std::vector<std::uint8_t> ends_of_bent_edges(const Mesh& mesh);
+
+/// Whether an element may be bent, as those say.
+template <class Verts>
+bool may_be_bent(const Verts& verts, std::span<const std::uint8_t> is_end) {
+  int ends = 0;
+  for (const std::uint32_t v : verts) ends += is_end[v];
+  return ends >= 2;
+}
+
 /// What is wrong with the mid nodes of a mesh whose elements refer to points that are there; nothing where they are as
 /// `Mesh` says, or where there are none.
 std::optional<std::string> find_mid_node_fault(const Mesh& mesh, const BlockLoop& loop = serial_loop());

@@ -399,12 +399,13 @@ struct CurvedSums {
   }
 };
 
-CurvedSums measure_curved_tets(const Mesh& mesh, const MidNodes& mids, const BlockLoop& loop) {
+CurvedSums measure_curved_tets(const Mesh& mesh, const MidNodes& mids, std::span<const std::uint8_t> is_end,
+                               const BlockLoop& loop) {
   const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
     for (std::size_t t = begin; t < end; ++t) {
       const auto& [a, b, c, d] = mesh.tet_to_vert[t];
       const double volume = tet_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
-      const bool is_straight = is_straight_tet(mesh, mids, t);
+      const bool is_straight = !may_be_bent(mesh.tet_to_vert[t], is_end) || is_straight_tet(mesh, mids, t);
       const TetJacobian jacobian = is_straight ? TetJacobian{} : tet_jacobian(nodes_of_tet(mesh, mids, t));
       sums.volume.add(is_straight ? volume : volume * mean_jacobian(jacobian));
       if (is_straight) continue;
@@ -441,7 +442,7 @@ CurvedSums measure_curved_cells(const Mesh& mesh, const MidNodes& mids, const Bl
 CurvedQuality measure_curved(const Mesh& mesh, double straight_volume, const BlockLoop& loop) {
   if (mesh.mid_to_vert.empty()) return {0, 0, 1, straight_volume};
   const MidNodes mids(mesh);
-  CurvedSums total = measure_curved_tets(mesh, mids, loop);
+  CurvedSums total = measure_curved_tets(mesh, mids, ends_of_bent_edges(mesh), loop);
   total.add(measure_curved_cells(mesh, mids, loop));
   return {total.count, total.not_positive, total.least, total.volume.value()};
 }
