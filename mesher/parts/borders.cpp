@@ -36,8 +36,8 @@ std::vector<Placed<std::uint64_t>> name_open_faces(PartState& state) {
   const TetMesh& mesh = state.mesh;
   state.open_names.clear();
   std::vector<Placed<std::uint64_t>> names;
-  names.reserve(state.open_faces.size());
-  for (const FaceCode face : state.open_faces) {
+  names.reserve(state.strips.open_faces.size());
+  for (const FaceCode face : state.strips.open_faces) {
     const auto [a, b, c] = verts_of(mesh, face);
     const std::uint64_t name = name_of({state.keys[a], state.keys[b], state.keys[c]});
     state.open_names.push_back(name);

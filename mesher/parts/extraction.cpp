@@ -16,7 +16,7 @@ class Extraction {
  public:
   explicit Extraction(const PartState& state)
       : mesh_(state.mesh), tet_flags_(state.mesh.size(), 0), vert_flags_(state.mesh.points.size(), 0) {
-    for (const auto& [vert, face] : state.border.verts) vert_flags_[vert] = kShared;
+    for (const auto& [vert, face] : state.strips.border.verts) vert_flags_[vert] = kShared;
   }
 
   std::vector<TetsToMigrate> run(std::span<const FaceCode> open_faces,
@@ -107,7 +107,7 @@ class Extraction {
 
 std::vector<TetsToMigrate> find_tets_to_migrate(const PartState& state,
                                                 std::span<const std::pair<PartId, std::uint32_t>> verts) {
-  return Extraction(state).run(state.open_faces, verts);
+  return Extraction(state).run(state.strips.open_faces, verts);
 }
 
 }  // namespace tetloom::parts

@@ -74,6 +74,24 @@ struct PartBorder {
   std::vector<VertKey> astray;    ///< of `verts`, those far outside of the part's box, ascending
 };
 
+/// A vertex at which some part's tets are poor.
+struct SharedVert {
+  VertKey key;
+  std::uint32_t vert;
+  bool is_poor;  ///< waits, and tets at it are poor
+};
+
+/// What a part knows of its border with others from one round of strips to the next.
+struct StripState {
+  bool knows_waits = false;                ///< whether `waits` of the part says all it has to
+  std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
+  bool open_faces_changed = true;          ///< since `border` was found
+  PartBorder border;                       ///< of these open faces
+  std::vector<SharedVert> shared;          ///< ascending
+  Bytes own_piece;                         ///< of a strip that this part takes
+  std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
+};
+
 /// Everything that one part has.
 struct PartState {
   std::vector<std::uint32_t> surface;    ///< points of the complex that the part knows, ascending
@@ -94,21 +112,9 @@ struct PartState {
   bool has_dead = false;          ///< tets, once optimised
   double known_least_angle = 0;   ///< radians: of this part's tets and of what neighbours tell of theirs
 
-  // Between parts.
-  bool knows_waits = false;  ///< whether `waits` says all it has to
-  struct SharedVert {
-    VertKey key;
-    std::uint32_t vert;
-    bool is_poor;  // waits, and tets at it are poor
-  };
-  std::vector<tets::FaceCode> open_faces;  ///< with nothing of the part, and no surface, behind them
-  bool open_faces_changed = true;          ///< since `border` was found
-  PartBorder border;                       ///< of these open faces
-  std::vector<SharedVert> shared;          ///< those at which any part's tets are poor, ascending
+  StripState strips;
   std::vector<std::uint64_t> open_names;   ///< of the open faces in the end
   std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of
-  Bytes own_piece;                         ///< of a strip that this part takes
-  std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 
   std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have
   std::vector<ChangedTriangle> changed_triangles;  ///< of the complex

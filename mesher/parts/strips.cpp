@@ -49,7 +49,7 @@ std::vector<FaceCode> find_open_faces(const TetMesh& mesh) {
 std::vector<BorderVert> find_border(const PartState& state) {
   std::vector<BorderVert> border;
   std::vector<char> seen(state.mesh.points.size(), 0);
-  for (const FaceCode face : state.open_faces)
+  for (const FaceCode face : state.strips.open_faces)
     for (const std::uint32_t v : verts_of(state.mesh, face))
       if (!std::exchange(seen[v], 1)) border.push_back({v, face});
   return border;
@@ -77,7 +77,7 @@ std::vector<ToldVert> find_poor(const PartState& state) {
       if (state.waits[v]) poor.push_back({v, reach});
     }
   };
-  for (const FaceCode open : state.open_faces) {
+  for (const FaceCode open : state.strips.open_faces) {
     const std::uint32_t tet = open.tet();
     look_at(tet, open);
     for (const FaceCode face : FaceCode::of(tet))
@@ -93,7 +93,7 @@ bool may_be_astray(const PartState& state, std::span<const BorderVert> border, c
   for (const auto& [v, face] : border)
     if (state.waits[v]) outside = std::max(outside, distance_outside(state.mesh.points[v], own_box));
   if (outside <= 0) return false;
-  for (const FaceCode open : state.open_faces) least = std::min(least, least_reach_of(state.mesh, open));
+  for (const FaceCode open : state.strips.open_faces) least = std::min(least, least_reach_of(state.mesh, open));
   return outside > least;
 }
 
@@ -103,7 +103,7 @@ std::vector<ToldVert> find_astray(const PartState& state, std::span<const Border
   const TetMesh& mesh = state.mesh;
   std::vector<ToldVert> astray;
   if (!may_be_astray(state, border, own_box)) return astray;
-  for (const FaceCode open : state.open_faces) {
+  for (const FaceCode open : state.strips.open_faces) {
     for (const std::uint32_t v : verts_of(mesh, open)) {
       const double outside = state.waits[v] ? distance_outside(mesh.points[v], own_box) : 0;
       if (outside <= 0) continue;
@@ -149,14 +149,13 @@ void send_lists(const SharedInput& input, PartTask& task, const std::vector<std:
 using Tellers = std::vector<std::pair<VertKey, PartId>>;
 
 // Those of the border whose keys are wanted, ascending, with their reaches.
-std::vector<std::pair<PartState::SharedVert, double>> find_shared(const PartState& state,
-                                                                  std::span<const VertKey> wanted) {
+std::vector<std::pair<SharedVert, double>> find_shared(const PartState& state, std::span<const VertKey> wanted) {
   const KeyFilter filter(wanted);
-  std::vector<std::pair<PartState::SharedVert, double>> shared;
-  for (const auto& [v, face] : state.border.verts) {
+  std::vector<std::pair<SharedVert, double>> shared;
+  for (const auto& [v, face] : state.strips.border.verts) {
     const VertKey key = state.keys[v];
     if (!filter.may_hold(key) || !std::binary_search(wanted.begin(), wanted.end(), key)) continue;
-    const bool is_poor = std::binary_search(state.border.poor.begin(), state.border.poor.end(), key);
+    const bool is_poor = std::binary_search(state.strips.border.poor.begin(), state.strips.border.poor.end(), key);
     shared.push_back({{key, v, is_poor}, reach_of(state.mesh, face)});
   }
   std::sort(shared.begin(), shared.end(), [](const auto& s, const auto& t) { return s.first.key < t.first.key; });
@@ -173,22 +172,22 @@ struct Heard {
 void send_poor(const SharedInput& input, PartState& state, PartTask& task) {
   TetMesh& mesh = state.mesh;
   state.waits.resize(mesh.points.size(), 0);
-  if (!std::exchange(state.knows_waits, true)) {
-    state.open_faces = find_open_faces(mesh);
-    for (const FaceCode face : state.open_faces)
+  if (!std::exchange(state.strips.knows_waits, true)) {
+    state.strips.open_faces = find_open_faces(mesh);
+    for (const FaceCode face : state.strips.open_faces)
       for (const std::uint32_t v : verts_of(mesh, face)) state.waits[v] = 1;
   }
   // After a round, open faces are often as they were.
-  if (std::exchange(state.open_faces_changed, false))
-    state.border = look_at_border(state, input.decomposition.box(task.part()));
+  if (std::exchange(state.strips.open_faces_changed, false))
+    state.strips.border = look_at_border(state, input.decomposition.box(task.part()));
   std::vector<Placed<VertKey>> told;
-  for (const auto& [v, reach] : state.border.told) told.push_back({mesh.points[v], reach, state.keys[v]});
+  for (const auto& [v, reach] : state.strips.border.told) told.push_back({mesh.points[v], reach, state.keys[v]});
   send_lists(input, task, near_neighbors(told, input.decomposition, task.part()));
 }
 
 void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
-  std::vector<VertKey> wanted = state.border.poor;
-  wanted.insert(wanted.end(), state.border.astray.begin(), state.border.astray.end());
+  std::vector<VertKey> wanted = state.strips.border.poor;
+  wanted.insert(wanted.end(), state.strips.border.astray.begin(), state.strips.border.astray.end());
   Tellers tellers;
   for (const Message& message : task.inbox()) {
     for (const VertKey key : MessageReader(message.bytes).get_view<VertKey>()) {
@@ -198,14 +197,14 @@ void send_shared(const SharedInput& input, PartState& state, PartTask& task) {
   }
   std::sort(wanted.begin(), wanted.end());
   sort_unique(tellers);
-  state.shared.clear();
+  state.strips.shared.clear();
   if (wanted.empty()) return;
   const NeighborBoxes boxes(input.decomposition, task.part());
   const auto neighbors = input.decomposition.neighbors(task.part());
   std::vector<std::vector<SharedVertNote>> lists(boxes.size());
   auto teller = tellers.begin();
   for (const auto& [vert, reach] : find_shared(state, wanted)) {
-    state.shared.push_back(vert);
+    state.strips.shared.push_back(vert);
     const SharedVertNote told{vert.key, std::uint64_t{vert.is_poor}};
     const Vec3& x = state.mesh.points[vert.vert];
     boxes.for_each_near(x, reach, [&](std::size_t n) { lists[n].push_back(told); });
@@ -225,7 +224,7 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
     heard.push_back({message.from, MessageReader(message.bytes).get_view<SharedVertNote>()});
   std::vector<std::pair<PartId, std::uint32_t>> owned;
   std::vector<std::size_t> next(heard.size(), 0);
-  for (const auto& vert : state.shared) {
+  for (const auto& vert : state.strips.shared) {
     PartId lowest = task.part();
     std::size_t sharers = 0;
     bool poor = vert.is_poor;
@@ -241,19 +240,19 @@ void send_strips(PartState& state, std::size_t round, PartTask& task) {
     if (!poor || sharers == 0 || (round == 0 && sharers > 1)) continue;
     owned.emplace_back(lowest, vert.vert);
   }
-  state.own_piece.clear();
-  state.opened.clear();
+  state.strips.own_piece.clear();
+  state.strips.opened.clear();
   if (owned.empty()) return;
   std::sort(owned.begin(), owned.end());
-  state.open_faces_changed = true;
+  state.strips.open_faces_changed = true;
   TetPacker packer(state.mesh);
   for (const auto& [part, tets] : find_tets_to_migrate(state, owned)) {
     Bytes bytes = pack_piece(state, tets, packer);
-    take_out(state, tets, state.opened);
+    take_out(state, tets, state.strips.opened);
     state.figures.parts.strips[round].tets += tets.size();
     state.figures.parts.strips[round].moved += part == task.part() ? 0 : tets.size();
     if (part == task.part()) {
-      state.own_piece = std::move(bytes);
+      state.strips.own_piece = std::move(bytes);
     } else {
       task.send(part, std::move(bytes));
     }
@@ -264,22 +263,23 @@ void take_strips(const SharedInput& input, PartState& state, PartTask& task) {
   Stopwatch watch;
   std::vector<Bytes> pieces;
   for (Message& message : task.inbox()) {
-    if (!state.own_piece.empty() && message.from > task.part()) pieces.push_back(std::exchange(state.own_piece, {}));
+    if (!state.strips.own_piece.empty() && message.from > task.part())
+      pieces.push_back(std::exchange(state.strips.own_piece, {}));
     pieces.push_back(std::move(message.bytes));
   }
-  if (!state.own_piece.empty()) pieces.push_back(std::exchange(state.own_piece, {}));
-  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_dead(face.tet()); });
-  for (const FaceCode face : state.opened)
-    if (!state.mesh.is_dead(face.tet())) state.open_faces.push_back(face);
+  if (!state.strips.own_piece.empty()) pieces.push_back(std::exchange(state.strips.own_piece, {}));
+  std::erase_if(state.strips.open_faces, [&](FaceCode face) { return state.mesh.is_dead(face.tet()); });
+  for (const FaceCode face : state.strips.opened)
+    if (!state.mesh.is_dead(face.tet())) state.strips.open_faces.push_back(face);
   if (!pieces.empty()) {
-    state.open_faces_changed = true;
+    state.strips.open_faces_changed = true;
     Strip strip = unpack_strip(std::move(pieces), task.runner());
     optimize_strip(input, strip, state, task.runner());
-    put_in(state, task.part(), std::move(strip), state.open_faces);
+    put_in(state, task.part(), std::move(strip), state.strips.open_faces);
   }
   // Faces of the surface that taking out has opened are open for what comes back only.
-  std::erase_if(state.open_faces, [&](FaceCode face) { return state.mesh.is_fixed(face); });
-  state.opened.clear();
+  std::erase_if(state.strips.open_faces, [&](FaceCode face) { return state.mesh.is_fixed(face); });
+  state.strips.opened.clear();
   state.figures.seconds.optimize += watch.lap();
 }
 
