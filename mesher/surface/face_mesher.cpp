@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/disjoint_sets.hpp"
 #include "mesher/surface/face_plane.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
@@ -234,6 +235,24 @@ class FaceMesher {
     FaceOverPlane geometry(*geometry_, *plane, rim, rim_.points(), follow);
     result_.verdict = FaceVerdict::Ok;
     fill(fill_rim_patch(std::move(rim), geometry, rim_.points(), sizes_), geometry);
+    if (!is_in_one_piece(result_)) result_.verdict = FaceVerdict::NotTriangulated;
+  }
+
+  // A thin tube without its seam is two caps over the plane.
+  static bool is_in_one_piece(const FaceMesh& mesh) {
+    std::vector<std::pair<std::array<std::uint32_t, 2>, std::uint32_t>> edges;
+    for (std::uint32_t t = 0; t < mesh.tri_to_vert.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] = std::minmax(mesh.tri_to_vert[t][i], mesh.tri_to_vert[t][(i + 1) % 3]);
+        edges.push_back({{low, high}, t});
+      }
+    std::sort(edges.begin(), edges.end());
+    DisjointSets pieces(mesh.tri_to_vert.size());
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+      if (edges[i].first == edges[i + 1].first) pieces.join(edges[i].second, edges[i + 1].second);
+    for (std::uint32_t t = 1; t < mesh.tri_to_vert.size(); ++t)
+      if (pieces.find(t) != pieces.find(0)) return false;
+    return true;
   }
 
   void fill(RimPatch given, FaceGeometry& geometry) {
