@@ -54,6 +54,8 @@ namespace {
 constexpr std::uint32_t kStill = 0x80000000u;
 
 class FaceMesher {
+  using Chord = std::array<std::uint32_t, 2>;  // two nodes, ascending
+
  public:
   FaceMesher(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
              const std::function<bool()>& keep_going)
@@ -263,11 +265,75 @@ class FaceMesher {
     refine_frontal(patch, surface, keep_going_);
     sort_spatially(patch);
     optimize_patch(patch, surface, {}, keep_going_);
+    if (patch.has_poles) open_narrow_tubes(patch, surface);
     split_taken_chords(patch, surface);
     extract(patch);
   }
 
-  using Chord = std::array<std::uint32_t, 2>;  // two nodes, ascending
+  // Where sizes are larger than the girth of a tube, edges may run around it from a node of its seam to the same node.
+  // Vertices in the middle of these, then of edges that join the same two vertices, leave four around the tube.
+  void open_narrow_tubes(Patch& patch, const PatchSurface& surface) const {
+    constexpr int kRounds = 3;
+    std::vector<std::uint32_t> edges = find_edges_around(patch, surface);
+    for (int round = 0; round < kRounds && !edges.empty(); ++round) {
+      for (const std::uint32_t h : edges) split_in_middle(patch, surface, h);
+      edges = find_edges_alike(patch);
+    }
+  }
+
+  static std::uint32_t name_of(const Patch& patch, std::uint32_t v) {
+    const std::uint32_t node = patch.vertices[v].node;
+    return node != Triangulation::kNone ? node : FaceMesh::kInner | v;
+  }
+
+  // Calls visit(half-edge, names of its ends, ascending) for one side of every edge.
+  template <class Visit>
+  static void for_each_edge(const Patch& patch, const Visit& visit) {
+    const Triangulation& topology = patch.topology;
+    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
+      if (!topology.alive(h / 3) || (topology.twin(h) != Triangulation::kNone && topology.twin(h) < h)) continue;
+      const std::uint32_t a = name_of(patch, topology.origin(h)), b = name_of(patch, topology.target(h));
+      visit(h, Chord{std::min(a, b), std::max(a, b)});
+    }
+  }
+
+  // Edges between two places of a pole are none: all their points are the pole.
+  static std::vector<std::uint32_t> find_edges_around(const Patch& patch, const PatchSurface& surface) {
+    constexpr double kNoLength = 1e-4;  // of the size
+    std::vector<std::uint32_t> around;
+    for_each_edge(patch, [&](std::uint32_t h, const Chord& chord) {
+      if (chord[0] != chord[1] || !is_inner(patch.topology, h)) return;
+      const PatchVertex &a = patch.vertices[patch.topology.origin(h)], &b = patch.vertices[patch.topology.target(h)];
+      const PatchPlace middle = surface.midpoint(a.place, b.place);
+      if (distance(middle.point, a.place.point) > kNoLength * a.size) around.push_back(h);
+    });
+    return around;
+  }
+
+  // Inner edges between vertices that another edge joins too.
+  static std::vector<std::uint32_t> find_edges_alike(const Patch& patch) {
+    std::vector<std::pair<Chord, std::uint32_t>> edges;
+    for_each_edge(patch, [&](std::uint32_t h, const Chord& chord) {
+      if (chord[0] != chord[1]) edges.emplace_back(chord, h);
+    });
+    std::ranges::sort(edges);
+    std::vector<std::uint32_t> alike;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const bool is_repeated = (i > 0 && edges[i - 1].first == edges[i].first) ||
+                               (i + 1 < edges.size() && edges[i + 1].first == edges[i].first);
+      if (is_repeated && is_inner(patch.topology, edges[i].second)) alike.push_back(edges[i].second);
+    }
+    std::ranges::sort(alike);
+    return alike;
+  }
+
+  static void split_in_middle(Patch& patch, const PatchSurface& surface, std::uint32_t h) {
+    Triangulation& topology = patch.topology;
+    const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
+    const PatchPlace middle = surface.midpoint(a.place, b.place);
+    patch.vertices.push_back({middle, surface.size_at(middle.point), Triangulation::kNone});
+    topology.split_edge(h, topology.add_vertex());
+  }
 
   // The nodes that an edge of the patch joins; nothing where one of its ends is none.
   static std::optional<Chord> chord_of(const Patch& patch, std::uint32_t h) {
@@ -299,7 +365,7 @@ class FaceMesher {
 
   void split_taken_chords(Patch& patch, const PatchSurface& surface) const {
     Triangulation& topology = patch.topology;
-    // In a plane, repeated chords are those of narrow tubes, which may stay.
+    // In a plane, repeated chords are those of narrow tubes, which may stay where none is closed around them.
     const std::vector<Chord> repeated = surface.smooth() ? std::vector<Chord>{} : find_repeated_chords(patch);
     if (taken_chords_.empty() && repeated.empty()) return;
     const std::uint32_t end = topology.half_edges();
@@ -309,10 +375,7 @@ class FaceMesher {
       if (!chord ||
           (!std::ranges::binary_search(taken_chords_, *chord) && !std::ranges::binary_search(repeated, *chord)))
         continue;
-      const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
-      const PatchPlace middle = surface.midpoint(a.place, b.place);
-      patch.vertices.push_back({middle, surface.size_at(middle.point), Triangulation::kNone});
-      topology.split_edge(h, topology.add_vertex());
+      split_in_middle(patch, surface, h);
     }
   }
 

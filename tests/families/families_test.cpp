@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <string>
 #include <string_view>
 
+#include "core/base/disjoint_sets.hpp"
 #include "mesher/sizing/build_size_field.hpp"
 #include "tests/support/families/family.hpp"
 #include "tests/support/sanitized.hpp"
@@ -82,6 +84,22 @@ void check_mesh(const MeshResult& result, const GeometricModel& geometry, const 
   check_count(quality.tets.count, geometry, model);
 }
 
+/// Into how many pieces the triangles of a face fall that share edges.
+std::size_t pieces_of_face(const Mesh& mesh, std::uint32_t face) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edge_to_triangle;
+  DisjointSets sets(mesh.tri_to_vert.size());
+  std::vector<std::uint32_t> triangles;
+  for (std::uint32_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
+    if (mesh.tri_to_entity[t] != face) continue;
+    triangles.push_back(t);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax(mesh.tri_to_vert[t][i], mesh.tri_to_vert[t][(i + 1) % 3]);
+      sets.join(t, edge_to_triangle.try_emplace({low, high}, t).first->second);
+    }
+  }
+  return static_cast<std::size_t>(std::ranges::count_if(triangles, [&](auto t) { return sets.find(t) == t; }));
+}
+
 /// What is read is what was made.
 void check_reading(const GeometricModel& geometry, const FamilyModel& model) {
   if (!model.sound) return;
@@ -142,6 +160,24 @@ TEST_CASE("small models of all families are meshed, or refused with a place", "[
   for (const Family& family : test::all_families()) DYNAMIC_SECTION(family.name) {
       check_family(family, seeds_to_try(test::kSanitized ? 3 : 24), FamilyScale::Small);
     }
+}
+
+TEST_CASE("tubes thinner than the sizes are closed all around, and in one piece", "[coarse]") {
+  for (const std::uint64_t seed : {6, 11}) {
+    const test::TemporaryFolder folder;
+    const FamilyModel model = test::family_named("tubes").make(seed, FamilyScale::Small, folder.path());
+    const ModelDocument document = read_model(model.file);
+    MeshOptions options;
+    options.sizes.size = 0.15 * norm(document.model->bounding_box().hi - document.model->bounding_box().lo);
+    options.surface_only = true;
+    options.refine_surface = false;
+    const MeshResult result = make_mesh(*document.model, options);
+    REQUIRE(result.status == MeshStatus::Ok);
+    for (std::uint32_t f = 0; f < document.model->topology().face_count(); ++f) {
+      INFO("seed " << seed << ", face " << f);
+      CHECK(pieces_of_face(result.mesh, f) == 1);
+    }
+  }
 }
 
 TEST_CASE("models of all families are meshed, or refused with a place, thousands of them", "[long]") {
