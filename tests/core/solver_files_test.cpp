@@ -349,6 +349,26 @@ TEST_CASE("polyMesh: cells are closed, their volumes those of the mesh, and face
   }
 }
 
+TEST_CASE("polyMesh: points that no cell has are left out, and the others are the same") {
+  const TemporaryFolder folder;
+  Mesh mesh = named_box();
+  write_mesh(mesh, folder / "a.foam");
+  mesh.points.insert(mesh.points.begin(), {Vec3{9, 9, 9}, Vec3{8, 8, 8}});
+  mesh.point_to_entity.insert(mesh.point_to_entity.begin(), 2, mesh.point_to_entity.front());
+  for_each_cell_kind(mesh, [](CellKind, auto& cells, const auto&) {
+    for (auto& cell : cells)
+      for (std::uint32_t& v : cell) v += 2;
+  });
+  for (auto& edge : mesh.edge_to_vert)
+    for (std::uint32_t& v : edge) v += 2;
+  for (auto& triangle : mesh.tri_to_vert)
+    for (std::uint32_t& v : triangle) v += 2;
+  write_mesh(mesh, folder / "b.foam");
+  for (const char* file : {"points", "faces", "owner", "neighbour", "boundary"})
+    CHECK(file_content(folder / "a.foam" / "constant/polyMesh" / file) ==
+          file_content(folder / "b.foam" / "constant/polyMesh" / file));
+}
+
 TEST_CASE("polyMesh: what is not ours stays, and boundary faces without triangles have a patch") {
   const TemporaryFolder folder;
   Mesh mesh = named_box();

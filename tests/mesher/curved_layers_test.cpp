@@ -7,7 +7,6 @@
 #include "core/mesh/curved_cell.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "tests/mesher/layers_fixture.hpp"
-#include "tests/support/error_of.hpp"
 
 using namespace tetloom;
 using namespace tetloom::test_layers;
@@ -89,11 +88,4 @@ TEST_CASE("flat walls leave all layers straight") {
   CHECK(result.second_order.curved == 0);
   CHECK(result.second_order.moved == 0);
   CHECK(compute_quality(result.mesh).curved.count == 0);
-}
-
-TEST_CASE("layers of tets alone are of first order") {
-  const auto box = make_box({0, 0, 0}, {2, 2, 2});
-  MeshOptions options = curved_layers(*box, 0.5, heights(0.02, 4));
-  options.layers.all_tets = true;
-  CHECK(test::error_of([&] { make_mesh(*box, options); }).code == ErrorCode::InvalidArgument);
 }

@@ -402,6 +402,7 @@ TEST_CASE("layers that cannot be are refused with the face") {
   MeshOptions options = options_of_size(0.2);
   options.layers = on_faces(*box, heights(0.01, 5));
   options.order = 2;
+  options.layers.all_tets = true;  // of tets alone they are of first order
   CHECK(error_of([&] { make_mesh(*box, options); }).code == ErrorCode::InvalidArgument);
   options.order = 1;
   options.surface_only = true;

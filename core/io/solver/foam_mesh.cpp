@@ -6,6 +6,7 @@
 
 #include "core/io/atomic_file.hpp"
 #include "core/io/solver/number_text.hpp"
+#include "core/mesh/mesh_access.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -49,7 +50,14 @@ FoamMesh::FoamMesh(const Mesh& mesh, Groups named, const FoamPart& part, const B
       part_(part.number),
       cell_faces_(mesh, loop),
       groups_(make_groups(mesh, std::move(named))),
-      faces_(order_foam_faces(cell_faces_, groups_[2], part.number, part.shared)) {}
+      faces_(order_foam_faces(cell_faces_, groups_[2], part.number, part.shared)),
+      points_(mesh.points.size()) {
+  for_each_cell_kind(mesh, [&](CellKind, const auto& cells, const auto&) {
+    for (const auto& cell : cells)
+      for (const std::uint32_t v : cell) points_.add(v);
+  });
+  points_.sort();
+}
 
 bool FoamMesh::is_file_name(const std::string& name) {
   static const std::set<std::string> names{"points",
@@ -101,13 +109,14 @@ void FoamMesh::write_list(const std::filesystem::path& path, const char* type, s
 }
 
 void FoamMesh::write_points(const std::filesystem::path& folder, const CancelToken* cancel) const {
-  const auto print_point = [&](char* out, std::size_t v) {
+  const auto print_point = [&](char* out, std::size_t i) {
+    const Vec3& x = mesh_.points[points_.items()[i]];
     *out++ = '(';
-    for (int axis = 0; axis < 3; ++axis) out = print(out, mesh_.points[v][axis], axis < 2 ? ' ' : ')');
+    for (int axis = 0; axis < 3; ++axis) out = print(out, x[axis], axis < 2 ? ' ' : ')');
     *out++ = '\n';
     return out;
   };
-  write_list(folder / "points", "vectorField", mesh_.points.size(), 3 * kRealBytes + 4, print_point, cancel);
+  write_list(folder / "points", "vectorField", points_.size(), 3 * kRealBytes + 4, print_point, cancel);
 }
 
 void FoamMesh::write_faces(const std::filesystem::path& folder, const CancelToken* cancel) const {
@@ -119,7 +128,7 @@ void FoamMesh::write_faces(const std::filesystem::path& folder, const CancelToke
     const std::span<std::uint32_t> verts = std::span(buffer).first(count);
     if (i >= first_shared) from_lowest(verts);
     out = print(out, count, '(');
-    for (std::size_t k = 0; k < count; ++k) out = print(out, verts[k], k + 1 < count ? ' ' : ')');
+    for (std::size_t k = 0; k < count; ++k) out = print(out, points_[verts[k]], k + 1 < count ? ' ' : ')');
     *out++ = '\n';
     return out;
   };
@@ -128,7 +137,7 @@ void FoamMesh::write_faces(const std::filesystem::path& folder, const CancelToke
 
 void FoamMesh::write_owners(const std::filesystem::path& folder, const CancelToken* cancel) const {
   const std::string note =
-      "nPoints:" + std::to_string(mesh_.points.size()) + "  nCells:" + std::to_string(cell_faces_.cell_count()) +
+      "nPoints:" + std::to_string(points_.size()) + "  nCells:" + std::to_string(cell_faces_.cell_count()) +
       "  nFaces:" + std::to_string(faces_.faces.size()) + "  nInternalFaces:" + std::to_string(faces_.internal_count);
   const auto print_owner = [&](char* out, std::size_t i) {
     return print(out, cell_faces_.cell(faces_.faces[i]), '\n');

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/local_numbers.hpp"
 #include "core/io/solver/foam_faces.hpp"
 
 namespace tetloom::detail {
@@ -55,6 +56,7 @@ class FoamMesh {
   const CellFaces cell_faces_;
   const Groups groups_;
   const FoamFaces faces_;
+  LocalNumbers points_;  // the vertices of cells, ascending: OpenFOAM takes no others
 };
 
 }  // namespace tetloom::detail
