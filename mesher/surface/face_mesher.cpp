@@ -9,6 +9,7 @@
 #include "mesher/surface/face_plane.hpp"
 #include "mesher/surface/facet_patch.hpp"
 #include "mesher/surface/frontal_delaunay.hpp"
+#include "mesher/surface/narrow_tubes.hpp"
 #include "mesher/surface/patch_optimizer.hpp"
 #include "mesher/surface/rim_patch.hpp"
 
@@ -270,81 +271,12 @@ class FaceMesher {
     extract(patch);
   }
 
-  // Where sizes are larger than the girth of a tube, edges may run around it from a node of its seam to the same node.
-  // Vertices in the middle of these, then of edges that join the same two vertices, leave four around the tube.
-  void open_narrow_tubes(Patch& patch, const PatchSurface& surface) const {
-    constexpr int kRounds = 3;
-    std::vector<std::uint32_t> edges = find_edges_around(patch, surface);
-    for (int round = 0; round < kRounds && !edges.empty(); ++round) {
-      for (const std::uint32_t h : edges) split_in_middle(patch, surface, h);
-      edges = find_edges_alike(patch);
-    }
-  }
-
-  static std::uint32_t name_of(const Patch& patch, std::uint32_t v) {
-    const std::uint32_t node = patch.vertices[v].node;
-    return node != Triangulation::kNone ? node : FaceMesh::kInner | v;
-  }
-
-  // Calls visit(half-edge, names of its ends, ascending) for one side of every edge.
-  template <class Visit>
-  static void for_each_edge(const Patch& patch, const Visit& visit) {
-    const Triangulation& topology = patch.topology;
-    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
-      if (!topology.alive(h / 3) || (topology.twin(h) != Triangulation::kNone && topology.twin(h) < h)) continue;
-      const std::uint32_t a = name_of(patch, topology.origin(h)), b = name_of(patch, topology.target(h));
-      visit(h, Chord{std::min(a, b), std::max(a, b)});
-    }
-  }
-
-  // Edges between two places of a pole are none: all their points are the pole.
-  static std::vector<std::uint32_t> find_edges_around(const Patch& patch, const PatchSurface& surface) {
-    constexpr double kNoLength = 1e-4;  // of the size
-    std::vector<std::uint32_t> around;
-    for_each_edge(patch, [&](std::uint32_t h, const Chord& chord) {
-      if (chord[0] != chord[1] || !is_inner(patch.topology, h)) return;
-      const PatchVertex &a = patch.vertices[patch.topology.origin(h)], &b = patch.vertices[patch.topology.target(h)];
-      const PatchPlace middle = surface.midpoint(a.place, b.place);
-      if (distance(middle.point, a.place.point) > kNoLength * a.size) around.push_back(h);
-    });
-    return around;
-  }
-
-  // Inner edges between vertices that another edge joins too.
-  static std::vector<std::uint32_t> find_edges_alike(const Patch& patch) {
-    std::vector<std::pair<Chord, std::uint32_t>> edges;
-    for_each_edge(patch, [&](std::uint32_t h, const Chord& chord) {
-      if (chord[0] != chord[1]) edges.emplace_back(chord, h);
-    });
-    std::ranges::sort(edges);
-    std::vector<std::uint32_t> alike;
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      const bool is_repeated = (i > 0 && edges[i - 1].first == edges[i].first) ||
-                               (i + 1 < edges.size() && edges[i + 1].first == edges[i].first);
-      if (is_repeated && is_inner(patch.topology, edges[i].second)) alike.push_back(edges[i].second);
-    }
-    std::ranges::sort(alike);
-    return alike;
-  }
-
-  static void split_in_middle(Patch& patch, const PatchSurface& surface, std::uint32_t h) {
-    Triangulation& topology = patch.topology;
-    const PatchVertex &a = patch.vertices[topology.origin(h)], &b = patch.vertices[topology.target(h)];
-    const PatchPlace middle = surface.midpoint(a.place, b.place);
-    patch.vertices.push_back({middle, surface.size_at(middle.point), Triangulation::kNone});
-    topology.split_edge(h, topology.add_vertex());
-  }
-
   // The nodes that an edge of the patch joins; nothing where one of its ends is none.
   static std::optional<Chord> chord_of(const Patch& patch, std::uint32_t h) {
     const std::uint32_t a = patch.vertices[patch.topology.origin(h)].node;
     const std::uint32_t b = patch.vertices[patch.topology.target(h)].node;
     if (a == Triangulation::kNone || b == Triangulation::kNone || a == b) return {};
     return Chord{std::min(a, b), std::max(a, b)};
-  }
-
-  static bool is_inner(const Triangulation& topology, std::uint32_t h) {
-    return topology.twin(h) != Triangulation::kNone && !topology.fixed(h);
   }
 
   // Nodes that several edges of the patch join, one of them inside: as where both sides of a sharp corner belong to one
@@ -354,7 +286,8 @@ class FaceMesher {
     std::vector<std::pair<Chord, bool>> chords;
     for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
       if (!topology.alive(h / 3) || (topology.twin(h) != Triangulation::kNone && topology.twin(h) < h)) continue;
-      if (const std::optional<Chord> chord = chord_of(patch, h)) chords.emplace_back(*chord, is_inner(topology, h));
+      if (const std::optional<Chord> chord = chord_of(patch, h))
+        chords.emplace_back(*chord, is_inner_edge(topology, h));
     }
     std::ranges::sort(chords);
     std::vector<Chord> repeated;
@@ -370,7 +303,7 @@ class FaceMesher {
     if (taken_chords_.empty() && repeated.empty()) return;
     const std::uint32_t end = topology.half_edges();
     for (std::uint32_t h = 0; h < end; ++h) {
-      if (!topology.alive(h / 3) || !is_inner(topology, h)) continue;
+      if (!topology.alive(h / 3) || !is_inner_edge(topology, h)) continue;
       const std::optional<Chord> chord = chord_of(patch, h);
       if (!chord ||
           (!std::ranges::binary_search(taken_chords_, *chord) && !std::ranges::binary_search(repeated, *chord)))
