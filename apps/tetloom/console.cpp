@@ -140,7 +140,7 @@ std::string render_quality(const RunReport& report) {
   if (quality.curved.count > 0)
     text += row("curved", plural(quality.curved.count, "cell") + ", the least Jacobian is " +
                               format_number(std::round(1e3 * quality.curved.min_scaled_jacobian) / 1e3) +
-                              " of the straight tet's");
+                              " of the straight one's");
   if (cells.count > 0) text += volume_row(report);
   return text;
 }
@@ -152,7 +152,7 @@ std::string off_model_row(const RunReport& report) {
   const auto count = second_order["off_model_count"].get<std::uint64_t>();
   if (count == 0) return {};
   return row("", plural(count, "mid node") + " of " + format_count(second_order["mid_nodes"].get<std::uint64_t>()) +
-                     " do not lie on the model, so that all tets are valid");
+                     " do not lie on the model, so that all cells are valid");
 }
 
 // Cells of boundary layers and how much of them there is.

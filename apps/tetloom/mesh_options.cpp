@@ -268,7 +268,7 @@ void add_volume_options(CLI::App& mesh, RawMeshOptions& raw) {
       ->type_name("P")
       ->group(kRun);
   mesh.add_option("--min-scaled-jacobian", raw.min_scaled_jacobian,
-                  "With --order 2: the least Jacobian of a tet over that of the straight one; mid nodes leave the "
+                  "With --order 2: the least Jacobian of a cell over that of the straight one; mid nodes leave the "
                   "model where it would be less; 0 to 0.9, default: 0.1")
       ->type_name("Q")
       ->group(kRun);
