@@ -266,10 +266,6 @@ bool CurvedCell::is_straight() const {
   return std::all_of(bends.begin(), bends.begin() + edge_count(), [](const Vec3& bend) { return bend == Vec3{}; });
 }
 
-CellMids::CellMids(CellKind kind, std::span<const std::uint32_t> verts, const MidNodes& mids) {
-  for (const auto& [a, b] : shape_of(kind).edges()) mids_[count_++] = mids.find(verts[a], verts[b]);
-}
-
 CurvedCell curved_cell_of(const Mesh& mesh, const MidNodes& mids, CellKind kind, std::span<const std::uint32_t> verts) {
   CurvedCell cell{kind, {}, {}};
   for (std::size_t v = 0; v < verts.size(); ++v) cell.verts[v] = mesh.points[verts[v]];
@@ -280,41 +276,43 @@ CurvedCell curved_cell_of(const Mesh& mesh, const MidNodes& mids, CellKind kind,
   return cell;
 }
 
-double least_jacobian(const CurvedCell& cell, double enough) {
+CellJacobian cell_jacobian(const CurvedCell& cell) {
+  const Basis& basis = basis_of(cell);
+  CellJacobian jacobian{basis.coefficients(cell), basis.counts(), 0};
+  jacobian.volume = basis.integral(jacobian.coefficients);
+  const double straight = least_of_straight(cell);
+  for (double& coefficient : jacobian.coefficients)
+    coefficient = straight > 0 ? coefficient / straight : -std::numeric_limits<double>::infinity();
+  return jacobian;
+}
+
+double least_jacobian(const CellJacobian& jacobian, double enough) {
   constexpr double kPrecision = 1e-3;
   constexpr int kMostHalvings = 24;
-  const double straight = least_of_straight(cell);
-  if (!(straight > 0)) return -std::numeric_limits<double>::infinity();
-  const Basis& basis = basis_of(cell);
-  Piece whole{basis.coefficients(cell), 0};
-  for (double& coefficient : whole.coefficients) coefficient /= straight;
-  double found = least_at_corners(whole.coefficients, basis.counts()), bound = enough;
-  if (const double first = least_of(whole.coefficients); first >= enough || !(found - first > kPrecision)) return first;
-  std::vector<Piece> open{std::move(whole)};
+  const Counts& counts = jacobian.counts;
+  double found = least_at_corners(jacobian.coefficients, counts), bound = enough;
+  if (const double first = least_of(jacobian.coefficients); first >= enough || !(found - first > kPrecision))
+    return first;
+  std::vector<Piece> open{{jacobian.coefficients, 0}};
   while (!open.empty()) {
     const Piece piece = std::move(open.back());
     open.pop_back();
-    found = std::min(found, least_at_corners(piece.coefficients, basis.counts()));
+    found = std::min(found, least_at_corners(piece.coefficients, counts));
     const double lowest = least_of(piece.coefficients);
     if (lowest >= enough) continue;
     if (lowest >= found - kPrecision || piece.depth == kMostHalvings) {
       bound = std::min(bound, lowest);
       continue;
     }
-    for (Piece& half : halves_of(piece, basis.counts(), static_cast<std::size_t>(piece.depth) % 3))
+    for (Piece& half : halves_of(piece, counts, static_cast<std::size_t>(piece.depth) % 3))
       open.push_back(std::move(half));
   }
   return bound;
 }
 
-bool has_positive_jacobian(const CurvedCell& cell) {
+bool has_positive_jacobian(const CellJacobian& jacobian) {
   constexpr double kEnough = 1e-9;
-  return least_jacobian(cell, kEnough) > 0;
-}
-
-double volume_of(const CurvedCell& cell) {
-  const Basis& basis = basis_of(cell);
-  return basis.integral(basis.coefficients(cell));
+  return least_jacobian(jacobian, kEnough) > 0;
 }
 
 }  // namespace tetloom

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/mesh/mid_nodes.hpp"
 #include "tetloom/mesh_data.hpp"
@@ -24,38 +25,29 @@ struct CurvedCell {
   bool is_straight() const;
 };
 
-/// The mid nodes of a cell as places in `mid_to_vert`, in the order of its edges.
-class CellMids {
- public:
-  /// Pre: the mesh of `mids` is of second order and has the cell.
-  CellMids(CellKind kind, std::span<const std::uint32_t> verts, const MidNodes& mids);
-
-  std::size_t size() const { return count_; }
-  std::uint32_t operator[](std::size_t i) const { return mids_[i]; }
-  const std::uint32_t* begin() const { return mids_.data(); }
-  const std::uint32_t* end() const { return mids_.data() + count_; }
-
- private:
-  std::array<std::uint32_t, 12> mids_;
-  std::size_t count_ = 0;
-};
-
 /// A cell of a mesh of second order by its vertices.
 CurvedCell curved_cell_of(const Mesh& mesh, const MidNodes& mids, CellKind kind, std::span<const std::uint32_t> verts);
 
-/// A lower bound of the determinant of the Jacobian over the cell, divided by the least that the straight cell has at a
-/// corner: at least `enough`, or within .001 of the least value that was found, which then is less. Minus infinity
-/// where the straight cell has a corner that is not positive.
+/// The determinant of the Jacobian of the map from the reference cell, as a polynomial on a cube: its Bézier
+/// coefficients, u fastest, over the least that the straight cell has at a corner. Where that is not positive they are
+/// all minus infinity.
 ///
-/// As for tets the bound is the least Bézier coefficient (Johnen, Remacle & Geuzaine 2013), here of tensor products: a
-/// prism and a pyramid are cubes with an edge or a face drawn together, and the factor by which the determinant
-/// vanishes there is divided out beforehand. Coefficients come from sampled values.
-double least_jacobian(const CurvedCell& cell, double enough);
+/// As for tets bounds are least coefficients (Johnen, Remacle & Geuzaine 2013), here of tensor products: a prism and a
+/// pyramid are cubes with an edge or a face drawn together, and the factor by which the determinant vanishes there is
+/// divided out beforehand. Coefficients come from sampled values.
+struct CellJacobian {
+  std::vector<double> coefficients;
+  std::array<std::size_t, 3> counts{};  ///< along u, v and w
+  double volume = 0;                    ///< of the cell, exact but for rounding
+};
 
-/// Whether the Jacobian is proven to be positive everywhere.
-bool has_positive_jacobian(const CurvedCell& cell);
+CellJacobian cell_jacobian(const CurvedCell& cell);
 
-/// Exact but for rounding.
-double volume_of(const CurvedCell& cell);
+/// A lower bound of the polynomial on the cell: at least `enough`, or within .001 of the least value that was found,
+/// which then is less.
+double least_jacobian(const CellJacobian& jacobian, double enough);
+
+/// Whether it is proven to be positive everywhere.
+bool has_positive_jacobian(const CellJacobian& jacobian);
 
 }  // namespace tetloom

@@ -8,6 +8,7 @@
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/statistics_detail.hpp"
+#include "core/mesh/tet_volume.hpp"
 
 namespace tetloom {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 using detail::Sum;
 
 constexpr std::size_t kGrain = std::size_t{1} << 14;
-
-double volume_of_tet(const Mesh& mesh, std::size_t t) {
-  const auto& [a, b, c, d] = mesh.tet_to_vert[t];
-  const Vec3& x = mesh.points[a];
-  return dot(cross(mesh.points[b] - x, mesh.points[c] - x), mesh.points[d] - x) / 6;
-}
 
 struct CurvedSums {
   std::size_t count = 0, not_positive = 0;
@@ -38,8 +33,9 @@ CurvedSums measure_curved_tets(const Mesh& mesh, const MidNodes& mids, std::span
                                const BlockLoop& loop) {
   const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
     for (std::size_t t = begin; t < end; ++t) {
-      const double volume = volume_of_tet(mesh, t);
-      const bool is_straight = !may_be_bent(mesh.tet_to_vert[t], is_end) || is_straight_tet(mesh, mids, t);
+      const auto& [a, b, c, d] = mesh.tet_to_vert[t];
+      const double volume = tet_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
+      const bool is_straight = !has_two_of(mesh.tet_to_vert[t], is_end) || is_straight_tet(mesh, mids, t);
       const TetJacobian jacobian = is_straight ? TetJacobian{} : tet_jacobian(nodes_of_tet(mesh, mids, t));
       sums.volume.add(is_straight ? volume : volume * mean_jacobian(jacobian));
       if (is_straight) continue;
@@ -61,11 +57,12 @@ CurvedSums measure_curved_cells(const Mesh& mesh, const MidNodes& mids, const Bl
     const auto measure = [&](std::size_t begin, std::size_t end, CurvedSums& sums) {
       for (std::size_t c = begin; c < end; ++c) {
         const CurvedCell cell = curved_cell_of(mesh, mids, kind, cells[c]);
-        sums.volume.add(volume_of(cell));
+        const CellJacobian jacobian = cell_jacobian(cell);
+        sums.volume.add(jacobian.volume);
         if (cell.is_straight()) continue;
         ++sums.count;
-        sums.least = std::min(sums.least, least_jacobian(cell, sums.least));
-        if (!has_positive_jacobian(cell)) ++sums.not_positive;
+        sums.least = std::min(sums.least, least_jacobian(jacobian, sums.least));
+        if (!has_positive_jacobian(jacobian)) ++sums.not_positive;
       }
     };
     for (const CurvedSums& sums : map_blocks(loop, cells.size(), kGrain, CurvedSums{}, measure)) total.add(sums);

@@ -129,23 +129,13 @@ TetNodes nodes_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t) {
   TetNodes nodes;
   for (std::size_t i = 0; i < 4; ++i) nodes[i] = mesh.points[verts[i]];
   const std::size_t first = vertex_count(mesh);
-  const std::array<std::uint32_t, 6> own = mids_of_tet(mesh, mids, t);
+  const CellMids own(CellKind::Tet, mesh.tet_to_vert[t], mids);
   for (std::size_t e = 0; e < 6; ++e) nodes[4 + e] = mesh.points[first + own[e]];
   return nodes;
 }
 
-std::array<std::uint32_t, 6> mids_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t) {
-  const auto& verts = mesh.tet_to_vert[t];
-  std::array<std::uint32_t, 6> own;
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto [a, b] = shape_of(CellKind::Tet).edge[e];
-    own[e] = mids.find(verts[a], verts[b]);
-  }
-  return own;
-}
-
 bool is_straight_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t) {
-  const std::array<std::uint32_t, 6> own = mids_of_tet(mesh, mids, t);
+  const CellMids own(CellKind::Tet, mesh.tet_to_vert[t], mids);
   return std::ranges::all_of(
       own, [&](std::uint32_t m) { return mesh.points[vertex_count(mesh) + m] == middle_of_edge(mesh, m); });
 }

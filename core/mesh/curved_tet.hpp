@@ -20,9 +20,6 @@ using TetJacobian = std::array<double, 20>;
 /// Nodes of tet `t` of a mesh of second order.
 TetNodes nodes_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 
-/// The mid nodes of tet `t` as places in `mid_to_vert`, in the order of its edges. Pre: the mesh is of second order.
-std::array<std::uint32_t, 6> mids_of_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
-
 /// Whether all mid nodes of tet `t` lie in the middle of their edges, to the last bit.
 bool is_straight_tet(const Mesh& mesh, const MidNodes& mids, std::size_t t);
 

@@ -127,6 +127,10 @@ MidNodes::MidNodes(const Mesh& mesh)
   for (std::size_t v = 0; v < vertices_; ++v) begins_[v + 1] += begins_[v];
 }
 
+CellMids::CellMids(CellKind kind, std::span<const std::uint32_t> verts, const MidNodes& mids) {
+  for (const auto& [a, b] : shape_of(kind).edges()) mids_[count_++] = mids.find(verts[a], verts[b]);
+}
+
 std::vector<std::uint8_t> ends_of_bent_edges(const Mesh& mesh) {
   const std::size_t vertices = vertex_count(mesh);
   std::vector<std::uint8_t> is_end(vertices, 0);

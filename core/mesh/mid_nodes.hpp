@@ -74,16 +74,32 @@ class MidNodes {
   std::vector<std::uint32_t> begins_;  // by lower end
 };
 
+/// The mid nodes of a cell as places in `mid_to_vert`, in the order of its edges.
+class CellMids {
+ public:
+  /// Pre: the mesh of `mids` is of second order and has the cell.
+  CellMids(CellKind kind, std::span<const std::uint32_t> verts, const MidNodes& mids);
+
+  std::size_t size() const { return count_; }
+  std::uint32_t operator[](std::size_t i) const { return mids_[i]; }
+  const std::uint32_t* begin() const { return mids_.data(); }
+  const std::uint32_t* end() const { return mids_.data() + count_; }
+
+ private:
+  std::array<std::uint32_t, 12> mids_;
+  std::size_t count_ = 0;
+};
+
 /// By vertex: whether an edge is bent that ends there, its mid node beside the middle. An element with fewer than two
 /// such vertices is straight.
 std::vector<std::uint8_t> ends_of_bent_edges(const Mesh& mesh);
 
-/// Whether an element may be bent, as those say.
+/// Whether an element has two vertices that are marked with 1, and so may have an edge between such.
 template <class Verts>
-bool may_be_bent(const Verts& verts, std::span<const std::uint8_t> is_end) {
-  int ends = 0;
-  for (const std::uint32_t v : verts) ends += is_end[v];
-  return ends >= 2;
+bool has_two_of(const Verts& verts, std::span<const std::uint8_t> marks) {
+  int marked = 0;
+  for (const std::uint32_t v : verts) marked += marks[v];
+  return marked >= 2;
 }
 
 /// What is wrong with the mid nodes of a mesh whose elements refer to points that are there; nothing where they are as

@@ -13,6 +13,7 @@
 #include "core/mesh/mid_nodes.hpp"
 #include "core/mesh/quality_values.hpp"
 #include "core/mesh/statistics_detail.hpp"
+#include "core/mesh/tet_volume.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/tets/tet_topology.hpp"
 
@@ -134,10 +135,6 @@ std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes, co
     for (std::size_t i = begin; i < end; ++i) point_size[i] = sizes->size_at(mesh.points[i]);
   });
   return point_size;
-}
-
-double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  return dot(cross(b - a, c - a), d - a) / 6;
 }
 
 /// The signed volume of a cell. Between two triangles that share a diagonal and the two that share the other one, a

@@ -207,7 +207,7 @@ void validate_curved_cells(const Mesh& mesh, const BlockLoop& loop, detail::Prob
   detail::log_blocks(mesh, mesh.tet_to_vert.size(), loop, log,
                      [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
                        for (std::size_t t = begin; t < end; ++t)
-                         if (may_be_bent(mesh.tet_to_vert[t], is_end) && !is_straight_tet(mesh, mids, t) &&
+                         if (has_two_of(mesh.tet_to_vert[t], is_end) && !is_straight_tet(mesh, mids, t) &&
                              !has_positive_jacobian(mesh, mids, t))
                            of_block.add(ProblemKind::NonPositiveJacobian, ElementKind::Tet, t);
                      });
@@ -216,9 +216,9 @@ void validate_curved_cells(const Mesh& mesh, const BlockLoop& loop, detail::Prob
     detail::log_blocks(mesh, cells.size(), loop, log,
                        [&](std::size_t begin, std::size_t end, detail::ProblemLog& of_block) {
                          for (std::size_t c = begin; c < end; ++c) {
-                           if (!may_be_bent(cells[c], is_end)) continue;
+                           if (!has_two_of(cells[c], is_end)) continue;
                            const CurvedCell cell = curved_cell_of(mesh, mids, kind, cells[c]);
-                           if (!cell.is_straight() && !has_positive_jacobian(cell))
+                           if (!cell.is_straight() && !has_positive_jacobian(cell_jacobian(cell)))
                              of_block.add(ProblemKind::NonPositiveJacobian, detail::element_kind(kind), c);
                          }
                        });

@@ -89,7 +89,7 @@ struct MeshOptions {
   bool keep_going = false;           ///< solids and sheets in which something fails are left out, with those that share
                                      ///< faces with them, and the others are meshed; by default the whole run fails
   int order = 1;                     ///< 2: elements have mid nodes, on the curves and faces of the model
-  double min_scaled_jacobian = 0.1;  ///< of tets of second order: their Jacobian over that of the straight tet, at
+  double min_scaled_jacobian = 0.1;  ///< of cells of second order: their Jacobian over that of the straight cell, at
                                      ///< every place; mid nodes leave the model where it would be less. 0 to .9
   LayerOptions layers;               ///< boundary layers, which regions have on the walls named there
   QualityGoals goals;                ///< of the tets
@@ -120,9 +120,9 @@ struct OffModelNode {
 struct SecondOrderFigures {
   std::size_t mid_nodes = 0;
   std::size_t curved = 0;          ///< on curves and faces of the model, beside the middle of their edges
-  std::size_t moved = 0;           ///< inside of regions, away from the middle for the sake of the tets around them
-  double min_scaled_jacobian = 1;  ///< a lower bound over all tets; the least possible one is 1 where all are straight
-  std::size_t invalid = 0;         ///< tets whose Jacobian is not proven positive; always 0
+  std::size_t moved = 0;           ///< inside of regions, away from the middle: for validity, or as a wall below is
+  double min_scaled_jacobian = 1;  ///< a lower bound over all cells; 1 where all are straight
+  std::size_t invalid = 0;         ///< cells whose Jacobian is not proven positive; always 0
   std::vector<OffModelNode> off_model;
   double seconds = 0;
 };

@@ -47,7 +47,7 @@ bool CurvedMesh::is_straight(std::uint32_t cell) const {
 double CurvedMesh::least_jacobian_of(std::uint32_t cell) const {
   if (is_tet(cell)) return least_jacobian(jacobian_of(cell), least_);
   const auto [kind, verts] = verts_of(cell);
-  return least_jacobian(curved_cell_of(mesh_, mids_, kind, verts), least_);
+  return least_jacobian(cell_jacobian(curved_cell_of(mesh_, mids_, kind, verts)), least_);
 }
 
 std::vector<std::uint32_t> CurvedMesh::find_bad(std::span<const std::uint32_t> cells) const {
@@ -70,7 +70,7 @@ std::vector<MidAndCell> CurvedMesh::cells_at(std::span<const std::uint32_t> mids
   for_each_cell_kind(std::as_const(mesh_), [&](CellKind kind, const auto& cells, const auto&) {
     const auto collect = [&](std::size_t begin, std::size_t end, std::vector<MidAndCell>& found) {
       for (std::size_t c = begin; c < end; ++c) {
-        if (std::ranges::count_if(cells[c], [&](std::uint32_t v) { return is_end[v] != 0; }) < 2) continue;
+        if (!has_two_of(cells[c], is_end)) continue;
         for (const std::uint32_t mid : CellMids(kind, cells[c], mids_))
           if (is_wanted[mid] != 0) found.emplace_back(mid, static_cast<std::uint32_t>(first + c));
       }

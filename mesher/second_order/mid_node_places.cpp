@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/model_projector.hpp"
 #include "core/mesh/mid_nodes.hpp"
@@ -55,9 +57,15 @@ class SurfaceMidNodes {
   std::vector<std::span<const std::uint32_t>> blocks_;
 };
 
-MidNodePlaces project(const GeometricModel& model, const Mesh& mesh, ModelEntity entity,
-                      std::span<const std::uint32_t> mids) {
-  MidNodePlaces places;
+// What projecting mid nodes came to.
+struct Projected {
+  std::vector<CurvedNode> curved;
+  std::vector<std::pair<std::uint32_t, double>> far;  // those that stay in the middle, and how far the model is
+};
+
+Projected project(const GeometricModel& model, const Mesh& mesh, ModelEntity entity,
+                  std::span<const std::uint32_t> mids) {
+  Projected projected;
   const SurfaceProjector projector = make_projector(model);
   for (const std::uint32_t mid : mids) {
     const auto [a, b] = mesh.mid_to_vert[mid];
@@ -66,16 +74,11 @@ MidNodePlaces project(const GeometricModel& model, const Mesh& mesh, ModelEntity
     const std::optional<SurfaceSpot> spot = projector(entity, middle);
     const double away = spot ? distance(spot->point, middle) : HUGE_VAL;
     if (!(away <= kMostDisplacement * chord))
-      places.off_model.push_back({entity, away, middle});
+      projected.far.emplace_back(mid, away);
     else if (away > kStraight * chord)
-      places.curved.push_back({mid, spot->point, kNone});
+      projected.curved.push_back({mid, spot->point, kNone});
   }
-  return places;
-}
-
-template <class Item>
-void append(std::vector<Item>& all, const std::vector<Item>& more) {
-  all.insert(all.end(), more.begin(), more.end());
+  return projected;
 }
 
 }  // namespace
@@ -83,7 +86,7 @@ void append(std::vector<Item>& all, const std::vector<Item>& more) {
 MidNodePlaces place_mid_nodes(const GeometricModel& model, Mesh& mesh, const TaskRunner& runner) {
   add_mid_nodes(mesh, runner);
   const SurfaceMidNodes surface(mesh);
-  std::vector<MidNodePlaces> of_blocks(surface.blocks().size());
+  std::vector<Projected> of_blocks(surface.blocks().size());
   runner.begin_stage(Stage::SecondOrder, of_blocks.size());
   runner.for_each(of_blocks.size(), [&](std::size_t i) {
     const std::span<const std::uint32_t> mids = surface.blocks()[i];
@@ -91,12 +94,14 @@ MidNodePlaces place_mid_nodes(const GeometricModel& model, Mesh& mesh, const Tas
     runner.advance();
   });
   MidNodePlaces places;
-  for (const MidNodePlaces& of_block : of_blocks) {
-    append(places.curved, of_block.curved);
-    append(places.off_model, of_block.off_model);
-  }
+  for (const Projected& of_block : of_blocks)
+    places.curved.insert(places.curved.end(), of_block.curved.begin(), of_block.curved.end());
   std::ranges::sort(places.curved, {}, &CurvedNode::mid);
   carry_through_layers(model, mesh, places.curved);
+  for (const Projected& of_block : of_blocks)
+    for (const auto& [mid, away] : of_block.far)
+      if (!std::ranges::binary_search(places.curved, mid, {}, &CurvedNode::mid))
+        places.off_model.push_back({surface.entity_of(mid), away, middle_of_edge(mesh, mid)});
   return places;
 }
 

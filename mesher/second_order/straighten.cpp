@@ -57,7 +57,7 @@ class Straightener {
   std::vector<std::uint32_t> find_bad() const { return mesh_.find_bad(curved_cells_); }
 
   std::vector<std::uint32_t> hopeless_of(std::vector<std::uint32_t> bad) const {
-    std::erase_if(bad, [&](std::uint32_t cell) { return !mesh_.is_tet(cell) || may_be_mended_inside(cell); });
+    std::erase_if(bad, [&](std::uint32_t cell) { return may_be_mended_inside(cell); });
     return bad;
   }
 
@@ -68,7 +68,8 @@ class Straightener {
     return {node.mid, away, away, {}};
   }
 
-  // The cells at all mid nodes of `bad`, and those at mid nodes that follow: they may be bad next, as nodes move.
+  // The cells at all mid nodes of `bad`: they may be bad next, as nodes move. Those at displaced nodes, and at what
+  // follows them, are there from the beginning.
   void collect_cells_at(const std::vector<std::uint32_t>& bad) {
     std::vector<std::uint32_t> wanted;
     for (const std::uint32_t cell : bad) std::ranges::copy(mesh_.mids_of(cell), std::back_inserter(wanted));

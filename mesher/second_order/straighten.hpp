@@ -32,7 +32,7 @@ Straightening straighten(std::span<const CurvedNode> curved, double least, Mesh&
 
 /// The same where there are no hopeless tets: those whose Jacobian is less at a vertex all of whose edges lie on the
 /// surface, so that moving mid nodes inside does not help. Else the nodes of `curved` are put on the model, nothing is
-/// moved inside or pulled back, and `hopeless` has them, ascending.
+/// moved inside or pulled back, and `hopeless` has them, ascending. Pre: as above, and the mesh has tets only.
 std::optional<Straightening> straighten_unless_hopeless(std::span<const CurvedNode> curved, double least, Mesh& mesh,
                                                         std::vector<std::uint32_t>& hopeless, const TaskRunner& runner);
 

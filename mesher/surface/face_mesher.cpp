@@ -280,19 +280,11 @@ class FaceMesher {
   }
 
   // Nodes that several edges of the patch join, one of them inside: as where both sides of a sharp corner belong to one
-  // face. Both sides of an edge within the face are one edge.
+  // face. Both sides of an edge within the face are one edge. Ascending.
   static std::vector<Chord> find_repeated_chords(const Patch& patch) {
-    const Triangulation& topology = patch.topology;
-    std::vector<std::pair<Chord, bool>> chords;
-    for (std::uint32_t h = 0; h < topology.half_edges(); ++h) {
-      if (!topology.alive(h / 3) || (topology.twin(h) != Triangulation::kNone && topology.twin(h) < h)) continue;
-      if (const std::optional<Chord> chord = chord_of(patch, h))
-        chords.emplace_back(*chord, is_inner_edge(topology, h));
-    }
-    std::ranges::sort(chords);
     std::vector<Chord> repeated;
-    for (std::size_t i = 1; i < chords.size(); ++i)
-      if (chords[i].first == chords[i - 1].first && chords[i].second) repeated.push_back(chords[i].first);
+    for (const NamedEdge& edge : find_edges_alike(patch))
+      if (edge.ends[1] < NamedEdge::kInnerVertex) repeated.push_back(edge.ends);
     return repeated;
   }
 

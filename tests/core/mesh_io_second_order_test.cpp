@@ -64,6 +64,23 @@ TEST_CASE("meshes of second order come back as they were") {
   }
 }
 
+TEST_CASE("all kinds of cells of second order come back from formats that renumber points or drop their entities") {
+  const Mesh mesh = with_mid_nodes(test::make_mixed_box(3, 3, 4, 3), bulge);
+  const QualityReport before = compute_quality(mesh);
+  REQUIRE(before.curved.count > 100);
+  for (const char* extension : {".med", ".cgns"}) {
+    INFO(extension);
+    const Mesh read = written_and_read(mesh, extension);
+    REQUIRE(read.mid_to_vert.size() == mesh.mid_to_vert.size());
+    for (const CellKind kind : kAllCellKinds) CHECK(cell_count(read, kind) == cell_count(mesh, kind));
+    const QualityReport after = compute_quality(read);
+    CHECK(after.curved.count == before.curved.count);
+    CHECK(after.curved.not_positive == before.curved.not_positive);
+    CHECK(after.curved.min_scaled_jacobian == Approx(before.curved.min_scaled_jacobian).margin(2e-3));
+    CHECK(after.curved.volume == Approx(before.curved.volume).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("MSH 2.2 of second order comes back, but for the points that model vertices lie on") {
   const Mesh mesh = with_mid_nodes(test::make_tet_box(3, 2, 2), bulge);
   const Mesh read = written_and_read(mesh, ".msh", {.msh_2_2 = true, .text = true});

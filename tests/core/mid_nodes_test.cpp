@@ -206,7 +206,7 @@ TEST_CASE("curved tets are measured, and inverted ones are a problem of the mesh
   CHECK(quality.cells.volume == Approx(8));
   CHECK(quality.curved.volume != Approx(8).epsilon(1e-4));
 
-  const std::uint32_t mid = mids_of_tet(mesh, MidNodes(mesh), 3)[0];
+  const std::uint32_t mid = CellMids(CellKind::Tet, mesh.tet_to_vert[3], MidNodes(mesh))[0];
   mesh.points[vertex_count(mesh) + mid] += Vec3{0.6, 0.7, 0.8};
   quality = compute_quality(mesh);
   CHECK(quality.curved.not_positive > 0);
