@@ -185,7 +185,7 @@ class Start {
   void start_slice(MeshSlice&& slice) {
     if (!call_.function) limit(slice);
     report_.before = conformity_of(slice, work_);
-    work_.each([&] { check_load(load_of(slice.first_tets.back(), true)); });
+    work_.each([&] { check_load(load_of(slice.tet_count(), true)); });
     give_back_where_shared(work_);
     if (touches_itself(slice)) split_together(slice);
     adapter_.emplace(share_of(std::move(slice), static_cast<bool>(call_.function), options_, work_), call_.function,

@@ -118,7 +118,7 @@ void check_load(const AdaptLoad& load) { check_load(load, memory_limits()); }
 
 void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
   const double tets = expected_tets(load.complexity);
-  if (!(tets < static_cast<double>(CellPlace::kMaxTets)))
+  if (!(tets / load.ranks < static_cast<double>(CellPlace::kMaxTets)))
     throw Error(ErrorCode::OutOfMemory, "the metric asks for about " + text_of(tets) +
                                             " tetrahedra, more than can be counted; ask for larger sizes");
   const std::uint64_t room = limits.for_each_of(load.ranks_on_machine);

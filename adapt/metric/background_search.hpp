@@ -96,7 +96,8 @@ class BackgroundSearch {
 
   struct Candidate {
     double least;  // weight
-    std::uint32_t number, tet;
+    std::uint64_t number;
+    std::uint32_t tet;
     bool operator<(const Candidate& b) const { return least != b.least ? least < b.least : number > b.number; }
   };
   Candidate candidate(std::uint32_t tet, const Vec3& x) const {

@@ -40,7 +40,7 @@ BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int ra
 }
 
 void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest,
-                                  FaceCode& number) const {
+                                  std::uint64_t& number) const {
   const Tile& tile = held_[box.tile]->tile;
   const std::size_t end = std::min<std::size_t>(tile.boundary.size(), box.first + kFacesOfBox);
   for (std::size_t i = box.first; i < end; ++i) {
@@ -48,7 +48,7 @@ void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTre
     const std::array<Vec3, 4> c = tile.corners(place);
     const auto& f = kFaceVerts[face];
     const TrianglePoint point = closest_on_triangle(x, c[f[0]], c[f[1]], c[f[2]]);
-    const FaceCode own(tile.numbers[place], face);
+    const std::uint64_t own = tile.numbers[place] * 4 + face;
     const bool nearer = point.distance2 < nearest.point.distance2;
     const bool equal = point.distance2 == nearest.point.distance2 && nearest.face.valid();
     if (!nearer && !(equal && own < number)) continue;
@@ -60,7 +60,7 @@ void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTre
 // Boxes whose tile is not at hand may still turn out to be too far away.
 BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
   BoundaryTree::Nearest nearest;
-  FaceCode number;
+  std::uint64_t number = 0;
   double reach2 = HUGE_VAL;
   std::vector<std::uint32_t> unknown;
   const auto distance_to = [&](const TileBox& box) { return squared_distance_to_box(x, box.box); };

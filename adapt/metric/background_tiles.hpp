@@ -43,7 +43,7 @@ class BackgroundTiles {
   std::size_t tet_count() const { return index_.tet_count; }
   std::array<Vec3, 4> corners(std::uint32_t tet) const { return tile_of(tet).corners(tet % kTileTets); }
   FaceCode behind(FaceCode face) const { return tile_of(face.tet()).links[face.tet() % kTileTets][face.side()]; }
-  std::uint32_t number(std::uint32_t tet) const { return tile_of(tet).numbers[tet % kTileTets]; }
+  std::uint64_t number(std::uint32_t tet) const { return tile_of(tet).numbers[tet % kTileTets]; }
   BoundaryTree::Nearest nearest(const Vec3& x) const;
 
   Tensor log_metric_at(const BackgroundPlace& place) const {
@@ -94,7 +94,7 @@ class BackgroundTiles {
     return held->tile;
   }
   bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
-  void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, FaceCode& number) const;
+  void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, std::uint64_t& number) const;
   std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;
   void fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
   void fetch_some(std::span<const std::uint32_t> tiles, const SharedWork& work);

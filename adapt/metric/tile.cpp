@@ -12,7 +12,7 @@ Tile Tile::read(const Bytes& bytes) {
   tile.fields = reader.get_view<double>();
   tile.to_vert = reader.get_view<std::array<std::uint16_t, 4>>();
   tile.links = reader.get_view<std::array<FaceCode, 4>>();
-  tile.numbers = reader.get_view<std::uint32_t>();
+  tile.numbers = reader.get_view<std::uint64_t>();
   tile.boundary = reader.get_view<std::uint16_t>();
   return tile;
 }

@@ -27,7 +27,7 @@ struct Tile {
   std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
   std::span<const std::array<FaceCode, 4>> links;  ///< as of link_tets, with the names of tets above
-  std::span<const std::uint32_t> numbers;          ///< of tets, in the mesh that was given
+  std::span<const std::uint64_t> numbers;          ///< of tets, by their places in the mesh that was given
   std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
 
   /// What put_tile has put; valid as long as the bytes are.

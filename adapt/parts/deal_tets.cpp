@@ -78,9 +78,9 @@ std::int64_t sum_of_units(std::span<const float> to_work) {
 // Samples of the whole mesh, in the order of its tets.
 std::vector<Sample> gather_samples(const Curve& curve, const ShareLinks& links, std::span<const float> to_work,
                                    std::size_t part_count, const SharedWork& work) {
-  const std::size_t first = links.first_tets[static_cast<std::size_t>(work.rank())];
+  const std::size_t first = links.first_tets[static_cast<std::size_t>(work.rank())] - links.first_tets.front();
   const std::size_t step =
-      std::max<std::size_t>(1, links.first_tets.back() / std::min(kMostSamples, kSamplesPerPart * part_count));
+      std::max<std::size_t>(1, links.tet_count() / std::min(kMostSamples, kSamplesPerPart * part_count));
   const std::size_t last = first + to_work.size(), lowest = first / step;
   const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
     std::vector<Sample> own(last > first ? (last - 1) / step + 1 - lowest : 0);

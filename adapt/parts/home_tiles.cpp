@@ -14,13 +14,14 @@ namespace {
 struct Packet {
   explicit Packet(const Bytes& bytes) {
     MessageReader reader(bytes);
-    names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint32_t>();
+    names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint64_t>();
     to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourFaces>();
-    to_given = reader.get_view<std::uint32_t>(), points = reader.get_view<Vec3>();
+    to_given = reader.get_view<std::uint64_t>(), points = reader.get_view<Vec3>();
     logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
     fields = reader.get_view<double>();
   }
-  std::span<const std::uint32_t> names, numbers, to_given;
+  std::span<const std::uint32_t> names;
+  std::span<const std::uint64_t> numbers, to_given;
   std::span<const FourVerts> to_vert;
   std::span<const FourFaces> links;
   std::span<const Vec3> points;
@@ -44,7 +45,8 @@ class HomeTiles {
  private:
   // A vertex that came: its number, from which rank, and where in the message.
   struct Came {
-    std::uint32_t number, rank, slot;
+    std::uint64_t number;
+    std::uint32_t rank, slot;
     auto operator<=>(const Came&) const = default;
   };
 
@@ -128,7 +130,7 @@ class HomeTiles {
   // Tets by their names.
   std::vector<FourVerts> to_vert_;
   std::vector<FourFaces> links_;
-  std::vector<std::uint32_t> numbers_;
+  std::vector<std::uint64_t> numbers_;
 };
 
 }  // namespace

@@ -20,9 +20,16 @@ struct OpenFace {
   }
 };
 
+// A face that other ranks may have, by the numbers of its vertices.
+struct FaceBetweenRanks {
+  std::array<Number, 3> verts{};  // ascending
+  RemoteFace face;
+  friend auto operator<=>(const FaceBetweenRanks&, const FaceBetweenRanks&) = default;
+};
+
 // The number that a vertex had before the round, and the one that it has now.
 struct Renumbered {
-  std::uint32_t old_number, number;
+  Number old_number, number;
 };
 
 class PartsJoiner {
@@ -84,16 +91,14 @@ class PartsJoiner {
   // Where the numbers of each rank begin.
   void number_shares() {
     const std::array<std::uint64_t, 2> counts{tet_count_, vert_count_};
-    std::array<std::uint64_t, 2> sums{};
-    links_.first_tets.assign(1, 0), links_.first_verts.assign(1, 0);
+    links_.first_tets.assign(1, first_number()), links_.first_verts.assign(1, first_number());
     links_.part_tets = first_tet_, links_.part_verts = first_vert_;
     links_.part_tets.push_back(tet_count_), links_.part_verts.push_back(vert_count_);
     for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(counts); })) {
       const auto given = MessageReader(bytes).get<std::array<std::uint64_t, 2>>();
-      sums[0] += given[0], sums[1] += given[1];
-      if (sums[0] >= CellPlace::kMaxTets) throw std::bad_alloc();
-      links_.first_tets.push_back(static_cast<std::uint32_t>(sums[0]));
-      links_.first_verts.push_back(static_cast<std::uint32_t>(sums[1]));
+      if (given[0] >= CellPlace::kMaxTets) throw std::bad_alloc();
+      links_.first_tets.push_back(links_.first_tets.back() + given[0]);
+      links_.first_verts.push_back(links_.first_verts.back() + given[1]);
     }
   }
 
@@ -273,39 +278,33 @@ class PartsJoiner {
     const std::vector<Bytes> found = work_.exchange([&](std::span<MessageWriter> to) { match_faces(told, to); });
     work_.each([&] {
       links_.faces = joined_lists<FaceOutside>(found);
-      for (FaceOutside& outside : links_.faces)
-        outside.face = outside.face.of_tet(outside.face.tet() - links_.first_tets[rank()]);
       std::ranges::sort(links_.faces);
     });
-  }
-
-  static std::size_t rank_in(const std::vector<std::uint32_t>& firsts, std::uint32_t number) {
-    return static_cast<std::size_t>(std::ranges::upper_bound(firsts, number) - firsts.begin()) - 1;
   }
 
   void put_faces(std::span<MessageWriter> to) const {
     std::vector<std::uint8_t> is_outside(links_.to_number.size(), 0);
     for (const std::uint32_t old : old_.outside.verts) is_outside[old_to_new_[old]] = 1;
-    std::vector<std::vector<OpenFace>> faces(to.size());
-    for (OpenFace face : alone_) {
-      if (!is_outside[face.verts[0]] || !is_outside[face.verts[1]] || !is_outside[face.verts[2]]) continue;
-      for (std::uint32_t& v : face.verts) v = links_.to_number[v];
+    std::vector<std::vector<FaceBetweenRanks>> faces(to.size());
+    for (const OpenFace& open : alone_) {
+      if (!is_outside[open.verts[0]] || !is_outside[open.verts[1]] || !is_outside[open.verts[2]]) continue;
+      FaceBetweenRanks face{{}, {static_cast<std::uint32_t>(rank()), open.face}};
+      std::ranges::transform(open.verts, face.verts.begin(), [&](std::uint32_t v) { return links_.to_number[v]; });
       std::ranges::sort(face.verts);
-      face.face = face.face.of_tet(face.face.tet() + links_.first_tets[rank()]);
       faces[rank_in(links_.first_verts, face.verts[0])].push_back(face);
     }
-    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const OpenFace>(faces[r]));
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceBetweenRanks>(faces[r]));
   }
 
   void match_faces(const std::vector<Bytes>& told, std::span<MessageWriter> to) const {
-    std::vector<OpenFace> all = joined_lists<OpenFace>(told);
+    std::vector<FaceBetweenRanks> all = joined_lists<FaceBetweenRanks>(told);
     parallel_sort(all, runner_);
     std::vector<std::vector<FaceOutside>> pairs(to.size());
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
-      const OpenFace &a = all[i], &b = all[i + 1];
+      const FaceBetweenRanks &a = all[i], &b = all[i + 1];
       if (a.verts != b.verts) continue;
-      pairs[rank_in(links_.first_tets, a.face.tet())].push_back({a.face, b.face});
-      pairs[rank_in(links_.first_tets, b.face.tet())].push_back({b.face, a.face});
+      pairs[a.face.rank].push_back({a.face.face, b.face});
+      pairs[b.face.rank].push_back({b.face.face, a.face});
       ++i;
     }
     for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceOutside>(pairs[r]));

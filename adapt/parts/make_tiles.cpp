@@ -52,10 +52,6 @@ void merge_lists(const std::vector<std::span<const std::uint64_t>>& lists, const
   }
 }
 
-std::size_t rank_in(const std::vector<std::uint32_t>& firsts, std::uint32_t number) {
-  return static_cast<std::size_t>(std::ranges::upper_bound(firsts, number) - firsts.begin()) - 1;
-}
-
 template <class T>
 void put_lists(const std::vector<std::vector<T>>& lists, std::span<MessageWriter> to) {
   for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const T>(lists[r]));
@@ -80,7 +76,8 @@ class TileMaker {
  private:
   std::size_t ranks() const { return static_cast<std::size_t>(work_.rank_count()); }
   std::size_t rank() const { return static_cast<std::size_t>(work_.rank()); }
-  std::uint32_t first_number() const { return links_.first_tets[rank()]; }
+  /// Of the share, in the whole mesh.
+  Number first_tet() const { return links_.first_tets[rank()]; }
   std::span<const std::uint32_t> tets_for(std::size_t r) const {
     return std::span(order_).subspan(first_for_[r], first_for_[r + 1] - first_for_[r]);
   }
@@ -161,7 +158,7 @@ class TileMaker {
       if (sum * kTileTets >= CellPlace::kMaxTets * 2) throw std::bad_alloc();
       index_.first_tiles.push_back(static_cast<std::uint32_t>(sum));
     }
-    index_.tet_count = links_.first_tets.back();
+    index_.tet_count = links_.tet_count();
     first_name_ = index_.first_tiles[rank()] * kTileTets;
   }
 
@@ -170,14 +167,13 @@ class TileMaker {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       std::vector<std::vector<std::array<FaceCode, 2>>> faces(to.size());  // theirs, and what lies behind it
       for (const FaceOutside& one : links_.faces)
-        faces[rank_in(links_.first_tets, one.behind.tet())].push_back(
-            {one.behind, one.face.of_tet(to_name_[one.face.tet()])});
+        faces[one.behind.rank].push_back({one.behind.face, one.face.of_tet(to_name_[one.face.tet()])});
       put_lists(faces, to);
     });
     behind_.resize(links_.faces.size());
     for (const Bytes& bytes : told)
       for (const auto& [face, behind] : MessageReader(bytes).get_view<std::array<FaceCode, 2>>())
-        behind_[place_of(face.of_tet(face.tet() - first_number()))] = behind;
+        behind_[place_of(face)] = behind;
   }
 
   // Among the faces between ranks.
@@ -195,16 +191,17 @@ class TileMaker {
   }
 
   void name_hints() {
-    std::vector<std::vector<std::uint32_t>> wanted(ranks()), verts(ranks());
+    std::vector<std::vector<std::uint32_t>> wanted(ranks()), verts(ranks());  // tets of other ranks, as those name them
     for (std::uint32_t v = 0; v < verts_.to_start.size(); ++v) {
       const std::size_t r = rank_in(links_.first_tets, verts_.to_start[v]);
-      wanted[r].push_back(verts_.to_start[v]), verts[r].push_back(v);
+      wanted[r].push_back(static_cast<std::uint32_t>(verts_.to_start[v] - links_.first_tets[r]));
+      verts[r].push_back(v);
     }
     const std::vector<Bytes> asked = work_.exchange([&](std::span<MessageWriter> to) { put_lists(wanted, to); });
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < to.size(); ++r) {
-        const auto numbers = MessageReader(asked[r]).get_view<std::uint32_t>();
-        to[r].put_each(numbers, [&](std::uint32_t number) { return to_name_[number - first_number()]; });
+        const auto tets = MessageReader(asked[r]).get_view<std::uint32_t>();
+        to[r].put_each(tets, [&](std::uint32_t tet) { return to_name_[tet]; });
       }
     });
     for (std::size_t r = 0; r < ranks(); ++r) {
@@ -255,14 +252,14 @@ class TileMaker {
     verts.clear();
     for (const std::uint32_t tet : own)
       for (std::size_t i = 0; i < 4; ++i) verts.add(share_.to_vert[std::size_t{tet} * 4 + i]);
-    constexpr std::size_t kLengths = 128, kBytesOfTet = 2 * sizeof(FourVerts) + 2 * sizeof(std::uint32_t);
+    constexpr std::size_t kLengths = 128, kBytesOfTet = 2 * sizeof(FourVerts) + sizeof(std::uint32_t) + sizeof(Number);
     const std::size_t bytes_of_vert =
-        sizeof(std::uint32_t) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
+        sizeof(Number) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
     writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * bytes_of_vert);
     const auto slot = [&](FaceCode face) { return verts[share_.apex(face)]; };
     const auto link = [&](FaceCode face) { return link_of(face); };
     writer.put_each(own, [&](std::uint32_t tet) { return to_name_[tet]; });
-    writer.put_each(own, [&](std::uint32_t tet) { return first_number() + tet; });
+    writer.put_each(own, [&](std::uint32_t tet) { return first_tet() - links_.first_tets.front() + tet; });
     writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, slot); });
     writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
     const auto items = verts.items();

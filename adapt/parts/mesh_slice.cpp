@@ -46,7 +46,7 @@ class SliceCutter {
     for (std::uint32_t tet = 0; tet < mesh_.tet_to_vert.size(); ++tet) {
       if (tet == first) slice_.begin = slice_.to_tet_number.size();
       if (!is_near(mesh_.tet_to_vert[tet])) continue;
-      slice_.to_tet_number.push_back(tet);
+      slice_.to_tet_number.push_back(first_number() + tet);
       slice_.mesh.tet_to_vert.push_back(mesh_.tet_to_vert[tet]);
       slice_.mesh.tet_to_entity.push_back(mesh_.tet_to_entity[tet]);
     }
@@ -75,7 +75,7 @@ class SliceCutter {
     for (std::uint32_t v = 0; v < to_local_.size(); ++v) {
       if (to_local_[v] == kNone) continue;
       to_local_[v] = static_cast<std::uint32_t>(slice_.to_vert_number.size());
-      slice_.to_vert_number.push_back(v);
+      slice_.to_vert_number.push_back(first_number() + v);
       slice_.is_own.push_back(own_[v]);
       slice_.mesh.points.push_back(mesh_.points[v]);
       if (!mesh_.point_to_entity.empty()) slice_.mesh.point_to_entity.push_back(mesh_.point_to_entity[v]);
@@ -110,8 +110,8 @@ class SliceCutter {
       if (std::ranges::count(fields, field.name) == 0) continue;
       MeshField& made = slice_.mesh.point_fields.emplace_back(MeshField{field.name, field.components, {}});
       const auto n = static_cast<std::size_t>(field.components);
-      for (const std::uint32_t v : slice_.to_vert_number)
-        for (std::size_t c = 0; c < n; ++c) made.values.push_back(field.values[v * n + c]);
+      for (const Number number : slice_.to_vert_number)
+        for (std::size_t c = 0; c < n; ++c) made.values.push_back(field.values[(number - first_number()) * n + c]);
     }
   }
 
@@ -124,8 +124,11 @@ class SliceCutter {
 
 void put_mesh(const MeshSlice& slice, MessageWriter& writer) {
   const Mesh& mesh = slice.mesh;
-  const auto number = [&](auto verts) {
-    for (std::uint32_t& v : verts) v = slice.to_vert_number[v];
+  const auto place_of = [&](std::uint32_t v) {
+    return static_cast<std::uint32_t>(slice.to_vert_number[v] - first_number());
+  };
+  const auto places_of = [&](auto verts) {
+    for (std::uint32_t& v : verts) v = place_of(v);
     return verts;
   };
   const auto is_own = [&](const auto& verts) {
@@ -136,7 +139,7 @@ void put_mesh(const MeshSlice& slice, MessageWriter& writer) {
     std::decay_t<decltype(elements)> verts;
     std::vector<std::uint32_t> of;
     for (std::size_t i = begin; i < end; ++i)
-      if (takes(elements[i])) verts.push_back(number(elements[i])), of.push_back(entities[i]);
+      if (takes(elements[i])) verts.push_back(places_of(elements[i])), of.push_back(entities[i]);
     writer.put_array(std::span<const typename decltype(verts)::value_type>(verts));
     writer.put_array(std::span<const std::uint32_t>(of));
   };
@@ -147,7 +150,7 @@ void put_mesh(const MeshSlice& slice, MessageWriter& writer) {
   for (std::uint32_t v = 0; v < slice.is_own.size(); ++v)
     if (slice.is_own[v] != 0) own.push_back(v);
   const auto put_values = [&](auto of) { writer.put_each(own, of); };
-  put_values([&](std::uint32_t v) { return slice.to_vert_number[v]; });
+  put_values(place_of);
   put_values([&](std::uint32_t v) { return mesh.points[v]; });
   put_values([&](std::uint32_t v) { return mesh.point_to_entity.empty() ? ModelEntity() : mesh.point_to_entity[v]; });
   put_values([&](std::uint32_t v) { return slice.metric.logs[v]; });
@@ -207,17 +210,11 @@ OwnTets MeshSlice::own_tets(const SharedWork& work) const {
   return own;
 }
 
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks) {
-  std::vector<std::uint32_t> firsts;
-  for (std::size_t rank = 0; rank <= ranks; ++rank) firsts.push_back(static_cast<std::uint32_t>(count * rank / ranks));
-  return firsts;
-}
-
 MeshSlice slice_of(const Mesh& mesh, const MetricField& metric, const std::vector<std::string>& fields, int rank,
                    int rank_count) {
   const auto r = static_cast<std::size_t>(rank);
-  std::vector<std::uint32_t> firsts = equal_ranges(mesh.tet_to_vert.size(), static_cast<std::size_t>(rank_count));
-  MeshSlice slice = SliceCutter(mesh, metric).run(firsts[r], firsts[r + 1] - firsts[r], fields);
+  std::vector<Number> firsts = equal_ranges(mesh.tet_to_vert.size(), static_cast<std::size_t>(rank_count));
+  MeshSlice slice = SliceCutter(mesh, metric).run(firsts[r] - firsts[0], firsts[r + 1] - firsts[r], fields);
   slice.first_tets = std::move(firsts);
   return slice;
 }
@@ -251,7 +248,7 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
   return whole;
 }
 
-std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work) {
+std::vector<Number> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work) {
   const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
   std::uint64_t highest = 0;
   for (const Bytes& bytes :
@@ -276,20 +273,18 @@ std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::s
     if (r++ == rank) first = sum;
     sum += MessageReader(bytes).get<std::uint64_t>();
   }
-  if (sum >= kNone) throw Error(ErrorCode::InputUnsuitable, "the mesh has too many points");
   count = sum;
   const std::vector<Bytes> told = work.exchange([&](std::span<MessageWriter> to) {
     for (std::size_t i = 0; i < ranks; ++i) {
       const auto list = MessageReader(asked[i]).get_view<std::uint64_t>();
       to[i].put_each(list, [&](std::uint64_t id) {
-        return static_cast<std::uint32_t>(
-            first + static_cast<std::size_t>(std::ranges::lower_bound(at_home, id) - at_home.begin()));
+        return first_number() + first + static_cast<Number>(std::ranges::lower_bound(at_home, id) - at_home.begin());
       });
     }
   });
-  std::vector<std::uint32_t> numbers;
+  std::vector<Number> numbers;
   for (const Bytes& bytes : told) {
-    const auto list = MessageReader(bytes).get_view<std::uint32_t>();
+    const auto list = MessageReader(bytes).get_view<Number>();
     numbers.insert(numbers.end(), list.begin(), list.end());
   }
   return numbers;

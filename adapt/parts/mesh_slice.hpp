@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adapt/metric/own_tets.hpp"
+#include "adapt/parts/numbers.hpp"
 #include "tetloom/mesh_data.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
@@ -20,18 +21,16 @@ namespace tetloom::adapt {
 struct MeshSlice {
   Mesh mesh;           ///< with the names and sides of the whole, and the fields on points that are carried over
   MetricField metric;  ///< at the points
-  std::vector<std::uint32_t> to_vert_number;  ///< in the whole mesh
-  std::vector<std::uint32_t> to_tet_number;
-  std::vector<std::uint8_t> is_own;       ///< of every point: own tets have it, so that all tets there are here
-  std::size_t begin = 0, end = 0;         ///< own tets
-  std::size_t vert_count = 0;             ///< of the whole mesh
-  std::vector<std::uint32_t> first_tets;  ///< number of the first tet of each rank, and how many there are
+  std::vector<Number> to_vert_number, to_tet_number;
+  std::vector<std::uint8_t> is_own;  ///< of every point: own tets have it, so that all tets there are here
+  std::size_t begin = 0, end = 0;    ///< own tets
+  std::size_t vert_count = 0;        ///< of the whole mesh
+  std::vector<Number> first_tets;    ///< number of the first tet of each rank, and one past the last
+
+  std::size_t tet_count() const { return first_tets.back() - first_tets.front(); }  ///< of the whole mesh
 
   OwnTets own_tets(const SharedWork& work) const;
 };
-
-/// Where the numbers of each rank begin, where all have equally many, and how many there are.
-std::vector<std::uint32_t> equal_ranges(std::size_t count, std::size_t ranks);
 
 /// Of a mesh that every rank has. `fields`: those that are carried over. Triangles of no tet's vertices are in all
 /// slices, for somebody to find fault with. Linear in the whole. Pre: check_mesh, check_metric.
@@ -40,7 +39,7 @@ MeshSlice slice_of(const Mesh& mesh, const MetricField& metric, const std::vecto
 
 /// Of a mesh that lies in parts, which is emptied: points are numbered by global id, tets part by part. No rank has
 /// more of it than its parts and its slice. `metric`: at the vertices of each part. In SharedWork::together. Errors:
-/// InputUnsuitable for other cells than tets, and beyond 2^29 tets.
+/// InputUnsuitable for other cells than tets, and beyond 2^29 of them for each rank.
 MeshSlice slice_of(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const std::vector<std::string>& fields,
                    const SharedWork& work);
 
@@ -53,8 +52,8 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work);
 /// The same of parts, which are emptied, with all fields. In together.
 MeshWithMetric gather_parts(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const SharedWork& work);
 
-/// The place of each of some ids, ascending and distinct, among those of all ranks, and how many these are. In
-/// together. Errors: InputUnsuitable beyond 2^32.
-std::vector<std::uint32_t> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work);
+/// The number of each of some ids, ascending and distinct, by its place among those of all ranks, and how many these
+/// are. In together.
+std::vector<Number> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work);
 
 }  // namespace tetloom::adapt

@@ -29,7 +29,7 @@ std::string number(double value) {
 class FitCheck {
  public:
   FitCheck(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model, const TaskRunner& runner,
-           std::span<const std::uint32_t> numbers)
+           std::span<const Number> numbers)
       : whole_(whole), mesh_(mesh), model_(model), runner_(runner), numbers_(numbers) {}
 
   VerticesBesideModel run() {
@@ -190,7 +190,7 @@ class FitCheck {
   const Mesh& mesh_;
   const GeometricModel& model_;
   const TaskRunner& runner_;
-  std::span<const std::uint32_t> numbers_;
+  std::span<const Number> numbers_;
   std::vector<double> shortest_, longest_;  // edge of the surface at each vertex
   VerticesBesideModel beside_;
 };
@@ -198,7 +198,7 @@ class FitCheck {
 }  // namespace
 
 VerticesBesideModel require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
-                                       const TaskRunner& runner, std::span<const std::uint32_t> numbers) {
+                                       const TaskRunner& runner, std::span<const Number> numbers) {
   return FitCheck(whole, mesh, model, runner, numbers).run();
 }
 

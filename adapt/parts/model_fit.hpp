@@ -28,7 +28,7 @@ struct VerticesBesideModel {
 /// entities; the error does not depend on the threads. `numbers`: what vertices are called in errors; none: as they
 /// stand.
 VerticesBesideModel require_model_fits(const WholeMesh& whole, const Mesh& mesh, const GeometricModel& model,
-                                       const TaskRunner& runner, std::span<const std::uint32_t> numbers = {});
+                                       const TaskRunner& runner, std::span<const Number> numbers = {});
 
 /// Throws for the first vertex beside the model if more than one in eight are: then it is another model.
 void require_few(const VerticesBesideModel& beside);

@@ -14,18 +14,13 @@ namespace tetloom::adapt {
 
 namespace {
 
-// In messages: a neighbour is named by its number in the whole mesh, and not by its place in the message.
-constexpr std::uint32_t kByNumber = 1u << 29;
-
-static_assert(CellPlace::kMaxTets <= kByNumber);
-
 // What each rank gets of a share.
 struct Dealt {
   std::span<const std::uint32_t> to_part;             // of all tets of the share
   std::vector<std::uint32_t> to_rank, to_place;       // of each the rank it goes to, and its place among those
   std::vector<std::vector<std::uint32_t>> tets;       // per rank
   std::vector<std::vector<std::uint32_t>> triangles;  // per rank: those at its tets
-  std::uint32_t first = 0;                            // number of the first tet of the share
+  std::uint32_t self = 0;                             // this rank
 };
 
 // One rank's tets for others, each in one message. Vertices are named by their places in the list of those of the
@@ -38,13 +33,15 @@ class Packer {
   void run(std::uint32_t rank, MessageWriter& writer) {
     rank_ = rank, tets_ = all_.tets[rank];
     packer_.begin(tets_);
-    pieces_.clear(), triangles_.clear();
+    pieces_.clear(), triangles_.clear(), faces_.clear();
+    find_faces();
     find_pieces();
     find_triangles();
     writer.reserve(bytes());
     packer_.put(
         writer, [&](std::uint32_t v) { return links_.number_of(v); }, [&](FaceCode face) { return behind(face); });
-    writer.put_each(tets_, [&](std::uint32_t tet) { return all_.first + tet; });
+    writer.put_array(tets_);
+    writer.put_array(std::span<const FaceOutside>(faces_));
     writer.put_each(tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
     put_verts(writer);
     writer.put_array(std::span<const ModelEdgePiece>(pieces_));
@@ -60,17 +57,26 @@ class Packer {
   std::size_t bytes() const {
     constexpr std::size_t kLengths = 512;
     return kLengths + tets_.size() * kBytesOfTet + packer_.verts().size() * kBytesOfVert +
-           pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle);
+           pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle) +
+           faces_.size() * sizeof(FaceOutside);
   }
 
   FaceCode behind(FaceCode face) const {
     const FaceCode behind = share_.behind(face);
-    if (!behind.valid()) {
-      const FaceCode outside = links_.behind(face);
-      return outside.valid() ? outside.of_tet(outside.tet() | kByNumber) : outside;
+    const bool is_here = behind.valid() && all_.to_rank[behind.tet()] == rank_;
+    return is_here ? behind.of_tet(all_.to_place[behind.tet()]) : FaceCode();
+  }
+
+  // Those with something behind them that is in no message from here to there, by places in the message.
+  void find_faces() {
+    for (std::uint32_t place = 0; place < tets_.size(); ++place) {
+      for (const FaceCode face : FaceCode::of(tets_[place])) {
+        const FaceCode behind = share_.behind(face);
+        const RemoteFace outside = behind.valid() ? RemoteFace{all_.self, behind} : links_.behind(face);
+        const bool is_here = behind.valid() && all_.to_rank[behind.tet()] == rank_;
+        if (outside.valid() && !is_here) faces_.push_back({face.of_tet(place), outside});
+      }
     }
-    const std::uint32_t tet = behind.tet();
-    return behind.of_tet(all_.to_rank[tet] == rank_ ? all_.to_place[tet] : (tet + all_.first) | kByNumber);
   }
 
   void put_verts(MessageWriter& writer) const {
@@ -105,6 +111,7 @@ class Packer {
   std::uint32_t rank_ = 0;
   std::span<const std::uint32_t> tets_;
   TetPacker<WholeMesh> packer_;
+  std::vector<FaceOutside> faces_;
   std::vector<ModelEdgePiece> pieces_;
   std::vector<LinkedTriangle> triangles_;
 };
@@ -112,13 +119,15 @@ class Packer {
 // What stands behind the tets in one rank's message, where it lies.
 struct Beside {
   explicit Beside(MessageReader& reader) {
-    numbers = reader.get_view<std::uint32_t>(), parts = reader.get_view<std::uint32_t>();
+    from = reader.get_view<std::uint32_t>(), faces = reader.get_view<FaceOutside>(),
+    parts = reader.get_view<std::uint32_t>();
     to_metric = reader.get_view<VertexMetric>(), to_entity = reader.get_view<PackedEntity>();
     to_hint = reader.get_view<std::uint32_t>(), to_state = reader.get_view<std::uint8_t>();
     edges = reader.get_view<ModelEdgePiece>(), triangles = reader.get_view<LinkedTriangle>();
   }
 
-  std::span<const std::uint32_t> numbers, parts, to_hint;
+  std::span<const std::uint32_t> from, parts, to_hint;  // `from`: tets as the sender names them, ascending
+  std::span<const FaceOutside> faces;                   // by places in the message, and what lies behind them
   std::span<const VertexMetric> to_metric;
   std::span<const PackedEntity> to_entity;
   std::span<const std::uint8_t> to_state;
@@ -130,10 +139,9 @@ struct Beside {
 class Unpacker {
  public:
   Unpacker(std::vector<Bytes>&& given, const TaskRunner& runner) : runner_(runner), packets_(std::move(given)) {
-    numbers_.reserve(packets_.tet_count()), share_.to_part.reserve(packets_.tet_count());
+    share_.to_part.reserve(packets_.tet_count());
     for (TetPacket& packet : packets_.all()) {
       const Beside& beside = beside_.emplace_back(packet.rest);
-      numbers_.insert(numbers_.end(), beside.numbers.begin(), beside.numbers.end());
       share_.to_part.append(beside.parts);
     }
   }
@@ -142,8 +150,11 @@ class Unpacker {
     take_verts();
     take_edges();
     take_triangles();
-    packets_.move_tets_into(share_.mesh, runner_,
-                            [&](const TetPacket& packet, FaceCode named) { return neighbor_of(packet, named); });
+    find_links();
+    packets_.move_tets_into(share_.mesh, runner_, [](const TetPacket& packet, FaceCode face) {
+      return face.of_tet(face.tet() + packet.first_tet);
+    });
+    for (const auto& [face, behind] : links_) share_.mesh.behind(face) = behind;
     return std::move(share_);
   }
 
@@ -153,19 +164,24 @@ class Unpacker {
     WholeMesh& mesh = share_.mesh;
     packets_.number_verts(runner_, [&](std::uint64_t number, std::uint32_t p, std::uint32_t i, bool is_new) {
       if (!is_new) return;
-      share_.to_number.push_back(static_cast<std::uint32_t>(number));
+      share_.to_number.push_back(number);
       mesh.points.push_back(packets_.all()[p].points[i]);
       mesh.to_metric.push_back(beside_[p].to_metric[i]), mesh.to_entity.push_back(beside_[p].to_entity[i]);
       mesh.to_hint.push_back(beside_[p].to_hint[i]), mesh.to_state.push_back(beside_[p].to_state[i]);
     });
   }
 
-  FaceCode neighbor_of(const TetPacket& packet, FaceCode named) const {
-    if ((named.tet() & kByNumber) == 0) return named.of_tet(named.tet() + packet.first_tet);
-    const std::uint32_t number = named.tet() & ~kByNumber;
-    const auto at = std::ranges::lower_bound(numbers_, number);
-    if (at == numbers_.end() || *at != number) return {};
-    return named.of_tet(static_cast<std::uint32_t>(at - numbers_.begin()));
+  // Between tets of two packets.
+  void find_links() {
+    for (std::size_t p = 0; p < beside_.size(); ++p) {
+      for (const FaceOutside& one : beside_[p].faces) {
+        const auto& from = beside_[one.behind.rank].from;
+        const auto at = std::ranges::lower_bound(from, one.behind.face.tet());
+        if (at == from.end() || *at != one.behind.face.tet()) continue;
+        const auto tet = packets_.all()[one.behind.rank].first_tet + static_cast<std::uint32_t>(at - from.begin());
+        links_.emplace_back(one.face.of_tet(one.face.tet() + packets_.all()[p].first_tet), one.behind.face.of_tet(tet));
+      }
+    }
   }
 
   void take_edges() {
@@ -210,7 +226,7 @@ class Unpacker {
   const TaskRunner& runner_;
   TetPackets packets_;
   std::vector<Beside> beside_;  // per packet
-  std::vector<std::uint32_t> numbers_;
+  std::vector<std::pair<FaceCode, FaceCode>> links_;
   RoundShare share_;
 };
 
@@ -238,7 +254,7 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<s
   const int ranks = work.rank_count();
   return work.exchange([&](std::span<MessageWriter> to) {
     Dealt all = deal_share(share, to_part.span(), part_count, ranks);
-    all.first = links.first_tets[static_cast<std::size_t>(work.rank())];
+    all.self = static_cast<std::uint32_t>(work.rank());
     // One after the other on each thread, which needs a place per vertex of the share for all of them.
     const auto threads = static_cast<std::size_t>(work.runner().threads());
     work.runner().for_blocks(to.size(), (to.size() + threads - 1) / threads, [&](std::size_t begin, std::size_t end) {

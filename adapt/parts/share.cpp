@@ -10,13 +10,13 @@ namespace {
 class ShareTaker {
  public:
   /// Numbers of the vertices and tets that are there; none: as they stand.
-  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const std::uint32_t> verts = {},
-             std::span<const std::uint32_t> tets = {})
+  ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const Number> verts = {},
+             std::span<const Number> tets = {})
       : whole_(whole), begin_(begin), end_(end), verts_(verts), tets_(tets), to_local_(whole.points.size(), kNone) {}
 
   WholeMesh run(ShareLinks& links) {
     take_verts(links.to_number);
-    take_tets(links.faces);
+    take_tets(links);
     take_triangles();
     take_edges();
     return std::move(share_);
@@ -28,14 +28,18 @@ class ShareTaker {
     return has(tet) ? tet - static_cast<std::uint32_t>(begin_) : kNone;
   }
 
-  FaceCode by_number(FaceCode face) const { return tets_.empty() ? face : face.of_tet(tets_[face.tet()]); }
+  RemoteFace remote(FaceCode face, const std::vector<Number>& first_tets) const {
+    const Number number = tets_.empty() ? first_tets.front() + face.tet() : tets_[face.tet()];
+    const std::size_t rank = rank_in(first_tets, number);
+    return {static_cast<std::uint32_t>(rank), face.of_tet(static_cast<std::uint32_t>(number - first_tets[rank]))};
+  }
 
-  void take_verts(std::vector<std::uint32_t>& to_number) {
+  void take_verts(std::vector<Number>& to_number) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) to_local_[whole_.to_vert[i]] = 0;
     for (std::uint32_t v = 0; v < to_local_.size(); ++v) {
       if (to_local_[v] == kNone) continue;
       to_local_[v] = static_cast<std::uint32_t>(to_number.size());
-      to_number.push_back(verts_.empty() ? v : verts_[v]);
+      to_number.push_back(verts_.empty() ? first_number() + v : verts_[v]);
       share_.points.push_back(whole_.points[v]);
       share_.to_metric.push_back(whole_.to_metric.empty() ? VertexMetric() : whole_.to_metric[v]);
       share_.to_entity.push_back(whole_.to_entity[v]);
@@ -44,11 +48,12 @@ class ShareTaker {
     }
   }
 
-  void take_tets(std::vector<FaceOutside>& faces) {
+  void take_tets(ShareLinks& links) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) {
       const FaceCode behind = whole_.to_neighbor[i];
       const std::uint32_t behind_here = behind.valid() ? local_tet(behind.tet()) : kNone;
-      if (behind.valid() && behind_here == kNone) faces.push_back({FaceCode::at(i - begin_ * 4), by_number(behind)});
+      if (behind.valid() && behind_here == kNone)
+        links.faces.push_back({FaceCode::at(i - begin_ * 4), remote(behind, links.first_tets)});
       share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
       share_.to_neighbor.push_back(behind_here == kNone ? FaceCode() : behind.of_tet(behind_here));
     }
@@ -76,7 +81,7 @@ class ShareTaker {
 
   const WholeMesh& whole_;
   std::size_t begin_, end_;
-  std::span<const std::uint32_t> verts_, tets_;
+  std::span<const Number> verts_, tets_;
   std::vector<std::uint32_t> to_local_;
   WholeMesh share_;
 };
@@ -97,12 +102,11 @@ FaceCode face_of(const WholeMesh& share, const LinkedTriangle& t) {
 
 constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a message
 
-// What a rank has that no lower one has, all of it by numbers.
+// What a rank has that no lower one has, all of it by places in the whole mesh.
 void put_share(const WholeMesh& share, const ShareLinks& links, int rank, MessageWriter& writer) {
   const std::size_t own = own_vert_count(links, rank);
-  const std::uint32_t first = links.first_tets[static_cast<std::size_t>(rank)];
-  const auto put_numbers = [&](std::span<const std::uint32_t> verts) {
-    writer.put_each(verts, [&](std::uint32_t v) { return links.number_of(v); });
+  const auto place_of = [&](std::uint32_t v) {
+    return static_cast<std::uint32_t>(links.number_of(v) - links.first_verts.front());
   };
   constexpr std::size_t kBytesOfVert = sizeof(Vec3) + sizeof(VertexMetric) + sizeof(PackedEntity);
   writer.reserve(kLengths + own * kBytesOfVert + share.size() * 5 * sizeof(std::uint32_t) +
@@ -110,19 +114,19 @@ void put_share(const WholeMesh& share, const ShareLinks& links, int rank, Messag
   writer.put_array(share.points.span().first(own));
   writer.put_array(share.to_metric.span().first(own));
   writer.put_array(share.to_entity.span().first(own));
-  put_numbers(share.to_vert);
+  writer.put_each(share.to_vert, place_of);
   writer.put_array(share.to_region.span());
   std::vector<SurfaceTriangle> triangles;
   for (const LinkedTriangle& t : share.triangles) {
-    const FaceCode face = face_of(share, t), behind = links.behind(face);
-    if (behind.valid() && behind < face.of_tet(first + face.tet())) continue;
+    const RemoteFace behind = links.behind(face_of(share, t));
+    if (behind.valid() && behind.rank < static_cast<std::uint32_t>(rank)) continue;
     triangles.push_back(t.triangle);
-    for (std::uint32_t& v : triangles.back().verts) v = links.number_of(v);
+    for (std::uint32_t& v : triangles.back().verts) v = place_of(v);
   }
   writer.put_array(std::span<const SurfaceTriangle>(triangles));
   std::vector<ModelEdgePiece> edges = share.edges;
   for (ModelEdgePiece& piece : edges) {
-    for (std::uint32_t& v : piece.verts) v = links.number_of(v);
+    for (std::uint32_t& v : piece.verts) v = place_of(v);
     std::ranges::sort(piece.verts);
   }
   writer.put_array(std::span<const ModelEdgePiece>(edges));
@@ -147,9 +151,9 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
-FaceCode ShareLinks::behind(FaceCode face) const {
+RemoteFace ShareLinks::behind(FaceCode face) const {
   const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
-  return at == faces.end() || at->face != face ? FaceCode() : at->behind;
+  return at == faces.end() || at->face != face ? RemoteFace() : at->behind;
 }
 
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest) {
@@ -158,7 +162,8 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest)
   links.first_tets = equal_ranges(whole.size(), ranks);
   links.first_verts = equal_ranges(whole.points.size(), ranks);
   if (ranks == 1 && uses_all_points(whole)) return links;
-  WholeMesh share = ShareTaker(whole, links.first_tets[rank], links.first_tets[rank + 1]).run(links);
+  const Number first = links.first_tets.front();
+  WholeMesh share = ShareTaker(whole, links.first_tets[rank] - first, links.first_tets[rank + 1] - first).run(links);
   if (rest != nullptr) *rest = std::move(whole);
   whole = std::move(share);
   if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);

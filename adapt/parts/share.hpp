@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "adapt/parts/numbers.hpp"
 #include "adapt/parts/whole_mesh.hpp"
 #include "threading/comm/shared_work.hpp"
 #include "threading/parts/residence.hpp"
@@ -12,26 +13,27 @@ namespace tetloom::adapt {
 
 /// A face between two ranks.
 struct FaceOutside {
-  FaceCode face;    ///< here
-  FaceCode behind;  ///< the same face of the tet behind it, by that tet's number in the whole mesh
+  FaceCode face;      ///< here
+  RemoteFace behind;  ///< the same face of the tet behind it
   friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
 };
 
 /// What connects the mesh that a rank has to those of the others. Tets have consecutive numbers in the whole mesh on
 /// each rank; vertices that several ranks have are the same, bit for bit, on all of them.
 struct ShareLinks {
-  std::vector<std::uint32_t> to_number;   ///< of every vertex, in the whole mesh; empty on a single rank: as they stand
-  std::vector<FaceOutside> faces;         ///< ascending
-  std::vector<std::uint32_t> first_tets;  ///< number of the first tet of each rank, and how many there are
-  std::vector<std::uint32_t> first_verts;  ///< the same of vertices, each with the lowest rank that has it; before the
-                                           ///< first round no more than a range of numbers for each rank
+  std::vector<Number> to_number;    ///< of every vertex; empty on a single rank: as they stand
+  std::vector<FaceOutside> faces;   ///< ascending
+  std::vector<Number> first_tets;   ///< number of the first tet of each rank, and one past the last
+  std::vector<Number> first_verts;  ///< the same of vertices, each with the lowest rank that has it; before the first
+                                    ///< round no more than a range of numbers for each rank
   // Of the parts that this rank had in the last round, which stand one after the other: where those of each begin, and
   // how many there are. Vertices are counted with the first part that has them.
   std::vector<std::size_t> part_tets{0}, part_verts{0};
 
-  std::uint32_t number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
-  /// The face's code in the whole mesh, behind which it is; not valid where no rank has anything there.
-  FaceCode behind(FaceCode face) const;
+  Number number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
+  std::size_t tet_count() const { return first_tets.back() - first_tets.front(); }  ///< of the whole mesh
+  /// What another rank has behind a face of this one; not valid where none has.
+  RemoteFace behind(FaceCode face) const;
 };
 
 /// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
@@ -43,11 +45,11 @@ ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice);
 
 /// A share with all tets of the parts that a rank adapts in one round.
 struct RoundShare {
-  WholeMesh mesh;                        ///< until it is cut
-  std::size_t vert_count = 0;            ///< of the mesh
-  GrowingArray<std::uint32_t> to_part;   ///< of its tets, which are ascending in number
-  std::vector<std::uint32_t> to_number;  ///< as of ShareLinks
-  Residence outside;                     ///< of its vertices on other ranks: there is a part for each rank
+  WholeMesh mesh;                       ///< until it is cut
+  std::size_t vert_count = 0;           ///< of the mesh
+  GrowingArray<std::uint32_t> to_part;  ///< of its tets, which are ascending in number
+  std::vector<Number> to_number;        ///< as of ShareLinks
+  Residence outside;                    ///< of its vertices on other ranks: there is a part for each rank
 };
 
 /// The rank that adapts a part: in blocks, as Communicator::rank_of.

@@ -20,7 +20,7 @@ class JoinedNumbers {
     const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
       std::vector<Named> own;
       for (std::uint32_t v = 0; v < pieces.share.points.size(); ++v)
-        if (slot_of(v) != kNone) own.push_back({slot_of(v), pieces.links.number_of(v)});
+        if (slot_of(v) != kNone) own.push_back({slot_of(v), 0, pieces.links.number_of(v)});
       writer.put_array(std::span<const Named>(own));
     });
     work.each([&] { take(given); });
@@ -28,8 +28,9 @@ class JoinedNumbers {
 
   std::uint64_t of(std::uint32_t vert) const {
     const std::uint32_t slot = slot_of(vert);
-    const std::uint32_t number = slot == kNone ? pieces_.links.number_of(vert) : first_[slot];
-    return number - static_cast<std::uint64_t>(std::ranges::lower_bound(dropped_, number) - dropped_.begin());
+    const Number number = slot == kNone ? pieces_.links.number_of(vert) : first_[slot];
+    return number - pieces_.links.first_verts.front() -
+           static_cast<Number>(std::ranges::lower_bound(dropped_, number) - dropped_.begin());
   }
 
   PackedEntity entity_of(std::uint32_t vert) const {
@@ -39,7 +40,8 @@ class JoinedNumbers {
 
  private:
   struct Named {
-    std::uint32_t slot, number;
+    std::uint32_t slot = kNone, padding = 0;
+    Number number = kNoNumber;
     auto operator<=>(const Named&) const = default;
   };
 
@@ -54,9 +56,9 @@ class JoinedNumbers {
   void take(const std::vector<Bytes>& given) {
     std::vector<Named> all = joined_lists<Named>(given);
     sort_unique(all);
-    first_.assign(pieces_.touching.to_entity.size(), kNone);
+    first_.assign(pieces_.touching.to_entity.size(), kNoNumber);
     for (const Named& one : all) {
-      if (first_[one.slot] == kNone)
+      if (first_[one.slot] == kNoNumber)
         first_[one.slot] = one.number;
       else
         dropped_.push_back(one.number);
@@ -65,8 +67,8 @@ class JoinedNumbers {
   }
 
   const SharePieces& pieces_;
-  std::vector<std::uint32_t> first_;    // number of the first umbrella's vertex, by slot
-  std::vector<std::uint32_t> dropped_;  // numbers of those of other umbrellas, ascending
+  std::vector<Number> first_;    // of the first umbrella's vertex, by slot
+  std::vector<Number> dropped_;  // numbers of those of other umbrellas, ascending
 };
 
 // How large tables of entities have to be: corners and edges that the source does not name are beyond them.

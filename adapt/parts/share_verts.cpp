@@ -7,14 +7,14 @@ namespace tetloom::adapt {
 namespace {
 
 // The places in a slice of a share's vertices, as they were before umbrellas had vertices of their own.
-std::vector<std::uint32_t> places_of(std::span<const std::uint32_t> given, const WholeMesh& share,
-                                     const ShareLinks& links, const TouchingVerts& touching) {
+std::vector<std::uint32_t> places_of(std::span<const Number> given, const WholeMesh& share, const ShareLinks& links,
+                                     const TouchingVerts& touching) {
   std::vector<std::uint32_t> places;
   places.reserve(share.points.size());
   for (std::uint32_t v = 0; v < share.points.size(); ++v) {
     const ModelEntity entity = share.to_entity[v].unpack();
     const bool touches = !touching.verts.empty() && entity.valid() && entity.dim == 0 && entity.index >= touching.first;
-    const std::uint32_t number = touches ? touching.verts[entity.index - touching.first] : links.number_of(v);
+    const Number number = touches ? touching.verts[entity.index - touching.first] : links.number_of(v);
     places.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(given, number) - given.begin()));
   }
   return places;

@@ -13,14 +13,13 @@
 namespace tetloom::adapt {
 
 struct ShareVerts {
-  std::vector<std::uint32_t>
-      to_given;                 ///< number in the mesh that was given; those that umbrellas made of one have the same
-  bool has_metric = false;      ///< the same on all ranks
-  std::vector<Tensor> logs;     ///< of the metric; none where there is none
-  std::vector<Tensor> implied;  ///< logarithms; see ImpliedMetric
-  std::size_t components = 0;   ///< of all fields that are carried over
-  std::vector<double> fields;   ///< their values, all components of a vertex side by side
-  std::vector<std::uint32_t> to_start;  ///< number of a tet that has the vertex
+  std::vector<Number> to_given;  ///< in the mesh that was given; those that umbrellas made of one have the same
+  bool has_metric = false;       ///< the same on all ranks
+  std::vector<Tensor> logs;      ///< of the metric; none where there is none
+  std::vector<Tensor> implied;   ///< logarithms; see ImpliedMetric
+  std::size_t components = 0;    ///< of all fields that are carried over
+  std::vector<double> fields;    ///< their values, all components of a vertex side by side
+  std::vector<Number> to_start;  ///< a tet that has the vertex
 };
 
 /// Of each vertex the first of the tets that have it, by number; kNone without any. `to_vert`: 4 per tet.

@@ -45,10 +45,7 @@ class GhostLinks {
 
  private:
   std::size_t ranks() const { return static_cast<std::size_t>(work_.rank_count()); }
-  std::size_t home_of(std::uint32_t number) const {
-    return static_cast<std::size_t>(std::ranges::upper_bound(first_at_home_, number) - first_at_home_.begin()) - 1;
-  }
-  std::uint32_t number_of(std::uint32_t vert) const { return slice_.to_vert_number[vert]; }
+  Number number_of(std::uint32_t vert) const { return slice_.to_vert_number[vert]; }
 
   std::vector<std::uint32_t> verts_where(std::uint8_t is_own) const {
     std::vector<std::uint32_t> verts;
@@ -59,9 +56,9 @@ class GhostLinks {
 
   // Numbers of vertices for their homes.
   void put_for_homes(const std::vector<std::uint32_t>& verts, std::span<MessageWriter> to) const {
-    std::vector<std::vector<std::uint32_t>> numbers(ranks());
-    for (const std::uint32_t v : verts) numbers[home_of(number_of(v))].push_back(number_of(v));
-    for (std::size_t r = 0; r < ranks(); ++r) to[r].put_array(std::span<const std::uint32_t>(numbers[r]));
+    std::vector<std::vector<Number>> numbers(ranks());
+    for (const std::uint32_t v : verts) numbers[rank_in(first_at_home_, number_of(v))].push_back(number_of(v));
+    for (std::size_t r = 0; r < ranks(); ++r) to[r].put_array(std::span<const Number>(numbers[r]));
   }
 
   // At its home every vertex has the lowest rank that has all of its tets.
@@ -69,18 +66,18 @@ class GhostLinks {
     const std::vector<Bytes> asked = work_.exchange(
         [&](std::span<MessageWriter> to) { put_for_homes(verts_where(1), to), put_for_homes(ghosts, to); });
     const auto rank = static_cast<std::size_t>(work_.rank());
-    const std::uint32_t first = first_at_home_[rank];
+    const Number first = first_at_home_[rank];
     std::vector<std::uint32_t> owners(first_at_home_[rank + 1] - first, kNone);
-    std::vector<std::span<const std::uint32_t>> wanted;
+    std::vector<std::span<const Number>> wanted;
     for (std::uint32_t r = 0; r < ranks(); ++r) {
       MessageReader reader(asked[r]);
-      for (const std::uint32_t number : reader.get_view<std::uint32_t>())
+      for (const Number number : reader.get_view<Number>())
         owners[number - first] = std::min(owners[number - first], r);
-      wanted.push_back(reader.get_view<std::uint32_t>());
+      wanted.push_back(reader.get_view<Number>());
     }
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < ranks(); ++r)
-        to[r].put_each(wanted[r], [&](std::uint32_t number) { return owners[number - first]; });
+        to[r].put_each(wanted[r], [&](Number number) { return owners[number - first]; });
     });
     // Ghosts ascend, and so do homes.
     taken_.resize(ranks());
@@ -97,7 +94,7 @@ class GhostLinks {
     });
     for (const Bytes& bytes : asked) {
       std::vector<std::uint32_t>& verts = given_.emplace_back();
-      for (const std::uint32_t number : MessageReader(bytes).get_view<std::uint32_t>())
+      for (const Number number : MessageReader(bytes).get_view<Number>())
         verts.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(slice_.to_vert_number, number) -
                                                    slice_.to_vert_number.begin()));
     }
@@ -105,7 +102,7 @@ class GhostLinks {
 
   const MeshSlice& slice_;
   const SharedWork& work_;
-  std::vector<std::uint32_t> first_at_home_;
+  std::vector<Number> first_at_home_;
   std::vector<std::vector<std::uint32_t>> taken_, given_;  // vertices that come from each rank, and go there
 };
 

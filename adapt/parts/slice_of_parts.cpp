@@ -85,7 +85,7 @@ class PartSlicer {
     work_.sum(firsts);
     std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
     if (firsts.back() == 0) throw Error(ErrorCode::InputUnsuitable, "the mesh has no tetrahedra");
-    if (firsts.back() >= CellPlace::kMaxTets)
+    if (firsts.back() / work_.rank_count() >= CellPlace::kMaxTets)
       throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
     slice_.first_tets = equal_ranges(static_cast<std::size_t>(firsts.back()), ranks());
     PerPart<Destinations> to_rank(mesh_.part_count(), mesh_.local());
@@ -93,7 +93,7 @@ class PartSlicer {
       const auto count = static_cast<std::size_t>(firsts[id.value + 1] - firsts[id.value]);
       std::uint32_t rank = 0;
       for (std::size_t tet = 0; tet < count; ++tet) {
-        const std::size_t number = static_cast<std::size_t>(firsts[id.value]) + tet;
+        const Number number = slice_.first_tets[0] + static_cast<Number>(firsts[id.value]) + tet;
         while (slice_.first_tets[rank + 1] <= number) ++rank;
         to_rank.at(id).push_back(rank);
       }

@@ -10,7 +10,7 @@ constexpr int kSweeps = 3;
 
 // What a rank says of an edge.
 struct Named {
-  std::array<std::uint32_t, 2> ends;  // numbers of vertices of the whole mesh
+  std::array<Number, 2> ends;
   PackedEntity entity;
   std::uint32_t refused = 0;
 };
@@ -51,7 +51,7 @@ class SideSplitter {
   }
 
  private:
-  std::uint32_t number_of(std::uint32_t vert) const { return share_.to_number.empty() ? vert : share_.to_number[vert]; }
+  Number number_of(std::uint32_t vert) const { return share_.to_number.empty() ? vert : share_.to_number[vert]; }
 
   void find() {
     work_.runner().for_each(parts_.size(), [&](std::size_t p) {
@@ -83,13 +83,13 @@ class SideSplitter {
     std::vector<std::span<const Named>> rest;  // of what each rank says
     std::vector<MessageReader> readers(told.begin(), told.end());
     for (MessageReader& reader : readers) rest.push_back(reader.get_view<Named>());
-    const std::uint32_t before = next_number_;
+    const Number before = next_number_;
     auto own = own_.begin();
     for (;;) {
-      std::array<std::uint32_t, 2> ends{kNone, kNone};
+      std::array<Number, 2> ends{kNoNumber, kNoNumber};
       for (const auto& edges : rest)
         if (!edges.empty()) ends = std::min(ends, edges.front().ends);
-      if (ends[0] == kNone) break;
+      if (ends[0] == kNoNumber) break;
       Named all{ends, PackedEntity(ModelEntity(3, 0)), 0};
       ranks_.clear();
       take(rest, all);
@@ -177,7 +177,7 @@ class SideSplitter {
   const SideSplitOptions& options_;
   BackgroundTiles* tiles_;
   const SharedWork& work_;
-  std::uint32_t next_number_;
+  Number next_number_;
   std::vector<std::vector<SideEdge>> edges_;  // of each part
   std::vector<std::vector<SideSpot>> spots_;  // of each edge of each part
   std::vector<OwnEdge> own_;                  // ascending

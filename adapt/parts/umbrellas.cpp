@@ -81,7 +81,7 @@ class Separator {
     for (std::uint32_t slot = 0; slot < balls_.size(); ++slot) split_ball(slot);
     follow_triangles();
     follow_pieces();
-    touching_.verts = std::move(pinches_.verts);
+    touching_.verts.assign(pinches_.verts.begin(), pinches_.verts.end());
     return std::move(touching_);
   }
 
@@ -177,7 +177,7 @@ class Separator {
 
 // A vertex at which umbrellas touch, as all ranks know it.
 struct TouchingVert {
-  std::uint32_t number = kNone;
+  Number number = kNoNumber;
   PackedEntity entity;
   std::uint32_t added = 0;  // vertices of its umbrellas, behind the first
   auto operator<=>(const TouchingVert&) const = default;
@@ -202,12 +202,12 @@ class Renaming {
     work_.max(first);
     TouchingVerts touching;
     touching.first = static_cast<std::uint32_t>(first[0]);
-    std::vector<std::uint32_t> added{static_cast<std::uint32_t>(slice_.vert_count)};
+    std::vector<Number> added{first_number() + slice_.vert_count};
     for (const TouchingVert& one : all) {
       touching.verts.push_back(one.number), touching.to_entity.push_back(one.entity);
       added.push_back(added.back() + one.added);
     }
-    slice_.vert_count = added.back();
+    slice_.vert_count = added.back() - first_number();
     rename(touching, added);
     return touching;
   }
@@ -228,10 +228,10 @@ class Renaming {
   }
 
   // New vertices stand by the vertex that they were, as their numbers do.
-  void rename(const TouchingVerts& touching, std::vector<std::uint32_t>& added) {
+  void rename(const TouchingVerts& touching, std::vector<Number>& added) {
     for (std::uint32_t v = 0; v < whole_.points.size(); ++v) {
       if (!touches(v)) continue;
-      const std::uint32_t number = slice_.to_vert_number[own_.verts[slot_of(v)]];
+      const Number number = slice_.to_vert_number[own_.verts[slot_of(v)]];
       const auto slot =
           static_cast<std::uint32_t>(std::ranges::lower_bound(touching.verts, number) - touching.verts.begin());
       whole_.to_entity[v] = PackedEntity(ModelEntity(0, touching.first + slot));
@@ -269,7 +269,8 @@ std::vector<std::array<std::uint32_t, 4>> tets_before_umbrellas(const WholeMesh&
   if (whole.points.size() == given) return tets;
   for (auto& tet : tets)
     for (std::uint32_t& v : tet)
-      if (v >= given) v = touching.verts[whole.to_entity[v].unpack().index - touching.first];
+      if (v >= given)
+        v = static_cast<std::uint32_t>(touching.verts[whole.to_entity[v].unpack().index - touching.first]);
   return tets;
 }
 

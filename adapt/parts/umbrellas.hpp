@@ -27,7 +27,7 @@ namespace tetloom::adapt {
 struct TouchingVerts {
   std::uint32_t first = 0;
   std::vector<PackedEntity> to_entity;
-  std::vector<std::uint32_t> verts;  ///< those that were there before, ascending; new ones come behind all of these
+  std::vector<Number> verts;  ///< those that were there before, ascending; new ones come behind all of these
 };
 
 /// Gives each umbrella a vertex of its own, those behind the first one new ones, and marks the edges at which umbrellas

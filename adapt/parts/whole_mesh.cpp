@@ -31,6 +31,7 @@ void check_cells(const Mesh& mesh) {
 constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 using EdgeVerts = std::array<std::uint32_t, 2>;
+using EdgeNumbers = std::array<Number, 2>;
 using Faces = std::vector<std::uint32_t>;  // of the model, ascending
 
 // An edge of a triangle.
@@ -41,8 +42,8 @@ struct EdgeOfTriangle {
 };
 
 // What all ranks have, each once, ascending.
-std::vector<std::uint32_t> gather_lists(const std::vector<std::uint32_t>& own, const SharedWork& work) {
-  std::vector<std::uint32_t> all = tetloom::gather_lists<std::uint32_t>(work.ranks(), own);
+std::vector<Number> gather_lists(const std::vector<Number>& own, const SharedWork& work) {
+  std::vector<Number> all = tetloom::gather_lists<Number>(work.ranks(), own);
   sort_unique(all);
   return all;
 }
@@ -83,8 +84,8 @@ class Builder {
     for (std::size_t tet = 0; tet < tets_.size(); ++tet) tets_.to_region[tet] = mesh_.tet_to_entity[tet];
   }
 
-  std::uint32_t number_of(std::uint32_t vert) const { return slice_ ? slice_->to_vert_number[vert] : vert; }
-  std::uint32_t number_of_tet(std::uint32_t tet) const { return slice_ ? slice_->to_tet_number[tet] : tet; }
+  Number number_of(std::uint32_t vert) const { return slice_ ? slice_->to_vert_number[vert] : vert; }
+  Number number_of_tet(std::uint32_t tet) const { return slice_ ? slice_->to_tet_number[tet] : tet; }
   // Whether all tets with all of these vertices are here.
   template <class Verts>
   bool is_complete(const Verts& verts) const {
@@ -172,13 +173,13 @@ class Builder {
 
   // After the faces that meet there, from `next` on: in the order of the lowest edge where they do.
   void name_edges(const std::vector<std::pair<std::size_t, Faces>>& unnamed, std::uint32_t next) {
-    std::map<Faces, EdgeVerts> lowest;
+    std::map<Faces, EdgeNumbers> lowest;
     for (const auto& [piece, faces] : unnamed) {
       const auto& [a, b] = edges_[piece].verts;
-      lowest.emplace(faces, EdgeVerts{number_of(a), number_of(b)});
+      lowest.emplace(faces, EdgeNumbers{number_of(a), number_of(b)});
     }
     if (slice_) gather_lowest(lowest);
-    std::vector<std::pair<EdgeVerts, const Faces*>> order;
+    std::vector<std::pair<EdgeNumbers, const Faces*>> order;
     for (const auto& [faces, verts] : lowest) order.emplace_back(verts, &faces);
     std::sort(order.begin(), order.end());
     if (next + order.size() >= kTouching) throw Error(ErrorCode::InputUnsuitable, "the mesh has too many model edges");
@@ -188,14 +189,14 @@ class Builder {
   }
 
   // Of all ranks.
-  void gather_lowest(std::map<Faces, EdgeVerts>& lowest) const {
+  void gather_lowest(std::map<Faces, EdgeNumbers>& lowest) const {
     const std::vector<Bytes> given = work_.all_gather([&](MessageWriter& writer) {
       for (const auto& [faces, verts] : lowest)
         writer.put(verts), writer.put_array(std::span<const std::uint32_t>(faces));
     });
     for (const Bytes& bytes : given) {
       for (MessageReader reader(bytes); !reader.at_end();) {
-        const auto verts = reader.get<EdgeVerts>();
+        const auto verts = reader.get<EdgeNumbers>();
         const auto at = lowest.emplace(reader.get_array<std::uint32_t>(), verts).first;
         at->second = std::min(at->second, verts);
       }
@@ -246,7 +247,7 @@ class Builder {
 
   // From `next` on, in the order of vertices.
   void name_corners(const std::vector<std::uint32_t>& unnamed, std::uint32_t next) {
-    std::vector<std::uint32_t> numbers;
+    std::vector<Number> numbers;
     for (const std::uint32_t v : unnamed) numbers.push_back(number_of(v));
     if (slice_) numbers = gather_lists(numbers, work_);
     for (const std::uint32_t v : unnamed) {

@@ -1,11 +1,13 @@
 // Ranks that adapt a mesh together: the mesh of one process, and one outcome where one of them fails or is stopped.
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <memory>
 #include <new>
 #include <random>
 
 #include "adapt/input_checks.hpp"
 #include "adapt/metric/tet_links.hpp"
+#include "adapt/parts/numbers.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/touching_blocks.hpp"
 #include "tests/support/analytic_model.hpp"
@@ -164,6 +166,14 @@ TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][
   const AdaptResult result = check_like_one_process(unit_cube(6, true), sizes, in_parts(2000), {1, 2, 3, 5});
   CHECK(result.report.most_parts > 3);  // or this says little
   CHECK(validate_mesh(result.mesh).valid());
+}
+
+TEST_CASE("numbers of the whole mesh may be beyond 32 bits", "[adapt][ranks]") {
+  adapt::first_number() = std::uint64_t{1} << 33;
+  const std::shared_ptr<void> back(nullptr, [](void*) { adapt::first_number() = 0; });
+  const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.05 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5})); };
+  const AdaptResult result = check_like_one_process(unit_cube(6, true), sizes, in_parts(2000), {2, 3, 5});
+  CHECK(result.report.most_parts > 3);
 }
 
 TEST_CASE("ranks follow an anisotropic metric, and carry fields over", "[adapt][ranks]") {

@@ -69,7 +69,7 @@ struct Said {
 Said say(const BackgroundTiles& tiles, const Vec3& x, std::uint32_t hint) {
   Said said{BackgroundSearch(tiles).locate(x, hint), {}, {}};
   said.log = tiles.log_metric_at(said.place), said.implied = tiles.implied_log_at(said.place);
-  said.place.tet = tiles.number(said.place.tet);
+  said.place.tet = static_cast<std::uint32_t>(tiles.number(said.place.tet));
   return said;
 }
 
@@ -92,7 +92,9 @@ TEST_CASE("places, metrics and implied metrics in tiles are those of the whole m
         Said said;
         std::uint32_t number = kNone;
         spread.tiles->until_found(work, [&] {
-          spread.tiles->finds([&] { number = spread.tiles->number(hint), said = say(*spread.tiles, x, hint); });
+          spread.tiles->finds([&] {
+            number = static_cast<std::uint32_t>(spread.tiles->number(hint)), said = say(*spread.tiles, x, hint);
+          });
         });
         const BackgroundPlace place = spread.whole.locate(x, number);
         wrong[rank] += !(place == said.place) || !(spread.whole.log_metric_at(place) == said.log) ||
@@ -111,10 +113,12 @@ TEST_CASE("vertices begin in the first of the tets that have them", "[tiles]") {
   on_ranks(mesh, random_metric(mesh), 3, [&](Spread& spread, const SharedWork& work) {
     const auto has = [](const TetVerts& tet, std::uint32_t v) { return std::ranges::count(tet, v) != 0; };
     for (std::size_t v = 0; v < spread.share.points.size(); ++v) {
-      const std::uint32_t given = spread.links.to_number[v];
+      const auto given = static_cast<std::uint32_t>(spread.links.to_number[v]);
       std::uint32_t number = kNone;
-      spread.tiles->until_found(
-          work, [&] { spread.tiles->finds([&] { number = spread.tiles->number(spread.share.to_hint[v]); }); });
+      spread.tiles->until_found(work, [&] {
+        spread.tiles->finds(
+            [&] { number = static_cast<std::uint32_t>(spread.tiles->number(spread.share.to_hint[v])); });
+      });
       const auto first = std::ranges::find_if(mesh.tet_to_vert, [&](const TetVerts& tet) { return has(tet, given); });
       wrong[static_cast<std::size_t>(work.rank())] += number != first - mesh.tet_to_vert.begin();
       if (v >= 50) break;  // ranks must look up equally often

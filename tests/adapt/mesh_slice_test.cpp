@@ -52,7 +52,7 @@ auto by_number(const MeshSlice& slice, const Elements& elements, const std::vect
   std::multiset<std::pair<typename Elements::value_type, std::uint32_t>> all;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     auto verts = elements[i];
-    for (std::uint32_t& v : verts) v = slice.to_vert_number[v];
+    for (std::uint32_t& v : verts) v = static_cast<std::uint32_t>(slice.to_vert_number[v]);
     std::ranges::sort(verts);
     all.emplace(verts, entities[i]);
   }
@@ -130,13 +130,13 @@ TEST_CASE("slices are gathered into the mesh that they were cut from", "[adapt][
 
 TEST_CASE("ids are numbered over all ranks, whatever gaps there are", "[adapt][slices]") {
   const std::vector<std::vector<std::uint64_t>> ids{{7, 9, 4000000000000000000}, {}, {1, 9, 12}};
-  std::vector<std::vector<std::uint32_t>> numbers(3);
+  std::vector<std::vector<Number>> numbers(3);
   std::vector<std::size_t> counts(3);
   test::on_simulated_ranks(3, [&](Communicator& communicator) {
     const SharedWork work(1, {}, &communicator);
     const auto rank = static_cast<std::size_t>(communicator.rank());
     work.together([&] { numbers[rank] = number_ids(ids[rank], counts[rank], work); });
   });
-  CHECK(numbers == std::vector<std::vector<std::uint32_t>>{{1, 2, 4}, {}, {0, 2, 3}});
+  CHECK(numbers == std::vector<std::vector<Number>>{{1, 2, 4}, {}, {0, 2, 3}});
   CHECK(counts == std::vector<std::size_t>(3, 5));
 }
