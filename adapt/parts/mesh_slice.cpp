@@ -1,6 +1,7 @@
 #include "adapt/parts/mesh_slice.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "core/base/lists.hpp"
@@ -220,6 +221,7 @@ MeshSlice slice_of(const Mesh& mesh, const MetricField& metric, const std::vecto
 }
 
 MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
+  if (slice.tet_count() >= CellPlace::kMaxTets) throw std::bad_alloc();
   MeshWithMetric whole;
   Mesh& mesh = whole.mesh;
   mesh.entities = slice.mesh.entities, mesh.face_to_sides = slice.mesh.face_to_sides;

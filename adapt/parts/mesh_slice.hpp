@@ -47,7 +47,7 @@ struct MeshWithMetric {
   Mesh mesh;
   MetricField metric;
 };
-/// The whole mesh of slices, on every rank. In together.
+/// The whole mesh of slices, on every rank. In together. Errors: OutOfMemory for more tets than one mesh may have.
 MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work);
 /// The same of parts, which are emptied, with all fields. In together.
 MeshWithMetric gather_parts(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const SharedWork& work);

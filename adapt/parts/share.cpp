@@ -1,6 +1,7 @@
 #include "adapt/parts/share.hpp"
 
 #include <algorithm>
+#include <new>
 
 namespace tetloom::adapt {
 
@@ -180,6 +181,7 @@ ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice) {
 
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work) {
   if (work.rank_count() == 1) return std::move(share);
+  if (links.tet_count() >= CellPlace::kMaxTets) throw std::bad_alloc();
   std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
     put_share(share, links, work.rank(), to[0]);
     share = WholeMesh();

@@ -30,7 +30,9 @@ struct ShareLinks {
   // how many there are. Vertices are counted with the first part that has them.
   std::vector<std::size_t> part_tets{0}, part_verts{0};
 
-  Number number_of(std::uint32_t vert) const { return to_number.empty() ? vert : to_number[vert]; }
+  Number number_of(std::uint32_t vert) const {
+    return to_number.empty() ? first_verts.front() + vert : to_number[vert];
+  }
   std::size_t tet_count() const { return first_tets.back() - first_tets.front(); }  ///< of the whole mesh
   /// What another rank has behind a face of this one; not valid where none has.
   RemoteFace behind(FaceCode face) const;
@@ -66,7 +68,7 @@ inline std::size_t own_vert_count(const ShareLinks& links, int rank) {
 }
 
 /// The whole mesh on rank 0, without neighbours, hints and states; an empty one on the others. `share` is emptied.
-/// In together, after a round.
+/// In together, after a round. Errors: OutOfMemory for more tets than one mesh may have.
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work);
 
 }  // namespace tetloom::adapt
