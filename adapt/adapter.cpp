@@ -247,7 +247,7 @@ void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
   std::vector<std::uint32_t> tiles;
   std::vector<std::vector<std::uint32_t>> waiting((count + kGrain - 1) / kGrain);
   for (std::uint32_t v = 0; v < count; ++v) {
-    tiles.push_back(whole_.to_hint[v] / kTileTets);
+    tiles.push_back(tiles_->tile_of(whole_.to_hint[v]));
     waiting[v / kGrain].push_back(v);
   }
   tiles_->fetch_only(std::move(tiles), work_);
@@ -264,7 +264,7 @@ double Adapter::refinement() {
   const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
   std::vector<double> most(blocks, 0);
   look_up_verts([&](std::size_t v) {
-    std::uint32_t hint = whole_.to_hint[v];
+    BackgroundTet hint = whole_.to_hint[v];
     most[v / kGrain] = std::max(most[v / kGrain], stage.refinement_at(whole_.points[v], hint));
     whole_.to_hint[v] = hint;
   });
@@ -276,7 +276,7 @@ double Adapter::refinement() {
 
 void Adapter::set_metric(const MetricStage& stage) {
   const auto look_up = [&](std::size_t v) {
-    std::uint32_t hint = whole_.to_hint[v];
+    BackgroundTet hint = whole_.to_hint[v];
     const Tensor tensor = stage.at(whole_.points[v], hint);
     // Where the stage asks for something else than the last one, everything is looked at again.
     if (!(tensor == whole_.to_metric[v].tensor)) whole_.to_state[v] = kHasChanged | kUnsettled;

@@ -101,7 +101,8 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
   if (input.given_up) drop_elements(*input.given_up, options_.transfer);
   const std::size_t given = whole_.points.size();
   const std::vector<std::uint32_t> starts = first_tets_of(whole_.to_vert.span(), given);
-  std::ranges::copy(starts, whole_.to_hint.begin());
+  std::ranges::transform(starts, whole_.to_hint.begin(),
+                         [](std::uint32_t tet) { return tet == kNone ? kNoTet : BackgroundTet{tet}; });
   touching_ = separate_umbrellas(whole_, runner_);
   WholeMesh rest;
   links_ = take_share(whole_, work_, &rest);

@@ -300,7 +300,7 @@ void CavityMesh::replace_ring(const tets::EdgeRing& ring, std::span<const tets::
   replace(ring.old(), made_);
 }
 
-std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint) {
+std::uint32_t CavityMesh::add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, BackgroundTet hint) {
   mesh.points.push_back(x);
   to_metric.push_back({metric, det(metric)});
   note_metric(to_metric[to_metric.size() - 1]);

@@ -93,7 +93,7 @@ class CavityMesh {
   GrowingArray<VertexMetric> to_metric;     ///< per vertex
   GrowingArray<PackedEntity> to_entity;     ///< per vertex: what it is classified on
   GrowingArray<std::uint32_t> vert_to_tet;  ///< a tet that has the vertex; kNone: none has
-  GrowingArray<std::uint32_t> to_hint;      ///< per vertex: for the metric's source
+  GrowingArray<BackgroundTet> to_hint;      ///< per vertex: for the metric's source
   GrowingArray<std::uint8_t> to_frozen;     ///< per vertex: it stays, and so do all triangles and edges it has
   GrowingArray<std::uint8_t> to_state;      ///< per vertex: what has changed at it: kChanged, kHasChanged, kUnsettled
   SurfaceMap surface;
@@ -169,7 +169,7 @@ class CavityMesh {
       __builtin_prefetch(&mesh.to_neighbor[first]);
     }
   }
-  std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, std::uint32_t hint);
+  std::uint32_t add_vertex(const Vec3& x, const Tensor& metric, PackedEntity entity, BackgroundTet hint);
   void set_metric(std::uint32_t v, const Tensor& metric);
   void drop_last_vertex();
   /// Drops what is dead; `along_curve`: vertices then stand along a Hilbert curve, tets by their lowest vertices,

@@ -140,7 +140,7 @@ Verdict Passes::merge(std::uint32_t a, std::uint32_t b, double longest) {
   }
   const std::vector<Vec3> normals = normals_of(other_);
   const VertexMetric old_metric = mesh_.to_metric[b];
-  const std::uint32_t old_hint = mesh_.to_hint[b];
+  const BackgroundTet old_hint = mesh_.to_hint[b];
   mesh_.mesh.points[b] = middle;
   mesh_.set_metric(b, source_.at(middle, mesh_.to_hint[b]));
   const Verdict verdict = merge_at(a, b, normals, longest);

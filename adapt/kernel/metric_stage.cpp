@@ -35,7 +35,7 @@ Tensor MetricStage::implied_log_at(const BackgroundPlace& place) const {
   return background_.implied_log_at(place, implied_);
 }
 
-Tensor MetricStage::at(const Vec3& x, std::uint32_t& hint) const {
+Tensor MetricStage::at(const Vec3& x, BackgroundTet& hint) const {
   if (function_ && !std::isfinite(ratio_)) return function_(x);
   const BackgroundPlace place = background_.locate(x, hint);
   hint = place.tet;
@@ -48,7 +48,7 @@ Tensor MetricStage::at(const Vec3& x, std::uint32_t& hint) const {
   return between(exp(half), map_eigenvalues(ratios, [&](double value) { return std::min(value, most); }));
 }
 
-double MetricStage::refinement_at(const Vec3& x, std::uint32_t& hint) const {
+double MetricStage::refinement_at(const Vec3& x, BackgroundTet& hint) const {
   const BackgroundPlace place = background_.locate(x, hint);
   hint = place.tet;
   return std::sqrt(eigen(between(exp(-0.5 * implied_log_at(place)), asked_at(x, place))).values[2]);

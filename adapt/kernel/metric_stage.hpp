@@ -28,10 +28,10 @@ class MetricStage {
 
   /// Whether places are looked up in the background at all.
   bool looks_up() const { return !function_ || std::isfinite(ratio_); }
-  /// The metric at `x`. `hint` is a tet of the background near there, or kNone; afterwards the one that has `x`.
-  Tensor at(const Vec3& x, std::uint32_t& hint) const;
+  /// The metric at `x`. `hint` is a tet of the background near there, or kNoTet; afterwards the one that has `x`.
+  Tensor at(const Vec3& x, BackgroundTet& hint) const;
   /// By how much the sizes asked for at `x` are smaller than those that the mesh started with, in the worst direction.
-  double refinement_at(const Vec3& x, std::uint32_t& hint) const;
+  double refinement_at(const Vec3& x, BackgroundTet& hint) const;
 
  private:
   Tensor asked_at(const Vec3& x, const BackgroundPlace& place) const;

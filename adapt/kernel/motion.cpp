@@ -61,7 +61,7 @@ Verdict Passes::snap_to_model(std::uint32_t v) {
   const VertexMetric old_metric = mesh_.to_metric[v];
   const double bearable = std::min(cube(options_.floor), kNoWorse * cavity_.least);
   for (double share = 1; share > 0.1; share *= 0.5) {
-    std::uint32_t hint = mesh_.to_hint[v];
+    BackgroundTet hint = mesh_.to_hint[v];
     mesh_.mesh.points[v] = x + share * way;
     mesh_.set_metric(v, source_.at(mesh_.point(v), hint));
     if (!(mesh_.evaluate_all(cavity_, v, bearable, made_) > bearable)) continue;
@@ -120,7 +120,7 @@ Vec3 Passes::find_step(std::uint32_t v, double& badness) {
 bool Passes::try_place(std::uint32_t v, const Vec3& place, double bearable, double badness) {
   const Vec3 x = mesh_.point(v);
   const VertexMetric old_metric = mesh_.to_metric[v];
-  std::uint32_t hint = mesh_.to_hint[v];
+  BackgroundTet hint = mesh_.to_hint[v];
   double sum = tets::size_badness(star_, Root(old_metric.tensor).apply(place - x), options_.size_weight);
   mesh_.mesh.points[v] = place;
   mesh_.set_metric(v, source_.at(place, hint));

@@ -30,7 +30,7 @@ struct SideEdge {
 struct SideSpot {
   Vec3 place;
   Tensor metric;
-  std::uint32_t hint = kNone;
+  BackgroundTet hint = kNoTet;
 };
 
 /// Of one part. `names`: of its vertices; those of shared ones order all edges in all parts alike.

@@ -56,7 +56,7 @@ Verdict Passes::split(std::uint32_t a, std::uint32_t b, std::uint32_t tet) {
     if (spot && norm2(spot->point - on_edge) < 0.25 * norm2(e)) places[0] = spot->point, first = 0;
   }
   for (int i = first; i < 2; ++i) {
-    std::uint32_t hint = mesh_.to_hint[a];
+    BackgroundTet hint = mesh_.to_hint[a];
     const Tensor metric = source_.at(places[i], hint);
     const std::uint32_t p = mesh_.add_vertex(places[i], metric, entity, hint);
     bool good = mesh_.evaluate_all(cavity_, p, floor, made_) > floor;

@@ -17,13 +17,21 @@ struct WholeSource {
   const BoundaryTree& boundary;
 
   std::size_t tet_count() const { return mesh.tets.size(); }
-  std::array<Vec3, 4> corners(std::uint32_t tet) const {
+  std::array<Vec3, 4> corners(BackgroundTet tet) const {
     const TetVerts& v = mesh.tets[tet];
     return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
   }
-  FaceCode behind(FaceCode face) const { return links[face.index()]; }
-  std::uint32_t number(std::uint32_t tet) const { return tet; }
-  BoundaryTree::Nearest nearest(const Vec3& x) const { return boundary.find_nearest(mesh, x, HUGE_VAL); }
+  BackgroundFace behind(BackgroundFace face) const { return face_of(links[face.tet() * 4 + face.side()]); }
+  std::uint64_t number(BackgroundTet tet) const { return tet; }
+  NearestOnBoundary nearest(const Vec3& x) const {
+    const BoundaryTree::Nearest nearest = boundary.find_nearest(mesh, x, HUGE_VAL);
+    return {face_of(nearest.face), nearest.point};
+  }
+
+ private:
+  static BackgroundFace face_of(FaceCode face) {
+    return face.valid() ? BackgroundFace{face.tet(), face.side()} : BackgroundFace();
+  }
 };
 
 }  // namespace
@@ -48,17 +56,17 @@ BackgroundMesh::BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>
   grid_ = StartGrid(this->mesh());
 }
 
-BackgroundPlace BackgroundMesh::locate(const Vec3& x, std::uint32_t hint) const {
+BackgroundPlace BackgroundMesh::locate(const Vec3& x, BackgroundTet hint) const {
   if (tiles_) return BackgroundSearch(*tiles_).locate(x, hint);
-  TETLOOM_DEBUG_ASSERT(is_finite(x) && (hint == kNone || hint < tets_.size()));
+  TETLOOM_DEBUG_ASSERT(is_finite(x) && (hint == kNoTet || hint < tets_.size()));
   const WholeSource source{mesh(), links_, boundary_};
-  return BackgroundSearch(source).locate(x, hint == kNone ? grid_.tet_near(x) : hint);
+  return BackgroundSearch(source).locate(x, hint == kNoTet ? grid_.tet_near(x) : hint);
 }
 
 std::vector<BackgroundPlace> BackgroundMesh::locate(std::span<const Vec3> points, const BlockLoop& loop) const {
   std::vector<BackgroundPlace> places(points.size());
   loop.for_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t hint = kNone;
+    BackgroundTet hint = kNoTet;
     for (std::size_t i = begin; i < end; ++i) {
       places[i] = locate(points[i], hint);
       hint = places[i].tet;

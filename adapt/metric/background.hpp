@@ -34,7 +34,7 @@ class BackgroundMesh {
                  MetricField&& metric, const TaskRunner& runner);
 
   /// The mesh that lies in `tiles`, to which this refers. Then `mesh` and `metric` are empty, tets are named
-  /// as there, and what is asked for may throw MissingTile. Hints must not be kNone.
+  /// as there, and what is asked for may throw MissingTile. Hints must not be kNoTet.
   explicit BackgroundMesh(const BackgroundTiles& tiles) : tiles_(&tiles) {}
 
   TetView mesh() const { return {points_, tets_}; }
@@ -42,11 +42,11 @@ class BackgroundMesh {
   /// The same face of the tet behind it, see link_tets. Pre: the mesh is in one piece.
   FaceCode behind(FaceCode face) const { return links_[face.index()]; }
 
-  /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNone. A good hint
-  /// is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the mesh
-  /// 1 or 2 more. Where x lies on a face or outside, the hint may decide between tets that all hold the nearest point.
-  /// Always returns a place. Pre: x is finite, hint is kNone or a tet.
-  BackgroundPlace locate(const Vec3& x, std::uint32_t hint = kNone) const;
+  /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNoTet. A good
+  /// hint is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the
+  /// mesh 1 or 2 more. Where x lies on a face or outside, the hint may decide between tets that all hold the nearest
+  /// point. Always returns a place. Pre: x is finite, hint is kNoTet or a tet.
+  BackgroundPlace locate(const Vec3& x, BackgroundTet hint = kNoTet) const;
   /// Places of many points, each with that of the point before as its hint, block by block.
   std::vector<BackgroundPlace> locate(std::span<const Vec3> points, const BlockLoop& loop = serial_loop()) const;
 

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "adapt/metric/background_place.hpp"
-#include "adapt/metric/boundary_tree.hpp"
-#include "adapt/metric/tet_links.hpp"
 #include "core/base/mix_bits.hpp"
+#include "core/tets/tet_topology.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom::adapt {
@@ -18,7 +17,7 @@ namespace tetloom::adapt {
 /// A `Source` has
 ///   tet_count()       of the whole mesh
 ///   corners(tet)      four places
-///   link(tet, i)      as link_tets says, in the source's own codes of tets
+///   behind(face)      the same face of the tet behind it, not valid where there is none
 ///   number(tet)       which does not depend on how the source names tets
 ///   nearest(x)        as BoundaryTree::find_nearest, the lowest face by number of equals
 template <class Source>
@@ -27,7 +26,7 @@ class BackgroundSearch {
   explicit BackgroundSearch(const Source& source) : source_(source) {}
 
   /// See BackgroundMesh::locate. Pre: x is finite, `start` is a tet.
-  BackgroundPlace locate(const Vec3& x, std::uint32_t start) const {
+  BackgroundPlace locate(const Vec3& x, BackgroundTet start) const {
     BackgroundPlace place;
     if (!walk(x, start, place)) place = locate_from_boundary(x, place.tet);
     clamp(place.weights);
@@ -54,7 +53,7 @@ class BackgroundSearch {
   }
 
   // Barycentric coordinates: the volumes of the tets that x makes with the faces, over their sum.
-  Weights weights_in(std::uint32_t tet, const Vec3& x) const {
+  Weights weights_in(BackgroundTet tet, const Vec3& x) const {
     const std::array<Vec3, 4> p = source_.corners(tet);
     const Vec3 a = p[0] - x, b = p[1] - x, c = p[2] - x, d = p[3] - x;
     const Vec3 ab = cross(a, b), cd = cross(c, d);
@@ -64,9 +63,9 @@ class BackgroundSearch {
   }
 
   // True with the tet that holds x; false, with the last tet, where the walk leaves the mesh or gets nowhere.
-  bool walk(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const {
+  bool walk(const Vec3& x, BackgroundTet start, BackgroundPlace& place) const {
     const std::size_t most = 1000 + 16 * static_cast<std::size_t>(std::cbrt(static_cast<double>(source_.tet_count())));
-    std::uint32_t tet = start;
+    BackgroundTet tet = start;
     std::size_t came_through = 4;
     for (std::size_t step = 0; step < most; ++step) {
       place.tet = tet;
@@ -88,7 +87,7 @@ class BackgroundSearch {
         steepest = place.weights[i];
       }
       if (leave == 4) return !outside;
-      const FaceCode next = source_.behind({tet, static_cast<std::uint32_t>(leave)});
+      const BackgroundFace next = source_.behind({tet, static_cast<std::uint32_t>(leave)});
       tet = next.tet(), came_through = next.side();
     }
     return false;
@@ -97,18 +96,18 @@ class BackgroundSearch {
   struct Candidate {
     double least;  // weight
     std::uint64_t number;
-    std::uint32_t tet;
+    BackgroundTet tet;
     bool operator<(const Candidate& b) const { return least != b.least ? least < b.least : number > b.number; }
   };
-  Candidate candidate(std::uint32_t tet, const Vec3& x) const {
+  Candidate candidate(BackgroundTet tet, const Vec3& x) const {
     const Weights w = weights_in(tet, x);
     return {*std::min_element(w.begin(), w.end()), source_.number(tet), tet};
   }
 
   // Looks at the tets around one, those in which x lies least far outside first.
-  bool search_around(const Vec3& x, std::uint32_t start, BackgroundPlace& place) const {
+  bool search_around(const Vec3& x, BackgroundTet start, BackgroundPlace& place) const {
     std::vector<Candidate> queue{candidate(start, x)};
-    std::vector<std::uint32_t> seen{start};
+    std::vector<BackgroundTet> seen{start};
     while (!queue.empty()) {
       std::pop_heap(queue.begin(), queue.end());
       const Candidate best = queue.back();
@@ -118,8 +117,8 @@ class BackgroundSearch {
         return true;
       }
       if (seen.size() >= kMostVisited) return false;
-      for (const FaceCode face : FaceCode::of(best.tet)) {
-        const FaceCode behind = source_.behind(face);
+      for (std::uint32_t side = 0; side < 4; ++side) {
+        const BackgroundFace behind = source_.behind({best.tet, side});
         if (!behind.valid() || std::find(seen.begin(), seen.end(), behind.tet()) != seen.end()) continue;
         seen.push_back(behind.tet());
         queue.push_back(candidate(behind.tet(), x));
@@ -129,19 +128,20 @@ class BackgroundSearch {
     return false;
   }
 
-  static BackgroundPlace on_boundary(const BoundaryTree::Nearest& nearest) {
+  static BackgroundPlace on_boundary(const NearestOnBoundary& nearest) {
     BackgroundPlace place{nearest.face.tet(), {}};
-    for (std::size_t i = 0; i < 3; ++i) place.weights[kFaceVerts[nearest.face.side()][i]] = nearest.point.weights[i];
+    for (std::size_t i = 0; i < 3; ++i)
+      place.weights[tets::kFaceVerts[nearest.face.side()][i]] = nearest.point.weights[i];
     return place;
   }
 
   // The segment from x to the nearest point of the boundary meets the boundary nowhere else, so the tet at that point
   // is where to start looking for x, if x is inside at all.
-  BackgroundPlace locate_from_boundary(const Vec3& x, std::uint32_t last) const {
-    const BoundaryTree::Nearest nearest = source_.nearest(x);
+  BackgroundPlace locate_from_boundary(const Vec3& x, BackgroundTet last) const {
+    const NearestOnBoundary nearest = source_.nearest(x);
     BackgroundPlace place;
     if (!nearest.face.valid()) return {last, weights_in(last, x)};  // so far away that squares overflow
-    const std::uint32_t tet = nearest.face.tet();
+    const BackgroundTet tet = nearest.face.tet();
     const auto& p = nearest.point.weights;
     const bool beside = p[0] > 0 && p[1] > 0 && p[2] > 0;  // beside the face, not one of its edges
     if (beside && weights_in(tet, x)[nearest.face.side()] < 0) return on_boundary(nearest);

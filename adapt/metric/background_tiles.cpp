@@ -39,7 +39,7 @@ BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int ra
   for (std::uint32_t i = 0; i < own.size(); ++i) held_[first_own_ + i] = std::make_unique<Held>(std::move(own[i]));
 }
 
-void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest,
+void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, NearestOnBoundary& nearest,
                                   std::uint64_t& number) const {
   const Tile& tile = held_[box.tile]->tile;
   const std::size_t end = std::min<std::size_t>(tile.boundary.size(), box.first + kFacesOfBox);
@@ -52,14 +52,14 @@ void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, BoundaryTre
     const bool nearer = point.distance2 < nearest.point.distance2;
     const bool equal = point.distance2 == nearest.point.distance2 && nearest.face.valid();
     if (!nearer && !(equal && own < number)) continue;
-    nearest = {FaceCode(box.tile * kTileTets + place, face), point};
+    nearest = {BackgroundFace(name_of(box.tile, place), face), point};
     number = own;
   }
 }
 
 // Boxes whose tile is not at hand may still turn out to be too far away.
-BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
-  BoundaryTree::Nearest nearest;
+NearestOnBoundary BackgroundTiles::nearest(const Vec3& x) const {
+  NearestOnBoundary nearest;
   std::uint64_t number = 0;
   double reach2 = HUGE_VAL;
   std::vector<std::uint32_t> unknown;
@@ -85,8 +85,8 @@ BoundaryTree::Nearest BackgroundTiles::nearest(const Vec3& x) const {
 }
 
 void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> values) const {
-  const Tile& tile = tile_of(place.tet);
-  const auto& verts = tile.to_vert[place.tet % kTileTets];
+  const Tile& tile = tile_with(place.tet);
+  const auto& verts = tile.to_vert[place_in_tile(place.tet)];
   for (std::size_t c = 0; c < values.size(); ++c) {
     double sum = 0;
     for (std::size_t i = 0; i < 4; ++i) sum += place.weights[i] * tile.fields[verts[i] * values.size() + c];

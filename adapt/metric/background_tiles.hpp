@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "adapt/metric/background_place.hpp"
-#include "adapt/metric/boundary_tree.hpp"
 #include "adapt/metric/tile.hpp"
 #include "core/spatial/bvh.hpp"
 #include "tetloom/metric.hpp"
@@ -31,6 +30,7 @@ class BackgroundTiles {
  public:
   /// Which tiles there are. The same on all ranks but for `own`.
   struct Index {
+    BackgroundTet first_name = 0;            ///< of tile 0
     std::vector<std::uint32_t> first_tiles;  ///< of each rank, and how many there are
     std::size_t tet_count = 0;
     std::vector<TileBox> tets, faces;  ///< of all tiles
@@ -41,24 +41,36 @@ class BackgroundTiles {
   // What BackgroundSearch asks for. All throw MissingTile.
 
   std::size_t tet_count() const { return index_.tet_count; }
-  std::array<Vec3, 4> corners(std::uint32_t tet) const { return tile_of(tet).corners(tet % kTileTets); }
-  FaceCode behind(FaceCode face) const { return tile_of(face.tet()).links[face.tet() % kTileTets][face.side()]; }
-  std::uint64_t number(std::uint32_t tet) const { return tile_of(tet).numbers[tet % kTileTets]; }
-  BoundaryTree::Nearest nearest(const Vec3& x) const;
+  std::array<Vec3, 4> corners(BackgroundTet tet) const { return tile_with(tet).corners(place_in_tile(tet)); }
+  BackgroundFace behind(BackgroundFace face) const {
+    const Tile& tile = tile_with(face.tet());
+    const FaceCode link = tile.links[place_in_tile(face.tet())][face.side()];
+    if (!link.valid()) return {};
+    return {name_of(tile.linked[link.tet() / kTileTets], link.tet() % kTileTets), link.side()};
+  }
+  std::uint64_t number(BackgroundTet tet) const { return tile_with(tet).numbers[place_in_tile(tet)]; }
+  NearestOnBoundary nearest(const Vec3& x) const;
 
   Tensor log_metric_at(const BackgroundPlace& place) const {
-    const Tile& tile = tile_of(place.tet);
-    return mean_of_corners(tile.logs, place, tile.to_vert[place.tet % kTileTets]);
+    const Tile& tile = tile_with(place.tet);
+    return mean_of_corners(tile.logs, place, tile.to_vert[place_in_tile(place.tet)]);
   }
   Tensor implied_log_at(const BackgroundPlace& place) const {
-    const Tile& tile = tile_of(place.tet);
-    return mean_of_corners(tile.implied, place, tile.to_vert[place.tet % kTileTets]);
+    const Tile& tile = tile_with(place.tet);
+    return mean_of_corners(tile.implied, place, tile.to_vert[place_in_tile(place.tet)]);
   }
 
   /// The values of all fields there; see BackgroundMesh::value_at.
   void fields_at(const BackgroundPlace& place, std::span<double> values) const;
 
   std::size_t tile_count() const { return held_.size(); }
+  /// That has a tet, at hand or not.
+  std::uint32_t tile_of(BackgroundTet tet) const {
+    return static_cast<std::uint32_t>((tet - index_.first_name) / kTileTets);
+  }
+  BackgroundTet name_of(std::uint32_t tile, std::uint32_t place) const {
+    return index_.first_name + BackgroundTet{tile} * kTileTets + place;
+  }
   /// Sets `marks` to 1, one of each tile, for the tiles that have something in the box.
   void mark_tiles(const Box3& box, std::span<std::uint8_t> marks) const {
     for_each_near(tets_, box, [&](std::uint32_t item) {
@@ -87,14 +99,17 @@ class BackgroundTiles {
     Tile tile;
   };
 
-  const Tile& tile_of(std::uint32_t tet) const {
-    const Held* held = held_[tet / kTileTets].get();
+  std::uint32_t place_in_tile(BackgroundTet tet) const {
+    return static_cast<std::uint32_t>((tet - index_.first_name) % kTileTets);
+  }
+  const Tile& tile_with(BackgroundTet tet) const {
+    const Held* held = held_[tile_of(tet)].get();
     if (held == nullptr) [[unlikely]]
-      throw MissingTile{tet / kTileTets};
+      throw MissingTile{tile_of(tet)};
     return held->tile;
   }
   bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
-  void look_in_box(const TileBox& box, const Vec3& x, BoundaryTree::Nearest& nearest, std::uint64_t& number) const;
+  void look_in_box(const TileBox& box, const Vec3& x, NearestOnBoundary& nearest, std::uint64_t& number) const;
   std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;
   void fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
   void fetch_some(std::span<const std::uint32_t> tiles, const SharedWork& work);

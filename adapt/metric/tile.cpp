@@ -12,6 +12,7 @@ Tile Tile::read(const Bytes& bytes) {
   tile.fields = reader.get_view<double>();
   tile.to_vert = reader.get_view<std::array<std::uint16_t, 4>>();
   tile.links = reader.get_view<std::array<FaceCode, 4>>();
+  tile.linked = reader.get_view<std::uint32_t>();
   tile.numbers = reader.get_view<std::uint64_t>();
   tile.boundary = reader.get_view<std::uint16_t>();
   return tile;
@@ -21,7 +22,7 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
   writer.put_array(tile.points);
   writer.put_array(tile.logs), writer.put_array(tile.implied);
   writer.put_array(tile.fields);
-  writer.put_array(tile.to_vert), writer.put_array(tile.links);
+  writer.put_array(tile.to_vert), writer.put_array(tile.links), writer.put_array(tile.linked);
   writer.put_array(tile.numbers);
   writer.put_array(tile.boundary);
 }
@@ -31,7 +32,7 @@ Bytes bytes_of(const Tile& tile) {
   MessageWriter writer;
   writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() +
                  tile.fields.size_bytes() + tile.to_vert.size_bytes() + tile.links.size_bytes() +
-                 tile.numbers.size_bytes() + tile.boundary.size_bytes());
+                 tile.linked.size_bytes() + tile.numbers.size_bytes() + tile.boundary.size_bytes());
   put_tile(tile, writer);
   return writer.take();
 }

@@ -19,14 +19,17 @@ inline constexpr std::uint32_t kTileTets = std::uint32_t{1} << kTileBits;
 /// Faces of the boundary, and tets, that have one box in common.
 inline constexpr std::uint32_t kFacesOfBox = 32, kTetsOfBox = 128;
 
-/// Tets are named by their tile · kTileTets + their place in it. Non-owning; vertices are the tile's own.
+/// Tets are named by their tile · kTileTets + their place in it, from the name of the first tile on (see
+/// BackgroundTiles::Index). In a tile, names are short: by the tiles that it has links to. Non-owning; vertices are the
+/// tile's own.
 struct Tile {
   std::span<const Vec3> points;
   std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function
   std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
   std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
-  std::span<const std::array<FaceCode, 4>> links;  ///< as of link_tets, with the names of tets above
+  std::span<const std::array<FaceCode, 4>> links;  ///< as of link_tets; of tets place in `linked` · kTileTets + place
+  std::span<const std::uint32_t> linked;           ///< tiles, ascending
   std::span<const std::uint64_t> numbers;          ///< of tets, by their places in the mesh that was given
   std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
 

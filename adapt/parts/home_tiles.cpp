@@ -14,13 +14,13 @@ namespace {
 struct Packet {
   explicit Packet(const Bytes& bytes) {
     MessageReader reader(bytes);
-    names = reader.get_view<std::uint32_t>(), numbers = reader.get_view<std::uint64_t>();
+    names = reader.get_view<BackgroundTet>(), numbers = reader.get_view<std::uint64_t>();
     to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourFaces>();
     to_given = reader.get_view<std::uint64_t>(), points = reader.get_view<Vec3>();
     logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
     fields = reader.get_view<double>();
   }
-  std::span<const std::uint32_t> names;
+  std::span<const BackgroundTet> names;
   std::span<const std::uint64_t> numbers, to_given;
   std::span<const FourVerts> to_vert;
   std::span<const FourFaces> links;
@@ -106,8 +106,39 @@ class HomeTiles {
         if (!links_[begin + i][j].valid()) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
       }
     }
-    return bytes_of({points, logs, implied, fields, to_vert, std::span(links_).subspan(begin, count),
-                     std::span(numbers_).subspan(begin, count), boundary});
+    const std::vector<std::uint32_t> linked = tiles_behind(begin, count);
+    const auto links = short_links(begin, count, linked);
+    return bytes_of(
+        {points, logs, implied, fields, to_vert, links, linked, std::span(numbers_).subspan(begin, count), boundary});
+  }
+
+  std::uint32_t tile_of(BackgroundTet tet) const {
+    return static_cast<std::uint32_t>((tet - range_.first) / kTileTets);
+  }
+
+  // Ascending.
+  std::vector<std::uint32_t> tiles_behind(std::size_t begin, std::size_t count) const {
+    std::vector<std::uint32_t> tiles;
+    for (std::size_t i = begin; i < begin + count; ++i)
+      for (const BackgroundFace face : links_[i])
+        if (face.valid()) tiles.push_back(tile_of(face.tet()));
+    sort_unique(tiles);
+    return tiles;
+  }
+
+  std::vector<std::array<FaceCode, 4>> short_links(std::size_t begin, std::size_t count,
+                                                   std::span<const std::uint32_t> linked) const {
+    std::vector<std::array<FaceCode, 4>> links(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        const BackgroundFace face = links_[begin + i][j];
+        if (!face.valid()) continue;
+        const auto at = std::ranges::lower_bound(linked, tile_of(face.tet())) - linked.begin();
+        const auto place = static_cast<std::uint32_t>((face.tet() - range_.first) % kTileTets);
+        links[i][j] = FaceCode(static_cast<std::uint32_t>(at) * kTileTets + place, face.side());
+      }
+    }
+    return links;
   }
 
   // Ascending.

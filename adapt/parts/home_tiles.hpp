@@ -1,21 +1,23 @@
 #pragma once
 // From what ranks send of some tets to the tiles that these become at home.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "adapt/metric/background_place.hpp"
 #include "adapt/metric/tile.hpp"
-#include "core/tets/tet_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 
 using FourVerts = std::array<std::uint32_t, 4>;
-using FourFaces = std::array<tets::FaceCode, 4>;
+using FourFaces = std::array<BackgroundFace, 4>;
 
 /// Consecutive names of tets, from the first of a tile on.
 struct NameRange {
-  std::uint32_t begin = 0, end = 0;
+  BackgroundTet first = 0;  ///< of tile 0
+  BackgroundTet begin = 0, end = 0;
 };
 
 /// What there is at the vertices of tiles.

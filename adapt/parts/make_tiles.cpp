@@ -28,6 +28,12 @@ struct KeyedTet {
   friend auto operator<=>(const KeyedTet&, const KeyedTet&) = default;
 };
 
+// What lies behind a face of another rank, and that face as the other rank codes it.
+struct NamedLink {
+  BackgroundFace behind;
+  FaceCode face;
+};
+
 // Of the tiles that ranks have, some are made at a time.
 constexpr std::size_t kMostChunks = 8, kTilesOfChunk = 16;
 
@@ -136,15 +142,15 @@ class TileMaker {
     for (const auto& of_rank : keys) own_count_ += of_rank.size();
     count_tiles();
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
-      std::vector<std::span<std::uint32_t>> names;
-      for (std::size_t r = 0; r < to.size(); ++r) names.push_back(to[r].put_room<std::uint32_t>(keys[r].size()));
+      std::vector<std::span<BackgroundTet>> names;
+      for (std::size_t r = 0; r < to.size(); ++r) names.push_back(to[r].put_room<BackgroundTet>(keys[r].size()));
       std::vector<std::size_t> next(to.size(), 0);
-      std::uint32_t name = first_name_;
+      BackgroundTet name = first_name_;
       merge_lists(keys, [&](std::uint32_t r) { names[r][next[r]++] = name++; });
     });
     to_name_.resize(share_.size());
     for (std::size_t r = 0; r < ranks(); ++r) {
-      const auto of_rank = MessageReader(told[r]).get_view<std::uint32_t>();
+      const auto of_rank = MessageReader(told[r]).get_view<BackgroundTet>();
       for (std::size_t i = 0; i < of_rank.size(); ++i) to_name_[tets_for(r)[i]] = of_rank[i];
     }
   }
@@ -155,25 +161,25 @@ class TileMaker {
     index_.first_tiles.assign(1, 0);
     for (const Bytes& bytes : work_.all_gather([&](MessageWriter& writer) { writer.put(tiles); })) {
       sum += MessageReader(bytes).get<std::uint64_t>();
-      if (sum * kTileTets >= CellPlace::kMaxTets * 2) throw std::bad_alloc();
+      if (sum >= kNone) throw std::bad_alloc();  // 2^41 tets
       index_.first_tiles.push_back(static_cast<std::uint32_t>(sum));
     }
     index_.tet_count = links_.tet_count();
-    first_name_ = index_.first_tiles[rank()] * kTileTets;
+    index_.first_name = first_number() / kTileTets * kTileTets;
+    first_name_ = name_of(index_.first_tiles[rank()]);
   }
 
   // Behind faces between ranks lies what the other rank tells.
   void name_links() {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
-      std::vector<std::vector<std::array<FaceCode, 2>>> faces(to.size());  // theirs, and what lies behind it
+      std::vector<std::vector<NamedLink>> faces(to.size());
       for (const FaceOutside& one : links_.faces)
-        faces[one.behind.rank].push_back({one.behind.face, one.face.of_tet(to_name_[one.face.tet()])});
+        faces[one.behind.rank].push_back({{to_name_[one.face.tet()], one.face.side()}, one.behind.face});
       put_lists(faces, to);
     });
     behind_.resize(links_.faces.size());
     for (const Bytes& bytes : told)
-      for (const auto& [face, behind] : MessageReader(bytes).get_view<std::array<FaceCode, 2>>())
-        behind_[place_of(face)] = behind;
+      for (const auto& [behind, face] : MessageReader(bytes).get_view<NamedLink>()) behind_[place_of(face)] = behind;
   }
 
   // Among the faces between ranks.
@@ -183,11 +189,11 @@ class TileMaker {
   }
 
   // By names.
-  FaceCode link_of(FaceCode face) const {
+  BackgroundFace link_of(FaceCode face) const {
     const FaceCode behind = share_.behind(face);
-    if (behind.valid()) return behind.of_tet(to_name_[behind.tet()]);
+    if (behind.valid()) return {to_name_[behind.tet()], behind.side()};
     const std::size_t place = place_of(face);
-    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : FaceCode();
+    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : BackgroundFace();
   }
 
   void name_hints() {
@@ -205,7 +211,7 @@ class TileMaker {
       }
     });
     for (std::size_t r = 0; r < ranks(); ++r) {
-      const auto names = MessageReader(told[r]).get_view<std::uint32_t>();
+      const auto names = MessageReader(told[r]).get_view<BackgroundTet>();
       for (std::size_t i = 0; i < names.size(); ++i) share_.to_hint[verts[r][i]] = names[i];
     }
   }
@@ -216,12 +222,13 @@ class TileMaker {
     for (std::size_t r = 0; r < ranks(); ++r) most = std::max(most, tiles_of(r));
     return std::clamp<std::size_t>(most / kTilesOfChunk, 1, kMostChunks);
   }
+  // Of the first tet in a tile.
+  BackgroundTet name_of(std::size_t tile) const { return index_.first_name + tile * kTileTets; }
   NameRange range_of(std::size_t r, std::size_t chunk) const {
-    const auto name_of = [&](std::size_t c) {
-      const std::size_t tile = index_.first_tiles[r] + tiles_of(r) * c / chunk_count();
-      return static_cast<std::uint32_t>(tile * kTileTets);
+    const auto first_of = [&](std::size_t c) {
+      return name_of(index_.first_tiles[r] + tiles_of(r) * c / chunk_count());
     };
-    return {name_of(chunk), name_of(chunk + 1)};
+    return {index_.first_name, first_of(chunk), first_of(chunk + 1)};
   }
 
   void make_chunk(std::size_t chunk) {
@@ -231,7 +238,7 @@ class TileMaker {
     });
     work_.each([&] {
       NameRange range = range_of(rank(), chunk);
-      range.end = std::min(range.end, static_cast<std::uint32_t>(first_name_ + own_count_));
+      range.end = std::min(range.end, first_name_ + own_count_);
       std::vector<Bytes> made =
           make_home_tiles(std::move(given), range, {verts_.has_metric, verts_.components}, runner_);
       std::ranges::move(made, std::back_inserter(own_));
@@ -241,7 +248,7 @@ class TileMaker {
   // Of those for a rank, which ascend in their names.
   std::span<const std::uint32_t> tets_in(std::size_t r, const NameRange& range) const {
     const auto tets = tets_for(r);
-    const auto place = [&](std::uint32_t name) {
+    const auto place = [&](BackgroundTet name) {
       return std::ranges::lower_bound(tets, name, {}, [&](std::uint32_t tet) { return to_name_[tet]; });
     };
     return {place(range.begin), place(range.end)};
@@ -252,7 +259,8 @@ class TileMaker {
     verts.clear();
     for (const std::uint32_t tet : own)
       for (std::size_t i = 0; i < 4; ++i) verts.add(share_.to_vert[std::size_t{tet} * 4 + i]);
-    constexpr std::size_t kLengths = 128, kBytesOfTet = 2 * sizeof(FourVerts) + sizeof(std::uint32_t) + sizeof(Number);
+    constexpr std::size_t kLengths = 128;
+    constexpr std::size_t kBytesOfTet = sizeof(FourVerts) + sizeof(FourFaces) + sizeof(BackgroundTet) + sizeof(Number);
     const std::size_t bytes_of_vert =
         sizeof(Number) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
     writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * bytes_of_vert);
@@ -289,10 +297,10 @@ class TileMaker {
   std::vector<KeyedTet> tets_;          // of the share, along the curve
   std::vector<std::uint32_t> order_;    // the same without keys
   std::vector<std::size_t> first_for_;  // in both: where those for each rank begin, and how many there are
-  std::vector<std::uint32_t> to_name_;  // of the share's tets
-  std::vector<FaceCode> behind_;        // links of the faces between ranks, by names
+  std::vector<BackgroundTet> to_name_;  // of the share's tets
+  std::vector<BackgroundFace> behind_;  // links of the faces between ranks, by names
   std::size_t own_count_ = 0;
-  std::uint32_t first_name_ = 0;
+  BackgroundTet first_name_ = 0;  // of the tiles at home here
   std::vector<Bytes> own_;
   BackgroundTiles::Index index_;
 };

@@ -122,12 +122,13 @@ struct Beside {
     from = reader.get_view<std::uint32_t>(), faces = reader.get_view<FaceOutside>(),
     parts = reader.get_view<std::uint32_t>();
     to_metric = reader.get_view<VertexMetric>(), to_entity = reader.get_view<PackedEntity>();
-    to_hint = reader.get_view<std::uint32_t>(), to_state = reader.get_view<std::uint8_t>();
+    to_hint = reader.get_view<BackgroundTet>(), to_state = reader.get_view<std::uint8_t>();
     edges = reader.get_view<ModelEdgePiece>(), triangles = reader.get_view<LinkedTriangle>();
   }
 
-  std::span<const std::uint32_t> from, parts, to_hint;  // `from`: tets as the sender names them, ascending
-  std::span<const FaceOutside> faces;                   // by places in the message, and what lies behind them
+  std::span<const std::uint32_t> from, parts;
+  std::span<const BackgroundTet> to_hint;  // `from`: tets as the sender names them, ascending
+  std::span<const FaceOutside> faces;      // by places in the message, and what lies behind them
   std::span<const VertexMetric> to_metric;
   std::span<const PackedEntity> to_entity;
   std::span<const std::uint8_t> to_state;

@@ -139,7 +139,7 @@ class SideSplitter {
     for (std::size_t p = 0; p < parts_.size(); ++p)
       for (const SideEdge& edge : edges_[p])
         if (own_of(edge).vert != kNone)
-          for (const std::uint32_t v : edge.ends) tiles.push_back(parts_[p].mesh.to_hint[v] / kTileTets);
+          for (const std::uint32_t v : edge.ends) tiles.push_back(tiles_->tile_of(parts_[p].mesh.to_hint[v]));
     return tiles;
   }
 

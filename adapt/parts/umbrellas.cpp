@@ -127,7 +127,7 @@ class Separator {
   std::uint32_t add_vert(std::uint32_t v) {
     whole_.points.push_back(Vec3(whole_.points[v])), whole_.to_entity.push_back(PackedEntity(whole_.to_entity[v]));
     if (!whole_.to_metric.empty()) whole_.to_metric.push_back(VertexMetric(whole_.to_metric[v]));
-    whole_.to_hint.push_back(std::uint32_t{whole_.to_hint[v]});
+    whole_.to_hint.push_back(BackgroundTet{whole_.to_hint[v]});
     whole_.to_state.push_back(std::uint8_t{whole_.to_state[v]});
     to_slot_.push_back(to_slot_[v]);
     return static_cast<std::uint32_t>(whole_.points.size() - 1);

@@ -60,7 +60,7 @@ class Builder {
     find_edges();
     classify();
     WholeMesh whole;
-    whole.to_hint.resize(tets_.points.size(), kNone);
+    whole.to_hint.resize(tets_.points.size(), kNoTet);
     whole.to_state.resize(tets_.points.size(), kHasChanged | kUnsettled);
     if (!slice_) whole.to_metric.resize(tets_.points.size());
     whole.points = std::move(tets_.points);

@@ -37,7 +37,7 @@ struct WholeMesh {
   GrowingArray<Vec3> points;
   GrowingArray<VertexMetric> to_metric;
   GrowingArray<PackedEntity> to_entity;
-  GrowingArray<std::uint32_t> to_hint;
+  GrowingArray<BackgroundTet> to_hint;
   GrowingArray<std::uint8_t> to_state;  ///< as in CavityMesh, for the next round
   GrowingArray<std::uint32_t> to_vert;  ///< 4 per tet
   GrowingArray<FaceCode> to_neighbor;   ///< 4 per tet

@@ -53,14 +53,19 @@ void NumberSet::grow() {
 OverlapFinder::OverlapFinder(const BackgroundMesh& mesh, std::span<const std::uint32_t> regions)
     : mesh_(mesh), regions_(regions) {}
 
+// The mesh is in one piece.
+std::uint32_t OverlapFinder::tet_at(const Vec3& x, BackgroundTet hint) const {
+  return static_cast<std::uint32_t>(mesh_.locate(x, hint).tet);
+}
+
 void OverlapFinder::start(std::uint32_t tet) {
   if (seen_.insert(tet)) queue_.push_back(tet);
 }
 
 std::span<const Overlap> OverlapFinder::find(const TetView& to, const TetVerts& verts, std::uint32_t region,
-                                             const std::array<std::uint32_t, 4>& hints) {
+                                             const std::array<BackgroundTet, 4>& hints) {
   const Corners corners{to.points[verts[0]], to.points[verts[1]], to.points[verts[2]], to.points[verts[3]]};
-  center_ = mesh_.locate(center_of(corners), hints[0]).tet;
+  center_ = tet_at(center_of(corners), hints[0]);
   covered_ = 0;
   if (regions_[center_] == region) {
     seen_.clear(), queue_.clear(), start(center_);
@@ -68,7 +73,7 @@ std::span<const Overlap> OverlapFinder::find(const TetView& to, const TetVerts& 
   }
   if (std::abs(covered_ - 1) <= kFull) return overlaps_;
   seen_.clear(), queue_.clear(), start(center_);
-  for (std::size_t i = 0; i < 4; ++i) start(mesh_.locate(corners[i], hints[i]).tet);
+  for (std::size_t i = 0; i < 4; ++i) start(tet_at(corners[i], hints[i]));
   spread(to, verts, corners, region, true);
   return overlaps_;
 }

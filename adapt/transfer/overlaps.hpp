@@ -48,7 +48,7 @@ class OverlapFinder {
   /// Overlaps of the tet `verts` of `to` with tets of the region `region`. `hints`: a place near each corner. The
   /// result is valid until the next call.
   std::span<const Overlap> find(const TetView& to, const TetVerts& verts, std::uint32_t region,
-                                const std::array<std::uint32_t, 4>& hints);
+                                const std::array<BackgroundTet, 4>& hints);
   /// The sum of the shares of what was found last, 1 but for round-off where the new tet lies in its region as it was.
   double covered() const { return covered_; }
   /// A tet of that region which is the fewest faces away from what the last one holds its centre in, kNone where there
@@ -58,6 +58,7 @@ class OverlapFinder {
  private:
   void spread(const TetView& to, const TetVerts& verts, const Corners& corners, std::uint32_t region, bool touching);
   bool touches(const FaceValues& values, const TetView& to, const TetVerts& verts, std::uint32_t tet) const;
+  std::uint32_t tet_at(const Vec3& x, BackgroundTet hint) const;
   void start(std::uint32_t tet);
 
   const BackgroundMesh& mesh_;

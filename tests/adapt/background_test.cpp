@@ -102,8 +102,8 @@ TEST_CASE("points inside a mesh are located from any hint", "[background]") {
     const BackgroundMesh background = background_of(mesh);
     for (int i = 0; i < 3000; ++i) {
       const Vec3 x{random.uniform(0, 1), random.uniform(0, 1), stretch * random.uniform(0, 1)};
-      const auto hint = static_cast<std::uint32_t>(random.uniform(0, 1) * static_cast<double>(mesh.tets.size()));
-      for (const std::uint32_t from : {kNone, hint}) {
+      const auto hint = static_cast<BackgroundTet>(random.uniform(0, 1) * static_cast<double>(mesh.tets.size()));
+      for (const BackgroundTet from : {kNoTet, hint}) {
         const BackgroundPlace place = background.locate(x, from);
         CHECK(is_sound(place));
         const Vec3 e = point_at(background, place) - x;
@@ -125,10 +125,10 @@ TEST_CASE("points in a mesh that is not convex are located across its gaps", "[b
   int inside = 0, outside = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 x{random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2)};
-    const auto hint = static_cast<std::uint32_t>(random.uniform(0, 1) * static_cast<double>(mesh.tets.size()));
+    const auto hint = static_cast<BackgroundTet>(random.uniform(0, 1) * static_cast<double>(mesh.tets.size()));
     const bool in_box = std::min({x.x, x.y, x.z}) >= 0 && std::max({x.x, x.y, x.z}) <= 1;
     const bool is_in = in_box && in_u({(std::floor(x.x * 12) + 0.5) / 12, (std::floor(x.y * 12) + 0.5) / 12, 0});
-    const BackgroundPlace place = background.locate(x, i % 3 == 0 ? kNone : hint);
+    const BackgroundPlace place = background.locate(x, i % 3 == 0 ? kNoTet : hint);
     CHECK(is_sound(place));
     const double off = distance(point_at(background, place), x);
     CAPTURE(x.x, x.y, x.z, is_in);

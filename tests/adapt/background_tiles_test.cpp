@@ -66,10 +66,10 @@ struct Said {
   Tensor log, implied;
 };
 
-Said say(const BackgroundTiles& tiles, const Vec3& x, std::uint32_t hint) {
+Said say(const BackgroundTiles& tiles, const Vec3& x, BackgroundTet hint) {
   Said said{BackgroundSearch(tiles).locate(x, hint), {}, {}};
   said.log = tiles.log_metric_at(said.place), said.implied = tiles.implied_log_at(said.place);
-  said.place.tet = static_cast<std::uint32_t>(tiles.number(said.place.tet));
+  said.place.tet = tiles.number(said.place.tet);
   return said;
 }
 
@@ -88,13 +88,11 @@ TEST_CASE("places, metrics and implied metrics in tiles are those of the whole m
         // In the box, in its slot, and beside it; hints that are near and others that are far.
         const Vec3 x{random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2)};
         const auto vert = static_cast<std::size_t>(random.uniform(0, static_cast<double>(spread.share.points.size())));
-        const std::uint32_t hint = spread.share.to_hint[vert];
+        const BackgroundTet hint = spread.share.to_hint[vert];
         Said said;
-        std::uint32_t number = kNone;
+        BackgroundTet number = kNoTet;
         spread.tiles->until_found(work, [&] {
-          spread.tiles->finds([&] {
-            number = static_cast<std::uint32_t>(spread.tiles->number(hint)), said = say(*spread.tiles, x, hint);
-          });
+          spread.tiles->finds([&] { number = spread.tiles->number(hint), said = say(*spread.tiles, x, hint); });
         });
         const BackgroundPlace place = spread.whole.locate(x, number);
         wrong[rank] += !(place == said.place) || !(spread.whole.log_metric_at(place) == said.log) ||
@@ -135,7 +133,7 @@ TEST_CASE("a tile that is not at hand is missed, there once it was fetched, and 
     const auto rank = static_cast<std::size_t>(work.rank());
     // The first tet of the other rank's first tile: the tiles of rank 1 come last.
     const std::uint32_t tile = rank == 0 ? static_cast<std::uint32_t>(tiles.tile_count() - 1) : 0;
-    const auto look = [&] { static_cast<void>(tiles.number(tile * kTileTets)); };
+    const auto look = [&] { static_cast<void>(tiles.number(tiles.name_of(tile, 0))); };
     const bool before = tiles.finds(look);
     tiles.until_found(work, [&] { found[rank] += tiles.finds(look); });
     tiles.drop_fetched();
@@ -183,7 +181,7 @@ TEST_CASE("a part that lacks a tile is done again from where it was", "[tiles]")
     const auto rank = static_cast<std::size_t>(work.rank());
     const std::vector<float> even(spread.share.size(), 1);
     const auto last = static_cast<std::uint32_t>(spread.tiles->tile_count() - 1);
-    const std::uint32_t elsewhere = (rank == 0 ? last : 0) * kTileTets;
+    const BackgroundTet elsewhere = spread.tiles->name_of(rank == 0 ? last : 0, 0);
     GrowingArray<Vec3> before;
     RoundWork round;
     round.tiles = spread.tiles.get();

@@ -27,7 +27,7 @@ struct BeforeRound {
         whole(adapt::make_whole_mesh(mesh, runner)),
         work(runner) {
     for (std::size_t v = 0; v < whole.points.size(); ++v) {
-      std::uint32_t hint = kNone;
+      adapt::BackgroundTet hint = adapt::kNoTet;
       const adapt::Tensor tensor = stage.at(whole.points[v], hint);
       whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
     }

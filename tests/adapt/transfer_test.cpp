@@ -166,7 +166,7 @@ TEST_CASE("overlaps fill every new tet and every old one", "[transfer]") {
   OverlapFinder finder(background, from.tet_to_entity);
   std::vector<double> filled(from.tet_to_vert.size(), 0);
   for (std::uint32_t tet = 0; tet < to.tet_to_vert.size(); ++tet) {
-    const auto overlaps = finder.find(tets_of(to), to.tet_to_vert[tet], 0, {kNone, kNone, kNone, kNone});
+    const auto overlaps = finder.find(tets_of(to), to.tet_to_vert[tet], 0, {kNoTet, kNoTet, kNoTet, kNoTet});
     CHECK(finder.covered() == Approx(1).epsilon(1e-9));
     std::array<double, 4> moments{};
     for (const Overlap& overlap : overlaps) {
@@ -186,7 +186,7 @@ TEST_CASE("overlaps are those of all pairs", "[transfer]") {
   for (std::uint32_t tet = 0; tet < to.tet_to_vert.size(); tet += 7) {
     const std::uint32_t region = to.tet_to_entity[tet];
     std::vector<std::uint32_t> found, all;
-    for (const Overlap& overlap : finder.find(tets_of(to), to.tet_to_vert[tet], region, {kNone, kNone, kNone, kNone}))
+    for (const Overlap& overlap : finder.find(tets_of(to), to.tet_to_vert[tet], region, {kNoTet, kNoTet, kNoTet, kNoTet}))
       if (overlap.share > 1e-12) found.push_back(overlap.tet);
     for (std::uint32_t other = 0; other < from.tet_to_vert.size(); ++other) {
       if (from.tet_to_entity[other] != region) continue;
@@ -206,7 +206,7 @@ TEST_CASE("a tet outside of its region as it was has the value of the nearest te
     const std::vector<TetVerts> tets{kFirst};
     const BackgroundMesh background(tets_of(from), {}, TaskRunner(1));
     OverlapFinder finder(background, from.tet_to_entity);
-    CHECK(finder.find({points, tets}, kFirst, 0, {kNone, kNone, kNone, kNone}).empty());
+    CHECK(finder.find({points, tets}, kFirst, 0, {kNoTet, kNoTet, kNoTet, kNoTet}).empty());
     const std::uint32_t nearest = finder.nearest(0);
     REQUIRE(nearest != kNone);
     CHECK(from.tet_to_entity[nearest] == 0);
