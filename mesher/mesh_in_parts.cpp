@@ -82,7 +82,7 @@ MeshInPartsResult make_mesh_in_parts(const GeometricModel& model, const MeshOpti
     Mesh surface = growth.surface().mesh;
     surface.entities = given.entities;
     surface.face_to_sides = given.face_to_sides;
-    const layers::PartLayers layers(growth, volume.new_points, options.layers.all_tets);
+    const layers::PartLayers layers(growth, volume.first_new + volume.new_points, options.layers.all_tets);
     make_parts(std::move(volume), surface, &layers, work);
     return 0.0;
   };

@@ -1,11 +1,11 @@
 #pragma once
 // Numbers of vertices and tets in the whole mesh, of which no rank has more than its share: 64 bits.
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "core/base/first_number.hpp"
 #include "core/tets/face_code.hpp"
 
 namespace tetloom::adapt {
@@ -16,12 +16,6 @@ using tets::FaceCode;
 using Number = std::uint64_t;
 
 inline constexpr Number kNoNumber = ~Number{0};
-
-/// Where numbers begin. A mesh is the same whatever it is: tests let it be beyond 32 bits.
-inline std::atomic<Number>& first_number() {
-  static std::atomic<Number> first{0};
-  return first;
-}
 
 /// The number of the first item of each rank, where all have about equally many, and one past the last.
 inline std::vector<Number> equal_ranges(std::size_t count, std::size_t ranks) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
 #include "core/base/page_size.hpp"
 #include "mesher/layers/point_numbers.hpp"
@@ -24,7 +25,7 @@ class Assembly {
       : growth_(growth),
         walls_(growth.walls()),
         mesh_(std::move(filled)),
-        numbers_(growth, mesh_.points.size() - growth.surface().mesh.points.size()),
+        numbers_(growth, mesh_.points.size()),
         all_tets_(all_tets),
         runner_(runner) {
     mesh_.entities = given.entities;
@@ -99,6 +100,7 @@ class Assembly {
 
   void add_level_points() {
     const auto all = static_cast<std::size_t>(numbers_.in_mesh(numbers_.count()));
+    if (all >= kNone) throw std::bad_alloc();
     make_room(mesh_.points, all);
     make_room(mesh_.point_to_entity, all);
     runner_.for_blocks(walls_.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {

@@ -175,8 +175,8 @@ class StackWriter {
 
 }  // namespace
 
-PartLayers::PartLayers(const LayerGrowth& growth, std::uint64_t new_points, bool all_tets)
-    : growth_(growth), numbers_(growth, new_points), all_tets_(all_tets) {
+PartLayers::PartLayers(const LayerGrowth& growth, std::uint64_t after_volume, bool all_tets)
+    : growth_(growth), numbers_(growth, after_volume), all_tets_(all_tets) {
   const auto& rims = growth.walls().rims;
   rims_.resize(rims.size());
   for (std::uint32_t r = 0; r < rims.size(); ++r) rims_[r] = r;

@@ -17,8 +17,8 @@ namespace tetloom::layers {
 /// made (PointNumbers) until `number_as_in_mesh`.
 class PartLayers {
  public:
-  /// `new_points`: those of all parts. Errors: OutOfMemory where there are too many points.
-  PartLayers(const LayerGrowth& growth, std::uint64_t new_points, bool all_tets);
+  /// `after_volume`: one past the last point that filling added, of all parts.
+  PartLayers(const LayerGrowth& growth, std::uint64_t after_volume, bool all_tets);
 
   /// Takes the tops out of a part's triangles, and returns the stacks below them, ascending; each is in one part.
   std::vector<std::uint32_t> take_tops(PartMesh& part) const;

@@ -1,20 +1,18 @@
 #include "mesher/layers/point_numbers.hpp"
 
 #include <algorithm>
-#include <new>
 
 namespace tetloom::layers {
 
-PointNumbers::PointNumbers(const LayerGrowth& growth, std::uint64_t new_points) : growth_(growth) {
+PointNumbers::PointNumbers(const LayerGrowth& growth, std::uint64_t after_volume)
+    : growth_(growth), first_level_point_(after_volume) {
   number_surface();
   const std::size_t curves = growth.walls().curve_count();
-  first_level_point_ = surface_.size() + new_points;
   levels_before_.reserve(curves + 1);
   levels_before_.push_back(0);
   for (std::uint32_t c = 0; c < curves; ++c)
     levels_before_.push_back(levels_before_.back() +
                              static_cast<std::uint64_t>(std::max(0, growth.counts().count(c) - 1)));
-  if (count() >= kNone) throw std::bad_alloc();
 }
 
 // Every point of a triangle that bounds a region is in a tet; feet below layers are in triangles that are covered, or

@@ -12,8 +12,8 @@ namespace tetloom::layers {
 /// those where a side face was meshed anew; points of model vertices stay.
 class PointNumbers {
  public:
-  /// `new_points` were added by filling. Refers to `growth`. Errors: OutOfMemory where there are too many points.
-  PointNumbers(const LayerGrowth& growth, std::uint64_t new_points);
+  /// `after_volume`: one past the last point that filling added. Refers to `growth`.
+  PointNumbers(const LayerGrowth& growth, std::uint64_t after_volume);
 
   std::uint64_t surface_points() const { return surface_.size(); }
   std::uint64_t first_level_point() const { return first_level_point_; }

@@ -1,11 +1,11 @@
 #include "mesher/volume/gather_volume.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <new>
 
 #include "core/base/page_size.hpp"
 #include "mesher/volume/filling_messages.hpp"
+#include "tetloom/ids.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
 
@@ -21,11 +21,13 @@ using volume::PartView;
 // after the other.
 class Assembly {
  public:
-  Assembly(Mesh& mesh, const TaskRunner& runner) : mesh_(mesh), runner_(runner), given_(mesh.points.size()) {}
+  /// `first_new`: see VolumeParts.
+  Assembly(Mesh& mesh, std::uint64_t first_new, const TaskRunner& runner)
+      : mesh_(mesh), runner_(runner), given_(mesh.points.size()), first_new_(first_new) {}
 
   void make_room(std::size_t new_points, std::size_t tets) {
     const std::size_t points = given_ + new_points;
-    if (points >= std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
+    if (points >= kNone) throw std::bad_alloc();
     make_room(mesh_.points, points);
     make_room(mesh_.point_to_entity, points);
     make_room(mesh_.tet_to_vert, tets);
@@ -52,7 +54,7 @@ class Assembly {
     const std::uint32_t region = part.tet_to_region.front();
     runner_.for_blocks(part.points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
-        const std::uint64_t number = part.vert_to_global[v];
+        const std::uint32_t number = number_of(part, v);
         mesh_.points[number] = part.points[v];
         if (number >= given_) mesh_.point_to_entity[number] = ModelRegionId(region);
       }
@@ -74,13 +76,16 @@ class Assembly {
     next_tet_ += part.tet_to_region.size();
   }
 
-  static std::uint32_t number_of(const PartView& part, std::uint32_t vert) {
-    return static_cast<std::uint32_t>(part.vert_to_global[vert]);
+  // In the mesh.
+  std::uint32_t number_of(const PartView& part, std::size_t vert) const {
+    const std::uint64_t number = part.vert_to_global[vert];
+    return static_cast<std::uint32_t>(number < given_ ? number : number - first_new_ + given_);
   }
 
   Mesh& mesh_;
   const TaskRunner& runner_;
   const std::size_t given_;
+  const std::uint64_t first_new_;
   std::size_t next_tet_ = 0;
 };
 
@@ -115,7 +120,7 @@ void gather_volume(VolumeParts&& volume, Mesh& mesh, Communicator& communicator,
     }
     std::size_t tets = 0;
     for (const PartView& view : views) tets += view.tet_to_region.size();
-    Assembly assembly(mesh, wide);
+    Assembly assembly(mesh, volume.first_new, wide);
     assembly.make_room(volume.new_points, tets);
     for (std::size_t i = 0; i < views.size(); ++i) {
       assembly.add(views[i]);

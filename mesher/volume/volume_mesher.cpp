@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/first_number.hpp"
 #include "mesher/sizing/mesh_estimate.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/volume/complex.hpp"
@@ -146,9 +147,10 @@ void to_numbers_of_input(const Complex& complex, std::uint64_t first_new, std::s
 void join_complexes(const VolumeInput& input, std::span<const Complex> complexes, std::vector<VolumeParts>&& filled,
                     Communicator& communicator, const TaskRunner& runner, VolumeParts& result) {
   std::vector<volume::NumberedPart> parts;
+  result.first_new = input.points.size() + first_number();
   for (std::size_t i = 0; i < complexes.size(); ++i) {
     VolumeParts& of = filled[i];
-    to_numbers_of_input(complexes[i], input.points.size() + result.new_points, of.parts, runner.uninterruptible());
+    to_numbers_of_input(complexes[i], result.first_new + result.new_points, of.parts, runner.uninterruptible());
     result.new_points += of.new_points;
     // One part lies where it was made.
     const auto own = of.part_count > 1 ? communicator.parts_of_rank(of.part_count) : std::vector{PartId(0)};

@@ -170,8 +170,8 @@ TEST_CASE("the mesh that ranks adapt together is that of one process", "[adapt][
 
 TEST_CASE("numbers of the whole mesh may be beyond 32 bits", "[adapt][ranks]") {
   // Cut off at 32 bits, the second would no longer ascend.
-  adapt::first_number() = GENERATE(std::uint64_t{1} << 33, (std::uint64_t{1} << 32) - 50);
-  const std::shared_ptr<void> back(nullptr, [](void*) { adapt::first_number() = 0; });
+  first_number() = GENERATE(std::uint64_t{1} << 33, (std::uint64_t{1} << 32) - 50);
+  const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
   const auto sizes = [](const Vec3& x) { return adapt::isotropic(0.05 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5})); };
   const AdaptResult result = check_like_one_process(unit_cube(6, true), sizes, in_parts(2000), {2, 3, 5});
   CHECK(result.report.most_parts > 3);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/base/first_number.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tests/threading/part_cases.hpp"
@@ -142,6 +143,18 @@ TEST_CASE("fans at sharp edges lie in one part each") {
   for (const bool all_tets : {false, true}) {
     options.layers.all_tets = all_tets;
     options.parts = 5;
+    check_same(*around, options);
+  }
+}
+
+TEST_CASE("points of meshes with layers may have numbers beyond 32 bits") {
+  const auto around = put_into_box(make_box({0, 0, 0}, {1, 1, 1}), 3);
+  MeshOptions options = with_layers(*around, 0.3, 6);
+  options.parts = 5;
+  first_number() = GENERATE(std::uint64_t{1} << 33, (std::uint64_t{1} << 32) - 500);
+  const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
+  for (const bool all_tets : {false, true}) {
+    options.layers.all_tets = all_tets;
     check_same(*around, options);
   }
 }

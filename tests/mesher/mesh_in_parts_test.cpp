@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/base/first_number.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tetloom/check.hpp"
@@ -59,6 +60,11 @@ void check_same(const GeometricModel& model, const MeshOptions& options, std::si
   REQUIRE(parts.mesh);
   CHECK(parts.mesh->part_count() >= least_parts);
   CHECK(parts.mesh->part_count() <= most_parts);
+  std::uint64_t highest = first_number();
+  for (const PartId part : parts.mesh->local())
+    for (const std::uint64_t number : parts.mesh->parts.at(part).mesh.vert_to_global)
+      highest = std::max(highest, number);
+  CHECK((parts.mesh->local().empty() || highest > first_number()));
   const TaskRunner runner(options.threads);
   const PartsReport report = validate_parts(*parts.mesh, runner);
   for (const PartProblem& problem : report.problems) UNSCOPED_INFO(problem.message);
@@ -81,6 +87,17 @@ void check_same(const GeometricModel& model, const MeshOptions& options, std::si
 TEST_CASE("the parts in which a volume was filled are the mesh of one piece") {
   check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.07, 4000), 3, 10);
   check_same(*make_sphere({0, 0, 0}, 1), options_of_size(0.13, 4000), 3, 10);
+}
+
+TEST_CASE("points of the whole mesh may have numbers beyond 32 bits") {
+  // Cut off at 32 bits, the second would no longer ascend.
+  first_number() = GENERATE(std::uint64_t{1} << 33, (std::uint64_t{1} << 32) - 5000);
+  const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
+  check_same(*make_torus(3, 0.6), options_of_size(0.12, 4000), 3, 80);
+  check_on_ranks(*make_torus(3, 0.6), options_of_size(0.12, 4000));
+  MeshOptions options = options_of_size(0.14, 8000);
+  options.parts = 7;
+  check_same(*two_bodies(), options, 7, 7);
 }
 
 TEST_CASE("ranks make the mesh of one process") {
