@@ -60,6 +60,23 @@ for ranks in 1 2 3 7; do
     [ "$ranks" = 1 ] || [ "$told" = $((ranks + 1)) ] || fail "the memory of $ranks ranks is told $told times"
     rm -rf next*
 done
+# A run is stopped and goes on in many more parts, on another number of ranks. Some parts have no tets.
+# shellcheck disable=SC2086
+"$tetloom" adapt mesh.mesh -o before.pvtu --parts 64 $field
+"$tetloom" partition before.pvtu --parts 16384 -o many.pvtu --quiet
+# shellcheck disable=SC2086
+"$tetloom" adapt many.pvtu -o next.pvtu --tets-per-part 1500 $field
+rm -rf expected
+mkdir expected
+mv next* expected/
+digest=$(grep '"digest"' report.json)
+rm -rf many*
+on_ranks 3 partition before.pvtu --parts 16384 -o many.pvtu --quiet
+# shellcheck disable=SC2086
+on_ranks 3 adapt many.pvtu -o next.pvtu --tets-per-part 1500 --threads 1 $field
+diff -r next expected/next || fail "other pieces on 3 ranks after a restart"
+[ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on 3 ranks after a restart"
+rm -rf next* before* many*
 cp -r pieces pieces.whole
 for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu
