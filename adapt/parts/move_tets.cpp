@@ -51,7 +51,7 @@ class Packer {
  private:
   static constexpr std::size_t kBytesOfTet = 11 * sizeof(std::uint32_t);
   static constexpr std::size_t kBytesOfVert =
-      sizeof(std::uint64_t) + sizeof(Vec3) + sizeof(VertexMetric) + 2 * sizeof(std::uint32_t) + sizeof(std::uint8_t);
+      sizeof(Number) + sizeof(Vec3) + sizeof(VertexMetric) + sizeof(PackedEntity) + sizeof(BackgroundTet) + 1;
 
   // A little more than it takes.
   std::size_t bytes() const {
