@@ -37,7 +37,8 @@ SurfaceFitter::SurfaceFitter(const GeometricModel& model, const MeshOptions& opt
       failed_(failed),
       result_(result),
       complexes_(find_complexes(model.topology())),
-      sizing_(model, options.sizes, work, options.max_memory, small_width(model, options)),
+      sizing_(model, options.sizes, work, options.max_memory, small_width(model, options),
+              options.refine_surface ? options.most_refinement : 1),
       mesher_(model, work) {}
 
 bool SurfaceFitter::run() {
@@ -94,11 +95,10 @@ SizeField SurfaceFitter::build_asked_sizes() const {
   return SizeFieldBuilder(model_, asked, work_, options_.max_memory).build({}).sizes;
 }
 
-// Tets, or triangles where nothing is filled. A wall thinner than the size has one and a half tets per triangle.
+// Tets, or triangles where nothing is filled.
 double SurfaceFitter::count_elements(const MeshEstimate& estimate) const {
   const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
-  constexpr double kTetsPerTriangleOfWalls = 1.5;
-  return fills ? std::max(estimate.tets, kTetsPerTriangleOfWalls * estimate.triangles) : estimate.triangles;
+  return fills ? tetloom::count_elements(estimate) : estimate.triangles;
 }
 
 SurfaceFitter::Candidate SurfaceFitter::make_candidate(const SizedModel& sized) {
@@ -310,7 +310,8 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
   const Mesh& mesh = candidate.surface.mesh;
   for (const TriangleIntersection& hit : candidate.solid_hits) refine_at(hit, mesh);
   result_.refinement.crossings += candidate.solid_hits.size();
-  const double allowed = std::max(0.0, options_.most_refinement * first_elements_ - candidate.elements);
+  const double most = most_elements(first_elements_, options_.most_refinement);
+  const double allowed = std::max(0.0, most - candidate.elements);
   double budget = allowed;
   constexpr int kMostTries = 6;
   constexpr double kOver = 1.1, kUnder = 0.9;

@@ -204,8 +204,8 @@ void add_surface_options(CLI::App& mesh, RawMeshOptions& raw) {
   CLI::Option* refine =
       mesh.add_option(
               "--allow-surface-refinement", raw.refinement,
-              "Smaller sizes where walls, faces or edges are too narrow for those asked for, up to FACTOR times "
-              "the elements (inf: whatever it takes); default: 2")
+              "Smaller sizes where walls, faces or edges are too narrow for those asked for, and around wires, up to "
+              "FACTOR times the elements or 20,000 of them (inf: whatever it takes); default: 2")
           ->type_name("FACTOR")
           ->expected(0, 1)
           ->default_str("2")

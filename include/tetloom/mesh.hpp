@@ -77,10 +77,12 @@ struct MeshOptions {
           ///< place. At most .4 of the size there and .3 of the solid's thickness; see small_features.hpp
   bool refine_surface = true;  ///< sizes become smaller where they do not fit: where walls, faces or model edges are
                                ///< narrower than 0.4 of them (down to min_size, or a tenth of what was asked for
-                               ///< at the place), and where the surface mesh would cross itself; false: the sizes
-                               ///< stay, whatever the shape of the elements
+                               ///< at the place), where the surface mesh would cross itself, and, where no curvature
+                               ///< is asked for, around wires and balls that would lose their shape: at most ten edges
+                               ///< per turn; false: the sizes stay, whatever the shape of the elements
   double most_refinement = 2;  ///< by refinement at narrow places the mesh may have so many times the elements that the
-                               ///< sizes ask for; infinite: as many as it takes. What is left is in the result
+                               ///< sizes ask for, or 20,000 where that is more; infinite: as many as it takes. What is
+                               ///< left is in the result
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly

@@ -12,9 +12,11 @@
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/sizing/model_sources.hpp"
 #include "mesher/sizing/octree_builder.hpp"
+#include "mesher/sizing/refinement_budget.hpp"
 #include "mesher/sizing/size_targets.hpp"
 #include "mesher/sizing/source_tree.hpp"
 #include "mesher/sizing/target_field.hpp"
+#include "mesher/sizing/wire_faces.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
@@ -59,8 +61,9 @@ bool asks_for_more(const SizeTargets& targets, const SizeOptions& options,
   const auto any_below = [&](const std::vector<double>& sizes) {
     return std::ranges::any_of(sizes, [&](double size) { return size < targets.global; });
   };
-  return targets.curvature > 0 || targets.proximity > 0 || options.callback || !options.point_sizes.empty() ||
-         !refinements.empty() || any_below(targets.vertex) || any_below(targets.edge) || any_below(targets.face);
+  return targets.curvature > 0 || !targets.wires.empty() || targets.proximity > 0 || options.callback ||
+         !options.point_sizes.empty() || !refinements.empty() || any_below(targets.vertex) || any_below(targets.edge) ||
+         any_below(targets.face);
 }
 
 /// A model with its facets, on the way to a size field.
@@ -161,13 +164,15 @@ SizeField grow_tree(const Workpiece& piece, const ModelSources& sources, std::sp
 /// What does not depend on refinements.
 struct SizeFieldBuilder::State {
   State(const GeometricModel& given_model, const SizeOptions& given_options, const SharedWork& given_work,
-        std::uint64_t given_memory, SmallWidth small)
+        std::uint64_t given_memory, SmallWidth small, double given_refinement)
       : model(given_model),
         options(given_options),
         work(given_work),
         max_memory(given_memory),
+        most_refinement(given_refinement),
         targets(resolve_sizes(model, options)) {
     targets.small = small;
+    seeks_wires = most_refinement > 1 && targets.curvature <= 0 && targets.floor_is_default;
   }
 
   void facet_model() {
@@ -179,12 +184,20 @@ struct SizeFieldBuilder::State {
     sources.emplace(std::move(found), std::move(source_tree));
   }
 
+  // That wires may have, with the tets around them.
+  double affordable_triangles() const {
+    constexpr double kTetsPerTriangle = 4;
+    const double elements = count_elements(estimate_least_mesh(model, options));
+    return (most_elements(elements, most_refinement) - elements) / kTetsPerTriangle;
+  }
+
   SizedModel build(std::span<const SizeRefinement> refinements) {
     check_refinements(refinements);
     // The model keeps them, and they are dear for splines. Where one fails, whoever asks first will say so.
     work.runner().for_each(model.topology().face_count(),
                            [&](std::size_t f) { tolerate_bad_geometry([&] { model.area(ModelFaceId(f)); }); });
     check_memory(surface_part(estimate_least_mesh(model, options)), max_memory);
+    if (std::exchange(seeks_wires, false)) targets.wires = find_wires(model, targets, affordable_triangles(), work);
     if (!asks_for_more(targets, options, refinements)) {
       const SizeField uniform = SizeField::uniform(targets.global);
       return {uniform, estimate_mesh(model, uniform, work)};
@@ -199,7 +212,9 @@ struct SizeFieldBuilder::State {
   const SizeOptions& options;
   SharedWork work;
   std::uint64_t max_memory;
+  double most_refinement;
   SizeTargets targets;
+  bool seeks_wires;
   std::vector<Tessellation> facets;
   std::optional<FacetTree> tree;
   std::optional<ModelSources> sources;
@@ -207,8 +222,8 @@ struct SizeFieldBuilder::State {
 };
 
 SizeFieldBuilder::SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
-                                   std::uint64_t max_memory, SmallWidth small)
-    : state_(std::make_unique<State>(model, options, work, max_memory, small)) {}
+                                   std::uint64_t max_memory, SmallWidth small, double most_refinement)
+    : state_(std::make_unique<State>(model, options, work, max_memory, small, most_refinement)) {}
 
 SizeFieldBuilder::~SizeFieldBuilder() = default;
 

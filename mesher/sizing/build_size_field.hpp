@@ -77,13 +77,15 @@ struct SizedModel {
 /// own sources are found, once. Where refinements are added at the end of those of the last call, what they do not
 /// change is not made again: the field is then the one that would be built anew in the same cube. Ranks share facets,
 /// sources, cells and corners; all have the whole field in the end. Faces and edges narrower than `small` ask for no
-/// sizes for their curvature: small features are eliminated from the mesh. Refers to its arguments, which must outlive
-/// it. Thread safety: one call at a time.
+/// sizes for their curvature: small features are eliminated from the mesh. With `most_refinement` above 1, wires and
+/// balls that the sizes would take the shape of get a few edges per turn where no curvature is asked for, as far as the
+/// mesh has not more than so many times the elements (see find_wires, most_elements). Refers to its arguments, which
+/// must outlive it. Thread safety: one call at a time.
 class SizeFieldBuilder {
  public:
   /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.
   SizeFieldBuilder(const GeometricModel& model, const SizeOptions& options, const SharedWork& work,
-                   std::uint64_t max_memory = 0, SmallWidth small = {});
+                   std::uint64_t max_memory = 0, SmallWidth small = {}, double most_refinement = 1);
   ~SizeFieldBuilder();
 
   SizedModel build(std::span<const SizeRefinement> refinements);

@@ -144,6 +144,11 @@ MeshEstimate estimate_filling(const VolumeInput& input) {
   return with_bytes(triangles, std::max(share * input.sizes->estimate_tets(box), triangles));
 }
 
+double count_elements(const MeshEstimate& estimate) {
+  constexpr double kTetsPerTriangleOfWalls = 1.5;
+  return std::max(estimate.tets, kTetsPerTriangleOfWalls * estimate.triangles);
+}
+
 MeshEstimate surface_part(const MeshEstimate& estimate) { return with_bytes(estimate.triangles, 0); }
 
 }  // namespace tetloom

@@ -26,6 +26,9 @@ MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, 
 /// Errors: InvalidArgument, InputUnsuitable (as build_size_field).
 MeshEstimate estimate_least_mesh(const GeometricModel& model, const SizeOptions& options);
 
+/// Tets of a mesh that fills volumes: a wall thinner than the size has one and a half per triangle.
+double count_elements(const MeshEstimate& estimate);
+
 /// Leaves the tetrahedra out, for a run that makes the surface only.
 MeshEstimate surface_part(const MeshEstimate& estimate);
 

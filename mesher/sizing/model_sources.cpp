@@ -86,11 +86,12 @@ SizeTargets without_curvature(SizeTargets targets) {
 /// The sources of one face.
 class FaceSplitter {
  public:
-  FaceSplitter(FaceGeometry& face, double cap, double floor, const SizeTargets& targets)
+  /// `curvature`: edges per turn; 0: off.
+  FaceSplitter(FaceGeometry& face, double cap, double floor, double curvature, const SizeTargets& targets)
       : face_(face),
         floor_(floor),
+        curvature_(curvature),
         smooth_(face.parametrization() == Parametrization::Smooth),
-        targets_(targets),
         rules_{.global = targets.global, .cap = cap, .longest = HUGE_VAL} {}
 
   std::vector<SizeSource> run(const Tessellation& facets, const TaskRunner& runner) {
@@ -100,7 +101,7 @@ class FaceSplitter {
       if (++visited % 256 == 0) runner.check_cancelled();
       FacetPiece piece;
       for (std::size_t i = 0; i < 3; ++i) piece[i] = {facets.uv[tri[i]], facets.points[tri[i]]};
-      if (targets_.curvature <= 0) {
+      if (curvature_ <= 0) {
         if (rules_.cap < rules_.global) out.push_back({piece[0].point, piece[1].point, piece[2].point, rules_.cap});
       } else if (smooth_) {
         refine_smooth(piece, out);
@@ -113,7 +114,7 @@ class FaceSplitter {
 
  private:
   double size_at(const Vec2& uv) const {
-    return std::max(size_from_curvature(face_.curvature(uv), targets_.curvature), floor_);
+    return std::max(size_from_curvature(face_.curvature(uv), curvature_), floor_);
   }
 
   void refine_smooth(const FacetPiece& facet, std::vector<SizeSource>& out) const {
@@ -135,9 +136,8 @@ class FaceSplitter {
   }
 
   FaceGeometry& face_;
-  double floor_;
+  double floor_, curvature_;
   bool smooth_;
-  const SizeTargets& targets_;
   FacetRules rules_;
 };
 
@@ -186,6 +186,8 @@ void lower_floors_of_wires(const std::vector<FaceMeasures>& faces, const SizeTar
 std::vector<double> face_floors(const GeometricModel& model, const SizeTargets& targets,
                                 const std::vector<Tessellation>& facets, const SharedWork& work) {
   std::vector<double> floors(facets.size(), targets.floor);
+  for (std::size_t f = 0; f < targets.wires.size(); ++f)
+    if (targets.wires[f] > 0) floors[f] = kWireFloor * targets.floor;
   if (targets.curvature <= 0 || !targets.floor_is_default) return floors;
   const std::vector<FaceMeasures> faces = measure_faces(model, targets, facets, work);
   lower_floors_of_wires(faces, targets, facets, floors);
@@ -257,7 +259,8 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
   const std::vector<double> floors = face_floors(model, targets, facets, work);
   return joined(work.make_lists<SizeSource>(facet_counts(facets), [&](std::size_t f) {
     std::vector<SizeSource> list;
-    if (targets.curvature <= 0 && targets.face[f] >= targets.global) return list;
+    const double wire = targets.wires.empty() ? 0 : targets.wires[f];
+    if (targets.curvature <= 0 && wire <= 0 && targets.face[f] >= targets.global) return list;
     tolerate_bad_geometry([&] {
       const auto geometry = model.face_geometry(ModelFaceId(f));
       // What has a floor below the usual one is no feature of something else.
@@ -265,7 +268,8 @@ std::vector<SizeSource> face_sources(const GeometricModel& model, const SizeTarg
       const bool is_small =
           small > 0 && floors[f] >= targets.floor && mean_width(model, ModelFaceId(f), facets[f]) < small;
       const double floor = is_small ? targets.global : floors[f];
-      list = FaceSplitter(*geometry, targets.face[f], floor, targets).run(facets[f], work.runner());
+      const double curvature = std::max(targets.curvature, wire);
+      list = FaceSplitter(*geometry, targets.face[f], floor, curvature, targets).run(facets[f], work.runner());
     });
     return list;
   }));

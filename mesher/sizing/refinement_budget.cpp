@@ -54,6 +54,11 @@ double affordable_share(const std::vector<Place>& places, double budget) {
 
 }  // namespace
 
+double most_elements(double first, double factor) {
+  constexpr double kFew = 20'000;
+  return factor > 1 ? std::max({first, factor * first, kFew}) : first;
+}
+
 AffordableMisfits choose_affordable(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes,
                                     double budget) {
   const std::vector<Place> places = locate(misfits, surface, sizes);

@@ -9,6 +9,10 @@
 
 namespace tetloom {
 
+/// The elements that a mesh may have after refinement where the sizes alone would give it `first`: `factor` times as
+/// many, and as many as are no burden to anybody. Just `first` where the factor is 1.
+double most_elements(double first, double factor);
+
 /// What is refined within a budget.
 struct AffordableMisfits {
   std::vector<Misfit> refined;  ///< in ascending order of triangles

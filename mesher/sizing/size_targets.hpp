@@ -17,6 +17,7 @@ struct SizeTargets {
   double curvature = 0;          ///< edges per turn; 0: off
   double proximity = 0;          ///< layers; 0: off
   SmallWidth small;              ///< faces and edges below it ask for no sizes for their curvature
+  std::vector<double> wires;     ///< edges per turn on each face around a wire where `curvature` is off; 0: no wire
   std::vector<double> vertex, edge, face, region;
   double smallest_region = 0;  ///< the least of `region`
 };

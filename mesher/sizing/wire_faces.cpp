@@ -5,6 +5,8 @@
 #include <memory>
 #include <span>
 
+#include "core/base/lists.hpp"
+#include "core/geometry/bad_geometry.hpp"
 #include "core/sizing/curvature_size.hpp"
 
 namespace tetloom {
@@ -46,17 +48,68 @@ class Surroundings {
   std::vector<std::unique_ptr<FaceGeometry>> geometries_;
 };
 
+// Points on a grid over the face's parameters, with triangles between them.
+Tessellation grid_over(FaceGeometry& face) {
+  constexpr std::uint32_t kCells = 6;
+  const ParameterBox box = face.parameter_box();
+  Tessellation grid;
+  for (std::uint32_t i = 0; i <= kCells; ++i)
+    for (std::uint32_t j = 0; j <= kCells; ++j) {
+      grid.uv.push_back({box.lo.u + i * (box.hi.u - box.lo.u) / kCells, box.lo.v + j * (box.hi.v - box.lo.v) / kCells});
+      grid.points.push_back(face.evaluate(grid.uv.back()));
+      if (i == kCells || j == kCells) continue;
+      const std::uint32_t corner = i * (kCells + 1) + j, across = corner + kCells + 1;
+      grid.tri_to_vert.push_back({corner, across, across + 1});
+      grid.tri_to_vert.push_back({corner, across + 1, corner + 1});
+    }
+  return grid;
+}
+
+// Whether the curvature rule asks anywhere, of a few places, for less than the floor.
+bool is_thin_somewhere(FaceGeometry& face, const SizeTargets& targets) {
+  const ParameterBox box = face.parameter_box();
+  for (const double s : {0.17, 0.5, 0.83})
+    for (const double t : {0.17, 0.5, 0.83}) {
+      const Vec2 uv{box.lo.u + s * (box.hi.u - box.lo.u), box.lo.v + t * (box.hi.v - box.lo.v)};
+      if (size_from_curvature(face.curvature(uv), targets.curvature) < targets.floor) return true;
+    }
+  return false;
+}
+
 }  // namespace
 
+std::vector<double> find_wires(const GeometricModel& model, const SizeTargets& targets, double most_triangles,
+                               const SharedWork& work) {
+  constexpr double kPerTurn = 10;  // with which a cylinder loses 4.5 % of its volume
+  constexpr double kThin = 0.5;    // of the size: what asks for less is thin, as a cylinder of .8 sizes
+  SizeTargets thin = targets;
+  thin.curvature = kPerTurn, thin.floor = kThin * targets.global;
+  const WireFinder wires(model, thin);
+  const std::vector<double> faces(model.topology().face_count(), 1.0);
+  std::vector<double> weights = joined(work.make_lists<double>(faces, [&](std::size_t f) {
+    double weight = 0;
+    tolerate_bad_geometry([&] {
+      const auto geometry = model.face_geometry(ModelFaceId(f));
+      if (geometry->parametrization() == Parametrization::Smooth && is_thin_somewhere(*geometry, thin))
+        weight = wires.weight(ModelFaceId(f), *geometry, grid_over(*geometry));
+    });
+    return std::vector{weight};
+  }));
+  const double edges = wire_edges_per_turn(weights, kPerTurn, {.most_triangles = most_triangles, .least_per_turn = 6});
+  if (edges <= 0 || std::ranges::all_of(weights, [](double weight) { return weight <= 0; })) return {};
+  for (double& weight : weights) weight = weight > 0 ? edges : 0;
+  return weights;
+}
+
 // A triangle of edge h = 6 / (N k) has the area 0.433 h².
-double wire_edges_per_turn(const std::vector<double>& weights, double wanted) {
-  constexpr double kMostTriangles = 150'000, kFarTooMany = 4, kLeastPerTurn = 8;
+double wire_edges_per_turn(const std::vector<double>& weights, double wanted, const WireBudget& budget) {
+  constexpr double kFarTooMany = 4;
   const double per_square = 1 / (0.433 * 36);  // triangles per weight and squared number of edges per turn
   double weight = 0;
   for (const double w : weights) weight += w;
-  const double affordable = weight > 0 ? std::sqrt(kMostTriangles / (per_square * weight)) : wanted;
-  const double edges = std::min(wanted, std::max(kLeastPerTurn, affordable));
-  return per_square * weight * edges * edges <= kFarTooMany * kMostTriangles ? edges : 0;
+  const double affordable = weight > 0 ? std::sqrt(budget.most_triangles / (per_square * weight)) : wanted;
+  const double edges = std::min(wanted, std::max(budget.least_per_turn, affordable));
+  return per_square * weight * edges * edges <= kFarTooMany * budget.most_triangles ? edges : 0;
 }
 
 double WireFinder::weight(ModelFaceId face, FaceGeometry& geometry, const Tessellation& facets) const {

@@ -4,13 +4,26 @@
 
 #include "mesher/sizing/size_targets.hpp"
 #include "tetloom/model.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
 
-/// The edges per turn that wires may have: all that are asked for while all wires together take no more than a given
-/// number of triangles, fewer where they would take more, but at least eight; 0, so that the floor stays, where those
-/// are far too many. `weights` of the faces of wires: the integral of the squared largest curvature.
-double wire_edges_per_turn(const std::vector<double>& weights, double wanted);
+/// What all wires of a model may take.
+struct WireBudget {
+  double most_triangles = 150'000;
+  double least_per_turn = 8;
+};
+
+/// The edges per turn that wires may have: all that are asked for while all wires together take no more triangles than
+/// the budget, fewer where they would take more, but at least its least; 0, so that the floor stays, where those are
+/// far too many. `weights` of the faces of wires: the integral of the squared largest curvature.
+double wire_edges_per_turn(const std::vector<double>& weights, double wanted, const WireBudget& budget = {});
+
+/// `SizeTargets::wires`: the faces around wires and balls so thin that the size asked for would take much of their
+/// volume. They get ten edges per turn, or fewer, down to six, where all together would take more than
+/// `most_triangles`. Empty: there are none, or far too many. A few samples of each curved face.
+std::vector<double> find_wires(const GeometricModel& model, const SizeTargets& targets, double most_triangles,
+                               const SharedWork& work);
 
 /// Finds wires and balls among the faces that the curvature rule wants finer than the floor. Immutable; any thread.
 class WireFinder {

@@ -96,6 +96,42 @@ TEST_CASE("sizes are reduced to min_size, to what features that stay need, or to
   CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.14));
 }
 
+TEST_CASE("wires and balls keep their shape where a size alone is asked for") {
+  std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {4, 4, 4}),
+                                                            make_sphere({8, 0, 0}, 0.4)};
+  const std::unique_ptr<GeometricModel> models[] = {make_cylinder(0.2, 20), make_torus(3, 0.15), combine(bodies)};
+  for (const auto& model : models) {
+    const auto lost_of = [&](const MeshOptions& options) {
+      const MeshResult result = make_mesh(*model, options);
+      if (result.status != MeshStatus::Ok) return 1.0;  // a tube of so few triangles crosses itself
+      CHECK(validate_mesh(result.mesh).problems.empty());
+      // Of the last region, which is thin.
+      const auto region = static_cast<std::uint32_t>(model->topology().region_count() - 1);
+      double volume = 0;
+      for (std::size_t t = 0; t < result.mesh.tet_to_vert.size(); ++t) {
+        if (result.mesh.tet_to_entity[t] != region) continue;
+        const auto& [a, b, c, d] = result.mesh.tet_to_vert[t];
+        const auto& x = result.mesh.points;
+        volume += dot(cross(x[b] - x[a], x[c] - x[a]), x[d] - x[a]) / 6;
+      }
+      return 1 - volume / model->volume(ModelRegionId(region));
+    };
+    MeshOptions options = options_of_size(1);
+    CHECK(lost_of(options) < 0.12);
+    options.most_refinement = HUGE_VAL;
+    CHECK(lost_of(options) < 0.08);
+    options.refine_surface = false;
+    CHECK(lost_of(options) > 0.2);
+    options.refine_surface = true, options.most_refinement = 1;
+    CHECK(lost_of(options) > 0.2);
+    options.most_refinement = 2, options.sizes.min_size = 1;
+    CHECK(lost_of(options) > 0.2);
+  }
+  // What is no wire has the size asked for.
+  CHECK(make_mesh(*make_cylinder(3, 2), options_of_size(1)).sizes.is_uniform());
+  CHECK(make_mesh(*make_annulus(0.3, 4), options_of_size(1)).sizes.is_uniform());
+}
+
 TEST_CASE("needles and narrow faces have finer elements beside them") {
   MeshOptions options = options_of_size(0.5);
   options.most_refinement = HUGE_VAL;
