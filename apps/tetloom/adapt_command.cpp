@@ -133,6 +133,7 @@ void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, co
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
+  if (model != nullptr) note_model_bytes(*result.mesh, *model, report.extra["partition"]);
   if (report.status != ExitStatus::Done) return;  // the same on all ranks
   run.begin_together(Stage::Write);
   report.seconds.write = timed([&] { write_parts(*result.mesh, command.output, runner, &run.cancel()); });

@@ -253,6 +253,7 @@ void mesh_model_in_parts(const MeshCommand& command, const Sized& sized, Communi
   });
   report.extra["partition"] = parts_json(figures);
   report.extra["partition"]["seconds"] = result.partition_seconds;
+  note_model_bytes(*result.mesh, *document.model, report.extra["partition"]);
 
   for (const PartId part : result.mesh->local()) apply_groups(groups, result.mesh->parts.at(part).mesh.entities);
   note_groups(groups, report);

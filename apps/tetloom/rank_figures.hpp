@@ -13,6 +13,10 @@ namespace tetloom::app {
 void note_ranks(Communicator& communicator, std::uint64_t tets, const GeometricModel* model, RunReport& report);
 
 /// Of its parts.
+/// Adds "model_bytes" to the table of parts (see parts_json): the bytes of all shapes of edges and faces that the part
+/// has elements on. Nothing where each rank has the whole model. A collective call.
+void note_model_bytes(const PartitionedMesh& mesh, const GeometricModel& model, nlohmann::ordered_json& partition);
+
 std::uint64_t tets_of_rank(const PartitionedMesh& mesh);
 
 }  // namespace tetloom::app

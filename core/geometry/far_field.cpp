@@ -48,6 +48,11 @@ class FarFieldModel : public GeometricModel {
   }
   double volume(ModelRegionId) const override { return volume_; }
   std::optional<ShapeMemory> shape_memory() const override { return model_->shape_memory(); }
+  std::uint64_t shape_bytes(ModelEntity entity) const override {
+    if (entity.dim != 1 && entity.dim != 2) return 0;
+    const auto& given = entity.dim == 1 ? edges_ : faces_;
+    return entity.index < given.size() ? model_->shape_bytes(ModelEntity(entity.dim, given[entity.index])) : 0;
+  }
 
  private:
   friend class RenumberedFace;

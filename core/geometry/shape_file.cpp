@@ -88,6 +88,8 @@ Bytes ShapeFile::read_description() const {
   return bytes;
 }
 
+std::uint64_t ShapeFile::bytes_of(std::size_t shape) const { return ends_[shape] - begin_of(ends_, shape); }
+
 std::uint64_t ShapeFile::total_bytes() const { return begin_of(ends_, ends_.size()) - sizeof(Head); }
 
 void ShapeFile::read_at(std::uint64_t place, std::span<std::byte> bytes) const {

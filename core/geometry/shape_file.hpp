@@ -45,6 +45,7 @@ class ShapeFile {
   std::size_t shape_count() const { return ends_.size(); }
   /// Of all shapes.
   std::uint64_t total_bytes() const;
+  std::uint64_t bytes_of(std::size_t shape) const;
   Bytes read(std::size_t shape) const;
 
  private:

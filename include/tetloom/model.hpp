@@ -195,6 +195,8 @@ class GeometricModel {
   virtual double volume(ModelRegionId id) const = 0;
   /// None where the model has all of its shapes at hand.
   virtual std::optional<ShapeMemory> shape_memory() const { return {}; }
+  /// The share of an edge or a face in ShapeMemory::total_bytes; 0 of other entities, and where all are at hand.
+  virtual std::uint64_t shape_bytes(ModelEntity) const { return 0; }
 
  protected:
   ModelTopology topology_;

@@ -7,9 +7,11 @@
 
 namespace tetloom::test {
 
+/// Of one size, also where that is too much for the shape.
 inline Mesh meshed(const GeometricModel& model, double h) {
   MeshOptions options;
   options.sizes.size = h;
+  options.refine_surface = false;
   MeshResult result = make_mesh(model, options);
   REQUIRE(result.status == MeshStatus::Ok);
   return std::move(result.mesh);

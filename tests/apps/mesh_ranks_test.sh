@@ -56,6 +56,15 @@ coarse="mesh block.step -o parts.pvtu --relative-size 0.05 --parts 3 --quiet --r
 # shellcheck disable=SC2086
 TMPDIR=$PWD/temporary on_ranks 2 $coarse
 digest=$(grep '"digest"' report.json)
+# What a part needs of the model is told; parts inside of the solid need nothing.
+on_ranks 2 mesh block.step -o inside.pvtu --relative-size 0.05 --parts 125 --quiet --report inside.json
+bytes_of_parts() {
+    tr -d ' \n' < inside.json | grep -o '"table":[^]]*' | grep -o '"model_bytes":[0-9]*' | cut -d: -f2
+}
+[ "$(bytes_of_parts | grep -c .)" = 125 ] || fail "not all parts tell what they need of the model"
+bytes_of_parts | grep -q '^0$' || fail "parts inside of the solid need its shapes"
+bytes_of_parts | grep -q '^[1-9]' || fail "no part needs a shape"
+rm -rf inside*
 [ -z "$(find temporary -name 'tetloom*')" ] || fail "the file of shapes is left behind"
 # Without a folder for it each rank reads the model for itself.
 # shellcheck disable=SC2086

@@ -196,6 +196,23 @@ TEST_CASE("of a stored model no more shapes are held than asked for, and one at 
   CHECK(one.most_held_bytes < half.most_held_bytes);
 }
 
+TEST_CASE("the shapes of edges and faces are all that there is in a stored model") {
+  const Folder folder;
+  test::write_sample(test::Sample::DrilledBox, folder / "box.brep");
+  REQUIRE(store_model(read_model(folder / "box.brep"), folder / "shapes"));
+  const ModelDocument stored = open_stored_model(folder / "shapes", kNoLimit);
+  const ModelTopology& topology = stored.model->topology();
+  std::uint64_t sum = 0;
+  for (int dim = 0; dim <= 3; ++dim)
+    for (std::uint32_t i = 0; i < topology.count(dim); ++i) {
+      const std::uint64_t bytes = stored.model->shape_bytes(ModelEntity(dim, i));
+      CHECK((bytes > 0) == (dim == 1 || dim == 2));
+      sum += bytes;
+    }
+  CHECK(sum == stored.model->shape_memory()->total_bytes);
+  CHECK(read_model(folder / "box.brep").model->shape_bytes(ModelEntity(2, 0)) == 0);
+}
+
 TEST_CASE("models of facets are not stored, and nothing is left behind") {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<std::array<std::uint32_t, 3>> tris{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};

@@ -188,6 +188,13 @@ double StoredCadModel::volume(ModelRegionId id) const {
   return volumes_[id.value].get();
 }
 
+std::uint64_t StoredCadModel::shape_bytes(ModelEntity entity) const {
+  if (entity.dim != 1 && entity.dim != 2) return 0;
+  const std::vector<Placed>& placed = entity.dim == 1 ? edges_ : faces_;
+  TETLOOM_ASSERT(entity.index < placed.size());
+  return file_->bytes_of(placed[entity.index].shape);
+}
+
 std::optional<ShapeMemory> StoredCadModel::shape_memory() const {
   return ShapeMemory{held_.peak_bytes(), file_->total_bytes()};
 }

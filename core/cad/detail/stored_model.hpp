@@ -31,6 +31,7 @@ class StoredCadModel final : public GeometricModel {
   FacePlace place(ModelFaceId id) const override;
   double volume(ModelRegionId id) const override;
   std::optional<ShapeMemory> shape_memory() const override;
+  std::uint64_t shape_bytes(ModelEntity entity) const override;
 
  private:
   friend void store_shapes(const CadModel&, const BlockLoop&, ShapeFileWriter&, MessageWriter&);
