@@ -79,4 +79,10 @@ AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<Tens
   return adapt_to({.options = options, .function = metric, .parts = &mesh}, &ranks, host);
 }
 
+AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const SolutionMetric& metric, const AdaptOptions& options,
+                                const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_to({.options = options, .parts = &mesh, .solution = &metric}, &ranks, host);
+}
+
 }  // namespace tetloom

@@ -89,4 +89,10 @@ AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const std::functi
   return adapt_in_parts({.options = options, .function = metric, .parts = &mesh}, ranks, host);
 }
 
+AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const SolutionMetric& metric,
+                                       const AdaptOptions& options, const Host& host) {
+  Communicator& ranks = *mesh.communicator;
+  return adapt_in_parts({.options = options, .parts = &mesh, .solution = &metric}, ranks, host);
+}
+
 }  // namespace tetloom

@@ -1,6 +1,8 @@
 #include "adapt/adapt_together.hpp"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,8 +10,10 @@
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
 #include "adapt/parts/slice_gradation.hpp"
+#include "adapt/parts/slice_hessian.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/free_memory.hpp"
+#include "core/base/mix_bits.hpp"
 
 namespace tetloom::adapt {
 
@@ -94,17 +98,53 @@ class Start {
     work_.each([&] {
       check_transfer(fields, options_.transfer);
       fingerprint_ = fingerprint(fields, {}, options_, runner_);
+      if (call_.solution) check_solution(fields);
     });
     require_same(fingerprint_, work_);
     PerPart<MetricField> metric = metric_of_parts();
     if (is_alone() || carries_on_tets(fields, options_.transfer)) {
       gathered_ = gather_parts(std::move(*call_.parts), std::move(metric), work_);
-      work_.each([&] { check_input(gathered_.mesh, gathered_.metric); });
+      work_.each([&] {
+        check_input(gathered_.mesh, gathered_.metric);
+        if (call_.solution) gathered_.metric = metric_of_solution(gathered_.mesh);
+      });
       return start_whole(gathered_.mesh, &gathered_.mesh, std::move(gathered_.metric));
     }
-    MeshSlice slice = slice_of(std::move(*call_.parts), std::move(metric), options_.transfer, work_);
+    std::vector<std::string> kept = options_.transfer;
+    if (call_.solution) kept.push_back(call_.solution->field);
+    MeshSlice slice = slice_of(std::move(*call_.parts), std::move(metric), kept, work_);
     work_.each([&] { check_input(slice.mesh, slice.metric); });
+    if (call_.solution) take_metric_of_solution(slice);
     start_slice(std::move(slice));
+  }
+
+  // Ranks may be given different ones.
+  void check_solution(const Mesh& fields) {
+    const auto& [name, options] = *call_.solution;
+    const auto field = std::ranges::find(fields.point_fields, name, &MeshField::name);
+    if (field == fields.point_fields.end())
+      throw Error(ErrorCode::InputUnsuitable, "the mesh has no field \"" + name + "\" on its points");
+    if (field->components != 1)
+      throw Error(ErrorCode::InputUnsuitable, "the metric is made of a field of one component, and \"" + name +
+                                                  "\" has " + std::to_string(field->components));
+    for (const char c : name) fingerprint_ = mix_bits(fingerprint_ ^ static_cast<std::uint64_t>(c));
+    for (const double value : {options.complexity, options.norm, options.gradation, options.bounds.h_min,
+                               options.bounds.h_max, options.bounds.max_aspect})
+      fingerprint_ = mix_bits(fingerprint_ ^ std::bit_cast<std::uint64_t>(value));
+  }
+
+  MetricField metric_of_solution(const Mesh& mesh) const {
+    const auto& [name, options] = *call_.solution;
+    const std::vector<double>& values = std::ranges::find(mesh.point_fields, name, &MeshField::name)->values;
+    return metric_from_solution(values, {mesh.points, mesh.tet_to_vert}, options, runner_).metric;
+  }
+
+  void take_metric_of_solution(MeshSlice& slice) const {
+    const auto& [name, options] = *call_.solution;
+    slice.metric = metric_from_solution(slice, name, options, work_).metric;
+    if (std::ranges::count(options_.transfer, name) == 0)
+      std::erase_if(slice.mesh.point_fields, [&](const MeshField& field) { return field.name == name; });
+    give_back_where_shared(work_);
   }
 
   PerPart<MetricField> metric_of_parts() const {
@@ -114,6 +154,10 @@ class Start {
       return std::move(*call_.parts_metric);
     }
     PerPart<MetricField> metric(parts.part_count(), parts.local());
+    if (call_.solution) {  // of which none is known yet
+      for (const PartId part : parts.local()) metric.at(part).logs.resize(parts.parts.at(part).mesh.vertex_count());
+      return metric;
+    }
     work_.each([&] {
       for (const PartId part : parts.local())
         metric.at(part) = metric_from_function(call_.function, parts.parts.at(part).mesh.points.span(), runner_);

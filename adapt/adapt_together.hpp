@@ -20,6 +20,7 @@ struct AdaptCall {
   MetricField* metric_given_up = nullptr;  ///< `metric`, the same
   PartitionedMesh* parts = nullptr;        ///< emptied
   PerPart<MetricField>* parts_metric = nullptr;
+  const SolutionMetric* solution = nullptr;  ///< of a mesh in parts, instead of a metric or a function
 };
 
 /// Checks what is given, adapts, and calls `finish`, which takes the mesh. In SharedWork::together. Errors: as those of

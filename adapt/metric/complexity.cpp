@@ -1,6 +1,7 @@
 // The number of elements that a metric asks for.
 #include <algorithm>
 
+#include "adapt/metric/own_hessian.hpp"
 #include "adapt/metric/own_tets.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/metric.hpp"
@@ -72,6 +73,11 @@ double complexity(const MetricField& metric, const TetView& mesh, const OwnTets&
 
 double scale_to_complexity(MetricField& metric, const TetView& mesh, double target, const MetricBounds& bounds,
                            const BlockLoop& loop) {
+  return scale_to_complexity(metric, mesh, target, bounds, OwnMesh(), loop);
+}
+
+double scale_to_complexity(MetricField& metric, const TetView& mesh, double target, const MetricBounds& bounds,
+                           const OwnMesh& own, const BlockLoop& loop) {
   TETLOOM_ASSERT(metric.size() == mesh.points.size() && target > 0);
   require_valid(bounds);
   const std::vector<double> volumes = vertex_volumes(mesh);
@@ -81,10 +87,13 @@ double scale_to_complexity(MetricField& metric, const TetView& mesh, double targ
   });
   const auto complexity_at = [&](double shift) {
     const auto term_of = [&](std::size_t v) {
+      if (!own.counts(v)) return 0.0;
       const Spectrum s = bounded(spectra[v], shift, bounds);
       return volumes[v] * std::exp(0.5 * (s[0] + s[1] + s[2]));
     };
-    return sum_of(0, spectra.size(), loop, term_of).value();
+    ExactSum sum = sum_of(0, spectra.size(), loop, term_of);
+    own.tets.add_up(sum);
+    return sum.value();
   };
   // The complexity grows with the shift s as exp(3 s / 2) where nothing is bounded, more slowly where something is.
   constexpr int kMostSteps = 60;
@@ -105,7 +114,7 @@ double scale_to_complexity(MetricField& metric, const TetView& mesh, double targ
     for (std::size_t v = begin; v < end; ++v)
       metric.logs[v] = bounded_log(metric.logs[v] + diagonal(shift, shift, shift), bounds);
   });
-  return complexity(metric, mesh, loop);
+  return complexity(metric, mesh, own.tets, loop);
 }
 
 }  // namespace tetloom::adapt

@@ -1,8 +1,10 @@
 #include "tetloom/metric.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
+#include "adapt/metric/own_hessian.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
@@ -42,21 +44,34 @@ Tensor normalised_log(const Tensor& hessian, double least, double norm) {
   return logarithm + diagonal(shift, shift, shift);
 }
 
-double diagonal_of(std::span<const Vec3> points) {
+}  // namespace
+
+double diagonal_of(std::span<const Vec3> points, const OwnTets& own) {
   Box3 box;
   for (const Vec3& p : points) box.add(p);
-  return box.diagonal();
+  std::array<double, 6> ends{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+  if (own.largest) own.largest(ends);
+  return norm(Vec3{ends[3] + ends[0], ends[4] + ends[1], ends[5] + ends[2]});
 }
 
-}  // namespace
+double flat_curvature(double low, double high, double diagonal) {
+  constexpr double kFlat = 1e-9;
+  return kFlat * (high - low) / (diagonal * diagonal);
+}
 
 HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat, const TetView& mesh,
                                   const VertexGraph& graph, const HessianOptions& options, const BlockLoop& loop) {
+  return metric_from_hessian(hessians, flat, mesh, graph, options, OwnMesh(), loop);
+}
+
+HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat, const TetView& mesh,
+                                  const VertexGraph& graph, const HessianOptions& options, const OwnMesh& own,
+                                  const BlockLoop& loop) {
   require_valid(options);
   if (hessians.size() != mesh.points.size())
     throw Error(ErrorCode::InvalidArgument, std::to_string(hessians.size()) + " Hessians do not fit " +
                                                 std::to_string(mesh.points.size()) + " vertices");
-  const double largest = largest_curvature(hessians, loop);
+  const double largest = own.tets.largest_of(largest_curvature(hessians, loop));
   if (!(largest > flat))
     throw Error(ErrorCode::InputUnsuitable, "the field has no curvature that a mesh could be adapted to");
   MetricField base;
@@ -66,21 +81,21 @@ HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat,
       base.logs[v] = normalised_log(hessians[v], largest * kSmallest, options.norm);
   });
   MetricBounds bounds = options.bounds;
-  bounds.h_max = std::max(bounds.h_min, std::min(bounds.h_max, diagonal_of(mesh.points)));
+  bounds.h_max = std::max(bounds.h_min, std::min(bounds.h_max, diagonal_of(mesh.points, own.tets)));
   double goal = options.complexity;
   for (int scaling = 0;; ++scaling) {
     HessianMetric result{base, 0};
-    result.complexity = scale_to_complexity(result.metric, mesh, goal, bounds, loop);
-    if (options.gradation > 0) limit_gradation(result.metric, mesh.points, graph, options.gradation, loop);
-    const bool turns = limit_turning(result.metric, mesh, loop).turns;
+    result.complexity = scale_to_complexity(result.metric, mesh, goal, bounds, own, loop);
+    if (options.gradation > 0) limit_gradation(result.metric, mesh.points, graph, options.gradation, own.verts, loop);
+    const bool turns = limit_turning(result.metric, mesh, own.tets, loop).turns;
     if (turns) apply_bounds(result.metric, bounds, loop);
     if (scaling == 0 && options.gradation == 0 && !turns) return result;
-    result.complexity = complexity(result.metric, mesh, loop);
+    result.complexity = complexity(result.metric, mesh, own.tets, loop);
     const double ratio = options.complexity / result.complexity;
     if (std::abs(ratio - 1) <= kComplexityTolerance || scaling == kMostScalings) {
       // The little that is missing makes no turn too fast; gradation would no longer be as asked.
       if (options.gradation == 0)
-        result.complexity = scale_to_complexity(result.metric, mesh, options.complexity, bounds, loop);
+        result.complexity = scale_to_complexity(result.metric, mesh, options.complexity, bounds, own, loop);
       return result;
     }
     goal *= ratio;  // what limits add is about the same share again
@@ -94,9 +109,8 @@ HessianMetric metric_from_solution(std::span<const double> values, const TetView
   const std::vector<Tensor> hessians = recover_hessian(values, mesh, graph, loop);
   if (values.empty()) throw Error(ErrorCode::InputUnsuitable, "the mesh has no vertices");
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double length = diagonal_of(mesh.points);
-  constexpr double kFlat = 1e-9;
-  return metric_from_hessian(hessians, kFlat * (*high - *low) / (length * length), mesh, graph, options, loop);
+  const double flat = flat_curvature(*low, *high, diagonal_of(mesh.points, OwnTets()));
+  return metric_from_hessian(hessians, flat, mesh, graph, options, loop);
 }
 
 }  // namespace tetloom::adapt

@@ -1,8 +1,10 @@
 // Second derivatives by weighted least squares.
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <string>
 
+#include "adapt/metric/own_hessian.hpp"
 #include "core/base/lists.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/metric.hpp"
@@ -192,10 +194,17 @@ void require_values(std::span<const double> values, const TetView& mesh) {
 std::vector<Tensor> recover_hessian(std::span<const double> values, const TetView& mesh, const VertexGraph& graph,
                                     const BlockLoop& loop) {
   require_values(values, mesh);
-  std::vector<Tensor> hessians(values.size());
-  loop.for_blocks(values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  std::vector<std::uint32_t> verts(values.size());
+  std::iota(verts.begin(), verts.end(), 0u);
+  return recover_hessian_at(verts, values, mesh, graph, loop);
+}
+
+std::vector<Tensor> recover_hessian_at(std::span<const std::uint32_t> verts, std::span<const double> values,
+                                       const TetView& mesh, const VertexGraph& graph, const BlockLoop& loop) {
+  std::vector<Tensor> hessians(verts.size());
+  loop.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Recovery recovery(values, mesh, graph);
-    for (std::size_t v = begin; v < end; ++v) hessians[v] = recovery.hessian_at(static_cast<std::uint32_t>(v));
+    for (std::size_t i = begin; i < end; ++i) hessians[i] = recovery.hessian_at(verts[i]);
   });
   return hessians;
 }

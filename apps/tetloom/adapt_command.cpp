@@ -44,7 +44,8 @@ void write_output(const AdaptCommand& command, Mesh& mesh, const CancelToken& ca
 struct AdaptTask {
   AdaptInput input;
   adapt::MetricField metric;
-  PerPart<adapt::MetricField> metric_of_parts;  // of a mesh in parts
+  PerPart<adapt::MetricField> metric_of_parts;  // of a mesh in parts, or else:
+  std::optional<adapt::SolutionMetric> solution;
   double metric_seconds = 0;
 };
 
@@ -72,7 +73,9 @@ void read_input_with_metric(const AdaptCommand& command, AdaptTask& task, Run& r
   report.warnings = task.input.document.warnings;
   run.begin(Stage::SizeField);
   task.metric_seconds = timed([&] {
-    if (task.input.parts)
+    if (task.input.parts && !command.hessian_field.empty())
+      task.solution = {command.hessian_field, command.hessian};
+    else if (task.input.parts)
       task.metric_of_parts = make_metric_of_parts(command, task.input, runner);
     else
       task.metric = make_metric(command, task.input, runner);
@@ -146,8 +149,9 @@ void finish_in_parts(const AdaptCommand& command, AdaptInPartsResult& result, co
 AdaptInPartsResult adapt_in_parts(AdaptTask& task, const AdaptOptions& options, Communicator& ranks, const Host& host) {
   AdaptInput& input = task.input;
   AdaptInPartsResult result =
-      input.parts ? adapt_mesh_in_parts(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
-                  : adapt_mesh_in_parts(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
+      task.solution && input.parts ? adapt_mesh_in_parts(std::move(*input.parts), *task.solution, options, host)
+      : input.parts ? adapt_mesh_in_parts(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
+                    : adapt_mesh_in_parts(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
   input.parts.reset(), input.mesh.reset();
   return result;
 }
@@ -155,8 +159,9 @@ AdaptInPartsResult adapt_in_parts(AdaptTask& task, const AdaptOptions& options, 
 AdaptResult adapt_on_ranks(AdaptTask& task, const AdaptOptions& options, Communicator& ranks, const Host& host) {
   AdaptInput& input = task.input;
   AdaptResult result =
-      input.parts ? adapt_mesh_on_ranks(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
-                  : adapt_mesh_on_ranks(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
+      task.solution && input.parts ? adapt_mesh_on_ranks(std::move(*input.parts), *task.solution, options, host)
+      : input.parts ? adapt_mesh_on_ranks(std::move(*input.parts), std::move(task.metric_of_parts), options, host)
+                    : adapt_mesh_on_ranks(std::move(*input.mesh), std::move(task.metric), options, ranks, host);
   input.parts.reset(), input.mesh.reset();
   return result;
 }

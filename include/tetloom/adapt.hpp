@@ -199,6 +199,10 @@ AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<adapt::MetricFie
                                 const AdaptOptions& options, const Host& host = {});
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
                                 const AdaptOptions& options, const Host& host = {});
+/// To the metric that adapt::metric_from_solution makes of a field on the points. Errors: also InputUnsuitable, where
+/// there is no such field or it has several components, and those of adapt::metric_from_solution.
+AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const adapt::SolutionMetric& metric,
+                                const AdaptOptions& options, const Host& host = {});
 
 struct AdaptInPartsResult {
   AdaptResult run;                      ///< as of adapt_mesh_on_ranks, without the mesh
@@ -221,6 +225,8 @@ AdaptInPartsResult adapt_mesh_in_parts(Mesh&& mesh, adapt::MetricField&& metric,
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, PerPart<adapt::MetricField>&& metric,
                                        const AdaptOptions& options, const Host& host = {});
 AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,
+                                       const AdaptOptions& options, const Host& host = {});
+AdaptInPartsResult adapt_mesh_in_parts(PartitionedMesh&& mesh, const adapt::SolutionMetric& metric,
                                        const AdaptOptions& options, const Host& host = {});
 
 }  // namespace tetloom

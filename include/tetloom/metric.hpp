@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tetloom/host.hpp"
@@ -169,6 +171,9 @@ class VertexGraph {
  public:
   /// Pre: indices in range. Linear; 64 bytes per tet while it is built, about 60 per vertex afterwards.
   explicit VertexGraph(const TetView& mesh, const BlockLoop& loop = serial_loop());
+  /// Of lists: the neighbours of v are `neighbors` from `begins[v]` on up to `begins[v + 1]`, ascending.
+  VertexGraph(std::vector<std::size_t> begins, std::vector<std::uint32_t> neighbors)
+      : begins_(std::move(begins)), neighbors_(std::move(neighbors)) {}
 
   std::size_t size() const { return begins_.size() - 1; }
   std::span<const std::uint32_t> neighbors(std::size_t vert) const {
@@ -311,6 +316,12 @@ HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat,
 /// mesh count as none.
 HessianMetric metric_from_solution(std::span<const double> values, const TetView& mesh, const HessianOptions& options,
                                    const BlockLoop& loop = serial_loop());
+
+/// The metric of a solution that lies in a mesh: a field of one component on its points.
+struct SolutionMetric {
+  std::string field;
+  HessianOptions options;
+};
 
 // Sizes on curved surfaces, limited so that the mesh follows them whatever the metric asks for.
 

@@ -1,10 +1,13 @@
 // Meshes that lie in parts, adapted where they lie: the mesh of one process that has it all.
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <memory>
 #include <new>
+#include <optional>
 
 #include "adapt/metric/own_tets.hpp"
 #include "adapt/parts/slice_gradation.hpp"
+#include "core/base/first_number.hpp"
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
@@ -267,4 +270,119 @@ TEST_CASE("there may be more ranks than parts and than tets of a mesh in parts",
   tet.tet_to_vert = {{0, 1, 2, 3}}, tet.tet_to_entity = {0};
   tet.tri_to_vert = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, tet.tri_to_entity = {0, 1, 2, 3};
   check_like_whole(tet, 1, [](const Vec3&) { return isotropic(0.2); }, options_for(20), {1, 4});
+}
+
+namespace {
+
+/// A layer across the cube, of which second derivatives are large in one direction.
+Mesh cube_with_heat(int n) {
+  Mesh cube = unit_cube(n);
+  MeshField heat{"heat", 1, {}};
+  for (const Vec3& x : cube.points) heat.values.push_back(std::tanh(8 * (x.x + 0.3 * x.y - 0.6)) + 0.1 * x.z * x.z);
+  cube.point_fields = {heat, wave(cube)};
+  return cube;
+}
+
+SolutionMetric of_heat(double complexity, double gradation = 0) {
+  SolutionMetric metric{"heat", {}};
+  metric.options.complexity = complexity, metric.options.gradation = gradation;
+  return metric;
+}
+
+std::vector<AdaptResult> adapt_to_solution(const Mesh& mesh, std::size_t parts, const SolutionMetric& metric,
+                                           const AdaptOptions& options, int ranks) {
+  std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
+  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    results[static_cast<std::size_t>(communicator.rank())] =
+        adapt_mesh_on_ranks(in_parts(mesh, parts, communicator), metric, options);
+  });
+  return results;
+}
+
+/// What all ranks say that are given this.
+Diagnostic told_of_solution(const Mesh& mesh, const SolutionMetric& metric, const AdaptOptions& options = {}) {
+  const auto results = adapt_to_solution(mesh, 4, metric, options, 3);
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].message == results[0].errors[0].message);
+  }
+  return results[0].errors[0];
+}
+
+}  // namespace
+
+TEST_CASE("the metric of a solution in parts is that of the whole mesh", "[adapt][parts]") {
+  const Mesh cube = cube_with_heat(6);
+  AdaptOptions options = options_for(1500);
+  options.transfer = {"wave"};
+  for (const double gradation : {0.0, 1.4}) {
+    options.gradation = gradation;
+    const SolutionMetric metric = of_heat(600, gradation);
+    const HessianMetric whole =
+        metric_from_solution(cube.point_fields[0].values, {cube.points, cube.tet_to_vert}, metric.options);
+    AdaptResult first;
+    for (const int ranks : {1, 2, 3, 5, 8}) {
+      CAPTURE(ranks, gradation);
+      std::vector<AdaptResult> results = adapt_to_solution(cube, 4, metric, options, ranks);
+      for (const AdaptResult& result : results) {
+        for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
+        REQUIRE(result.status == AdaptStatus::Ok);
+      }
+      if (ranks == 1) first = results[0];
+      CHECK(results[0].report.before.complexity == first.report.before.complexity);
+      CHECK(results[0].report.before.complexity == Approx(whole.complexity).epsilon(0.01));
+      CHECK(results[0].mesh.points == first.mesh.points);
+      CHECK(results[0].mesh.tet_to_vert == first.mesh.tet_to_vert);
+      CHECK(field_digest(results[0].mesh) == field_digest(first.mesh));
+      CHECK(results[0].mesh.point_fields.size() == 1);
+    }
+    CHECK(first.report.most_parts > 1);
+  }
+}
+
+TEST_CASE("a slab of one layer has the same second derivatives in parts", "[adapt][parts]") {
+  // Two rings of vertices do not determine a polynomial there.
+  test::BoxSpec spec{8, 8, 1, false, 1};
+  spec.h = 0.125;
+  Mesh slab = test::make_tet_box(spec);
+  MeshField heat{"heat", 1, {}};
+  for (const Vec3& x : slab.points) heat.values.push_back(std::tanh(9 * (x.x - 0.4)));
+  slab.point_fields = {heat};
+  std::optional<std::string> digest;
+  for (const int ranks : {1, 2, 3, 6}) {
+    const auto results = adapt_to_solution(slab, 5, of_heat(300), options_for(800), ranks);
+    REQUIRE(results[0].status == AdaptStatus::Ok);
+    if (!digest) digest = mesh_digest(results[0].mesh);
+    CHECK(mesh_digest(results[0].mesh) == *digest);
+  }
+  first_number() = std::uint64_t{1} << 33;
+  const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
+  CHECK(mesh_digest(adapt_to_solution(slab, 5, of_heat(300), options_for(800), 3)[0].mesh) == *digest);
+}
+
+TEST_CASE("solutions that make no metric are told alike by all ranks", "[adapt][parts]") {
+  const Mesh cube = cube_with_heat(3);
+  SolutionMetric missing = of_heat(100), vector = of_heat(100);
+  missing.field = "cold", vector.field = "wave";
+  CHECK(told_of_solution(cube, missing).message.find("no field \"cold\"") != std::string::npos);
+  CHECK(told_of_solution(cube, vector).message.find("one component") != std::string::npos);
+  CHECK(told_of_solution(cube, of_heat(-1)).code == ErrorCode::InvalidArgument);
+  CHECK(told_of_solution(cube, of_heat(100, 0.5)).code == ErrorCode::InvalidArgument);
+  Mesh constant = cube, endless = cube;
+  std::ranges::fill(constant.point_fields[0].values, 7.0);
+  CHECK(told_of_solution(constant, of_heat(100)).message.find("no curvature") != std::string::npos);
+  endless.point_fields[0].values[11] = NAN;
+  const Diagnostic error = told_of_solution(endless, of_heat(100));
+  CHECK(error.code == ErrorCode::InputUnsuitable);
+  CHECK(error.point);
+  std::vector<AdaptResult> results(2);
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    const int rank = communicator.rank();
+    results[static_cast<std::size_t>(rank)] =
+        adapt_mesh_on_ranks(in_parts(cube, 4, communicator), of_heat(100 + rank), {});
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].message.find("not given the same") != std::string::npos);
+  }
 }

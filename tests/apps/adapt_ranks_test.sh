@@ -77,6 +77,21 @@ on_ranks 3 adapt many.pvtu -o next.pvtu --tets-per-part 1500 --threads 1 $field
 diff -r next expected/next || fail "other pieces on 3 ranks after a restart"
 [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on 3 ranks after a restart"
 rm -rf next* before* many*
+# A metric of second derivatives is made where the pieces lie.
+rm -rf expected next*
+solution="--hessian solution_1 --complexity 400 --gradation 1.5 --tets-per-part 1500 --quiet --report report.json"
+# shellcheck disable=SC2086
+"$tetloom" adapt pieces.pvtu -o next.pvtu $solution
+mkdir expected
+mv next* expected/
+digest=$(grep '"digest"' report.json)
+for ranks in 2 3; do
+    # shellcheck disable=SC2086
+    on_ranks "$ranks" adapt pieces.pvtu -o next.pvtu --threads 1 $solution
+    diff -r next expected/next || fail "other pieces of a solution on $ranks ranks"
+    [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of a solution on $ranks ranks"
+    rm -rf next*
+done
 cp -r pieces pieces.whole
 for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu
