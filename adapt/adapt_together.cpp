@@ -9,6 +9,8 @@
 
 #include "adapt/conformity.hpp"
 #include "adapt/input_checks.hpp"
+#include "adapt/metric/curvature_limits.hpp"
+#include "adapt/parts/slice_curvature.hpp"
 #include "adapt/parts/slice_gradation.hpp"
 #include "adapt/parts/slice_hessian.hpp"
 #include "adapt/touching_edges.hpp"
@@ -26,6 +28,8 @@ void check_options(const AdaptOptions& options) {
   if (options.threads < 0) refuse("the number of threads must not be negative");
   if (!(options.tets_per_part >= 0)) refuse("the number of tets per part must not be negative");
   if (options.parts < 0) refuse("the number of parts must not be negative");
+  if (options.curvature && options.model == nullptr) refuse("limits by curvature need a model");
+  if (options.curvature) require_valid(*options.curvature);
 }
 
 // What ranks give differs where they read different files, say; it would leave them waiting for each other.
@@ -193,6 +197,7 @@ class Start {
     work_.each([&] {
       const TetView view{mesh.points, mesh.tet_to_vert};
       if (call_.function) return;
+      if (options_.curvature) limit_by_curvature(metric, mesh, *options_.model, *options_.curvature, runner_);
       if (options_.gradation > 0)
         limit_gradation(metric, mesh.points, VertexGraph(view, runner_), options_.gradation, runner_);
       report_.turning = limit_turning(metric, view, runner_);
@@ -238,6 +243,7 @@ class Start {
 
   void limit(MeshSlice& slice) {
     const TetView view = tets_of(slice.mesh);
+    if (options_.curvature) limit_by_curvature(slice, *options_.model, *options_.curvature, work_);
     if (options_.gradation > 0) limit_gradation(slice, options_.gradation, work_);
     report_.turning = limit_turning(slice.metric, view, slice.own_tets(work_), runner_);
     give_back_where_shared(work_);

@@ -145,6 +145,7 @@ std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const Ada
   all.add(mesh.tet_to_vert), all.add(mesh.tet_to_entity);
   all.add(metric.logs);
   for (const double value : {options.quality_floor, options.gradation, options.tets_per_part}) all.add(value);
+  if (options.curvature) all.add(options.curvature->edges_per_turn), all.add(options.curvature->h_min);
   all.add(options.parts), all.add(static_cast<int>(options.cell_reconstruction)), all.add(options.model != nullptr);
   for (const std::string& name : options.transfer) {
     all.add(std::span<const char>(name));

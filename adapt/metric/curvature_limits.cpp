@@ -1,43 +1,35 @@
-#include "core/base/lists.hpp"
-#include "tetloom/metric.hpp"
-#include "tetloom/tasks.hpp"
+#include "adapt/metric/curvature_limits.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
+#include "core/base/lists.hpp"
 #include "core/geometry/bad_geometry.hpp"
 #include "core/sizing/curvature_size.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-/// The sizes that one entity of the model asks for at a vertex: none along the directions that are not named.
-struct VertexLimit {
-  std::uint32_t vert = 0;
-  std::array<Vec3, 2> directions{};  ///< orthonormal
-  std::array<double, 2> sizes{HUGE_VAL, HUGE_VAL};
-};
-
-/// The vertices of the elements of each entity of one dimension, ascending.
+/// Appends the vertices of the elements of each entity of one dimension, ascending.
 template <class Element>
-std::vector<std::vector<std::uint32_t>> verts_by_entity(const std::vector<Element>& elements,
-                                                        const std::vector<std::uint32_t>& entities, std::size_t count,
-                                                        const char* kind) {
-  std::vector<std::vector<std::uint32_t>> verts(count);
+void add_verts(const std::vector<Element>& elements, const std::vector<std::uint32_t>& entities, std::size_t count,
+               const char* kind, std::vector<std::vector<std::uint32_t>>& all) {
+  const std::size_t first = all.size();
+  all.resize(first + count);
   for (std::size_t e = 0; e < elements.size(); ++e) {
     if (entities[e] == kNone) continue;
     if (entities[e] >= count)
       throw Error(ErrorCode::InputUnsuitable, "the mesh has a " + std::string(kind) + " " +
                                                   std::to_string(std::uint64_t{entities[e]} + 1) +
                                                   ", but the model has only " + std::to_string(count));
-    verts[entities[e]].insert(verts[entities[e]].end(), elements[e].begin(), elements[e].end());
+    std::vector<std::uint32_t>& verts = all[first + entities[e]];
+    verts.insert(verts.end(), elements[e].begin(), elements[e].end());
   }
-  for (std::vector<std::uint32_t>& each : verts) {
-    sort_unique(each);
-  }
-  return verts;
+  for (std::size_t i = first; i < all.size(); ++i) sort_unique(all[i]);
 }
 
 /// The unit tangent in which the surface curves most, by differences of normals; none where they do not tell, or tell
@@ -86,7 +78,7 @@ std::optional<VertexLimit> limit_on_face(FaceGeometry& face, const Vec2& uv, con
 }
 
 std::vector<VertexLimit> limits_of_face(const GeometricModel& model, ModelFaceId id,
-                                        const std::vector<std::uint32_t>& verts, std::span<const Vec3> points,
+                                        std::span<const std::uint32_t> verts, std::span<const Vec3> points,
                                         const CurvatureLimits& limits) {
   std::vector<VertexLimit> found;
   if (verts.empty()) return found;
@@ -104,7 +96,7 @@ std::vector<VertexLimit> limits_of_face(const GeometricModel& model, ModelFaceId
 }
 
 std::vector<VertexLimit> limits_of_edge(const GeometricModel& model, ModelEdgeId id,
-                                        const std::vector<std::uint32_t>& verts, std::span<const Vec3> points,
+                                        std::span<const std::uint32_t> verts, std::span<const Vec3> points,
                                         const CurvatureLimits& limits) {
   std::vector<VertexLimit> found;
   if (verts.empty() || model.topology().edges[id.value].degenerate) return found;
@@ -131,6 +123,33 @@ Tensor tensor_of(const VertexLimit& limit, double smallest_eigenvalue) {
   return m;
 }
 
+}  // namespace
+
+void require_valid(const CurvatureLimits& limits) {
+  if (limits.edges_per_turn > 0 && std::isfinite(limits.edges_per_turn) && limits.h_min >= 0) return;
+  throw Error(ErrorCode::InvalidArgument,
+              "curvature limits need a positive number of edges per turn, and no negative size");
+}
+
+std::vector<std::vector<std::uint32_t>> verts_by_entity(const Mesh& mesh, const ModelTopology& topology) {
+  std::vector<std::vector<std::uint32_t>> all;
+  add_verts(mesh.tri_to_vert, mesh.tri_to_entity, topology.face_count(), "face", all);
+  add_verts(mesh.edge_to_vert, mesh.edge_to_entity, topology.edge_count(), "edge", all);
+  return all;
+}
+
+std::vector<VertexLimit> limits_of_entity(const GeometricModel& model, std::size_t entity,
+                                          std::span<const std::uint32_t> verts, std::span<const Vec3> points,
+                                          const CurvatureLimits& limits) {
+  const std::size_t faces = model.topology().face_count();
+  std::vector<VertexLimit> found;
+  tolerate_bad_geometry([&] {
+    found = entity < faces ? limits_of_face(model, ModelFaceId(entity), verts, points, limits)
+                           : limits_of_edge(model, ModelEdgeId(entity - faces), verts, points, limits);
+  });
+  return found;
+}
+
 bool apply(MetricField& metric, const VertexLimit& limit) {
   const Tensor m = metric.at(limit.vert);
   const double smallest = std::exp(eigen(metric.logs[limit.vert]).values[0]);
@@ -140,37 +159,24 @@ bool apply(MetricField& metric, const VertexLimit& limit) {
   return true;
 }
 
-}  // namespace
-
 std::size_t limit_by_curvature(MetricField& metric, const Mesh& mesh, const GeometricModel& model,
                                const CurvatureLimits& limits, const TaskRunner& runner) {
-  if (!(limits.edges_per_turn > 0) || !std::isfinite(limits.edges_per_turn) || !(limits.h_min >= 0))
-    throw Error(ErrorCode::InvalidArgument,
-                "curvature limits need a positive number of edges per turn, and no "
-                "negative size");
+  require_valid(limits);
   if (metric.size() != mesh.points.size())
     throw Error(ErrorCode::InvalidArgument, "a metric at " + std::to_string(metric.size()) + " vertices does not fit " +
                                                 std::to_string(mesh.points.size()));
-  const ModelTopology& topology = model.topology();
-  const auto face_verts = verts_by_entity(mesh.tri_to_vert, mesh.tri_to_entity, topology.face_count(), "face");
-  const auto edge_verts = verts_by_entity(mesh.edge_to_vert, mesh.edge_to_entity, topology.edge_count(), "edge");
-  std::vector<std::vector<VertexLimit>> found(face_verts.size() + edge_verts.size());
+  const auto entity_verts = verts_by_entity(mesh, model.topology());
+  std::vector<std::vector<VertexLimit>> found(entity_verts.size());
   std::vector<double> work;
-  for (const auto& verts : face_verts) work.push_back(static_cast<double>(verts.size()));
-  for (const auto& verts : edge_verts) work.push_back(static_cast<double>(verts.size()));
-  runner.for_each_largest_first(work, [&](std::size_t i) {
-    const std::size_t faces = face_verts.size();
-    tolerate_bad_geometry([&] {
-      found[i] = i < faces ? limits_of_face(model, ModelFaceId(i), face_verts[i], mesh.points, limits)
-                           : limits_of_edge(model, ModelEdgeId(i - faces), edge_verts[i - faces], mesh.points, limits);
-    });
-  });
+  for (const auto& verts : entity_verts) work.push_back(static_cast<double>(verts.size()));
+  runner.for_each_largest_first(
+      work, [&](std::size_t i) { found[i] = limits_of_entity(model, i, entity_verts[i], mesh.points, limits); });
   std::vector<std::uint32_t> changed;
   for (const std::vector<VertexLimit>& of_entity : found)
     for (const VertexLimit& limit : of_entity)
       if (apply(metric, limit)) changed.push_back(limit.vert);
-  std::sort(changed.begin(), changed.end());
-  return static_cast<std::size_t>(std::unique(changed.begin(), changed.end()) - changed.begin());
+  sort_unique(changed);
+  return changed.size();
 }
 
 }  // namespace tetloom::adapt

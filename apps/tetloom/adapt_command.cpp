@@ -86,6 +86,7 @@ AdaptOptions options_of(const AdaptCommand& command, const AdaptInput& input) {
   AdaptOptions options = command.options;
   options.model = input.document.model.get();
   options.gradation = command.hessian.gradation;
+  if (command.curvature > 0) options.curvature = {command.curvature, command.hessian.bounds.h_min};
   return options;
 }
 

@@ -77,7 +77,7 @@ bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
   const auto is_on_cells = [&](const std::string& name) {
     return std::ranges::count(parts.cell_fields, name, &FieldInfo::name) != 0;
   };
-  return !command.metric_file.empty() || command.curvature > 0 ||
+  return !command.metric_file.empty() ||
          std::ranges::any_of(command.options.transfer, is_on_cells);
 }
 
@@ -149,9 +149,6 @@ adapt::MetricField make_metric(const AdaptCommand& command, AdaptInput& input, c
                                   : from_solution(command, *input.mesh, runner);
   input.metric = MeshField();
   if (from_values) adapt::apply_bounds(metric, command.hessian.bounds, runner);
-  if (command.curvature > 0)
-    adapt::limit_by_curvature(metric, *input.mesh, *input.document.model,
-                              {command.curvature, command.hessian.bounds.h_min}, runner);
   return metric;
 }
 

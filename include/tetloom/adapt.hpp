@@ -100,7 +100,9 @@ struct AdaptOptions {
   double gradation = 0;        ///< > 1: sizes grow by at most this factor over an edge of unit length; 0: as given
   const GeometricModel* model = nullptr;  ///< new vertices of the boundary are snapped to it; null: boundaries stay as
                                           ///< they are, and only what lies in planes and on straight edges is changed
-  std::vector<std::string> transfer;      ///< fields to be carried over, on points, on tets or on both
+  std::optional<adapt::CurvatureLimits> curvature;  ///< a metric at points becomes finer where the model is curved, see
+                                                    ///< limit_by_curvature; before gradation
+  std::vector<std::string> transfer;                ///< fields to be carried over, on points, on tets or on both
   adapt::CellReconstruction cell_reconstruction =
       adapt::CellReconstruction::Linear;  ///< of fields on tets, while they are carried over
   int threads = 0;                        ///< 0: all cores that the process may use

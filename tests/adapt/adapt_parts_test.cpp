@@ -4,6 +4,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "adapt/metric/own_tets.hpp"
 #include "adapt/parts/slice_gradation.hpp"
@@ -169,6 +170,26 @@ TEST_CASE("a mesh in parts follows a model", "[adapt][parts]") {
                    options, {1, 3});
 }
 
+TEST_CASE("a metric in parts becomes finer where the model is curved, as that of the whole mesh", "[adapt][parts]") {
+  const std::vector<std::shared_ptr<const GeometricModel>> bodies{test_models::make_cylinder(1, 2),
+                                                                  test_models::make_sphere({4, 0, 1}, 0.5)};
+  const auto model = test_models::combine(bodies);
+  const Mesh mesh = test::meshed(*model, 0.4);
+  AdaptOptions options = options_for(500);
+  options.model = model.get();
+  const auto coarse = [](const Vec3&) { return isotropic(0.4); };
+  const double plain = check_like_whole(mesh, 5, coarse, options, {1, 2}).before.complexity;
+  options.curvature = CurvatureLimits{18, 0};
+  CHECK(check_like_whole(mesh, 5, coarse, options, {1, 2, 3, 6}).before.complexity > 1.5 * plain);
+  // The same as limits that are set beforehand.
+  MetricField metric;
+  metric.logs.assign(mesh.points.size(), log(isotropic(0.4)));
+  const AdaptResult whole = adapt_mesh(mesh, metric, options);
+  REQUIRE(whole.status == AdaptStatus::Ok);
+  limit_by_curvature(metric, mesh, *model, *std::exchange(options.curvature, {}), TaskRunner(1));
+  CHECK(mesh_digest(adapt_mesh(mesh, metric, options).mesh) == mesh_digest(whole.mesh));
+}
+
 TEST_CASE("parts are adapted from and to where they lie, also by a function", "[adapt][parts]") {
   const Mesh cube = unit_cube(5);
   std::vector<std::string> digests;
@@ -219,6 +240,13 @@ TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][p
   error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.quality_floor = 0.2; });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("not given the same") != std::string::npos);
+  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.curvature = CurvatureLimits{}; });
+  CHECK(error.message.find("need a model") != std::string::npos);
+  const auto model = test_models::make_box({0, 0, 0}, {1, 1, 1});
+  error = told_to_all(cube, [&](Metric&, AdaptOptions& options) {
+    options.model = model.get(), options.curvature = CurvatureLimits{-3, 0};
+  });
+  CHECK(error.code == ErrorCode::InvalidArgument);
   error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.transfer = {"nothing"}; });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("nothing") != std::string::npos);

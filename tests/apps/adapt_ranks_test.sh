@@ -77,9 +77,10 @@ on_ranks 3 adapt many.pvtu -o next.pvtu --tets-per-part 1500 --threads 1 $field
 diff -r next expected/next || fail "other pieces on 3 ranks after a restart"
 [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on 3 ranks after a restart"
 rm -rf next* before* many*
-# A metric of second derivatives is made where the pieces lie.
+# A metric of second derivatives, finer where the model is curved, is made where the pieces lie.
 rm -rf expected next*
-solution="--hessian solution_1 --complexity 400 --gradation 1.5 --tets-per-part 1500 --quiet --report report.json"
+solution="--hessian solution_1 --complexity 400 --gradation 1.5 --model model.step --imprint --curvature 10"
+solution="$solution --tets-per-part 1500 --quiet --report report.json"
 # shellcheck disable=SC2086
 "$tetloom" adapt pieces.pvtu -o next.pvtu $solution
 mkdir expected
