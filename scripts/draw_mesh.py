@@ -1,17 +1,20 @@
 #!/usr/bin/python3
 """Draws a mesh (.vtu, .msh, .mesh, .meshb, .stl) to a PNG: the surface coloured by CAD face or solid with the mesh's
-edges, and, with --clip, the tetrahedra inside.
+edges, and, with --clip, the tetrahedra inside. Of a mesh in parts (.pvtu) one part, with the CAD faces that it needs.
 
-usage: scripts/draw_mesh.py MESH OUT.png [--clip AX,AY,AZ[,SHARE]] [--view AZIMUTH,ELEVATION] [--size WxH]
+usage: scripts/draw_mesh.py MESH OUT.png [--clip AX,AY,AZ[,SHARE]] [--view AZIMUTH,ELEVATION] [--size WxH] [--part K]
   --clip     removes the tets beyond a plane with this outward normal; SHARE (0 ... 1, default 0.5) says how much of the
              mesh, measured along the normal, remains
   --view     in degrees; default -60,28
   --size     of the picture in pixels; default 1200x800
+  --part     which part of a .pvtu, from 0; the CAD faces that it lies on are drawn as far as they go, paler
 
 Needs the Debian packages python3-meshio python3-numpy python3-pil (scripts/install-deps.sh picture).
 """
 import argparse
+import os
 import sys
+from xml.etree import ElementTree
 
 try:
     import meshio
@@ -71,6 +74,28 @@ class DrawnMesh:
         return colors
 
 
+class DrawnPart(DrawnMesh):
+    """A part of a mesh: its tets, and the triangles of all parts on the CAD faces that it has triangles of."""
+
+    def __init__(self, path, part):
+        folder = os.path.dirname(path)
+        pieces = [os.path.join(folder, piece.get("Source")) for piece in ElementTree.parse(path).iter("Piece")]
+        if not 0 <= part < len(pieces):
+            sys.exit(f"draw_mesh.py: {path} has the parts 0 to {len(pieces) - 1}")
+        meshes = [DrawnMesh(piece) for piece in pieces]
+        own = meshes[part]
+        held = np.unique(own.triangle_tags)
+        starts = np.cumsum([0] + [len(mesh.points) for mesh in meshes])
+        self.points = np.concatenate([mesh.points for mesh in meshes])
+        self.tets, self.tet_tags = own.tets + starts[part], own.tet_tags
+        self.triangles, self.triangle_tags = own.triangles + starts[part], own.triangle_tags
+        self.face_colors, self.region_colors = own.face_colors, own.region_colors
+        others = [i for i in range(len(meshes)) if i != part]
+        chosen = [np.isin(meshes[i].triangle_tags, held) for i in others]
+        self.around = np.concatenate([meshes[i].triangles[c] + starts[i] for i, c in zip(others, chosen)])
+        self.around_tags = np.concatenate([meshes[i].triangle_tags[c] for i, c in zip(others, chosen)])
+
+
 def boundary_of_tets(tets):
     """Faces of exactly one tet, outward, and the tet of each."""
     faces = tets[:, TET_FACES].reshape(-1, 3)
@@ -105,6 +130,9 @@ def visible_triangles(mesh, clip):
         for i, k in enumerate(key(faces)):
             if k in by_key:
                 colors[i] = mesh.face_colors[by_key[k]]
+    if isinstance(mesh, DrawnPart):
+        pale = 0.3 * mesh.face_colors[mesh.around_tags] + 0.7 * 255
+        return np.concatenate([faces, mesh.around]), np.concatenate([colors, pale]), True
     return faces, colors, False
 
 
@@ -219,6 +247,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("mesh")
     parser.add_argument("picture")
+    parser.add_argument("--part", type=int)
     parser.add_argument("--clip", type=lambda t: (numbers(t, (3, 4), "three or four numbers") + [0.5])[:4])
     parser.add_argument("--view", type=lambda t: numbers(t, (2,), "two angles"), default=[-60, 28])
     parser.add_argument("--size", type=lambda t: [int(v) for v in numbers(t, (2,), "WIDTHxHEIGHT")],
@@ -228,7 +257,7 @@ def parse_arguments():
 
 def main():
     options = parse_arguments()
-    picture = render(DrawnMesh(options.mesh), options)
+    picture = render(DrawnMesh(options.mesh) if options.part is None else DrawnPart(options.mesh, options.part), options)
     # 256 colours are enough for shaded faces, and make a file a third as large.
     picture.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(options.picture, optimize=True)
 
