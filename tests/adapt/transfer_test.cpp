@@ -186,7 +186,8 @@ TEST_CASE("overlaps are those of all pairs", "[transfer]") {
   for (std::uint32_t tet = 0; tet < to.tet_to_vert.size(); tet += 7) {
     const std::uint32_t region = to.tet_to_entity[tet];
     std::vector<std::uint32_t> found, all;
-    for (const Overlap& overlap : finder.find(tets_of(to), to.tet_to_vert[tet], region, {kNoTet, kNoTet, kNoTet, kNoTet}))
+    for (const Overlap& overlap :
+         finder.find(tets_of(to), to.tet_to_vert[tet], region, {kNoTet, kNoTet, kNoTet, kNoTet}))
       if (overlap.share > 1e-12) found.push_back(overlap.tet);
     for (std::uint32_t other = 0; other < from.tet_to_vert.size(); ++other) {
       if (from.tet_to_entity[other] != region) continue;
