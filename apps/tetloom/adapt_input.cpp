@@ -77,8 +77,7 @@ bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
   const auto is_on_cells = [&](const std::string& name) {
     return std::ranges::count(parts.cell_fields, name, &FieldInfo::name) != 0;
   };
-  return !command.metric_file.empty() ||
-         std::ranges::any_of(command.options.transfer, is_on_cells);
+  return !command.metric_file.empty() || std::ranges::any_of(command.options.transfer, is_on_cells);
 }
 
 // Names, to be asked for, without values.
