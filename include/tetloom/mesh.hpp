@@ -81,8 +81,8 @@ struct MeshOptions {
                                ///< is asked for, around wires and balls that would lose their shape: at most ten edges
                                ///< per turn; false: the sizes stay, whatever the shape of the elements
   double most_refinement = 2;  ///< by refinement at narrow places the mesh may have so many times the elements that the
-                               ///< sizes ask for, or 20,000 where that is more; infinite: as many as it takes. What is
-                               ///< left is in the result
+                               ///< sizes ask for, or 20,000 where that is more, and wires 20,000 triangles; infinite:
+                               ///< as many as it takes. What is left is in the result
   bool improve_surface = true;  ///< surface points may slide on the model and edges inside of its faces be swapped
                                 ///< while the volume is filled, where poor tets get better by it; false: the volume
                                 ///< keeps the surface mesh exactly
