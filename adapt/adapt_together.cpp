@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,7 +14,6 @@
 #include "adapt/parts/slice_hessian.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/free_memory.hpp"
-#include "core/base/mix_bits.hpp"
 
 namespace tetloom::adapt {
 
@@ -77,7 +75,7 @@ class Start {
       check_transfer(*call_.mesh, options_.transfer);
       metric = metric_of_mesh();
       check_metric(metric, *call_.mesh);
-      if (!is_alone()) fingerprint_ = fingerprint(*call_.mesh, metric, options_, runner_);
+      if (!is_alone()) fingerprint_ = fingerprint(*call_.mesh, metric, nullptr, options_, runner_);
     });
     if (!is_alone()) require_same(fingerprint_, work_);
     // Fields on tets are carried over from a mesh in one piece.
@@ -101,8 +99,8 @@ class Start {
     const Mesh fields = fields_of(*call_.parts);
     work_.each([&] {
       check_transfer(fields, options_.transfer);
-      fingerprint_ = fingerprint(fields, {}, options_, runner_);
       if (call_.solution) check_solution(fields);
+      fingerprint_ = fingerprint(fields, {}, call_.solution, options_, runner_);
     });
     require_same(fingerprint_, work_);
     PerPart<MetricField> metric = metric_of_parts();
@@ -122,19 +120,14 @@ class Start {
     start_slice(std::move(slice));
   }
 
-  // Ranks may be given different ones.
-  void check_solution(const Mesh& fields) {
-    const auto& [name, options] = *call_.solution;
+  void check_solution(const Mesh& fields) const {
+    const std::string& name = call_.solution->field;
     const auto field = std::ranges::find(fields.point_fields, name, &MeshField::name);
     if (field == fields.point_fields.end())
       throw Error(ErrorCode::InputUnsuitable, "the mesh has no field \"" + name + "\" on its points");
     if (field->components != 1)
       throw Error(ErrorCode::InputUnsuitable, "the metric is made of a field of one component, and \"" + name +
                                                   "\" has " + std::to_string(field->components));
-    for (const char c : name) fingerprint_ = mix_bits(fingerprint_ ^ static_cast<std::uint64_t>(c));
-    for (const double value : {options.complexity, options.norm, options.gradation, options.bounds.h_min,
-                               options.bounds.h_max, options.bounds.max_aspect})
-      fingerprint_ = mix_bits(fingerprint_ ^ std::bit_cast<std::uint64_t>(value));
   }
 
   MetricField metric_of_solution(const Mesh& mesh) const {

@@ -136,14 +136,21 @@ void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
   throw Error(ErrorCode::OutOfMemory, message);
 }
 
-std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
-                          const BlockLoop& loop) {
+std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const SolutionMetric* solution,
+                          const AdaptOptions& options, const BlockLoop& loop) {
   Fingerprint all(loop);
   all.add(mesh.points), all.add(mesh.point_to_entity);
   all.add(mesh.edge_to_vert), all.add(mesh.edge_to_entity);
   all.add(mesh.tri_to_vert), all.add(mesh.tri_to_entity);
   all.add(mesh.tet_to_vert), all.add(mesh.tet_to_entity);
   all.add(metric.logs);
+  if (solution != nullptr) {
+    const auto& [field, of] = *solution;
+    all.add(std::span<const char>(field));
+    for (const double value :
+         {of.complexity, of.norm, of.gradation, of.bounds.h_min, of.bounds.h_max, of.bounds.max_aspect})
+      all.add(value);
+  }
   for (const double value : {options.quality_floor, options.gradation, options.tets_per_part}) all.add(value);
   if (options.curvature) all.add(options.curvature->edges_per_turn), all.add(options.curvature->h_min);
   all.add(options.parts), all.add(static_cast<int>(options.cell_reconstruction)), all.add(options.model != nullptr);

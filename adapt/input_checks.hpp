@@ -29,8 +29,9 @@ void check_load(const AdaptLoad& load);
 void check_load(const AdaptLoad& load, const MemoryLimits& limits);
 
 /// A number over the bits of all that adaptation depends on, in their order: of the mesh with its classification and
-/// the fields that are carried over, the metric, the options. It differs where they do, but for accidents.
-std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const AdaptOptions& options,
-                          const BlockLoop& loop);
+/// the fields that are carried over, the metric or, unless it is null, what makes it of a field, the options. It
+/// differs where they do, but for accidents.
+std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const SolutionMetric* solution,
+                          const AdaptOptions& options, const BlockLoop& loop);
 
 }  // namespace tetloom::adapt

@@ -186,9 +186,9 @@ struct SizeFieldBuilder::State {
 
   // That wires may have, with the tets around them.
   double affordable_triangles() const {
-    constexpr double kTetsPerTriangle = 2, kFew = 20'000;
+    constexpr double kTetsPerTriangle = 2;
     const double elements = count_elements(estimate_least_mesh(model, options));
-    return std::max(kFew, (most_elements(elements, most_refinement) - elements) / kTetsPerTriangle);
+    return std::max(kFewElements, (most_elements(elements, most_refinement) - elements) / kTetsPerTriangle);
   }
 
   SizedModel build(std::span<const SizeRefinement> refinements) {

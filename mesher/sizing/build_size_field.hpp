@@ -79,8 +79,8 @@ struct SizedModel {
 /// sources, cells and corners; all have the whole field in the end. Faces and edges narrower than `small` ask for no
 /// sizes for their curvature: small features are eliminated from the mesh. With `most_refinement` above 1, wires and
 /// balls that the sizes would take the shape of get a few edges per turn where no curvature is asked for, as far as the
-/// mesh has not more than so many times the elements (see find_wires, most_elements). Refers to its arguments, which
-/// must outlive it. Thread safety: one call at a time.
+/// mesh has not more than so many times the elements, or they kFewElements triangles (see find_wires). Refers to its
+/// arguments, which must outlive it. Thread safety: one call at a time.
 class SizeFieldBuilder {
  public:
   /// Errors: InvalidArgument, InputUnsuitable as for build_size_field.

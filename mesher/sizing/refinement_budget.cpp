@@ -55,8 +55,7 @@ double affordable_share(const std::vector<Place>& places, double budget) {
 }  // namespace
 
 double most_elements(double first, double factor) {
-  constexpr double kFew = 20'000;
-  return factor > 1 ? std::max({first, factor * first, kFew}) : first;
+  return factor > 1 ? std::max({first, factor * first, kFewElements}) : first;
 }
 
 AffordableMisfits choose_affordable(const std::vector<Misfit>& misfits, const Mesh& surface, const SizeField& sizes,

@@ -9,8 +9,11 @@
 
 namespace tetloom {
 
+/// So many are no burden to anybody.
+inline constexpr double kFewElements = 20'000;
+
 /// The elements that a mesh may have after refinement where the sizes alone would give it `first`: `factor` times as
-/// many, and as many as are no burden to anybody. Just `first` where the factor is 1.
+/// many, or kFewElements where that is more. Just `first` where the factor is 1.
 double most_elements(double first, double factor);
 
 /// What is refined within a budget.
