@@ -1,9 +1,7 @@
 #include "adapt/parts/slice_curvature.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <numeric>
-#include <queue>
 #include <utility>
 
 #include "adapt/metric/curvature_limits.hpp"
@@ -26,23 +24,6 @@ struct FoundLimit {
   VertexLimit limit;
 };
 
-// Each item for one rank, so that all have about equal sums of weights; the same on all ranks.
-std::vector<std::uint32_t> deal(std::span<const std::int64_t> weights, std::size_t ranks) {
-  std::vector<std::uint32_t> order(weights.size()), owners(weights.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::greater<>(), [&](std::uint32_t i) { return weights[i]; });
-  using Load = std::pair<std::int64_t, std::uint32_t>;  // and the rank that has it
-  std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
-  for (std::uint32_t r = 0; r < ranks; ++r) loads.emplace(0, r);
-  for (const std::uint32_t item : order) {
-    const auto [load, rank] = loads.top();
-    loads.pop();
-    owners[item] = rank;
-    loads.emplace(load + weights[item], rank);
-  }
-  return owners;
-}
-
 class CurvatureLimiter {
  public:
   CurvatureLimiter(MeshSlice& slice, const GeometricModel& model, const CurvatureLimits& limits, const SharedWork& work)
@@ -58,11 +39,11 @@ class CurvatureLimiter {
     std::vector<std::int64_t> weights;
     for (const auto& of_entity : verts) weights.push_back(static_cast<std::int64_t>(of_entity.size()));
     work_.sum(weights);
-    const std::vector<std::uint32_t> homes = deal(weights, ranks());
+    const std::vector<int> homes = work_.deal(std::vector<double>(weights.begin(), weights.end()));
     std::vector<std::vector<VertOnEntity>> told(ranks());
     for (std::uint32_t e = 0; e < verts.size(); ++e)
       for (const std::uint32_t v : verts[e])
-        told[homes[e]].push_back({e, slice_.to_vert_number[v], slice_.mesh.points[v]});
+        told[static_cast<std::size_t>(homes[e])].push_back({e, slice_.to_vert_number[v], slice_.mesh.points[v]});
     const std::vector<Bytes> heard = work_.exchange([&](std::span<MessageWriter> to) {
       for (std::size_t r = 0; r < ranks(); ++r) to[r].put_array(std::span<const VertOnEntity>(told[r]));
     });

@@ -41,6 +41,9 @@ class SharedWork {
   /// Errors: what failure_of says of `work`, of the lowest rank where it says something.
   void together(const std::function<void()>& work) const;
 
+  /// A rank for each item, largest first, so that all have about equal work. Pre: there are ranks, with the same
+  /// `work`.
+  std::vector<int> deal(std::span<const double> work) const;
   /// Carries out all items, each on one rank, largest first. Pre: the same `work` on all ranks.
   void for_each(std::span<const double> work, const SharedItems& items) const;
 
@@ -83,7 +86,6 @@ class SharedWork {
   bool is_shared() const { return shared_ != nullptr; }
   void meet(const std::function<void()>& work) const;
   Communicator& after_meeting() const;
-  std::vector<int> deal(std::span<const double> work) const;
   void for_each(std::span<const double> work, std::span<const int> owners, const SharedItems& items) const;
   template <class T>
   void fill_blocks(std::span<T> values, std::span<const std::size_t> begins, std::span<const int> owners,
