@@ -173,7 +173,7 @@ void Adapter::carry_fields(AdaptReport& report) {
     report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
   }
   background_.reset(), tiles_.reset(), implied_ = {};
-  whole_.to_neighbor.release(), whole_.to_hint.release(), whole_.to_state.release();
+  whole_.to_hint.release(), whole_.to_state.release();
 }
 
 void Adapter::carry_from_tiles() {

@@ -69,11 +69,13 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
     share.fields_before = figures_before(slice, {share.mesh.points.span(), own}, options.transfer, work);
   }
   share.touching = separate_umbrellas(share.mesh, slice, work);
-  share.links = take_share(share.mesh, slice);
+  std::vector<FaceOutside> faces;
+  share.links = take_share(share.mesh, slice, faces);
   const ShareVerts own = verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
   slice = MeshSlice(), verts = SliceVerts();
   give_back_free_memory();
-  share.tiles = make_tiles(share.mesh, share.links, own, work);
+  share.tiles = make_tiles(share.mesh, share.links, faces, own, work);
+  share.mesh.to_neighbor.release();
   return share;
 }
 
@@ -115,7 +117,7 @@ void Adapter::keep_background(WholeMesh& whole, std::size_t given, MetricField&&
   std::vector<TetVerts> tets = tets_before_umbrellas(whole, touching_, given, runner_);
   if (is_rest) whole.to_vert.release();
   std::vector<FaceCode> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
-  if (is_rest) whole.to_neighbor.release();
+  whole.to_neighbor.release();
   std::vector<Vec3> points(whole.points.begin(), whole.points.begin() + given);
   if (is_rest) whole = WholeMesh();
   background_.emplace(std::move(points), std::move(tets), std::move(links), std::move(metric), runner_);

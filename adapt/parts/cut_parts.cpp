@@ -4,6 +4,7 @@
 #include <atomic>
 #include <unordered_map>
 
+#include "core/tets/face_groups.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
@@ -33,9 +34,9 @@ class PartCutter {
     find_owners();
     runner_.for_each(parts_.size(), [&](std::size_t p) { take_corners(p), take_edges(p); });
     mesh_.to_vert.release(), share_.to_part.release();
+    runner_.for_each(parts_.size(), [&](std::size_t p) { link_tets(p); });
     find_places();
-    runner_.for_each(parts_.size(), [&](std::size_t p) { take_neighbors(p), take_triangles(p); });
-    mesh_.to_neighbor.release();
+    runner_.for_each(parts_.size(), [&](std::size_t p) { take_triangles(p); });
     to_place_.release();
     runner_.for_each(parts_.size(), [&](std::size_t p) { take_regions(p), take_verts(p); });
     mesh_ = WholeMesh();
@@ -149,20 +150,19 @@ class PartCutter {
       });
   }
 
-  void take_neighbors(std::size_t p) {
+  // Open faces are fixed.
+  void link_tets(std::size_t p) {
     TetMesh& part = parts_[p].mesh.mesh;
-    const auto tets = tets_of(p);
-    part.to_neighbor.reserve(tets.size() * 5);
-    for (const std::uint32_t tet : tets) {
-      std::uint8_t fixed = 0;
-      for (std::uint32_t i = 0; i < 4; ++i) {
-        const FaceCode behind = mesh_.behind({tet, i});
-        const bool open = !behind.valid() || !has(p, behind.tet());
-        part.to_neighbor.push_back(open ? FaceCode() : behind.of_tet(to_place_[behind.tet()] - first_tets_[p]));
-        fixed |= static_cast<std::uint8_t>(unsigned{open} << i);
-      }
-      part.to_fixed.push_back(fixed);
-    }
+    const std::size_t count = tets_of(p).size();
+    part.to_neighbor.reserve(count * 5), part.to_fixed.reserve(count * 5 / 4);
+    part.to_neighbor.resize(count * 4), part.to_fixed.resize(count, 0);
+    tets::for_each_face_group(part.to_vert.span(), parts_[p].to_whole.size(), runner_, [&](auto faces, const auto&) {
+      if (faces.size() == 2) tets::link_sides(part, faces[0], faces[1]);
+    });
+    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (const FaceCode face : tets::FaceRange(begin, end))
+        if (!part.behind(face).valid()) tets::fix_side(part, face);
+    });
   }
 
   void take_triangles(std::size_t p) {

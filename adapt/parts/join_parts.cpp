@@ -4,28 +4,10 @@
 #include <numeric>
 
 #include "tetloom/tasks.hpp"
-#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
-
-// A face between two parts, by its vertices.
-struct OpenFace {
-  Triangle verts{};  // ascending
-  std::uint32_t triangle = kNone;
-  FaceCode face;
-  friend bool operator<(const OpenFace& a, const OpenFace& b) {
-    return a.verts != b.verts ? a.verts < b.verts : a.face < b.face;
-  }
-};
-
-// A face that other ranks may have, by the numbers of its vertices.
-struct FaceBetweenRanks {
-  std::array<Number, 3> verts{};  // ascending
-  RemoteFace face;
-  friend auto operator<=>(const FaceBetweenRanks&, const FaceBetweenRanks&) = default;
-};
 
 // The number that a vertex had before the round, and the one that it has now.
 struct Renumbered {
@@ -44,9 +26,8 @@ class PartsJoiner {
     WholeMesh whole;
     work_.each([&] {
       write_parts(whole);
-      link(whole);
+      find_shared();
     });
-    link_outside();
     return whole;
   }
 
@@ -144,16 +125,15 @@ class PartsJoiner {
     whole.points.resize_for_overwrite(verts), whole.to_metric.resize_for_overwrite(verts);
     whole.to_entity.resize_for_overwrite(verts), whole.to_hint.resize_for_overwrite(verts);
     whole.to_state.resize_for_overwrite(verts);
-    whole.to_vert.resize_for_overwrite(tet_count_ * 4), whole.to_neighbor.resize_for_overwrite(tet_count_ * 4);
+    whole.to_vert.resize_for_overwrite(tet_count_ * 4);
     whole.to_region.resize_for_overwrite(tet_count_);
-    triangles_.resize(parts_.size()), edges_.resize(parts_.size()), open_.resize(parts_.size());
+    triangles_.resize(parts_.size()), edges_.resize(parts_.size());
     runner_.for_each(parts_.size(), [&](std::size_t p) {
       write_verts(p, whole);
       write_tets(p, whole);
       parts_[p] = PartOfWhole();
     });
     for (std::size_t p = 0; p < parts_.size(); ++p) {
-      first_triangle_.push_back(whole.triangles.size());
       whole.triangles.insert(whole.triangles.end(), triangles_[p].begin(), triangles_[p].end());
       whole.edges.insert(whole.edges.end(), edges_[p].begin(), edges_[p].end());
     }
@@ -185,10 +165,8 @@ class PartsJoiner {
       whole.to_region[base + tet] = mesh.mesh.to_region[tet];
       for (std::uint32_t i = 0; i < 4; ++i) {
         const FaceCode face(tet, i), behind = mesh.mesh.behind(face);
-        const FaceCode to(base + tet, i);
-        whole.to_vert[to.index()] = to_new[mesh.mesh.apex(face)];
-        whole.behind(to) = behind.valid() ? behind.of_tet(base + behind.tet()) : FaceCode();
-        if (mesh.mesh.is_fixed(face) && (!behind.valid() || face < behind)) write_face(p, face);
+        whole.to_vert[FaceCode(base + tet, i).index()] = to_new[mesh.mesh.apex(face)];
+        if (mesh.mesh.is_fixed(face) && (!behind.valid() || face < behind)) write_triangle(p, face);
       }
     }
     mesh.surface.for_each_edge([&](std::uint32_t a, std::uint32_t b, std::uint32_t edge) {
@@ -196,118 +174,22 @@ class PartsJoiner {
     });
   }
 
-  // A triangle of the surface, a face that another part may have, or both.
-  void write_face(std::size_t p, FaceCode face) {
+  // Where the face is one of the surface.
+  void write_triangle(std::size_t p, FaceCode face) {
     const CavityMesh& mesh = parts_[p].mesh;
+    const SurfaceTriangle* found = mesh.surface.find(tets::verts_of(mesh.mesh, face));
+    if (found == nullptr) return;
     const auto base = static_cast<std::uint32_t>(first_tet_[p]);
     const FaceCode behind = mesh.mesh.behind(face);
-    Triangle verts = tets::verts_of(mesh.mesh, face);
-    const SurfaceTriangle* found = mesh.surface.find(verts);
-    const bool frozen = mesh.to_frozen[verts[0]] && mesh.to_frozen[verts[1]] && mesh.to_frozen[verts[2]];
-    OpenFace open;
-    if (found) {
-      LinkedTriangle triangle{*found, {base + face.tet(), !behind.valid() ? kNone : base + behind.tet()}};
-      for (std::uint32_t& v : triangle.triangle.verts) v = to_new_[p][v];
-      open.triangle = static_cast<std::uint32_t>(triangles_[p].size());
-      triangles_[p].push_back(triangle);
-    }
-    if (behind.valid() || !frozen) return;
-    for (std::uint32_t& v : verts) v = to_new_[p][v];
-    std::ranges::sort(verts);
-    open.verts = verts, open.face = face.of_tet(base + face.tet());
-    open_[p].push_back(open);
+    LinkedTriangle& triangle = triangles_[p].emplace_back(
+        LinkedTriangle{*found, {base + face.tet(), !behind.valid() ? kNone : base + behind.tet()}});
+    for (std::uint32_t& v : triangle.triangle.verts) v = to_new_[p][v];
   }
 
-  // Faces that two parts of this rank have; of a triangle there, the second copy goes.
-  void link(WholeMesh& whole) {
-    const GrowingArray<OpenFace> all = by_lowest_vertex(whole.points.size());
-    std::vector<std::uint32_t> twice;
-    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-      while (end < all.size() && all[end].verts[0] == all[begin].verts[0]) ++end;
-      for (std::size_t i = begin; i < end; ++i) {
-        const OpenFace& a = all[i];
-        if (whole.behind(a.face).valid()) continue;
-        const OpenFace* b =
-            std::find_if(&all[i] + 1, all.begin() + end, [&](const OpenFace& face) { return face.verts == a.verts; });
-        if (b == all.begin() + end) {
-          alone_.push_back(a);
-          continue;
-        }
-        whole.behind(a.face) = b->face, whole.behind(b->face) = a.face;
-        if (a.triangle == kNone) continue;
-        whole.triangles[a.triangle].tets[1] = b->face.tet();
-        twice.push_back(b->triangle);
-      }
-    }
-    std::ranges::sort(twice);
-    std::size_t kept = 0, next = 0;
-    for (std::size_t i = 0; i < whole.triangles.size(); ++i) {
-      if (next < twice.size() && twice[next] == i) {
-        ++next;
-        continue;
-      }
-      whole.triangles[kept++] = whole.triangles[i];
-    }
-    whole.triangles.resize(kept);
-  }
-
-  // The open faces of all parts; those with the same lowest vertex in the order of parts.
-  GrowingArray<OpenFace> by_lowest_vertex(std::size_t vert_count) {
-    GrowingArray<std::uint32_t> ends;
-    ends.resize(vert_count + 1, 0);
-    for (const auto& faces : open_)
-      for (const OpenFace& face : faces) ++ends[face.verts[0] + 1];
-    for (std::size_t v = 0; v < vert_count; ++v) ends[v + 1] += ends[v];
-    GrowingArray<OpenFace> all;
-    all.resize_for_overwrite(ends.back());
-    for (std::size_t p = 0; p < open_.size(); ++p) {
-      for (OpenFace& face : open_[p]) {
-        if (face.triangle != kNone) face.triangle += static_cast<std::uint32_t>(first_triangle_[p]);
-        all[ends[face.verts[0]]++] = face;
-      }
-      open_[p].release();
-    }
-    return all;
-  }
-
-  // Faces that other ranks may have meet at the rank that has numbered their lowest vertex.
-  void link_outside() {
-    links_.faces.clear();
-    if (work_.rank_count() == 1) return;
-    const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) { put_faces(to); });
-    const std::vector<Bytes> found = work_.exchange([&](std::span<MessageWriter> to) { match_faces(told, to); });
-    work_.each([&] {
-      links_.faces = joined_lists<FaceOutside>(found);
-      std::ranges::sort(links_.faces);
-    });
-  }
-
-  void put_faces(std::span<MessageWriter> to) const {
-    std::vector<std::uint8_t> is_outside(links_.to_number.size(), 0);
-    for (const std::uint32_t old : old_.outside.verts) is_outside[old_to_new_[old]] = 1;
-    std::vector<std::vector<FaceBetweenRanks>> faces(to.size());
-    for (const OpenFace& open : alone_) {
-      if (!is_outside[open.verts[0]] || !is_outside[open.verts[1]] || !is_outside[open.verts[2]]) continue;
-      FaceBetweenRanks face{{}, {static_cast<std::uint32_t>(rank()), open.face}};
-      std::ranges::transform(open.verts, face.verts.begin(), [&](std::uint32_t v) { return links_.to_number[v]; });
-      std::ranges::sort(face.verts);
-      faces[rank_in(links_.first_verts, face.verts[0])].push_back(face);
-    }
-    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceBetweenRanks>(faces[r]));
-  }
-
-  void match_faces(const std::vector<Bytes>& told, std::span<MessageWriter> to) const {
-    std::vector<FaceBetweenRanks> all = joined_lists<FaceBetweenRanks>(told);
-    parallel_sort(all, runner_);
-    std::vector<std::vector<FaceOutside>> pairs(to.size());
-    for (std::size_t i = 0; i + 1 < all.size(); ++i) {
-      const FaceBetweenRanks &a = all[i], &b = all[i + 1];
-      if (a.verts != b.verts) continue;
-      pairs[a.face.rank].push_back({a.face.face, b.face});
-      pairs[b.face.rank].push_back({b.face.face, a.face});
-      ++i;
-    }
-    for (std::size_t r = 0; r < to.size(); ++r) to[r].put_array(std::span<const FaceOutside>(pairs[r]));
+  void find_shared() {
+    links_.shared.clear();
+    for (const std::uint32_t old : old_.outside.verts) links_.shared.push_back(old_to_new_[old]);
+    std::ranges::sort(links_.shared);
   }
 
   const RoundShare& old_;
@@ -318,11 +200,9 @@ class PartsJoiner {
   std::vector<std::uint8_t> is_foreign_;
   GrowingArray<std::uint32_t> old_to_new_, to_first_part_;  // of shared vertices
   std::vector<GrowingArray<std::uint32_t>> to_new_;         // of the vertices of each part
-  std::vector<std::size_t> first_tet_, first_vert_, first_triangle_;
+  std::vector<std::size_t> first_tet_, first_vert_;
   std::vector<std::vector<LinkedTriangle>> triangles_;
   std::vector<std::vector<ModelEdgePiece>> edges_;
-  std::vector<GrowingArray<OpenFace>> open_;
-  std::vector<OpenFace> alone_;  // those with nothing behind them on this rank
   std::uint32_t vert_count_ = 0;
   std::size_t tet_count_ = 0;
 };

@@ -65,8 +65,9 @@ void put_lists(const std::vector<std::vector<T>>& lists, std::span<MessageWriter
 
 class TileMaker {
  public:
-  TileMaker(WholeMesh& share, const ShareLinks& links, const ShareVerts& verts, const SharedWork& work)
-      : share_(share), links_(links), verts_(verts), work_(work), runner_(work.runner()) {}
+  TileMaker(WholeMesh& share, const ShareLinks& links, std::span<const FaceOutside> faces, const ShareVerts& verts,
+            const SharedWork& work)
+      : share_(share), links_(links), faces_(faces), verts_(verts), work_(work), runner_(work.runner()) {}
 
   std::unique_ptr<BackgroundTiles> run() {
     sort_tets();
@@ -173,19 +174,19 @@ class TileMaker {
   void name_links() {
     const std::vector<Bytes> told = work_.exchange([&](std::span<MessageWriter> to) {
       std::vector<std::vector<NamedLink>> faces(to.size());
-      for (const FaceOutside& one : links_.faces)
+      for (const FaceOutside& one : faces_)
         faces[one.behind.rank].push_back({{to_name_[one.face.tet()], one.face.side()}, one.behind.face});
       put_lists(faces, to);
     });
-    behind_.resize(links_.faces.size());
+    behind_.resize(faces_.size());
     for (const Bytes& bytes : told)
       for (const auto& [behind, face] : MessageReader(bytes).get_view<NamedLink>()) behind_[place_of(face)] = behind;
   }
 
   // Among the faces between ranks.
   std::size_t place_of(FaceCode face) const {
-    return static_cast<std::size_t>(std::ranges::lower_bound(links_.faces, face, {}, &FaceOutside::face) -
-                                    links_.faces.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(faces_, face, {}, &FaceOutside::face) -
+                                    faces_.begin());
   }
 
   // By names.
@@ -193,7 +194,7 @@ class TileMaker {
     const FaceCode behind = share_.behind(face);
     if (behind.valid()) return {to_name_[behind.tet()], behind.side()};
     const std::size_t place = place_of(face);
-    return place < links_.faces.size() && links_.faces[place].face == face ? behind_[place] : BackgroundFace();
+    return place < faces_.size() && faces_[place].face == face ? behind_[place] : BackgroundFace();
   }
 
   void name_hints() {
@@ -291,6 +292,7 @@ class TileMaker {
 
   WholeMesh& share_;
   const ShareLinks& links_;
+  std::span<const FaceOutside> faces_;
   const ShareVerts& verts_;
   const SharedWork& work_;
   const TaskRunner& runner_;
@@ -307,9 +309,10 @@ class TileMaker {
 
 }  // namespace
 
-std::unique_ptr<BackgroundTiles> make_tiles(WholeMesh& share, const ShareLinks& links, const ShareVerts& verts,
+std::unique_ptr<BackgroundTiles> make_tiles(WholeMesh& share, const ShareLinks& links,
+                                            std::span<const FaceOutside> faces, const ShareVerts& verts,
                                             const SharedWork& work) {
-  return TileMaker(share, links, verts, work).run();
+  return TileMaker(share, links, faces, verts, work).run();
 }
 
 }  // namespace tetloom::adapt

@@ -5,7 +5,6 @@
 #include "adapt/parts/share.hpp"
 #include "core/base/free_memory.hpp"
 #include "core/base/lists.hpp"
-#include "core/part/adjacency.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/parts/tet_packet.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -17,10 +16,9 @@ namespace {
 // What each rank gets of a share.
 struct Dealt {
   std::span<const std::uint32_t> to_part;             // of all tets of the share
-  std::vector<std::uint32_t> to_rank, to_place;       // of each the rank it goes to, and its place among those
-  std::vector<std::vector<std::uint32_t>> tets;       // per rank
+  std::vector<std::vector<std::uint32_t>> tets;       // per rank, ascending
   std::vector<std::vector<std::uint32_t>> triangles;  // per rank: those at its tets
-  std::uint32_t self = 0;                             // this rank
+  std::vector<std::uint8_t> is_open;                  // per vertex: whether several ranks may get it
 };
 
 // One rank's tets for others, each in one message. Vertices are named by their places in the list of those of the
@@ -31,25 +29,23 @@ class Packer {
       : share_(share), links_(links), all_(all), packer_(share) {}
 
   void run(std::uint32_t rank, MessageWriter& writer) {
-    rank_ = rank, tets_ = all_.tets[rank];
+    tets_ = all_.tets[rank];
     packer_.begin(tets_);
-    pieces_.clear(), triangles_.clear(), faces_.clear();
-    find_faces();
+    pieces_.clear(), triangles_.clear(), open_.clear();
+    find_open();
     find_pieces();
-    find_triangles();
+    find_triangles(rank);
     writer.reserve(bytes());
-    packer_.put(
-        writer, [&](std::uint32_t v) { return links_.number_of(v); }, [&](FaceCode face) { return behind(face); });
-    writer.put_array(tets_);
-    writer.put_array(std::span<const FaceOutside>(faces_));
+    packer_.put(writer, [&](std::uint32_t v) { return links_.number_of(v); });
     writer.put_each(tets_, [&](std::uint32_t tet) { return all_.to_part[tet]; });
     put_verts(writer);
+    writer.put_array(std::span<const std::uint32_t>(open_));
     writer.put_array(std::span<const ModelEdgePiece>(pieces_));
     writer.put_array(std::span<const LinkedTriangle>(triangles_));
   }
 
  private:
-  static constexpr std::size_t kBytesOfTet = 11 * sizeof(std::uint32_t);
+  static constexpr std::size_t kBytesOfTet = 6 * sizeof(std::uint32_t);
   static constexpr std::size_t kBytesOfVert =
       sizeof(Number) + sizeof(Vec3) + sizeof(VertexMetric) + sizeof(PackedEntity) + sizeof(BackgroundTet) + 1;
 
@@ -57,26 +53,8 @@ class Packer {
   std::size_t bytes() const {
     constexpr std::size_t kLengths = 512;
     return kLengths + tets_.size() * kBytesOfTet + packer_.verts().size() * kBytesOfVert +
-           pieces_.size() * sizeof(ModelEdgePiece) + triangles_.size() * sizeof(LinkedTriangle) +
-           faces_.size() * sizeof(FaceOutside);
-  }
-
-  FaceCode behind(FaceCode face) const {
-    const FaceCode behind = share_.behind(face);
-    const bool is_here = behind.valid() && all_.to_rank[behind.tet()] == rank_;
-    return is_here ? behind.of_tet(all_.to_place[behind.tet()]) : FaceCode();
-  }
-
-  // Those with something behind them that is in no message from here to there, by places in the message.
-  void find_faces() {
-    for (std::uint32_t place = 0; place < tets_.size(); ++place) {
-      for (const FaceCode face : FaceCode::of(tets_[place])) {
-        const FaceCode behind = share_.behind(face);
-        const RemoteFace outside = behind.valid() ? RemoteFace{all_.self, behind} : links_.behind(face);
-        const bool is_here = behind.valid() && all_.to_rank[behind.tet()] == rank_;
-        if (outside.valid() && !is_here) faces_.push_back({face.of_tet(place), outside});
-      }
-    }
+           open_.size() * sizeof(std::uint32_t) + pieces_.size() * sizeof(ModelEdgePiece) +
+           triangles_.size() * sizeof(LinkedTriangle);
   }
 
   void put_verts(MessageWriter& writer) const {
@@ -84,6 +62,12 @@ class Packer {
     writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_entity[v]; });
     writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_hint[v]; });
     writer.put_each(packer_.verts(), [&](std::uint32_t v) { return share_.to_state[v]; });
+  }
+
+  void find_open() {
+    const auto verts = packer_.verts();
+    for (std::uint32_t place = 0; place < verts.size(); ++place)
+      if (all_.is_open[verts[place]] != 0) open_.push_back(place);
   }
 
   void find_pieces() {
@@ -95,23 +79,27 @@ class Packer {
   }
 
   // With those of their tets that are in the message.
-  void find_triangles() {
-    for (const std::uint32_t triangle : all_.triangles[rank_]) {
+  void find_triangles(std::uint32_t rank) {
+    for (const std::uint32_t triangle : all_.triangles[rank]) {
       LinkedTriangle t = share_.triangles[triangle];
-      for (std::uint32_t& tet : t.tets) tet = tet != kNone && all_.to_rank[tet] == rank_ ? all_.to_place[tet] : kNone;
+      for (std::uint32_t& tet : t.tets) tet = place_in_message(tet);
       if (t.tets[0] == kNone) std::swap(t.tets[0], t.tets[1]);
       for (std::uint32_t& v : t.triangle.verts) v = packer_.place_of(v);
       triangles_.push_back(t);
     }
   }
 
+  std::uint32_t place_in_message(std::uint32_t tet) const {
+    const auto at = std::ranges::lower_bound(tets_, tet);
+    return at == tets_.end() || *at != tet ? kNone : static_cast<std::uint32_t>(at - tets_.begin());
+  }
+
   const WholeMesh& share_;
   const ShareLinks& links_;
   const Dealt& all_;
-  std::uint32_t rank_ = 0;
   std::span<const std::uint32_t> tets_;
   TetPacker<WholeMesh> packer_;
-  std::vector<FaceOutside> faces_;
+  std::vector<std::uint32_t> open_;  // places of vertices
   std::vector<ModelEdgePiece> pieces_;
   std::vector<LinkedTriangle> triangles_;
 };
@@ -119,19 +107,19 @@ class Packer {
 // What stands behind the tets in one rank's message, where it lies.
 struct Beside {
   explicit Beside(MessageReader& reader) {
-    from = reader.get_view<std::uint32_t>(), faces = reader.get_view<FaceOutside>(),
     parts = reader.get_view<std::uint32_t>();
     to_metric = reader.get_view<VertexMetric>(), to_entity = reader.get_view<PackedEntity>();
     to_hint = reader.get_view<BackgroundTet>(), to_state = reader.get_view<std::uint8_t>();
+    open = reader.get_view<std::uint32_t>();
     edges = reader.get_view<ModelEdgePiece>(), triangles = reader.get_view<LinkedTriangle>();
   }
 
-  std::span<const std::uint32_t> from, parts;
-  std::span<const BackgroundTet> to_hint;  // `from`: tets as the sender names them, ascending
-  std::span<const FaceOutside> faces;      // by places in the message, and what lies behind them
+  std::span<const std::uint32_t> parts;
   std::span<const VertexMetric> to_metric;
   std::span<const PackedEntity> to_entity;
+  std::span<const BackgroundTet> to_hint;
   std::span<const std::uint8_t> to_state;
+  std::span<const std::uint32_t> open;
   std::span<const ModelEdgePiece> edges;
   std::span<const LinkedTriangle> triangles;
 };
@@ -147,15 +135,15 @@ class Unpacker {
     }
   }
 
-  RoundShare run() {
+  /// `open`: vertices that other ranks may have as well, ascending.
+  RoundShare run(std::vector<std::uint32_t>& open) {
     take_verts();
+    for (std::size_t p = 0; p < beside_.size(); ++p)
+      for (const std::uint32_t place : beside_[p].open) open.push_back(packets_.all()[p].to_local[place]);
+    sort_unique(open);
     take_edges();
     take_triangles();
-    find_links();
-    packets_.move_tets_into(share_.mesh, runner_, [](const TetPacket& packet, FaceCode face) {
-      return face.of_tet(face.tet() + packet.first_tet);
-    });
-    for (const auto& [face, behind] : links_) share_.mesh.behind(face) = behind;
+    packets_.move_tets_into(share_.mesh, runner_);
     return std::move(share_);
   }
 
@@ -172,19 +160,6 @@ class Unpacker {
     });
   }
 
-  // Between tets of two packets.
-  void find_links() {
-    for (std::size_t p = 0; p < beside_.size(); ++p) {
-      for (const FaceOutside& one : beside_[p].faces) {
-        const auto& from = beside_[one.behind.rank].from;
-        const auto at = std::ranges::lower_bound(from, one.behind.face.tet());
-        if (at == from.end() || *at != one.behind.face.tet()) continue;
-        const auto tet = packets_.all()[one.behind.rank].first_tet + static_cast<std::uint32_t>(at - from.begin());
-        links_.emplace_back(one.face.of_tet(one.face.tet() + packets_.all()[p].first_tet), one.behind.face.of_tet(tet));
-      }
-    }
-  }
-
   void take_edges() {
     for (std::size_t p = 0; p < beside_.size(); ++p) {
       for (ModelEdgePiece piece : beside_[p].edges) {
@@ -196,57 +171,57 @@ class Unpacker {
     sort_pieces(share_.mesh.edges);
   }
 
-  // Of a triangle that came with one tet from each of two ranks, one copy stays, with both.
   void take_triangles() {
-    struct Half {
-      Triangle verts;
-      std::uint32_t triangle;
-      auto operator<=>(const Half&) const = default;
-    };
-    std::vector<LinkedTriangle>& triangles = share_.mesh.triangles;
-    std::vector<Half> halves;
     for (std::size_t p = 0; p < beside_.size(); ++p) {
       const TetPacket& packet = packets_.all()[p];
       for (LinkedTriangle t : beside_[p].triangles) {
         for (std::uint32_t& v : t.triangle.verts) v = packet.to_local[v];
         for (std::uint32_t& tet : t.tets) tet = tet == kNone ? kNone : tet + packet.first_tet;
-        if (t.tets[1] == kNone)
-          halves.push_back({tets::sorted(t.triangle.verts).verts, static_cast<std::uint32_t>(triangles.size())});
-        triangles.push_back(t);
+        share_.mesh.triangles.push_back(t);
       }
     }
-    parallel_sort(halves, runner_);
-    for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
-      if (halves[i].verts != halves[i + 1].verts) continue;
-      LinkedTriangle &first = triangles[halves[i].triangle], &second = triangles[halves[i + 1].triangle];
-      first.tets[1] = std::exchange(second.tets[0], kNone);
-    }
-    std::erase_if(triangles, [](const LinkedTriangle& t) { return t.tets[0] == kNone; });
   }
 
   const TaskRunner& runner_;
   TetPackets packets_;
   std::vector<Beside> beside_;  // per packet
-  std::vector<std::pair<FaceCode, FaceCode>> links_;
   RoundShare share_;
 };
 
-Dealt deal_share(const WholeMesh& share, std::span<const std::uint32_t> to_part, std::size_t part_count, int ranks) {
-  const auto rank_count = static_cast<std::size_t>(ranks);
-  Dealt all{to_part, std::vector<std::uint32_t>(share.size()), std::vector<std::uint32_t>(share.size()),
-            std::vector<std::vector<std::uint32_t>>(rank_count), std::vector<std::vector<std::uint32_t>>(rank_count)};
-  for (std::uint32_t tet = 0; tet < share.size(); ++tet) {
-    const std::uint32_t rank = all.to_rank[tet] =
-        static_cast<std::uint32_t>(rank_of_part(to_part[tet], part_count, ranks));
-    all.to_place[tet] = static_cast<std::uint32_t>(all.tets[rank].size());
-    all.tets[rank].push_back(tet);
+// Vertices of tets that go to several ranks, and those that other ranks have now.
+std::vector<std::uint8_t> find_open(const WholeMesh& share, const ShareLinks& links, const Dealt& all) {
+  std::vector<std::uint8_t> is_open(share.points.size(), 0);
+  for (const std::uint32_t v : links.shared) is_open[v] = 1;
+  std::vector<std::uint32_t> to_rank(share.points.size(), kNone);
+  for (std::uint32_t rank = 0; rank < all.tets.size(); ++rank) {
+    for (const std::uint32_t tet : all.tets[rank]) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint32_t v = share.to_vert[std::size_t{tet} * 4 + i];
+        if (to_rank[v] == kNone) to_rank[v] = rank;
+        if (to_rank[v] != rank) is_open[v] = 1;
+      }
+    }
   }
+  return is_open;
+}
+
+Dealt deal_share(const WholeMesh& share, const ShareLinks& links, std::span<const std::uint32_t> to_part,
+                 std::size_t part_count, int ranks) {
+  const auto rank_count = static_cast<std::size_t>(ranks);
+  Dealt all{to_part,
+            std::vector<std::vector<std::uint32_t>>(rank_count),
+            std::vector<std::vector<std::uint32_t>>(rank_count),
+            {}};
+  const auto rank_of = [&](std::uint32_t tet) {
+    return static_cast<std::size_t>(rank_of_part(to_part[tet], part_count, ranks));
+  };
+  for (std::uint32_t tet = 0; tet < share.size(); ++tet) all.tets[rank_of(tet)].push_back(tet);
   for (std::uint32_t t = 0; t < share.triangles.size(); ++t) {
     const auto [one, other] = share.triangles[t].tets;
-    if (one != kNone) all.triangles[all.to_rank[one]].push_back(t);
-    if (other != kNone && (one == kNone || all.to_rank[other] != all.to_rank[one]))
-      all.triangles[all.to_rank[other]].push_back(t);
+    all.triangles[rank_of(one)].push_back(t);
+    if (other != kNone && rank_of(other) != rank_of(one)) all.triangles[rank_of(other)].push_back(t);
   }
+  all.is_open = find_open(share, links, all);
   return all;
 }
 
@@ -254,8 +229,7 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<s
                              std::size_t part_count, const SharedWork& work) {
   const int ranks = work.rank_count();
   return work.exchange([&](std::span<MessageWriter> to) {
-    Dealt all = deal_share(share, to_part.span(), part_count, ranks);
-    all.self = static_cast<std::uint32_t>(work.rank());
+    const Dealt all = deal_share(share, links, to_part.span(), part_count, ranks);
     // One after the other on each thread, which needs a place per vertex of the share for all of them.
     const auto threads = static_cast<std::size_t>(work.runner().threads());
     work.runner().for_blocks(to.size(), (to.size() + threads - 1) / threads, [&](std::size_t begin, std::size_t end) {
@@ -266,24 +240,11 @@ std::vector<Bytes> send_tets(WholeMesh& share, ShareLinks& links, GrowingArray<s
   });
 }
 
-// Vertices that may be on other ranks: those of faces that this one has nothing behind. Tets at a vertex that all have
-// something behind them there are all that there are.
-std::vector<std::uint32_t> find_open_verts(const WholeMesh& mesh) {
-  std::vector<std::uint32_t> verts;
-  for (const FaceCode face : mesh.faces()) {
-    if (mesh.behind(face).valid()) continue;
-    const tets::TriangleVerts triangle = tets::verts_of(mesh.to_vert.data(), face);
-    verts.insert(verts.end(), triangle.begin(), triangle.end());
-  }
-  sort_unique(verts);
-  return verts;
-}
-
-void find_outside_verts(RoundShare& share, const SharedWork& work) {
+void find_outside_verts(RoundShare& share, std::span<const std::uint32_t> open_verts, const SharedWork& work) {
   const PartId self(static_cast<std::size_t>(work.rank()));
   PerPart<std::vector<OpenVertex>> open(static_cast<std::size_t>(work.rank_count()), std::span(&self, 1));
   work.each([&] {
-    for (const std::uint32_t v : find_open_verts(share.mesh)) open.at(self).push_back({share.to_number[v], v});
+    for (const std::uint32_t v : open_verts) open.at(self).push_back({share.to_number[v], v});
   });
   share.outside = std::move(find_residence(open, work.ranks(), work.runner()).at(self));
 }
@@ -303,12 +264,13 @@ RoundShare move_tets(WholeMesh& share, ShareLinks& links, GrowingArray<std::uint
     return moved;
   }
   std::vector<Bytes> given = send_tets(share, links, to_part, part_count, work);
+  std::vector<std::uint32_t> open_verts;
   work.each([&] {
-    moved = Unpacker(std::move(given), work.runner()).run();
+    moved = Unpacker(std::move(given), work.runner()).run(open_verts);
     give_back_free_memory();
     moved.vert_count = moved.mesh.points.size();
   });
-  find_outside_verts(moved, work);
+  find_outside_verts(moved, open_verts, work);
   return moved;
 }
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <new>
 
+#include "core/base/lists.hpp"
+#include "core/tets/triangle_verts.hpp"
+#include "threading/runtime/parallel_sort.hpp"
+
 namespace tetloom::adapt {
 
 namespace {
@@ -15,9 +19,12 @@ class ShareTaker {
              std::span<const Number> tets = {})
       : whole_(whole), begin_(begin), end_(end), verts_(verts), tets_(tets), to_local_(whole.points.size(), kNone) {}
 
-  WholeMesh run(ShareLinks& links) {
+  /// Linked where there is a list of `faces`, to which those with tets of other ranks behind them are added.
+  WholeMesh run(ShareLinks& links, std::vector<FaceOutside>* faces = nullptr) {
     take_verts(links.to_number);
-    take_tets(links);
+    find_shared(links.shared);
+    take_tets();
+    if (faces != nullptr) take_links(links.first_tets, *faces);
     take_triangles();
     take_edges();
     return std::move(share_);
@@ -49,16 +56,28 @@ class ShareTaker {
     }
   }
 
-  void take_tets(ShareLinks& links) {
+  void find_shared(std::vector<std::uint32_t>& shared) const {
+    const auto find_in = [&](std::span<const std::uint32_t> others) {
+      for (const std::uint32_t v : others)
+        if (to_local_[v] != kNone) shared.push_back(to_local_[v]);
+    };
+    find_in(whole_.to_vert.span().first(begin_ * 4)), find_in(whole_.to_vert.span().subspan(end_ * 4));
+    sort_unique(shared);
+  }
+
+  void take_tets() {
+    for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
+    share_.to_region.append(whole_.to_region.span().subspan(begin_, end_ - begin_));
+  }
+
+  void take_links(const std::vector<Number>& first_tets, std::vector<FaceOutside>& faces) {
     for (std::size_t i = begin_ * 4; i < end_ * 4; ++i) {
       const FaceCode behind = whole_.to_neighbor[i];
       const std::uint32_t behind_here = behind.valid() ? local_tet(behind.tet()) : kNone;
       if (behind.valid() && behind_here == kNone)
-        links.faces.push_back({FaceCode::at(i - begin_ * 4), remote(behind, links.first_tets)});
-      share_.to_vert.push_back(to_local_[whole_.to_vert[i]]);
+        faces.push_back({FaceCode::at(i - begin_ * 4), remote(behind, first_tets)});
       share_.to_neighbor.push_back(behind_here == kNone ? FaceCode() : behind.of_tet(behind_here));
     }
-    for (std::size_t tet = begin_; tet < end_; ++tet) share_.to_region.push_back(whole_.to_region[tet]);
   }
 
   void take_triangles() {
@@ -93,12 +112,24 @@ bool uses_all_points(const WholeMesh& whole) {
   return std::ranges::count(used, 0) == 0;
 }
 
-// The face of a tet that a triangle is.
-FaceCode face_of(const WholeMesh& share, const LinkedTriangle& t) {
-  const auto& verts = t.triangle.verts;
-  std::uint32_t i = 0;
-  while (i < 3 && std::ranges::count(verts, share.to_vert[std::size_t{t.tets[0]} * 4 + i]) != 0) ++i;
-  return {t.tets[0], i};
+// Of a triangle that several parts have, the first stays.
+void drop_repeated(std::vector<LinkedTriangle>& triangles, const TaskRunner& runner) {
+  struct Place {
+    Triangle verts;  // ascending
+    std::uint32_t triangle;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Place> places(triangles.size());
+  for (std::uint32_t t = 0; t < places.size(); ++t)
+    places[t] = {tets::sorted(triangles[t].triangle.verts).verts, t};
+  parallel_sort(places, runner);
+  std::vector<std::uint8_t> is_repeated(triangles.size(), 0);
+  for (std::size_t i = 1; i < places.size(); ++i)
+    is_repeated[places[i].triangle] = places[i].verts == places[i - 1].verts;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (is_repeated[t] == 0) triangles[kept++] = triangles[t];
+  triangles.resize(kept);
 }
 
 constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a message
@@ -117,14 +148,11 @@ void put_share(const WholeMesh& share, const ShareLinks& links, int rank, Messag
   writer.put_array(share.to_entity.span().first(own));
   writer.put_each(share.to_vert, place_of);
   writer.put_array(share.to_region.span());
-  std::vector<SurfaceTriangle> triangles;
-  for (const LinkedTriangle& t : share.triangles) {
-    const RemoteFace behind = links.behind(face_of(share, t));
-    if (behind.valid() && behind.rank < static_cast<std::uint32_t>(rank)) continue;
-    triangles.push_back(t.triangle);
-    for (std::uint32_t& v : triangles.back().verts) v = place_of(v);
-  }
-  writer.put_array(std::span<const SurfaceTriangle>(triangles));
+  writer.put_each(share.triangles, [&](const LinkedTriangle& t) {
+    SurfaceTriangle triangle = t.triangle;
+    for (std::uint32_t& v : triangle.verts) v = place_of(v);
+    return triangle;
+  });
   std::vector<ModelEdgePiece> edges = share.edges;
   for (ModelEdgePiece& piece : edges) {
     for (std::uint32_t& v : piece.verts) v = place_of(v);
@@ -152,11 +180,6 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
-RemoteFace ShareLinks::behind(FaceCode face) const {
-  const auto at = std::ranges::lower_bound(faces, face, {}, &FaceOutside::face);
-  return at == faces.end() || at->face != face ? RemoteFace() : at->behind;
-}
-
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest) {
   const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
   ShareLinks links;
@@ -171,24 +194,31 @@ ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest)
   return links;
 }
 
-ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice) {
+ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice, std::vector<FaceOutside>& faces) {
   ShareLinks links;
   links.first_tets = slice.first_tets;
   links.first_verts = equal_ranges(slice.vert_count, slice.first_tets.size() - 1);
-  slice_mesh = ShareTaker(slice_mesh, slice.begin, slice.end, slice.to_vert_number, slice.to_tet_number).run(links);
+  slice_mesh =
+      ShareTaker(slice_mesh, slice.begin, slice.end, slice.to_vert_number, slice.to_tet_number).run(links, &faces);
   return links;
 }
 
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work) {
-  if (work.rank_count() == 1) return std::move(share);
+  WholeMesh whole;
+  if (work.rank_count() == 1) {
+    whole = std::move(share);
+    drop_repeated(whole.triangles, work.runner());
+    return whole;
+  }
   if (links.tet_count() >= CellPlace::kMaxTets) throw std::bad_alloc();
   std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
     put_share(share, links, work.rank(), to[0]);
     share = WholeMesh();
   });
-  WholeMesh whole;
   work.each([&] {
-    if (work.rank() == 0) take_all(given, whole);
+    if (work.rank() != 0) return;
+    take_all(given, whole);
+    drop_repeated(whole.triangles, work.runner());
   });
   return whole;
 }

@@ -11,21 +11,14 @@
 
 namespace tetloom::adapt {
 
-/// A face between two ranks.
-struct FaceOutside {
-  FaceCode face;      ///< here
-  RemoteFace behind;  ///< the same face of the tet behind it
-  friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
-};
-
 /// What connects the mesh that a rank has to those of the others. Tets have consecutive numbers in the whole mesh on
 /// each rank; vertices that several ranks have are the same, bit for bit, on all of them.
 struct ShareLinks {
-  std::vector<Number> to_number;    ///< of every vertex; empty on a single rank: as they stand
-  std::vector<FaceOutside> faces;   ///< ascending
-  std::vector<Number> first_tets;   ///< number of the first tet of each rank, and one past the last
-  std::vector<Number> first_verts;  ///< the same of vertices, each with the lowest rank that has it; before the first
-                                    ///< round no more than a range of numbers for each rank
+  std::vector<Number> to_number;      ///< of every vertex; empty on a single rank: as they stand
+  std::vector<std::uint32_t> shared;  ///< vertices that other ranks have as well, ascending
+  std::vector<Number> first_tets;     ///< number of the first tet of each rank, and one past the last
+  std::vector<Number> first_verts;    ///< the same of vertices, each with the lowest rank that has it; before the first
+                                      ///< round no more than a range of numbers for each rank
   // Of the parts that this rank had in the last round, which stand one after the other: where those of each begin, and
   // how many there are. Vertices are counted with the first part that has them.
   std::vector<std::size_t> part_tets{0}, part_verts{0};
@@ -34,16 +27,23 @@ struct ShareLinks {
     return to_number.empty() ? first_verts.front() + vert : to_number[vert];
   }
   std::size_t tet_count() const { return first_tets.back() - first_tets.front(); }  ///< of the whole mesh
-  /// What another rank has behind a face of this one; not valid where none has.
-  RemoteFace behind(FaceCode face) const;
+};
+
+/// A face between two ranks.
+struct FaceOutside {
+  FaceCode face;      ///< here
+  RemoteFace behind;  ///< the same face of the tet behind it
+  friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
 };
 
 /// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
-/// go. Where that is not all of it, `rest` takes the mesh that it was. In SharedWork::together.
+/// go. Where that is not all of it, the share is not linked, and `rest` takes the mesh that it was. In
+/// SharedWork::together.
 ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest = nullptr);
 
-/// The same of the mesh that a slice has become.
-ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice);
+/// The same of the mesh that a slice has become, with links. `faces`: those that other ranks have something behind,
+/// ascending.
+ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice, std::vector<FaceOutside>& faces);
 
 /// A share with all tets of the parts that a rank adapts in one round.
 struct RoundShare {
@@ -67,7 +67,7 @@ inline std::size_t own_vert_count(const ShareLinks& links, int rank) {
   return links.first_verts[r + 1] - links.first_verts[r];
 }
 
-/// The whole mesh on rank 0, without neighbours, hints and states; an empty one on the others. `share` is emptied.
+/// The whole mesh on rank 0, without hints and states; an empty one on the others. `share` is emptied.
 /// In together, after a round. Errors: OutOfMemory for more tets than one mesh may have.
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work);
 

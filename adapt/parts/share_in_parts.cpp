@@ -175,8 +175,7 @@ class PartMaker {
     }
   }
 
-  // By their numbers, from the lowest vertex on: of a triangle between two parts each has a copy where these lie on
-  // several ranks, and both have the same one where they do not.
+  // By their numbers, from the lowest vertex on: two parts that have a triangle list it alike.
   void take_triangles(std::span<const std::uint32_t> triangles) {
     struct Numbered {
       std::array<std::uint64_t, 3> numbers;  // of the triangle's vertices, the lowest first
@@ -290,7 +289,7 @@ class PartMaker {
   std::unordered_map<std::uint64_t, std::uint32_t> by_number_;
 };
 
-// The triangles of each part of this rank; those between two parts are in both.
+// The triangles of each part of this rank.
 std::vector<std::vector<std::uint32_t>> deal_triangles(const WholeMesh& share, const ShareLinks& links) {
   std::vector<std::vector<std::uint32_t>> dealt(links.part_tets.size() - 1);
   const auto part_of = [&](std::uint32_t tet) {
@@ -298,12 +297,7 @@ std::vector<std::vector<std::uint32_t>> deal_triangles(const WholeMesh& share, c
                                     links.part_tets.begin()) -
            1;
   };
-  for (std::uint32_t i = 0; i < share.triangles.size(); ++i) {
-    const auto& tets = share.triangles[i].tets;
-    const std::size_t first = part_of(tets[0]);
-    dealt[first].push_back(i);
-    if (tets[1] != kNone && part_of(tets[1]) != first) dealt[part_of(tets[1])].push_back(i);
-  }
+  for (std::uint32_t i = 0; i < share.triangles.size(); ++i) dealt[part_of(share.triangles[i].tets[0])].push_back(i);
   return dealt;
 }
 

@@ -15,7 +15,8 @@
 
 namespace tetloom::adapt {
 
-/// A triangle of the surface and the tets that have it; the second one is kNone where nothing lies on that side.
+/// A triangle of the surface and the tets that have it; the second one is kNone where nothing lies on that side. After
+/// a round, each of two parts that have a triangle has one for its own tet.
 struct LinkedTriangle {
   SurfaceTriangle triangle;
   std::array<std::uint32_t, 2> tets{kNone, kNone};
@@ -31,8 +32,9 @@ struct ModelEdgePiece {
 /// Sorts them, and drops what is there twice.
 inline void sort_pieces(std::vector<ModelEdgePiece>& pieces) { sort_unique(pieces); }
 
-/// Struct of arrays. Invariant: `to_neighbor` as in tets::TetMesh; nothing behind triangles of the outer surface alone,
-/// and where other ranks have what is behind. `edges` are sorted; all of them are sides of triangles.
+/// Struct of arrays. `edges` are sorted; all of them are sides of triangles. `to_neighbor` is as in tets::TetMesh, with
+/// nothing behind triangles of the outer surface alone, and where other ranks have what is behind; it is there until
+/// the first round: parts link their tets anew.
 struct WholeMesh {
   GrowingArray<Vec3> points;
   GrowingArray<VertexMetric> to_metric;

@@ -71,8 +71,8 @@ Bytes pack_piece(const PartState& state, std::span<const std::uint32_t> tets, Te
     return place == kNone ? FaceCode() : behind.of_tet(place);
   };
   MessageWriter writer;
-  packer.put(
-      writer, [&](std::uint32_t v) { return state.keys[v]; }, link);
+  packer.put(writer, [&](std::uint32_t v) { return state.keys[v]; });
+  packer.put_links(writer, link);
   writer.put_each(packer.verts(), [&](std::uint32_t v) { return state.waits[v]; });
   writer.put_each(tets, [&](std::uint32_t tet) { return state.mesh.to_fixed[tet]; });
   return writer.take();
@@ -101,6 +101,7 @@ Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
   Strip strip;
   std::vector<std::span<const std::uint8_t>> waits;
   for (TetPacket& packet : packets.all()) {
+    packet.take_links();
     waits.push_back(packet.rest.get_view<std::uint8_t>());
     strip.mesh.to_fixed.append(packet.rest.get_view<std::uint8_t>());
   }
@@ -114,7 +115,7 @@ Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
     strip.mesh.points.push_back(packets.all()[packet].points[place]);
     strip.waits.push_back(waits[packet][place]);
   });
-  packets.move_tets_into(strip.mesh, runner, [](const TetPacket& packet, FaceCode link) {
+  packets.move_linked_tets_into(strip.mesh, runner, [](const TetPacket& packet, FaceCode link) {
     return link.of_tet(packet.first_tet + link.tet());
   });
   link_strip(strip);

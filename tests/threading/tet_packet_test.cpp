@@ -24,7 +24,8 @@ constexpr std::uint32_t kByNumber = 1u << 20;
 Bytes pack(const TetMesh& mesh, TetPacker<TetMesh>& packer, const std::vector<std::uint32_t>& tets) {
   packer.begin(tets);
   MessageWriter writer;
-  packer.put(writer, key_of, [&](FaceCode face) {
+  packer.put(writer, key_of);
+  packer.put_links(writer, [&](FaceCode face) {
     const FaceCode behind = mesh.behind(face);
     if (!behind.valid()) return behind;
     const auto at = std::ranges::find(tets, behind.tet());
@@ -43,8 +44,10 @@ struct Joined {
 Joined join(std::vector<Bytes> messages) {
   Joined joined;
   TetPackets packets(std::move(messages));
-  for (TetPacket& packet : packets.all())
+  for (TetPacket& packet : packets.all()) {
+    packet.take_links();
     for (const std::uint32_t number : packet.rest.get_view<std::uint32_t>()) joined.numbers.push_back(number);
+  }
   const TaskRunner runner(2);
   packets.number_verts(runner, [&](std::uint64_t key, std::uint32_t p, std::uint32_t i, bool is_new) {
     REQUIRE(packets.all()[p].keys[i] == key);
@@ -52,7 +55,7 @@ Joined join(std::vector<Bytes> messages) {
     joined.keys.push_back(key);
     joined.mesh.points.push_back(packets.all()[p].points[i]);
   });
-  packets.move_tets_into(joined.mesh, runner, [&](const TetPacket& packet, FaceCode link) {
+  packets.move_linked_tets_into(joined.mesh, runner, [&](const TetPacket& packet, FaceCode link) {
     if ((link.tet() & kByNumber) == 0) return link.of_tet(packet.first_tet + link.tet());
     const auto at = std::ranges::find(joined.numbers, link.tet() & ~kByNumber);
     return at == joined.numbers.end() ? FaceCode()

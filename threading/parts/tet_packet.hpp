@@ -1,9 +1,9 @@
 #pragma once
-// Tets on their way from one part to another, linked through their faces: the vertices that they use, each once and
-// under the key by which all parts know it, and the tets by the places of these vertices.
+// Tets on their way from one part to another: the vertices that they use, each once and under the key by which all
+// parts know it, the tets by the places of these vertices, and, where they are linked through their faces, these links.
 //
-// Any mesh of tets will do that has the arrays `points`, `to_vert`, `to_neighbor` and `to_region` of tets::TetMesh.
-// What else is known of vertices and tets follows in the message, as arrays in the same order.
+// Any mesh of tets will do that has the arrays `points`, `to_vert` and `to_region` of tets::TetMesh, and `to_neighbor`
+// for links. What else is known of vertices and tets follows in the message, as arrays in the same order.
 #include <array>
 #include <compare>
 #include <cstdint>
@@ -38,16 +38,20 @@ class TetPacker {
   /// Where the packet has a vertex.
   std::uint32_t place_of(std::uint32_t vert) const { return verts_[vert]; }
 
-  /// Puts the packet. `key(vert)` has 64 bits; `link(face)` says what is behind a face: the same face by the place of
-  /// its tet in the packet, or by a name that the receiver knows.
-  template <class Key, class Link>
-  void put(MessageWriter& writer, const Key& key, const Link& link) const {
+  /// Puts the packet. `key(vert)` has 64 bits.
+  template <class Key>
+  void put(MessageWriter& writer, const Key& key) const {
     writer.put_each(verts(), [&](std::uint32_t v) { return std::uint64_t{key(v)}; });
     writer.put_each(verts(), [&](std::uint32_t v) { return mesh_.points[v]; });
     const auto place = [&](tets::FaceCode face) { return verts_[mesh_.apex(face)]; };
     writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, place); });
-    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
     writer.put_each(tets_, [&](std::uint32_t tet) { return mesh_.to_region[tet]; });
+  }
+  /// After the packet. `link(face)` says what is behind a face: the same face by the place of its tet in the packet, or
+  /// by a name that the receiver knows.
+  template <class Link>
+  void put_links(MessageWriter& writer, const Link& link) const {
+    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
   }
 
  private:
@@ -60,15 +64,16 @@ class TetPacker {
 struct TetPacket {
   explicit TetPacket(const Bytes& bytes) : rest(bytes) {
     keys = rest.get_view<std::uint64_t>(), points = rest.get_view<Vec3>();
-    to_vert = rest.get_view<std::array<std::uint32_t, 4>>();
-    to_neighbor = rest.get_view<std::array<tets::FaceCode, 4>>(), to_region = rest.get_view<std::uint32_t>();
+    to_vert = rest.get_view<std::array<std::uint32_t, 4>>(), to_region = rest.get_view<std::uint32_t>();
   }
+  /// Where links follow.
+  void take_links() { to_neighbor = rest.get_view<std::array<tets::FaceCode, 4>>(); }
 
   std::span<const std::uint64_t> keys;
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 4>> to_vert;
-  std::span<const std::array<tets::FaceCode, 4>> to_neighbor;
   std::span<const std::uint32_t> to_region;
+  std::span<const std::array<tets::FaceCode, 4>> to_neighbor;
   MessageReader rest;                   ///< what follows in the message
   std::uint32_t first_tet = 0;          ///< place of its first tet among those of all packets
   std::vector<std::uint32_t> to_local;  ///< of its vertices, once they are numbered
@@ -104,31 +109,43 @@ class TetPackets {
     }
   }
 
-  /// Appends all tets to a mesh that has none but those of earlier packets, and frees the messages.
-  /// `find(packet, link)` says what is behind a face of the packet at hand that has something there.
+  /// Makes a mesh of all tets, and frees the messages.
+  template <class TetArrays>
+  void move_tets_into(TetArrays& mesh, const TaskRunner& runner) {
+    move_tets(mesh, runner, [](const TetPacket&, std::size_t) {});
+  }
+  /// The same with the links, which all packets have: `find(packet, link)` says what is behind a face of the packet at
+  /// hand that has something there.
   template <class TetArrays, class Find>
-  void move_tets_into(TetArrays& mesh, const TaskRunner& runner, const Find& find) {
+  void move_linked_tets_into(TetArrays& mesh, const TaskRunner& runner, const Find& find) {
+    mesh.to_neighbor.resize_for_overwrite(tet_count_ * 4);
+    move_tets(mesh, runner, [&](const TetPacket& packet, std::size_t tet) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        const tets::FaceCode link = packet.to_neighbor[tet][i];
+        mesh.to_neighbor[(packet.first_tet + tet) * 4 + i] = link.valid() ? find(packet, link) : link;
+      }
+    });
+  }
+
+ private:
+  template <class TetArrays, class More>
+  void move_tets(TetArrays& mesh, const TaskRunner& runner, const More& more) {
     constexpr std::size_t kGrain = std::size_t{1} << 14;
-    mesh.to_vert.resize_for_overwrite(tet_count_ * 4), mesh.to_neighbor.resize_for_overwrite(tet_count_ * 4);
-    mesh.to_region.reserve(tet_count_);
+    mesh.to_vert.resize_for_overwrite(tet_count_ * 4), mesh.to_region.reserve(tet_count_);
     for (std::size_t p = 0; p < packets_.size(); ++p) {
       const TetPacket& packet = packets_[p];
       mesh.to_region.append(packet.to_region);
       runner.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet) {
-          const std::size_t first = (packet.first_tet + tet) * 4;
-          for (std::size_t i = 0; i < 4; ++i) {
-            const tets::FaceCode link = packet.to_neighbor[tet][i];
-            mesh.to_vert[first + i] = packet.to_local[packet.to_vert[tet][i]];
-            mesh.to_neighbor[first + i] = link.valid() ? find(packet, link) : link;
-          }
+          for (std::size_t i = 0; i < 4; ++i)
+            mesh.to_vert[(packet.first_tet + tet) * 4 + i] = packet.to_local[packet.to_vert[tet][i]];
+          more(packet, tet);
         }
       });
-      messages_[p] = Bytes();
+      packets_[p].to_local = {}, messages_[p] = Bytes();
     }
   }
 
- private:
   struct KeyedVert {
     std::uint64_t key;
     std::uint32_t packet, place;
