@@ -36,48 +36,71 @@ double crossing(const std::array<Vec3, 3>& x, const Vec3& from, const Vec3& ray)
   return u >= 0 && v >= 0 && u + v <= 1 && at > 0 ? at : kMissed;
 }
 
+// Looks from one place after the other.
 class WallSearch {
  public:
   explicit WallSearch(const OppositeSurface& surface) : surface_(surface) {}
 
-  Clearance from(std::size_t number, const LookAhead& look) const {
+  Clearance from(std::size_t number, const LookAhead& look) {
+    const auto rays = rays_about(look.direction);
     Clearance nearest;
-    for (const Vec3& ray : rays_about(look.direction)) {
-      const Vec3 along = std::min(look.reach, nearest.distance) * ray;
-      surface_.tree.for_each_along(look.point, along, [&](std::uint32_t t) {
-        const double met = crossing(surface_.tree.corners_of(t), look.point, along) * norm(along);
-        if (met >= std::min(look.reach, nearest.distance) || surface_.is_beside(number, t)) return;
-        const bool is_front = faces(t, ray);
-        const FaceSides& sides = surface_.tri_to_sides[t];
-        if ((is_front ? sides.front : sides.back).value != look.region || !opposes(t, is_front, look.direction)) return;
-        const double at = std::max(met, met * dot(normal_of(t), ray) / dot(normal_of(t), look.direction));
-        if (at < nearest.distance) nearest = {at, surface_.has_layers[2 * t + is_front] != 0};
-      });
-    }
+    // What the axis meets ends the others.
+    follow(number, look, std::span(rays).first(1), nearest);
+    follow(number, look, std::span(rays).subspan(1), nearest);
     return nearest;
   }
 
  private:
-  Vec3 normal_of(std::uint32_t triangle) const {
-    const auto [a, b, c] = surface_.tree.corners_of(triangle);
-    return normalized(cross(b - a, c - a));
+  // A triangle that rays may meet, and the side on which they do.
+  struct Opposite {
+    std::array<Vec3, 3> corners;
+    Vec3 normal;
+    std::uint32_t triangle = 0;
+    bool is_front = false;
+  };
+
+  void follow(std::size_t number, const LookAhead& look, std::span<const Vec3> rays, Clearance& nearest) {
+    find_opposite(number, look, rays, std::min(look.reach, nearest.distance));
+    if (opposite_.empty()) return;
+    for (const Vec3& ray : rays) {
+      const Vec3 along = std::min(look.reach, nearest.distance) * ray;
+      for (const Opposite& one : opposite_) {
+        const double met = crossing(one.corners, look.point, along) * norm(along);
+        if (met >= std::min(look.reach, nearest.distance) || (dot(one.normal, ray) < 0) != one.is_front) continue;
+        const double at = std::max(met, met * dot(one.normal, ray) / dot(one.normal, look.direction));
+        if (at < nearest.distance) nearest = {at, surface_.has_layers[2 * one.triangle + one.is_front] != 0};
+      }
+    }
   }
-  // Whether the ray comes from the front of the triangle.
-  bool faces(std::uint32_t triangle, const Vec3& ray) const { return dot(normal_of(triangle), ray) < 0; }
-  bool opposes(std::uint32_t triangle, bool is_front, const Vec3& direction) const {
-    return (is_front ? 1 : -1) * dot(normal_of(triangle), direction) < kFacing;
+
+  // Most of what is near faces elsewhere.
+  void find_opposite(std::size_t number, const LookAhead& look, std::span<const Vec3> rays, double reach) {
+    opposite_.clear();
+    std::array<Vec3, kRays> steps;
+    std::ranges::transform(rays, steps.begin(), [&](const Vec3& ray) { return reach * ray; });
+    surface_.tree.for_each_near_segments(look.point, std::span(steps).first(rays.size()), [&](std::uint32_t t) {
+      const std::array<Vec3, 3> corners = surface_.tree.corners_of(t);
+      const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      const bool is_front = dot(across, look.direction) < 0;
+      const FaceSides& sides = surface_.tri_to_sides[t];
+      if ((is_front ? sides.front : sides.back).value != look.region) return;
+      const Vec3 normal = normalized(across);
+      if ((is_front ? 1 : -1) * dot(normal, look.direction) < kFacing && !surface_.is_beside(number, t))
+        opposite_.push_back({corners, normal, t, is_front});
+    });
   }
 
   const OppositeSurface& surface_;
+  std::vector<Opposite> opposite_;
 };
 
 }  // namespace
 
 std::vector<Clearance> find_clearances(const OppositeSurface& surface, std::span<const LookAhead> looks,
                                        const TaskRunner& runner) {
-  const WallSearch search(surface);
   std::vector<Clearance> clearances(looks.size());
   runner.for_blocks(clearances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    WallSearch search(surface);
     for (std::size_t i = begin; i < end; ++i)
       if (looks[i].direction != Vec3{}) clearances[i] = search.from(i, looks[i]);
   });

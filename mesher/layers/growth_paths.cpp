@@ -131,6 +131,7 @@ class Marching {
             next[c] = std::min(next[c], pace_[other] + kPaceSlope * distance(front_[c], front_[other]));
         next[c] = std::max(next[c], least);
       });
+      if (next == pace_) break;
       pace_ = next;
     }
   }
