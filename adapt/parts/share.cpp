@@ -4,8 +4,6 @@
 #include <new>
 
 #include "core/base/lists.hpp"
-#include "core/tets/triangle_verts.hpp"
-#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 
@@ -112,26 +110,6 @@ bool uses_all_points(const WholeMesh& whole) {
   return std::ranges::count(used, 0) == 0;
 }
 
-// Of a triangle that several parts have, the first stays.
-void drop_repeated(std::vector<LinkedTriangle>& triangles, const TaskRunner& runner) {
-  struct Place {
-    Triangle verts;  // ascending
-    std::uint32_t triangle;
-    auto operator<=>(const Place&) const = default;
-  };
-  std::vector<Place> places(triangles.size());
-  for (std::uint32_t t = 0; t < places.size(); ++t)
-    places[t] = {tets::sorted(triangles[t].triangle.verts).verts, t};
-  parallel_sort(places, runner);
-  std::vector<std::uint8_t> is_repeated(triangles.size(), 0);
-  for (std::size_t i = 1; i < places.size(); ++i)
-    is_repeated[places[i].triangle] = places[i].verts == places[i - 1].verts;
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    if (is_repeated[t] == 0) triangles[kept++] = triangles[t];
-  triangles.resize(kept);
-}
-
 constexpr std::size_t kLengths = 256;  // bytes for those of all arrays of a message
 
 // What a rank has that no lower one has, all of it by places in the whole mesh.
@@ -204,21 +182,15 @@ ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice, std::vector
 }
 
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work) {
-  WholeMesh whole;
-  if (work.rank_count() == 1) {
-    whole = std::move(share);
-    drop_repeated(whole.triangles, work.runner());
-    return whole;
-  }
+  if (work.rank_count() == 1) return std::move(share);
   if (links.tet_count() >= CellPlace::kMaxTets) throw std::bad_alloc();
   std::vector<Bytes> given = work.exchange([&](std::span<MessageWriter> to) {
     put_share(share, links, work.rank(), to[0]);
     share = WholeMesh();
   });
+  WholeMesh whole;
   work.each([&] {
-    if (work.rank() != 0) return;
-    take_all(given, whole);
-    drop_repeated(whole.triangles, work.runner());
+    if (work.rank() == 0) take_all(given, whole);
   });
   return whole;
 }

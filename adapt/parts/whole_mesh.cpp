@@ -9,6 +9,7 @@
 #include "core/tets/link_tets.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
 
@@ -266,6 +267,25 @@ class Builder {
   GrowingArray<PackedEntity> to_entity_;
 };
 
+// Without those that a part before has as well.
+std::vector<SurfaceTriangle> triangles_once(std::span<const LinkedTriangle> triangles, const TaskRunner& runner) {
+  struct Place {
+    Triangle verts;  // ascending
+    std::uint32_t triangle;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Place> places(triangles.size());
+  for (std::uint32_t t = 0; t < places.size(); ++t) places[t] = {tets::sorted(triangles[t].triangle.verts).verts, t};
+  parallel_sort(places, runner);
+  std::vector<std::uint8_t> is_repeated(triangles.size(), 0);
+  for (std::size_t i = 1; i < places.size(); ++i)
+    is_repeated[places[i].triangle] = places[i].verts == places[i - 1].verts;
+  std::vector<SurfaceTriangle> once;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (is_repeated[t] == 0) once.push_back(triangles[t].triangle);
+  return once;
+}
+
 // Corners and edges that the source did not name are beyond its tables, where it has some.
 void name_the_new(Mesh& mesh) {
   std::array<std::size_t, 2> counts{};
@@ -305,9 +325,9 @@ Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& 
     mesh.edge_to_vert.push_back(piece.verts);
     mesh.edge_to_entity.push_back(piece.edge);
   }
-  for (const LinkedTriangle& t : whole.triangles) {
-    mesh.tri_to_vert.push_back(t.triangle.verts);
-    mesh.tri_to_entity.push_back(t.triangle.face);
+  for (const SurfaceTriangle& triangle : triangles_once(whole.triangles, runner)) {
+    mesh.tri_to_vert.push_back(triangle.verts);
+    mesh.tri_to_entity.push_back(triangle.face);
   }
   mesh.tet_to_vert = tets_of(whole, runner);
   mesh.tet_to_entity.assign(whole.to_region.begin(), whole.to_region.end());
