@@ -52,8 +52,4 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work);
 /// The same of parts, which are emptied, with all fields. In together.
 MeshWithMetric gather_parts(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const SharedWork& work);
 
-/// The number of each of some ids, ascending and distinct, by its place among those of all ranks, and how many these
-/// are. In together.
-std::vector<Number> number_ids(std::span<const std::uint64_t> ids, std::size_t& count, const SharedWork& work);
-
 }  // namespace tetloom::adapt

@@ -10,6 +10,7 @@
 #include "tetloom/error.hpp"
 #include "threading/parts/gather_mesh.hpp"
 #include "threading/parts/ghosts.hpp"
+#include "threading/parts/number_ids.hpp"
 
 namespace tetloom::adapt {
 
@@ -120,6 +121,7 @@ class PartSlicer {
     for (const std::uint32_t v : order) ids.push_back(part().vert_to_global[v]);
     part().vert_to_global.release();
     slice_.to_vert_number = number_ids(ids, slice_.vert_count, work_);
+    for (Number& number : slice_.to_vert_number) number += first_number();
     to_local_.resize(order.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) to_local_[order[i]] = i;
   }

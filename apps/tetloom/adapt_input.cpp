@@ -1,14 +1,17 @@
 #include "apps/tetloom/adapt_input.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "apps/tetloom/option_values.hpp"
+#include "core/base/lists.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/parts/gather_mesh.hpp"
+#include "threading/parts/number_ids.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -55,8 +58,9 @@ void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const Can
   if (cell_count(mesh) == mesh.tet_to_vert.size()) mesh.cell_fields = std::move(solution.tet_fields);
 }
 
-MeshField read_metric_file(const std::filesystem::path& path, const Mesh& mesh, const CancelToken& cancel) {
-  Solution solution = read_solution(path, solution_size(mesh), &cancel);
+MeshField read_metric_file(const std::filesystem::path& path, const AdaptInput& input, const CancelToken& cancel) {
+  Solution solution = input.parts ? read_solution_at(input.points.numbers, path, input.points.whole, &cancel)
+                                  : read_solution(path, solution_size(*input.mesh), &cancel);
   if (solution.point_fields.size() != 1)
     throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' must hold one metric at the points, but holds " +
                                                 std::to_string(solution.point_fields.size()) + " solutions there");
@@ -72,12 +76,45 @@ adapt::MetricField from_solution(const AdaptCommand& command, const Mesh& mesh, 
   return adapt::metric_from_solution(field.values, {mesh.points, mesh.tet_to_vert}, command.hessian, runner).metric;
 }
 
-// Whether the metric is made, or fields are carried over, with the mesh as a whole.
+// Whether fields are carried over with the mesh as a whole.
 bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
   const auto is_on_cells = [&](const std::string& name) {
     return std::ranges::count(parts.cell_fields, name, &FieldInfo::name) != 0;
   };
-  return !command.metric_file.empty() || std::ranges::any_of(command.options.transfer, is_on_cells);
+  return std::ranges::any_of(command.options.transfer, is_on_cells);
+}
+
+// In SharedWork::together.
+PointNumbers number_points(const PartitionedMesh& parts, const SharedWork& work) {
+  PointNumbers points;
+  std::array<std::int64_t, 1> tets{0};
+  work.each([&] {
+    for (const PartId id : parts.local()) {
+      const PartMesh& part = parts.parts.at(id).mesh;
+      points.ids.insert(points.ids.end(), part.vert_to_global.begin(), part.vert_to_global.end());
+      tets[0] += static_cast<std::int64_t>(part.block(CellKind::Tet).size());
+    }
+    sort_unique(points.ids);
+  });
+  points.numbers = number_ids(points.ids, points.whole.points, work);
+  work.sum(tets);
+  points.whole.tets = static_cast<std::size_t>(tets[0]);
+  return points;
+}
+
+// Of the values that were read for all parts of this rank, or of a field of the part.
+MeshField metric_at(const PartMesh& part, const AdaptCommand& command, const AdaptInput& input) {
+  if (command.metric_file.empty()) {
+    const auto field = std::ranges::find(part.vertex_fields, command.metric_field, &VertexField::name);
+    return {field->name, field->components, {field->values.begin(), field->values.end()}};
+  }
+  MeshField values{input.metric.name, input.metric.components, {}};
+  for (const std::uint64_t id : part.vert_to_global) {
+    const auto at = std::ranges::lower_bound(input.points.ids, id) - input.points.ids.begin();
+    const auto first = input.metric.values.begin() + at * input.metric.components;
+    values.values.insert(values.values.end(), first, first + input.metric.components);
+  }
+  return values;
 }
 
 // Names, to be asked for, without values.
@@ -104,7 +141,10 @@ AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, c
   AdaptInput input;
   if (!is_piece_list(command.input)) return input;
   input.parts = read_parts(command.input, work.ranks(), work.runner(), &cancel);
-  if (work.rank_count() > 1 && !needs_whole(command, *input.parts)) return input;
+  if (work.rank_count() > 1 && !needs_whole(command, *input.parts)) {
+    if (!command.metric_file.empty()) input.points = number_points(*input.parts, work);
+    return input;
+  }
   input.mesh = copy_to_all(std::move(*input.parts), work);
   input.parts.reset();
   return input;
@@ -122,7 +162,7 @@ void read_adapt_input(const AdaptCommand& command, const CancelToken& cancel, Ad
   if (!command.hessian_field.empty()) static_cast<void>(field_named(mesh, command.hessian_field));
   if (!command.metric_field.empty()) input.metric = field_named(mesh, command.metric_field);
   if (!command.metric_file.empty()) {
-    input.metric = read_metric_file(command.metric_file, mesh, cancel);
+    input.metric = read_metric_file(command.metric_file, input, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
 }
@@ -133,9 +173,8 @@ PerPart<adapt::MetricField> make_metric_of_parts(const AdaptCommand& command, co
   PerPart<adapt::MetricField> metric(parts.part_count(), parts.local());
   for (const PartId id : parts.local()) {
     const PartMesh& part = parts.parts.at(id).mesh;
-    const auto field = std::ranges::find(part.vertex_fields, command.metric_field, &VertexField::name);
-    const MeshField values{field->name, field->components, {field->values.begin(), field->values.end()}};
-    metric.at(id) = adapt::metric_from_field(values, input.order, part.points.span(), runner);
+    metric.at(id) =
+        adapt::metric_from_field(metric_at(part, command, input), input.order, part.points.span(), runner);
     adapt::apply_bounds(metric.at(id), command.hessian.bounds, runner);
   }
   return metric;

@@ -1,10 +1,13 @@
 #pragma once
 // What `adapt` starts from: the mesh, the model and the metric.
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "apps/tetloom/options.hpp"
 #include "tetloom/host.hpp"
+#include "tetloom/io.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
@@ -12,12 +15,21 @@
 
 namespace tetloom::app {
 
+/// Points of the parts that a rank has of a mesh, by global id, ascending.
+struct PointNumbers {
+  std::vector<std::uint64_t> ids;
+  std::vector<std::uint64_t> numbers;  ///< in the whole mesh
+  SolutionSize whole;                  ///< what that has
+};
+
 /// Everything that an adaptation is made from, as it was read.
 struct AdaptInput {
   std::optional<PartitionedMesh> parts;  ///< the mesh where it lies, or else:
   std::optional<Mesh> mesh;              ///< the whole of it, with the fields that the command names
+  PointNumbers points;                   ///< of `parts`, where the metric comes from a file
   ModelDocument document;                ///< without a model where none is asked for
-  MeshField metric;                      ///< values from a file or a field; without any: to be made from a solution
+  MeshField metric;                      ///< values from a file, at `points` of parts, or from a field; without any:
+                                         ///< to be made from a solution
   adapt::TensorOrder order = adapt::TensorOrder::Vtk;
 };
 
@@ -26,8 +38,8 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// The mesh, where it lies in pieces: each rank reads some of them. Where the metric is made of the mesh as a whole,
-/// all have it in the end. In SharedWork::together. Errors: those of read_parts.
+/// The mesh, where it lies in pieces: each rank reads some of them. Where fields on cells are carried over, all have
+/// the whole in the end. In SharedWork::together. Errors: those of read_parts.
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
 /// Reads what the command names, but for the model and a mesh that is there. Errors: as those of the readers;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <new>
 
 #include "core/io/medit_detail.hpp"
@@ -10,11 +11,15 @@ namespace tetloom {
 namespace detail {
 namespace {
 
-/// What is there for one carrier: its fields, and how many items the mesh has.
+/// Numbers of points, ascending.
+using Points = std::span<const std::uint64_t>;
+
+/// What is there for one carrier: its fields, how many items the mesh has, and which of them are wanted.
 struct Carrier {
   const char* items;
   std::size_t expected;
   std::vector<MeshField>& fields;
+  const Points* wanted;  ///< null: all
 };
 
 /// MEDIT's kinds of values: 1 scalar, 2 vector, 3 symmetric tensor, 4 matrix.
@@ -33,10 +38,12 @@ int components_of(const InputFile& file, std::int64_t kind, int dimension) {
 
 class SolutionContent {
  public:
-  SolutionContent(const InputFile& file, const SolutionSize& size) : file_(file), size_(size) {}
+  /// `points`: those wanted; null: all, and tets too.
+  SolutionContent(const InputFile& file, const SolutionSize& size, const Points* points)
+      : file_(file), size_(size), points_(points) {}
 
-  Carrier points() { return {"vertices", size_.points, solution_.point_fields}; }
-  Carrier tets() { return {"tetrahedra", size_.tets, solution_.tet_fields}; }
+  Carrier points() { return {"vertices", size_.points, solution_.point_fields, points_}; }
+  Carrier tets() { return {"tetrahedra", size_.tets, solution_.tet_fields, points_ ? &kNone : nullptr}; }
 
   /// Adds fields of those components for `count` items, whose values are next(), item by item.
   template <class Next>
@@ -47,31 +54,44 @@ class SolutionContent {
     const std::size_t first = carrier.fields.size();
     for (const int each : components) {
       MeshField field{"solution_" + std::to_string(carrier.fields.size() + 1), each, {}};
-      field.values.reserve(count * static_cast<std::size_t>(each));
+      const std::size_t kept = carrier.wanted ? carrier.wanted->size() : count;
+      field.values.reserve(kept * static_cast<std::size_t>(each));
       carrier.fields.push_back(std::move(field));
     }
+    Points left = carrier.wanted ? *carrier.wanted : Points();
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
-      for (std::size_t f = 0; f < components.size(); ++f)
-        for (int c = 0; c < components[f]; ++c) carrier.fields[first + f].values.push_back(next());
+      const bool is_wanted = !carrier.wanted || (!left.empty() && left.front() == i);
+      for (std::size_t f = 0; f < components.size(); ++f) {
+        for (int c = 0; c < components[f]; ++c) {
+          const double value = next();
+          if (is_wanted) carrier.fields[first + f].values.push_back(value);
+        }
+      }
+      if (is_wanted && carrier.wanted) left = left.subspan(1);
     }
   }
 
   Solution finish() {
     if (solution_.point_fields.empty() && solution_.tet_fields.empty())
       file_.fail(ErrorCode::InputUnsuitable, "the file has no values at vertices or tetrahedra");
+    if (points_) solution_.tet_fields.clear();
     return std::move(solution_);
   }
 
  private:
+  static constexpr Points kNone{};
+
   const InputFile& file_;
   SolutionSize size_;
+  const Points* points_;
   Solution solution_;
 };
 
 class SolutionText {
  public:
-  SolutionText(const InputFile& file, const SolutionSize& size) : file_(file), words_(file), content_(file, size) {}
+  SolutionText(const InputFile& file, const SolutionSize& size, const Points* points)
+      : file_(file), words_(file), content_(file, size, points) {}
 
   Solution read() {
     for (;;) {
@@ -107,8 +127,8 @@ class SolutionText {
 
 class SolutionBinary {
  public:
-  SolutionBinary(const InputFile& file, const SolutionSize& size)
-      : file_(file), sections_(file), content_(file, size) {}
+  SolutionBinary(const InputFile& file, const SolutionSize& size, const Points* points)
+      : file_(file), sections_(file), content_(file, size, points) {}
 
   Solution read() {
     for (;;) {
@@ -158,12 +178,29 @@ bool is_solution_extension(const std::filesystem::path& path) {
   return extension == ".sol" || extension == ".solb";
 }
 
-Solution read_solution(const std::filesystem::path& path, const SolutionSize& size, const CancelToken* cancel) try {
+namespace {
+
+Solution read(const std::filesystem::path& path, const SolutionSize& size, const detail::Points* points,
+              const CancelToken* cancel) try {
   const bool binary = detail::is_binary_solution(path);
   const detail::InputFile file(path, cancel);
-  return binary ? detail::SolutionBinary(file, size).read() : detail::SolutionText(file, size).read();
+  return binary ? detail::SolutionBinary(file, size, points).read() : detail::SolutionText(file, size, points).read();
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+}  // namespace
+
+Solution read_solution(const std::filesystem::path& path, const SolutionSize& size, const CancelToken* cancel) {
+  return read(path, size, nullptr, cancel);
+}
+
+Solution read_solution_at(std::span<const std::uint64_t> points, const std::filesystem::path& path,
+                          const SolutionSize& size, const CancelToken* cancel) {
+  if (std::ranges::adjacent_find(points, std::greater_equal()) != points.end() ||
+      (!points.empty() && points.back() >= size.points))
+    throw Error(ErrorCode::InvalidArgument, "the numbers of points must ascend, and be below the number of points");
+  return read(path, size, &points, cancel);
 }
 
 }  // namespace tetloom

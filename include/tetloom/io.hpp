@@ -1,6 +1,8 @@
 #pragma once
 // Meshes and solutions in files; parts of a mesh are in partition.hpp.
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -150,6 +152,11 @@ bool is_solution_extension(const std::filesystem::path& path);
 /// count in the file that the size of the file does not back. Thread safety: may be called from any thread.
 Solution read_solution(const std::filesystem::path& path, const SolutionSize& size,
                        const CancelToken* cancel = nullptr);
+/// The same for a process that has some of the mesh: values at the points with these numbers alone, ascending and below
+/// `size.points`, in their order, and none at tets. The file is read as a whole. Errors: also InvalidArgument for other
+/// numbers.
+Solution read_solution_at(std::span<const std::uint64_t> points, const std::filesystem::path& path,
+                          const SolutionSize& size, const CancelToken* cancel = nullptr);
 
 /// Writes `solution` to `path`, completely or not at all (see AtomicFile); `read_solution` reads back the same values,
 /// bit for bit. Errors: InvalidArgument (unknown extension; nothing to write; values of another length than `size`

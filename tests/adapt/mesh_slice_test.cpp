@@ -127,16 +127,3 @@ TEST_CASE("slices are gathered into the mesh that they were cut from", "[adapt][
     CHECK(whole.mesh.point_fields[0].values == mesh.point_fields[0].values);
   }
 }
-
-TEST_CASE("ids are numbered over all ranks, whatever gaps there are", "[adapt][slices]") {
-  const std::vector<std::vector<std::uint64_t>> ids{{7, 9, 4000000000000000000}, {}, {1, 9, 12}};
-  std::vector<std::vector<Number>> numbers(3);
-  std::vector<std::size_t> counts(3);
-  test::on_simulated_ranks(3, [&](Communicator& communicator) {
-    const SharedWork work(1, {}, &communicator);
-    const auto rank = static_cast<std::size_t>(communicator.rank());
-    work.together([&] { numbers[rank] = number_ids(ids[rank], counts[rank], work); });
-  });
-  CHECK(numbers == std::vector<std::vector<Number>>{{1, 2, 4}, {}, {0, 2, 3}});
-  CHECK(counts == std::vector<std::size_t>(3, 5));
-}

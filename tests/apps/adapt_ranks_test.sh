@@ -60,6 +60,27 @@ for ranks in 1 2 3 7; do
     [ "$ranks" = 1 ] || [ "$told" = $((ranks + 1)) ] || fail "the memory of $ranks ranks is told $told times"
     rm -rf next*
 done
+# The metric of a file belongs to points in the order of their ids.
+file="--metric sizes.sol --tets-per-part 1500 --quiet --report report.json"
+"$tetloom" partition mesh.mesh -o given.pvtu --parts 5 --quiet
+# shellcheck disable=SC2086
+"$tetloom" adapt given.pvtu -o next.pvtu $file
+rm -rf expected
+mkdir expected
+mv next* expected/
+digest=$(grep '"digest"' report.json)
+for ranks in 2 3; do
+    # shellcheck disable=SC2086
+    on_ranks "$ranks" adapt given.pvtu -o next.pvtu --threads 1 $file
+    diff -r next expected/next || fail "other pieces of a metric file on $ranks ranks"
+    [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of a metric file on $ranks ranks"
+    rm -rf next*
+done
+"$tetloom" mesh model.step -o other.mesh --imprint --relative-size 0.08 --quiet
+write_sizes other.mesh 2.5 > other.sol
+status=0
+on_ranks 2 adapt given.pvtu -o next.pvtu --metric other.sol --quiet 2> errors || status=$?
+[ "$status" = 3 ] || fail "status $status for the metric of another mesh"
 # A run is stopped and goes on in many more parts, on another number of ranks. Some parts have no tets.
 # shellcheck disable=SC2086
 "$tetloom" adapt mesh.mesh -o before.pvtu --parts 64 $field

@@ -137,6 +137,32 @@ TEST_CASE("text solutions of others are read", "[solution_io]") {
   CHECK(read_solution(plane, {1, 0}).point_fields[1].components == 3);
 }
 
+TEST_CASE("values are read at some points alone", "[solution_io]") {
+  const TemporaryFolder folder;
+  const Solution solution = make_solution();
+  for (const char* name : {"a.sol", "a.solb"}) {
+    INFO(name);
+    write_solution(solution, kSize, folder / name);
+    const std::vector<std::uint64_t> points{1, kSize.points - 1};
+    const Solution some = read_solution_at(points, folder / name, kSize);
+    CHECK(some.tet_fields.empty());
+    REQUIRE(some.point_fields.size() == solution.point_fields.size());
+    for (std::size_t f = 0; f < some.point_fields.size(); ++f) {
+      const MeshField& all = solution.point_fields[f];
+      const auto n = static_cast<std::size_t>(all.components);
+      REQUIRE(some.point_fields[f].values.size() == points.size() * n);
+      for (std::size_t i = 0; i < points.size() * n; ++i) {
+        const double value = all.values[points[i / n] * n + i % n], read = some.point_fields[f].values[i];
+        CHECK((read == value || (std::isnan(read) && std::isnan(value))));
+      }
+    }
+    CHECK(read_solution_at({}, folder / name, kSize).point_fields[0].values.empty());
+    for (const std::vector<std::uint64_t>& wrong : {std::vector<std::uint64_t>{1, 1}, {2, 1}, {kSize.points}})
+      CHECK(error_of([&] { static_cast<void>(read_solution_at(wrong, folder / name, kSize)); }).code ==
+            ErrorCode::InvalidArgument);
+  }
+}
+
 TEST_CASE("solutions that do not belong to the mesh are refused", "[solution_io]") {
   for (const char* extension : {".sol", ".solb"}) {
     const Diagnostic error = reading_error(extension, content_of(make_solution(), extension), {6, 2});
