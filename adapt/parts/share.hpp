@@ -67,8 +67,8 @@ inline std::size_t own_vert_count(const ShareLinks& links, int rank) {
   return links.first_verts[r + 1] - links.first_verts[r];
 }
 
-/// The whole mesh on rank 0, with triangles as parts have them, without hints and states; an empty one on the others. `share` is emptied.
-/// In together, after a round. Errors: OutOfMemory for more tets than one mesh may have.
+/// The whole mesh on rank 0, with triangles as parts have them, without hints and states; an empty one on the others.
+/// `share` is emptied. In together, after a round. Errors: OutOfMemory for more tets than one mesh may have.
 WholeMesh gather_shares(WholeMesh& share, const ShareLinks& links, const SharedWork& work);
 
 }  // namespace tetloom::adapt

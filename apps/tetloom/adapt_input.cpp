@@ -173,8 +173,7 @@ PerPart<adapt::MetricField> make_metric_of_parts(const AdaptCommand& command, co
   PerPart<adapt::MetricField> metric(parts.part_count(), parts.local());
   for (const PartId id : parts.local()) {
     const PartMesh& part = parts.parts.at(id).mesh;
-    metric.at(id) =
-        adapt::metric_from_field(metric_at(part, command, input), input.order, part.points.span(), runner);
+    metric.at(id) = adapt::metric_from_field(metric_at(part, command, input), input.order, part.points.span(), runner);
     adapt::apply_bounds(metric.at(id), command.hessian.bounds, runner);
   }
   return metric;
