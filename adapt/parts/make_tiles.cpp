@@ -185,8 +185,7 @@ class TileMaker {
 
   // Among the faces between ranks.
   std::size_t place_of(FaceCode face) const {
-    return static_cast<std::size_t>(std::ranges::lower_bound(faces_, face, {}, &FaceOutside::face) -
-                                    faces_.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(faces_, face, {}, &FaceOutside::face) - faces_.begin());
   }
 
   // By names.

@@ -11,9 +11,9 @@
 namespace tetloom::adapt {
 
 /// The tets of all shares along a Hilbert curve, in tiles that each rank has an equal number of. Sets the hints of the
-/// share's vertices to names of the tets of `to_start`. `faces`: as take_share gives them. A rank needs about 60 bytes for each tet of its share while it
-/// makes them. Pre: shares before the first round. In SharedWork::together.
-/// Errors: bad_alloc where there are too many tets for names of 30 bits.
+/// share's vertices to names of the tets of `to_start`. `faces`: as take_share gives them. A rank needs about 60 bytes
+/// for each tet of its share while it makes them. Pre: shares before the first round. In SharedWork::together. Errors:
+/// bad_alloc where there are too many tets for names of 30 bits.
 std::unique_ptr<BackgroundTiles> make_tiles(WholeMesh& share, const ShareLinks& links,
                                             std::span<const FaceOutside> faces, const ShareVerts& verts,
                                             const SharedWork& work);

@@ -85,8 +85,8 @@ bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
 }
 
 // In SharedWork::together.
-PointNumbers number_points(const PartitionedMesh& parts, const SharedWork& work) {
-  PointNumbers points;
+PointsOfRank number_points(const PartitionedMesh& parts, const SharedWork& work) {
+  PointsOfRank points;
   std::array<std::int64_t, 1> tets{0};
   work.each([&] {
     for (const PartId id : parts.local()) {

@@ -16,7 +16,7 @@
 namespace tetloom::app {
 
 /// Points of the parts that a rank has of a mesh, by global id, ascending.
-struct PointNumbers {
+struct PointsOfRank {
   std::vector<std::uint64_t> ids;
   std::vector<std::uint64_t> numbers;  ///< in the whole mesh
   SolutionSize whole;                  ///< what that has
@@ -26,7 +26,7 @@ struct PointNumbers {
 struct AdaptInput {
   std::optional<PartitionedMesh> parts;  ///< the mesh where it lies, or else:
   std::optional<Mesh> mesh;              ///< the whole of it, with the fields that the command names
-  PointNumbers points;                   ///< of `parts`, where the metric comes from a file
+  PointsOfRank points;                   ///< of `parts`, where the metric comes from a file
   ModelDocument document;                ///< without a model where none is asked for
   MeshField metric;                      ///< values from a file, at `points` of parts, or from a field; without any:
                                          ///< to be made from a solution
