@@ -49,7 +49,6 @@ struct WholeMesh {
 
   std::size_t size() const { return to_region.size(); }
   tets::FaceRange faces() const { return {0, size()}; }
-  FaceCode& behind(FaceCode face) { return to_neighbor[face.index()]; }
   FaceCode behind(FaceCode face) const { return to_neighbor[face.index()]; }
   /// The vertex that the face's tet has and the face has not.
   std::uint32_t apex(FaceCode face) const { return to_vert[face.index()]; }

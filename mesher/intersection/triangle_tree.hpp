@@ -76,17 +76,13 @@ class TriangleTree {
               return true;
             });
   }
-  /// Calls visit(triangle), once, for every triangle of the leaves whose boxes some of the segments from `x` to `x` +
-  /// `steps` meet, in the tree's own order.
+  /// Calls visit(triangle), once, for every triangle of the leaves whose boxes some of the segments meet, in the tree's
+  /// own order. `box`: around all segments.
   template <class Visit>
-  void for_each_near_segments(const Vec3& x, std::span<const Vec3> steps, Visit&& visit) const {
-    std::vector<SegmentBoxTest> tests;
-    Box3 box;
-    box.add(x);
-    for (const Vec3& step : steps) tests.emplace_back(x, step), box.add(x + step);
+  void for_each_near(std::span<const SegmentBoxTest> segments, const Box3& box, Visit&& visit) const {
     descend(
         [&](const Box3& node) {
-          return node.overlaps(box) && std::ranges::any_of(tests, [&](const auto& meets) { return meets(node); });
+          return node.overlaps(box) && std::ranges::any_of(segments, [&](const auto& meets) { return meets(node); });
         },
         [&](std::uint32_t triangle) {
           visit(triangle);

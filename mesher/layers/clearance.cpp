@@ -75,10 +75,11 @@ class WallSearch {
 
   // Most of what is near faces elsewhere.
   void find_opposite(std::size_t number, const LookAhead& look, std::span<const Vec3> rays, double reach) {
-    opposite_.clear();
-    std::array<Vec3, kRays> steps;
-    std::ranges::transform(rays, steps.begin(), [&](const Vec3& ray) { return reach * ray; });
-    surface_.tree.for_each_near_segments(look.point, std::span(steps).first(rays.size()), [&](std::uint32_t t) {
+    opposite_.clear(), segments_.clear();
+    Box3 box;
+    box.add(look.point);
+    for (const Vec3& ray : rays) segments_.emplace_back(look.point, reach * ray), box.add(look.point + reach * ray);
+    surface_.tree.for_each_near(segments_, box, [&](std::uint32_t t) {
       const std::array<Vec3, 3> corners = surface_.tree.corners_of(t);
       const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
       const bool is_front = dot(across, look.direction) < 0;
@@ -91,6 +92,8 @@ class WallSearch {
   }
 
   const OppositeSurface& surface_;
+  // Of the rays at hand.
+  std::vector<intersection::SegmentBoxTest> segments_;
   std::vector<Opposite> opposite_;
 };
 

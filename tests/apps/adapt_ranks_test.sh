@@ -11,6 +11,23 @@ write_sizes() {
             print "End"; exit }' "$1"
 }
 
+# One process and 2 or 3 ranks make the same pieces of those of $1, with the options $2.
+same_on_ranks() {
+    rm -rf expected next*
+    mkdir expected
+    # shellcheck disable=SC2086
+    "$tetloom" adapt "$1" -o next.pvtu $2
+    mv next* expected/
+    digest=$(grep '"digest"' report.json)
+    for ranks in 2 3; do
+        # shellcheck disable=SC2086
+        on_ranks "$ranks" adapt "$1" -o next.pvtu --threads 1 $2
+        diff -r next expected/next || fail "other pieces on $ranks ranks with $2"
+        [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on $ranks ranks with $2"
+        rm -rf next*
+    done
+}
+
 "$demo_model" assembly model.step
 "$tetloom" mesh model.step -o mesh.mesh --imprint --relative-size 0.06 --quiet
 write_sizes mesh.mesh 2.5 > sizes.sol
@@ -63,19 +80,7 @@ done
 # The metric of a file belongs to points in the order of their ids.
 file="--metric sizes.sol --tets-per-part 1500 --quiet --report report.json"
 "$tetloom" partition mesh.mesh -o given.pvtu --parts 5 --quiet
-# shellcheck disable=SC2086
-"$tetloom" adapt given.pvtu -o next.pvtu $file
-rm -rf expected
-mkdir expected
-mv next* expected/
-digest=$(grep '"digest"' report.json)
-for ranks in 2 3; do
-    # shellcheck disable=SC2086
-    on_ranks "$ranks" adapt given.pvtu -o next.pvtu --threads 1 $file
-    diff -r next expected/next || fail "other pieces of a metric file on $ranks ranks"
-    [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of a metric file on $ranks ranks"
-    rm -rf next*
-done
+same_on_ranks given.pvtu "$file"
 "$tetloom" mesh model.step -o other.mesh --imprint --relative-size 0.08 --quiet
 write_sizes other.mesh 2.5 > other.sol
 status=0
@@ -99,21 +104,9 @@ diff -r next expected/next || fail "other pieces on 3 ranks after a restart"
 [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest on 3 ranks after a restart"
 rm -rf next* before* many*
 # A metric of second derivatives, finer where the model is curved, is made where the pieces lie.
-rm -rf expected next*
 solution="--hessian solution_1 --complexity 400 --gradation 1.5 --model model.step --imprint --curvature 10"
 solution="$solution --tets-per-part 1500 --quiet --report report.json"
-# shellcheck disable=SC2086
-"$tetloom" adapt pieces.pvtu -o next.pvtu $solution
-mkdir expected
-mv next* expected/
-digest=$(grep '"digest"' report.json)
-for ranks in 2 3; do
-    # shellcheck disable=SC2086
-    on_ranks "$ranks" adapt pieces.pvtu -o next.pvtu --threads 1 $solution
-    diff -r next expected/next || fail "other pieces of a solution on $ranks ranks"
-    [ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of a solution on $ranks ranks"
-    rm -rf next*
-done
+same_on_ranks pieces.pvtu "$solution"
 cp -r pieces pieces.whole
 for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu
