@@ -14,6 +14,7 @@
 #include "adapt/parts/slice_hessian.hpp"
 #include "adapt/touching_edges.hpp"
 #include "core/base/free_memory.hpp"
+#include "threading/parts/gather_mesh.hpp"
 
 namespace tetloom::adapt {
 
@@ -40,14 +41,6 @@ void require_same(std::uint64_t own, const SharedWork& work) {
 // Many ranks on a machine have no room for what each of them might need again.
 void give_back_where_shared(const SharedWork& work) {
   if (work.rank_count() > 1) give_back_free_memory();
-}
-
-// Names of fields, to be asked for, without values.
-Mesh fields_of(const PartitionedMesh& parts) {
-  Mesh names;
-  for (const FieldInfo& info : parts.vertex_fields) names.point_fields.push_back({info.name, info.components, {}});
-  for (const FieldInfo& info : parts.cell_fields) names.cell_fields.push_back({info.name, info.components, {}});
-  return names;
 }
 
 // From a call to an adapter that is ready to run.
@@ -78,9 +71,7 @@ class Start {
       if (!is_alone()) fingerprint_ = fingerprint(*call_.mesh, metric, nullptr, options_, runner_);
     });
     if (!is_alone()) require_same(fingerprint_, work_);
-    // Fields on tets are carried over from a mesh in one piece.
-    if (is_alone() || carries_on_tets(*call_.mesh, options_.transfer))
-      return start_whole(*call_.mesh, call_.mesh_given_up, std::move(metric));
+    if (is_alone()) return start_whole(*call_.mesh, call_.mesh_given_up, std::move(metric));
     MeshSlice slice;
     work_.each([&] {
       slice = slice_of(*call_.mesh, metric, options_.transfer, work_.rank(), work_.rank_count());
@@ -104,7 +95,7 @@ class Start {
     });
     require_same(fingerprint_, work_);
     PerPart<MetricField> metric = metric_of_parts();
-    if (is_alone() || carries_on_tets(fields, options_.transfer)) {
+    if (is_alone()) {
       gathered_ = gather_parts(std::move(*call_.parts), std::move(metric), work_);
       work_.each([&] {
         check_input(gathered_.mesh, gathered_.metric);
@@ -178,6 +169,7 @@ class Start {
     try {
       check_mesh(mesh, runner_);
       check_metric(metric, mesh);
+      check_transfer(mesh, options_.transfer);
     } catch (const Error& error) {
       Diagnostic diagnostic = error.diagnostic();
       diagnostic.elements.clear();
@@ -185,7 +177,7 @@ class Start {
     }
   }
 
-  // Every rank has it all.
+  // On a single rank.
   void start_whole(const Mesh& mesh, Mesh* given_up, MetricField&& metric) {
     work_.each([&] {
       const TetView view{mesh.points, mesh.tet_to_vert};

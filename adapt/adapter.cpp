@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "adapt/metric/tet_edges.hpp"
 #include "core/base/free_memory.hpp"
@@ -156,34 +157,23 @@ std::vector<double> Adapter::gather(std::vector<double>&& own) const {
 
 // Each rank for its share. Nothing is looked up afterwards.
 void Adapter::carry_fields(AdaptReport& report) {
-  carrier_.emplace(mesh_, *background_, options_.transfer, std::move(fields_before_));
+  if (!tiles_ && !options_.transfer.empty()) {
+    const std::size_t count = background_->mesh().tets.size();
+    fields_before_ =
+        fields_before({mesh_, {background_->mesh(), mesh_.tet_to_entity}, 0, count, {}}, options_.transfer, work_);
+  }
+  carrier_.emplace(mesh_, *background_, tiles_.get(), options_.transfer, std::move(fields_before_));
   if (!carrier_->has_none()) {
     std::vector<TetVerts> tets;
-    const auto share = [&] { return TetsInRegions{{whole_.points.span(), tets}, whole_.to_region.span()}; };
     work_.each([&] { tets = tets_of(whole_, runner_); });
+    const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
+    if (tiles_) fetch_tiles_of_hints();
     // The hints of vertices are those of any number of ranks, and so are the places.
-    if (tiles_)
-      carry_from_tiles();
-    else
-      work_.each([&] {
-        std::vector<BackgroundPlace> places(whole_.points.size());
-        look_up_verts([&](std::size_t v) { places[v] = background_->locate(whole_.points[v], whole_.to_hint[v]); });
-        carried_ = carrier_->carry(share(), places, options_.cell_reconstruction, runner_);
-      });
-    report.transfers = carrier_->finish({share(), links_.part_tets}, carried_, work_);
+    carried_ = carrier_->carry(share, whole_.to_hint.span(), options_.cell_reconstruction, work_);
+    report.transfers = carrier_->finish(share, carried_, work_);
   }
   background_.reset(), tiles_.reset(), implied_ = {};
   whole_.to_hint.release(), whole_.to_state.release();
-}
-
-void Adapter::carry_from_tiles() {
-  std::size_t n = 0;
-  for (const FieldInfo& field : carrier_->infos_on_points()) n += static_cast<std::size_t>(field.components);
-  carried_.on_points.resize(whole_.points.size() * n);
-  look_up_verts([&](std::size_t v) {
-    const BackgroundPlace place = background_->locate(whole_.points[v], whole_.to_hint[v]);
-    tiles_->fields_at(place, std::span(carried_.on_points).subspan(v * n, n));
-  });
 }
 
 Adapter::Whole Adapter::take_whole() {
@@ -233,29 +223,18 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
   return sum;
 }
 
-// Calls look_up(v) for all vertices; again where the tile that has one was not at hand. In together where there are
-// tiles.
+// Calls look_up(v) for all vertices. In together where there are tiles.
 template <class LookUp>
 void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
-  const std::size_t count = whole_.points.size();
-  if (!tiles_ || !needs_tiles) {
-    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) look_up(v);
-    });
-    return;
-  }
+  BackgroundTiles* const tiles = needs_tiles ? tiles_.get() : nullptr;
+  if (tiles != nullptr) fetch_tiles_of_hints();
+  look_up_all(tiles, whole_.points.size(), kGrain, work_, [&] { return std::cref(look_up); });
+}
+
+void Adapter::fetch_tiles_of_hints() {
   std::vector<std::uint32_t> tiles;
-  std::vector<std::vector<std::uint32_t>> waiting((count + kGrain - 1) / kGrain);
-  for (std::uint32_t v = 0; v < count; ++v) {
-    tiles.push_back(tiles_->tile_of(whole_.to_hint[v]));
-    waiting[v / kGrain].push_back(v);
-  }
+  for (const BackgroundTet hint : whole_.to_hint) tiles.push_back(tiles_->tile_of(hint));
   tiles_->fetch_only(std::move(tiles), work_);
-  tiles_->until_found(work_, [&] {
-    runner_.for_each(waiting.size(), [&](std::size_t block) {
-      std::erase_if(waiting[block], [&](std::uint32_t v) { return tiles_->finds([&] { look_up(v); }); });
-    });
-  });
 }
 
 // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.

@@ -19,7 +19,7 @@
 
 namespace tetloom::adapt {
 
-/// What adaptation starts from, where every rank has all of it.
+/// What adaptation starts from on a single rank.
 struct AdapterInput {
   const Mesh& mesh;          ///< of which fields, regions, names and sides are referred to
   Mesh* given_up = nullptr;  ///< the same, where nobody needs it any more: all else in it is freed on the way
@@ -33,7 +33,7 @@ struct AdapterShare {
   ShareLinks links;
   TouchingVerts touching;
   std::unique_ptr<BackgroundTiles> tiles;
-  std::vector<FieldFigures> fields_before;
+  FieldsBefore fields_before;
 };
 
 /// In SharedWork::together. `has_function`: the metric of the slice is not looked up. Errors: those of Adapter.
@@ -78,9 +78,10 @@ class Adapter {
     bool is_better_than(const Fit& other) const;
   };
 
-  void keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric);
+  void keep_background(std::size_t given, MetricField&& metric);
   template <class LookUp>
   void look_up_verts(const LookUp& look_up, bool needs_tiles = true);
+  void fetch_tiles_of_hints();
   double refinement();
   void follow_stages();
   void approach_metric();
@@ -92,7 +93,6 @@ class Adapter {
   Fit measure() const;
   std::vector<double> gather(std::vector<double>&& own) const;
   void carry_fields(AdaptReport& report);
-  void carry_from_tiles();
   void note_rounds(AdaptReport& report) const;
   PassCounts sum_of(const PassCounts& counts) const;
 
@@ -106,8 +106,8 @@ class Adapter {
   TouchingVerts touching_;
   ShareLinks links_;
   std::vector<Tensor> implied_;
-  std::vector<FieldFigures> fields_before_;  // where they are known
-  std::unique_ptr<BackgroundTiles> tiles_;   // where several ranks have the background
+  FieldsBefore fields_before_;
+  std::unique_ptr<BackgroundTiles> tiles_;  // where several ranks have the background
   std::optional<BackgroundMesh> background_;
   std::optional<FieldCarrier> carrier_;
   CarriedFields carried_;            // for this rank's share, after the last round

@@ -30,13 +30,14 @@ Mesh take_names(Mesh& mesh) {
   Mesh names;
   names.face_to_sides = std::move(mesh.face_to_sides), names.entities = std::move(mesh.entities);
   for (const MeshField& field : mesh.point_fields) names.point_fields.push_back({field.name, field.components, {}});
+  for (const MeshField& field : mesh.cell_fields) names.cell_fields.push_back({field.name, field.components, {}});
   return names;
 }
 
 // The mesh that a slice has become has them too.
 void drop_elements(MeshSlice& slice) {
   Mesh kept;
-  kept.point_fields = std::move(slice.mesh.point_fields);
+  kept.point_fields = std::move(slice.mesh.point_fields), kept.cell_fields = std::move(slice.mesh.cell_fields);
   slice.mesh = std::move(kept);
 }
 
@@ -47,6 +48,21 @@ void require_fit(const WholeMesh& mesh, const MeshSlice& slice, const GeometricM
   work.sum(counts);
   beside.vertices = counts[0], beside.count = counts[1];
   require_few(beside);
+}
+
+// Of the mesh that a slice has become, while it has all tets around the slice's own.
+ShareCells cells_of(const MeshSlice& slice, const WholeMesh& mesh, const TetView& tets, const AdaptOptions& options,
+                    const TaskRunner& runner) {
+  JoinedCells all = join_cells(slice.mesh, tets.tets.size(), options.transfer);
+  ShareCells own{all.components, options.cell_reconstruction == CellReconstruction::Linear, {}, {}};
+  if (all.components == 0) return own;
+  if (own.has_slopes)
+    own.slopes = limited_slopes({tets, mesh.to_neighbor.span(), mesh.to_region.span(), slice.begin, slice.end}, all,
+                                runner);
+  const auto begin = all.values.begin();
+  own.values.assign(begin + static_cast<std::ptrdiff_t>(slice.begin * all.components),
+                    begin + static_cast<std::ptrdiff_t>(slice.end * all.components));
+  return own;
 }
 
 }  // namespace
@@ -63,10 +79,13 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
     verts.implied = implied_metric({share.mesh.points.span(), tets_of(share.mesh, work.runner())}, work.runner());
     verts.starts = first_tets_of(share.mesh.to_vert.span(), share.mesh.points.size());
   });
+  ShareCells cells;
   if (!options.transfer.empty()) {
     const std::vector<TetVerts> tets = tets_of(share.mesh, work.runner());
-    const auto own = std::span(tets).subspan(slice.begin, slice.end - slice.begin);
-    share.fields_before = figures_before(slice, {share.mesh.points.span(), own}, options.transfer, work);
+    const TetView view{share.mesh.points.span(), tets};
+    const FieldPlaces places{slice.mesh, {view, share.mesh.to_region.span()}, slice.begin, slice.end, slice.is_own};
+    share.fields_before = fields_before(places, options.transfer, work);
+    work.each([&] { cells = cells_of(slice, share.mesh, view, options, work.runner()); });
   }
   share.touching = separate_umbrellas(share.mesh, slice, work);
   std::vector<FaceOutside> faces;
@@ -74,7 +93,7 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
   const ShareVerts own = verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
   slice = MeshSlice(), verts = SliceVerts();
   give_back_free_memory();
-  share.tiles = make_tiles(share.mesh, share.links, faces, own, work);
+  share.tiles = make_tiles(share.mesh, share.links, faces, own, cells, work);
   share.mesh.to_neighbor.release();
   return share;
 }
@@ -106,20 +125,16 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
   std::ranges::transform(starts, whole_.to_hint.begin(),
                          [](std::uint32_t tet) { return tet == kNone ? kNoTet : BackgroundTet{tet}; });
   touching_ = separate_umbrellas(whole_, runner_);
-  WholeMesh rest;
-  links_ = take_share(whole_, work_, &rest);
-  keep_background(rest.size() > 0 ? rest : whole_, given, std::move(input.metric));
+  keep_background(given, std::move(input.metric));
+  links_ = take_share(whole_, work_);
 }
 
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.
-void Adapter::keep_background(WholeMesh& whole, std::size_t given, MetricField&& metric) {
-  const bool is_rest = &whole != &whole_;
-  std::vector<TetVerts> tets = tets_before_umbrellas(whole, touching_, given, runner_);
-  if (is_rest) whole.to_vert.release();
-  std::vector<FaceCode> links(whole.to_neighbor.begin(), whole.to_neighbor.end());
-  whole.to_neighbor.release();
-  std::vector<Vec3> points(whole.points.begin(), whole.points.begin() + given);
-  if (is_rest) whole = WholeMesh();
+void Adapter::keep_background(std::size_t given, MetricField&& metric) {
+  std::vector<TetVerts> tets = tets_before_umbrellas(whole_, touching_, given, runner_);
+  std::vector<FaceCode> links(whole_.to_neighbor.begin(), whole_.to_neighbor.end());
+  whole_.to_neighbor.release();
+  std::vector<Vec3> points(whole_.points.begin(), whole_.points.begin() + given);
   background_.emplace(std::move(points), std::move(tets), std::move(links), std::move(metric), runner_);
   implied_ = implied_metric(background_->mesh(), runner_);
 }

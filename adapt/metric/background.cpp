@@ -51,7 +51,7 @@ BackgroundMesh::BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>
   TETLOOM_ASSERT(!tets_.empty() && (metric_.size() == points_.size() || metric_.size() == 0));
   std::vector<FaceCode> open;
   for (const FaceCode face : tets::FaceRange(0, tets_.size()))
-    if (!behind(face).valid()) open.push_back(face);
+    if (!links_[face.index()].valid()) open.push_back(face);
   boundary_ = BoundaryTree(this->mesh(), std::move(open), runner);
   grid_ = StartGrid(this->mesh());
 }
@@ -73,19 +73,6 @@ std::vector<BackgroundPlace> BackgroundMesh::locate(std::span<const Vec3> points
     }
   });
   return places;
-}
-
-MeshField BackgroundMesh::interpolate(const MeshField& field, std::span<const BackgroundPlace> places,
-                                      const BlockLoop& loop) const {
-  TETLOOM_ASSERT(field.values.size() == points_.size() * static_cast<std::size_t>(field.components));
-  const auto n = static_cast<std::size_t>(field.components);
-  MeshField result{field.name, field.components, std::vector<double>(places.size() * n)};
-  loop.for_blocks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (int c = 0; c < field.components; ++c)
-        result.values[i * n + static_cast<std::size_t>(c)] = value_at(field, c, places[i]);
-  });
-  return result;
 }
 
 }  // namespace tetloom::adapt

@@ -33,14 +33,20 @@ class BackgroundMesh {
   BackgroundMesh(std::vector<Vec3>&& points, std::vector<TetVerts>&& tets, std::vector<FaceCode>&& links,
                  MetricField&& metric, const TaskRunner& runner);
 
-  /// The mesh that lies in `tiles`, to which this refers. Then `mesh` and `metric` are empty, tets are named
+  /// The mesh that lies in `tiles`, to which this refers. Then `mesh`, `links` and `metric` are empty, tets are named
   /// as there, and what is asked for may throw MissingTile. Hints must not be kNoTet.
   explicit BackgroundMesh(const BackgroundTiles& tiles) : tiles_(&tiles) {}
 
   TetView mesh() const { return {points_, tets_}; }
   const MetricField& metric() const { return metric_; }
-  /// The same face of the tet behind it, see link_tets. Pre: the mesh is in one piece.
-  FaceCode behind(FaceCode face) const { return links_[face.index()]; }
+  /// See link_tets.
+  std::span<const FaceCode> links() const { return links_; }
+  /// The same face of the tet behind it, not valid where there is none.
+  BackgroundFace behind(BackgroundFace face) const {
+    if (tiles_) return tiles_->behind(face);
+    const FaceCode behind = links_[face.tet() * 4 + face.side()];
+    return behind.valid() ? BackgroundFace{behind.tet(), behind.side()} : BackgroundFace();
+  }
 
   /// The tet that holds x, and where: by a walk from the tet `hint`, or from one near x when that is kNoTet. A good
   /// hint is the tet of a point near by, which costs some 0.1 µs; without one it takes about 1 µs, and outside of the
@@ -68,9 +74,6 @@ class BackgroundMesh {
       sum += place.weights[i] * field.values[tet[i] * n + static_cast<std::size_t>(c)];
     return sum;
   }
-  /// The field at those places, under its name. Pre: one tuple per point of this mesh.
-  MeshField interpolate(const MeshField& field, std::span<const BackgroundPlace> places,
-                        const BlockLoop& loop = serial_loop()) const;
 
  private:
   std::vector<Vec3> points_;

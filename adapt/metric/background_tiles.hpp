@@ -60,7 +60,14 @@ class BackgroundTiles {
     return mean_of_corners(tile.implied, place, tile.to_vert[place_in_tile(place.tet)]);
   }
 
-  /// The values of all fields there; see BackgroundMesh::value_at.
+  /// The tile that has a tet, and the tet's place in it.
+  struct TetOfTile {
+    const Tile& tile;
+    std::uint32_t place;
+  };
+  TetOfTile find(BackgroundTet tet) const { return {tile_with(tet), place_in_tile(tet)}; }
+
+  /// The values of all fields on points there; see BackgroundMesh::value_at.
   void fields_at(const BackgroundPlace& place, std::span<double> values) const;
 
   std::size_t tile_count() const { return held_.size(); }
@@ -136,6 +143,28 @@ inline bool finds(const BackgroundTiles* tiles, const std::function<void()>& loo
 inline void until_found(BackgroundTiles* tiles, const SharedWork& work, const std::function<void()>& attempt) {
   if (tiles != nullptr) return tiles->until_found(work, attempt);
   work.each(attempt);
+}
+
+/// For blocks of `grain` numbers below `count` calls `begin()`, and what it returns with each number; again with those
+/// that asked for a tile that was not at hand, once it is. In SharedWork::together where there are tiles.
+template <class Begin>
+void look_up_all(BackgroundTiles* tiles, std::size_t count, std::size_t grain, const SharedWork& work,
+                 const Begin& begin) {
+  if (tiles == nullptr) {
+    work.runner().for_blocks(count, grain, [&](std::size_t first, std::size_t last) {
+      auto look_up = begin();
+      for (std::size_t i = first; i < last; ++i) look_up(i);
+    });
+    return;
+  }
+  std::vector<std::vector<std::uint32_t>> waiting((count + grain - 1) / grain);
+  for (std::uint32_t i = 0; i < count; ++i) waiting[i / grain].push_back(i);
+  tiles->until_found(work, [&] {
+    work.runner().for_each(waiting.size(), [&](std::size_t block) {
+      auto look_up = begin();
+      std::erase_if(waiting[block], [&](std::uint32_t i) { return tiles->finds([&] { look_up(i); }); });
+    });
+  });
 }
 
 }  // namespace tetloom::adapt

@@ -14,6 +14,8 @@ Tile Tile::read(const Bytes& bytes) {
   tile.links = reader.get_view<std::array<FaceCode, 4>>();
   tile.linked = reader.get_view<std::uint32_t>();
   tile.numbers = reader.get_view<std::uint64_t>();
+  tile.regions = reader.get_view<std::uint32_t>();
+  tile.cells = reader.get_view<double>(), tile.slopes = reader.get_view<Vec3>();
   tile.boundary = reader.get_view<std::uint16_t>();
   return tile;
 }
@@ -24,6 +26,8 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
   writer.put_array(tile.fields);
   writer.put_array(tile.to_vert), writer.put_array(tile.links), writer.put_array(tile.linked);
   writer.put_array(tile.numbers);
+  writer.put_array(tile.regions);
+  writer.put_array(tile.cells), writer.put_array(tile.slopes);
   writer.put_array(tile.boundary);
 }
 
@@ -32,7 +36,8 @@ Bytes bytes_of(const Tile& tile) {
   MessageWriter writer;
   writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() +
                  tile.fields.size_bytes() + tile.to_vert.size_bytes() + tile.links.size_bytes() +
-                 tile.linked.size_bytes() + tile.numbers.size_bytes() + tile.boundary.size_bytes());
+                 tile.linked.size_bytes() + tile.numbers.size_bytes() + tile.regions.size_bytes() +
+                 tile.cells.size_bytes() + tile.slopes.size_bytes() + tile.boundary.size_bytes());
   put_tile(tile, writer);
   return writer.take();
 }

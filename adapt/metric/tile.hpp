@@ -26,11 +26,15 @@ struct Tile {
   std::span<const Vec3> points;
   std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function
   std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
-  std::span<const double> fields;   ///< those that are carried over, all components of a vertex side by side
+  std::span<const double> fields;   ///< on points that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
   std::span<const std::array<FaceCode, 4>> links;  ///< as of link_tets; of tets place in `linked` · kTileTets + place
   std::span<const std::uint32_t> linked;           ///< tiles, ascending
   std::span<const std::uint64_t> numbers;          ///< of tets, by their places in the mesh that was given
+  // Of tets, where fields on them are carried over.
+  std::span<const std::uint32_t> regions;
+  std::span<const double> cells;  ///< all components of a tet side by side
+  std::span<const Vec3> slopes;   ///< as of limited_slopes; none where tets have constants
   std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
 
   /// What put_tile has put; valid as long as the bytes are.

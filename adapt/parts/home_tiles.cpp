@@ -16,6 +16,8 @@ struct Packet {
     MessageReader reader(bytes);
     names = reader.get_view<BackgroundTet>(), numbers = reader.get_view<std::uint64_t>();
     to_vert = reader.get_view<FourVerts>(), links = reader.get_view<FourFaces>();
+    regions = reader.get_view<std::uint32_t>();
+    cells = reader.get_view<double>(), slopes = reader.get_view<Vec3>();
     to_given = reader.get_view<std::uint64_t>(), points = reader.get_view<Vec3>();
     logs = reader.get_view<Tensor>(), implied = reader.get_view<Tensor>();
     fields = reader.get_view<double>();
@@ -24,7 +26,9 @@ struct Packet {
   std::span<const std::uint64_t> numbers, to_given;
   std::span<const FourVerts> to_vert;
   std::span<const FourFaces> links;
-  std::span<const Vec3> points;
+  std::span<const std::uint32_t> regions;
+  std::span<const double> cells;
+  std::span<const Vec3> slopes, points;
   std::span<const Tensor> logs, implied;
   std::span<const double> fields;
 };
@@ -32,7 +36,11 @@ struct Packet {
 class HomeTiles {
  public:
   HomeTiles(const NameRange& range, const TileContents& contents)
-      : range_(range), has_metric_(contents.has_metric), components_(contents.components) {}
+      : range_(range),
+        has_metric_(contents.has_metric),
+        components_(contents.components),
+        cell_components_(contents.cell_components),
+        slope_components_(contents.has_slopes ? contents.cell_components : 0) {}
 
   std::vector<Bytes> run(std::vector<Bytes>&& given, const TaskRunner& runner) {
     join_verts(given);
@@ -75,12 +83,19 @@ class HomeTiles {
   void take_tets(std::vector<Bytes>& given) {
     const std::size_t count = range_.end - range_.begin;
     to_vert_.resize(count), links_.resize(count), numbers_.resize(count);
+    regions_.resize(cell_components_ > 0 ? count : 0);
+    cells_.resize(count * cell_components_), slopes_.resize(count * slope_components_);
     for (std::size_t r = 0; r < given.size(); ++r) {
       const Packet packet(given[r]);
       for (std::size_t i = 0; i < packet.names.size(); ++i) {
         const std::size_t at = packet.names[i] - range_.begin;
         for (std::size_t j = 0; j < 4; ++j) to_vert_[at][j] = from_slots_[r][packet.to_vert[i][j]];
         links_[at] = packet.links[i], numbers_[at] = packet.numbers[i];
+        if (cell_components_ == 0) continue;
+        regions_[at] = packet.regions[i];
+        std::copy_n(&packet.cells[i * cell_components_], cell_components_, &cells_[at * cell_components_]);
+        if (slope_components_ == 0) continue;
+        std::copy_n(&packet.slopes[i * slope_components_], slope_components_, &slopes_[at * slope_components_]);
       }
       given[r] = Bytes();
     }
@@ -108,8 +123,12 @@ class HomeTiles {
     }
     const std::vector<std::uint32_t> linked = tiles_behind(begin, count);
     const auto links = short_links(begin, count, linked);
-    return bytes_of(
-        {points, logs, implied, fields, to_vert, links, linked, std::span(numbers_).subspan(begin, count), boundary});
+    const auto of_tets = [&](const auto& all, std::size_t each) {
+      return std::span(all).subspan(begin * each, count * each);
+    };
+    return bytes_of({points, logs, implied, fields, to_vert, links, linked, of_tets(numbers_, 1),
+                     of_tets(regions_, cell_components_ > 0 ? 1 : 0), of_tets(cells_, cell_components_),
+                     of_tets(slopes_, slope_components_), boundary});
   }
 
   std::uint32_t tile_of(BackgroundTet tet) const {
@@ -152,7 +171,7 @@ class HomeTiles {
 
   const NameRange range_;
   const bool has_metric_;
-  const std::size_t components_;
+  const std::size_t components_, cell_components_, slope_components_;
   // Vertices that came, each once.
   std::vector<Vec3> points_;
   std::vector<Tensor> logs_, implied_;
@@ -162,6 +181,9 @@ class HomeTiles {
   std::vector<FourVerts> to_vert_;
   std::vector<FourFaces> links_;
   std::vector<std::uint64_t> numbers_;
+  std::vector<std::uint32_t> regions_;
+  std::vector<double> cells_;
+  std::vector<Vec3> slopes_;
 };
 
 }  // namespace

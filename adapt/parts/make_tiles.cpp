@@ -66,8 +66,14 @@ void put_lists(const std::vector<std::vector<T>>& lists, std::span<MessageWriter
 class TileMaker {
  public:
   TileMaker(WholeMesh& share, const ShareLinks& links, std::span<const FaceOutside> faces, const ShareVerts& verts,
-            const SharedWork& work)
-      : share_(share), links_(links), faces_(faces), verts_(verts), work_(work), runner_(work.runner()) {}
+            const ShareCells& cells, const SharedWork& work)
+      : share_(share),
+        links_(links),
+        faces_(faces),
+        verts_(verts),
+        cells_(cells),
+        work_(work),
+        runner_(work.runner()) {}
 
   std::unique_ptr<BackgroundTiles> run() {
     sort_tets();
@@ -239,8 +245,8 @@ class TileMaker {
     work_.each([&] {
       NameRange range = range_of(rank(), chunk);
       range.end = std::min(range.end, first_name_ + own_count_);
-      std::vector<Bytes> made =
-          make_home_tiles(std::move(given), range, {verts_.has_metric, verts_.components}, runner_);
+      const TileContents contents{verts_.has_metric, verts_.components, cells_.components, cells_.has_slopes};
+      std::vector<Bytes> made = make_home_tiles(std::move(given), range, contents, runner_);
       std::ranges::move(made, std::back_inserter(own_));
     });
   }
@@ -259,25 +265,35 @@ class TileMaker {
     verts.clear();
     for (const std::uint32_t tet : own)
       for (std::size_t i = 0; i < 4; ++i) verts.add(share_.to_vert[std::size_t{tet} * 4 + i]);
-    constexpr std::size_t kLengths = 128;
+    constexpr std::size_t kLengths = 256;
     constexpr std::size_t kBytesOfTet = sizeof(FourVerts) + sizeof(FourFaces) + sizeof(BackgroundTet) + sizeof(Number);
     const std::size_t bytes_of_vert =
         sizeof(Number) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);
-    writer.reserve(kLengths + own.size() * kBytesOfTet + verts.size() * bytes_of_vert);
+    const std::size_t n = cells_.components, slopes = cells_.has_slopes ? n : 0;
+    const std::size_t bytes_of_cell = (n > 0 ? sizeof(std::uint32_t) : 0) + n * sizeof(double) + slopes * sizeof(Vec3);
+    writer.reserve(kLengths + own.size() * (kBytesOfTet + bytes_of_cell) + verts.size() * bytes_of_vert);
     const auto slot = [&](FaceCode face) { return verts[share_.apex(face)]; };
     const auto link = [&](FaceCode face) { return link_of(face); };
     writer.put_each(own, [&](std::uint32_t tet) { return to_name_[tet]; });
     writer.put_each(own, [&](std::uint32_t tet) { return first_tet() - links_.first_tets.front() + tet; });
     writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, slot); });
     writer.put_each(own, [&](std::uint32_t tet) { return tets::of_faces(tet, link); });
+    writer.put_each(n > 0 ? own : own.first(0), [&](std::uint32_t tet) { return share_.to_region[tet]; });
+    put_several(own, cells_.values, n, writer), put_several(own, cells_.slopes, slopes, writer);
     const auto items = verts.items();
     writer.put_each(items, [&](std::uint32_t v) { return verts_.to_given[v]; });
     writer.put_each(items, [&](std::uint32_t v) { return share_.points[v]; });
     writer.put_each(items, [&](std::uint32_t v) { return verts_.has_metric ? verts_.logs[v] : Tensor(); });
     writer.put_each(items, [&](std::uint32_t v) { return verts_.implied[v]; });
-    double* fields = writer.put_room<double>(items.size() * verts_.components).data();
-    for (const std::uint32_t v : items)
-      fields = std::copy_n(verts_.fields.data() + v * verts_.components, verts_.components, fields);
+    put_several(items, verts_.fields, verts_.components, writer);
+  }
+
+  // Of each of the tets or vertices `each` values.
+  template <class T>
+  static void put_several(std::span<const std::uint32_t> items, const std::vector<T>& values, std::size_t each,
+                          MessageWriter& writer) {
+    T* room = writer.put_room<T>(items.size() * each).data();
+    for (const std::uint32_t i : items) room = std::copy_n(values.data() + i * each, each, room);
   }
 
   void share_tiles() {
@@ -293,6 +309,7 @@ class TileMaker {
   const ShareLinks& links_;
   std::span<const FaceOutside> faces_;
   const ShareVerts& verts_;
+  const ShareCells& cells_;
   const SharedWork& work_;
   const TaskRunner& runner_;
   std::vector<KeyedTet> tets_;          // of the share, along the curve
@@ -310,8 +327,8 @@ class TileMaker {
 
 std::unique_ptr<BackgroundTiles> make_tiles(WholeMesh& share, const ShareLinks& links,
                                             std::span<const FaceOutside> faces, const ShareVerts& verts,
-                                            const SharedWork& work) {
-  return TileMaker(share, links, faces, verts, work).run();
+                                            const ShareCells& cells, const SharedWork& work) {
+  return TileMaker(share, links, faces, verts, cells, work).run();
 }
 
 }  // namespace tetloom::adapt

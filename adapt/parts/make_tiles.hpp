@@ -16,6 +16,6 @@ namespace tetloom::adapt {
 /// bad_alloc where there are too many tets for names of 30 bits.
 std::unique_ptr<BackgroundTiles> make_tiles(WholeMesh& share, const ShareLinks& links,
                                             std::span<const FaceOutside> faces, const ShareVerts& verts,
-                                            const SharedWork& work);
+                                            const ShareCells& cells, const SharedWork& work);
 
 }  // namespace tetloom::adapt

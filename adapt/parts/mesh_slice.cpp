@@ -25,7 +25,8 @@ class SliceCutter {
     renumber_tets();
     take_triangles();
     take_edges();
-    take_fields(fields);
+    take_fields(mesh_.point_fields, fields, slice_.to_vert_number, slice_.mesh.point_fields);
+    take_fields(mesh_.cell_fields, fields, slice_.to_tet_number, slice_.mesh.cell_fields);
     slice_.mesh.entities = mesh_.entities, slice_.mesh.face_to_sides = mesh_.face_to_sides;
     slice_.vert_count = mesh_.points.size();
     return std::move(slice_);
@@ -106,13 +107,15 @@ class SliceCutter {
     }
   }
 
-  void take_fields(const std::vector<std::string>& fields) {
-    for (const MeshField& field : mesh_.point_fields) {
-      if (std::ranges::count(fields, field.name) == 0) continue;
-      MeshField& made = slice_.mesh.point_fields.emplace_back(MeshField{field.name, field.components, {}});
+  static void take_fields(const std::vector<MeshField>& given, const std::vector<std::string>& names,
+                          const std::vector<Number>& numbers, std::vector<MeshField>& made) {
+    for (const MeshField& field : given) {
+      if (std::ranges::count(names, field.name) == 0) continue;
+      std::vector<double>& values = made.emplace_back(MeshField{field.name, field.components, {}}).values;
       const auto n = static_cast<std::size_t>(field.components);
-      for (const Number number : slice_.to_vert_number)
-        for (std::size_t c = 0; c < n; ++c) made.values.push_back(field.values[(number - first_number()) * n + c]);
+      values.reserve(numbers.size() * n);
+      for (const Number number : numbers)
+        for (std::size_t c = 0; c < n; ++c) values.push_back(field.values[(number - first_number()) * n + c]);
     }
   }
 
@@ -160,6 +163,10 @@ void put_mesh(const MeshSlice& slice, MessageWriter& writer) {
       put_values([&](std::uint32_t v) {
         return field.values[v * static_cast<std::size_t>(field.components) + static_cast<std::size_t>(c)];
       });
+  for (const MeshField& field : mesh.cell_fields) {
+    const auto n = static_cast<std::size_t>(field.components);
+    writer.put_array(std::span<const double>(field.values).subspan(slice.begin * n, (slice.end - slice.begin) * n));
+  }
 }
 
 void take_points(MessageReader& reader, MeshWithMetric& whole) {
@@ -202,11 +209,7 @@ void drop_copies(Elements& elements, std::vector<std::uint32_t>& entities) {
 
 OwnTets MeshSlice::own_tets(const SharedWork& work) const {
   OwnTets own{begin, end, {}, {}};
-  own.sum = [&work](ExactSum& sum) {
-    sum.carry();
-    work.sum(sum.words());
-    sum.carry();
-  };
+  own.sum = [&work](ExactSum& sum) { work.sum(std::span(&sum, 1)); };
   own.largest = [&work](std::span<double> values) { work.max(values); };
   return own;
 }
@@ -230,6 +233,7 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
   for (const MeshField& field : slice.mesh.point_fields)
     mesh.point_fields.push_back({field.name, field.components,
                                  std::vector<double>(slice.vert_count * static_cast<std::size_t>(field.components))});
+  for (const MeshField& field : slice.mesh.cell_fields) mesh.cell_fields.push_back({field.name, field.components, {}});
   std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) { put_mesh(slice, writer); });
   for (Bytes& bytes : given) {
     MessageReader reader(bytes);
@@ -243,6 +247,10 @@ MeshWithMetric gather_slices(const MeshSlice& slice, const SharedWork& work) {
     take(mesh.tri_to_vert, mesh.tri_to_entity);
     take(mesh.edge_to_vert, mesh.edge_to_entity);
     take_points(reader, whole);
+    for (MeshField& field : mesh.cell_fields) {
+      const auto values = reader.get_view<double>();
+      field.values.insert(field.values.end(), values.begin(), values.end());
+    }
     bytes = Bytes();
   }
   drop_copies(mesh.tri_to_vert, mesh.tri_to_entity);

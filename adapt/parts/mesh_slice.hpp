@@ -19,7 +19,7 @@ namespace tetloom::adapt {
 /// and pieces of model edges with a vertex of own tets. Ranks have equal numbers of tets. Points and tets ascend in
 /// number; those of the points are consecutive over all ranks.
 struct MeshSlice {
-  Mesh mesh;           ///< with the names and sides of the whole, and the fields on points that are carried over
+  Mesh mesh;           ///< with the names and sides of the whole, and the fields that are carried over
   MetricField metric;  ///< at the points
   std::vector<Number> to_vert_number, to_tet_number;
   std::vector<std::uint8_t> is_own;  ///< of every point: own tets have it, so that all tets there are here

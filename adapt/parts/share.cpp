@@ -158,16 +158,14 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest) {
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work) {
   const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
   ShareLinks links;
   links.first_tets = equal_ranges(whole.size(), ranks);
   links.first_verts = equal_ranges(whole.points.size(), ranks);
   if (ranks == 1 && uses_all_points(whole)) return links;
   const Number first = links.first_tets.front();
-  WholeMesh share = ShareTaker(whole, links.first_tets[rank] - first, links.first_tets[rank + 1] - first).run(links);
-  if (rest != nullptr) *rest = std::move(whole);
-  whole = std::move(share);
+  whole = ShareTaker(whole, links.first_tets[rank] - first, links.first_tets[rank + 1] - first).run(links);
   if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);
   return links;
 }

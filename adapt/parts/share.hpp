@@ -37,9 +37,8 @@ struct FaceOutside {
 };
 
 /// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
-/// go. Where that is not all of it, the share is not linked, and `rest` takes the mesh that it was. In
-/// SharedWork::together.
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work, WholeMesh* rest = nullptr);
+/// go. Where that is not all of it, the share is not linked.
+ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
 
 /// The same of the mesh that a slice has become, with links. `faces`: those that other ranks have something behind,
 /// ascending.

@@ -1,5 +1,5 @@
 #pragma once
-// What there is at the vertices of a share, found while a rank has its slice of the mesh that was given.
+// What there is at the vertices and tets of a share, found while a rank has its slice of the mesh that was given.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,9 +17,17 @@ struct ShareVerts {
   bool has_metric = false;       ///< the same on all ranks
   std::vector<Tensor> logs;      ///< of the metric; none where there is none
   std::vector<Tensor> implied;   ///< logarithms; see ImpliedMetric
-  std::size_t components = 0;    ///< of all fields that are carried over
+  std::size_t components = 0;    ///< of all fields on points that are carried over
   std::vector<double> fields;    ///< their values, all components of a vertex side by side
   std::vector<Number> to_start;  ///< a tet that has the vertex
+};
+
+/// The same at its tets.
+struct ShareCells {
+  std::size_t components = 0;  ///< of all fields on tets that are carried over
+  bool has_slopes = false;
+  std::vector<double> values;  ///< all components of a tet side by side
+  std::vector<Vec3> slopes;    ///< as of limited_slopes; none where tets have constants
 };
 
 /// Of each vertex the first of the tets that have it, by number; kNone without any. `to_vert`: 4 per tet.

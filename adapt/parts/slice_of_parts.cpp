@@ -70,11 +70,12 @@ class PartSlicer {
   void keep_fields(const std::vector<std::string>& fields) {
     const auto is_kept = [&](const auto& field) { return std::ranges::count(fields, field.name) != 0; };
     std::erase_if(mesh_.vertex_fields, [&](const FieldInfo& info) { return !is_kept(info); });
-    mesh_.cell_fields.clear();
+    std::erase_if(mesh_.cell_fields, [&](const FieldInfo& info) { return !is_kept(info); });
     for (const PartId id : mesh_.local()) {
       PartMesh& part = mesh_.parts.at(id).mesh;
       std::erase_if(part.vertex_fields, [&](const VertexField& field) { return !is_kept(field); });
-      part.cell_fields.clear(), part.entities.clear();
+      std::erase_if(part.cell_fields, [&](const CellField& field) { return !is_kept(field); });
+      part.entities.clear();
     }
   }
 
@@ -155,7 +156,16 @@ class PartSlicer {
     const auto before =
         static_cast<std::size_t>(std::ranges::count_if(ghosts, [&](const Copy& ghost) { return ghost.part < self; }));
     const CellBlock& block = part().block(CellKind::Tet);
+    for (const CellField& field : part().cell_fields)
+      slice_.mesh.cell_fields.push_back({field.name, field.components, {}});
     const auto take = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = 0; f < part().cell_fields.size(); ++f) {
+        const CellField& field = part().cell_fields[f];
+        const auto n = static_cast<std::size_t>(field.components);
+        const double* const values = field.values[static_cast<std::size_t>(CellKind::Tet)].data();
+        std::vector<double>& taken = slice_.mesh.cell_fields[f].values;
+        taken.insert(taken.end(), values + begin * n, values + end * n);
+      }
       for (std::size_t tet = begin; tet < end; ++tet) {
         const std::uint32_t* v = &block.to_vert[tet * 4];
         slice_.mesh.tet_to_vert.push_back({to_local_[v[0]], to_local_[v[1]], to_local_[v[2]], to_local_[v[3]]});

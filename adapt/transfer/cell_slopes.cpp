@@ -48,8 +48,12 @@ struct Range {
 
 class Slopes {
  public:
-  Slopes(const BackgroundMesh& mesh, std::span<const std::uint32_t> regions, const CellValues& cells)
-      : mesh_(mesh), view_(mesh.mesh()), regions_(regions), cells_(cells), corners_(view_, regions) {
+  Slopes(const LinkedTets& mesh, const CellValues& cells)
+      : links_(mesh.links),
+        view_(mesh.mesh),
+        regions_(mesh.regions),
+        cells_(cells),
+        corners_(mesh.mesh, mesh.regions) {
     ranges_.resize(corners_.size() * cells.components);
     for (std::size_t tet = 0; tet < view_.tets.size(); ++tet)
       for (std::size_t i = 0; i < 4; ++i)
@@ -95,7 +99,7 @@ class Slopes {
     neighbors.clear();
     const auto add_around = [&](std::uint32_t of) {
       for (const FaceCode face : FaceCode::of(of)) {
-        const FaceCode behind = mesh_.behind(face);
+        const FaceCode behind = links_[face.index()];
         if (behind.valid() && behind.tet() != tet && regions_[behind.tet()] == regions_[tet])
           neighbors.push_back(behind.tet());
       }
@@ -117,7 +121,7 @@ class Slopes {
     return is_finite(slope) ? share * slope : Vec3{};
   }
 
-  const BackgroundMesh& mesh_;
+  std::span<const FaceCode> links_;
   const TetView view_;
   std::span<const std::uint32_t> regions_;
   const CellValues& cells_;
@@ -127,15 +131,14 @@ class Slopes {
 
 }  // namespace
 
-std::vector<Vec3> limited_slopes(const BackgroundMesh& mesh, std::span<const std::uint32_t> regions,
-                                 const CellValues& cells, const BlockLoop& loop) {
-  const Slopes finder(mesh, regions, cells);
-  const std::size_t count = mesh.mesh().tets.size();
+std::vector<Vec3> limited_slopes(const LinkedTets& mesh, const CellValues& cells, const BlockLoop& loop) {
+  const Slopes finder(mesh, cells);
+  const std::size_t count = mesh.end - mesh.begin;
   std::vector<Vec3> slopes(count * cells.components);
   loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> neighbors;
-    for (std::size_t tet = begin; tet < end; ++tet)
-      finder.find(static_cast<std::uint32_t>(tet), neighbors, &slopes[tet * cells.components]);
+    for (std::size_t i = begin; i < end; ++i)
+      finder.find(static_cast<std::uint32_t>(mesh.begin + i), neighbors, &slopes[i * cells.components]);
   });
   return slopes;
 }

@@ -157,7 +157,8 @@ double volume_at(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) {
 
 }  // namespace
 
-std::array<double, 4> face_values(const TetView& mesh, const TetVerts& verts, std::size_t face, const Corners& x) {
+std::array<double, 4> face_values(std::span<const Vec3> points, const TetVerts& verts, std::size_t face,
+                                  const Corners& x) {
   std::array<std::uint32_t, 3> v;
   for (std::size_t i = 0; i < 3; ++i) v[i] = verts[kFaceVerts[face][i]];
   double sign = 1;
@@ -167,7 +168,7 @@ std::array<double, 4> face_values(const TetView& mesh, const TetVerts& verts, st
   order(v[0], v[1]), order(v[1], v[2]), order(v[0], v[1]);
   std::array<double, 4> values;
   for (std::size_t i = 0; i < 4; ++i)
-    values[i] = sign * volume_at(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], x[i]);
+    values[i] = sign * volume_at(points[v[0]], points[v[1]], points[v[2]], x[i]);
   return values;
 }
 

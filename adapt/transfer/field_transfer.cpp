@@ -1,9 +1,7 @@
 #include "adapt/transfer/field_transfer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 
 #include "adapt/transfer/clip_tet.hpp"
 #include "core/base/exact_sum.hpp"
@@ -13,7 +11,7 @@
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kGrain = 1 << 12, kCellGrain = 1 << 8;
 
 const MeshField* find_field(const std::vector<MeshField>& fields, const std::string& name) {
   const auto at = std::find_if(fields.begin(), fields.end(), [&](const MeshField& f) { return f.name == name; });
@@ -46,20 +44,21 @@ struct JoinedValues {
   bool on_cells = false;
 };
 
-/// What a component is over some tets.
+/// Exact, so neither blocks nor ranks matter.
 struct FieldSums {
-  ExactSum integral, magnitude;
+  std::vector<ExactSum> integrals, magnitudes;
+  explicit FieldSums(std::size_t components) : integrals(components), magnitudes(components) {}
 };
 
-std::vector<FieldSums> sums_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
+FieldSums sums_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
   const std::size_t n = of.components;
-  const auto add = [&](std::size_t begin, std::size_t end, std::vector<FieldSums>& sums) {
+  const auto add = [&](std::size_t begin, std::size_t end, FieldSums& sums) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const double volume = volume_of(corners_of(mesh, static_cast<std::uint32_t>(tet)));
       const auto add_value = [&](std::size_t at, double share) {
         for (std::size_t c = 0; c < n; ++c) {
           const double value = share * of.values[at * n + c];
-          sums[c].integral.add(value), sums[c].magnitude.add(std::abs(value));
+          sums.integrals[c].add(value), sums.magnitudes[c].add(std::abs(value));
         }
       };
       if (of.on_cells)
@@ -68,27 +67,34 @@ std::vector<FieldSums> sums_of(const TetView& mesh, const JoinedValues& of, cons
         for (const std::uint32_t v : mesh.tets[tet]) add_value(v, volume / 4);
     }
   };
-  std::vector<FieldSums> all(n);
-  for (const auto& block : map_blocks(loop, mesh.tets.size(), kGrain, std::vector<FieldSums>(n), add))
+  FieldSums all(n);
+  for (const FieldSums& block : map_blocks(loop, mesh.tets.size(), kGrain, all, add))
     for (std::size_t c = 0; c < n; ++c)
-      all[c].integral.add(block[c].integral), all[c].magnitude.add(block[c].magnitude);
+      all.integrals[c].add(block.integrals[c]), all.magnitudes[c].add(block.magnitudes[c]);
   return all;
 }
 
-/// Without extremes.
-std::vector<FieldFigures> integrals_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& loop) {
+/// Of the tets and values of all ranks, component by component. `counts`: of the values' places; empty: all. In
+/// SharedWork::together.
+std::vector<FieldFigures> figures_of(const TetView& own, const JoinedValues& of, std::span<const std::uint8_t> counts,
+                                     const SharedWork& work) {
+  const std::size_t n = of.components;
+  FieldSums sums(0);
+  std::vector<double> ends(2 * n, -HUGE_VAL);
+  work.each([&] {
+    sums = sums_of(own, of, work.runner());
+    for (std::size_t i = 0; i < of.values.size(); ++i) {
+      if (!counts.empty() && counts[i / n] == 0) continue;
+      double* const of_component = &ends[i % n * 2];
+      of_component[0] = std::max(of_component[0], -of.values[i]);
+      of_component[1] = std::max(of_component[1], of.values[i]);
+    }
+  });
+  work.sum(sums.integrals), work.sum(sums.magnitudes), work.max(ends);
   std::vector<FieldFigures> figures;
-  for (const FieldSums& sums : sums_of(mesh, of, loop))
-    figures.push_back({sums.integral.value(), 0, 0, sums.magnitude.value()});
+  for (std::size_t c = 0; c < n; ++c)
+    figures.push_back({sums.integrals[c].value(), -ends[2 * c], ends[2 * c + 1], sums.magnitudes[c].value()});
   return figures;
-}
-
-void note_extremes(const JoinedValues& of, std::vector<FieldFigures>& figures) {
-  for (FieldFigures& f : figures) f.least = HUGE_VAL, f.greatest = -HUGE_VAL;
-  for (std::size_t i = 0; i < of.values.size(); ++i) {
-    FieldFigures& f = figures[i % of.components];
-    f.least = std::min(f.least, of.values[i]), f.greatest = std::max(f.greatest, of.values[i]);
-  }
 }
 
 /// All the fields side by side, as one of many components.
@@ -137,26 +143,22 @@ std::vector<FieldInfo> infos_of(const std::vector<const MeshField*>& fields) {
   return infos;
 }
 
-/// What all ranks have put for their parts, added up part after part.
-template <class Sums>
-std::vector<Sums> add_up(const SharedWork& work, std::span<const Sums> of_parts, std::size_t count,
-                         const std::function<void(const Sums&, Sums&)>& add) {
-  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) { writer.put_array(of_parts); });
-  std::vector<Sums> all(count);
-  for (const Bytes& bytes : given) {
-    const auto sums = MessageReader(bytes).get_view<Sums>();
-    for (std::size_t i = 0; i < sums.size(); ++i) add(sums[i], all[i % count]);
-  }
-  return all;
+// Those with the names, in their order.
+std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, const std::vector<std::string>& names) {
+  std::vector<const MeshField*> fields;
+  for (const std::string& name : names)
+    if (const MeshField* const field = find_field(all, name)) fields.push_back(field);
+  return fields;
 }
 
 void add_transfers(const std::vector<const MeshField*>& fields, bool on_cells,
-                   const std::array<std::vector<FieldFigures>, 2>& figures, std::vector<FieldTransfer>& transfers) {
+                   const std::vector<FieldFigures>& before, const std::vector<FieldFigures>& after,
+                   std::vector<FieldTransfer>& transfers) {
   std::size_t next = 0;
   for (const MeshField* field : fields) {
     FieldTransfer& transfer = transfers.emplace_back(FieldTransfer{field->name, on_cells, {}});
     for (int c = 0; c < field->components; ++c, ++next)
-      transfer.components.push_back({figures[0][next], figures[1][next]});
+      transfer.components.push_back({before[next], after[next]});
   }
 }
 
@@ -175,133 +177,101 @@ void check_transfer(const Mesh& mesh, const std::vector<std::string>& names) {
   }
 }
 
-FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names)
-    : from_(from), background_(background) {
-  for (const std::string& name : names) {
-    if (const MeshField* const field = find_field(from.cell_fields, name)) on_tets_.push_back(field);
-    if (const MeshField* const field = find_field(from.point_fields, name)) on_points_.push_back(field);
-  }
-  point_components_ = count_components(on_points_), tet_components_ = count_components(on_tets_);
-}
-
-FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names,
-                           std::vector<FieldFigures>&& before)
-    : FieldCarrier(from, background, names) {
-  before_ = std::move(before);
-}
-
-bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names) {
-  return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return find_field(mesh.cell_fields, name) != nullptr; });
-}
-
-std::vector<FieldFigures> figures_before(const MeshSlice& slice, const TetView& own,
-                                         const std::vector<std::string>& names, const SharedWork& work) {
-  std::vector<const MeshField*> fields;
-  for (const std::string& name : names)
-    if (const MeshField* const field = find_field(slice.mesh.point_fields, name)) fields.push_back(field);
+JoinedCells join_cells(const Mesh& mesh, std::size_t tet_count, const std::vector<std::string>& names) {
+  const std::vector<const MeshField*> fields = fields_named(mesh.cell_fields, names);
   const std::size_t n = count_components(fields);
-  const std::vector<double> joined = join(fields, slice.to_vert_number.size(), n);
-  std::vector<FieldSums> sums = sums_of(own, {joined, n, false}, work.runner());
-  std::vector<double> ends(2 * n, -HUGE_VAL);
-  for (std::size_t i = 0; i < joined.size(); ++i) {
-    if (slice.is_own[i / n] == 0) continue;
-    double* const of_component = &ends[i % n * 2];
-    of_component[0] = std::max(of_component[0], -joined[i]), of_component[1] = std::max(of_component[1], joined[i]);
+  return {join(fields, tet_count, n), n};
+}
+
+FieldsBefore fields_before(const FieldPlaces& from, const std::vector<std::string>& names, const SharedWork& work) {
+  const std::vector<const MeshField*> on_points = fields_named(from.fields.point_fields, names);
+  const std::size_t n = count_components(on_points);
+  FieldsBefore before;
+  if (n > 0) {
+    const std::vector<double> values = join(on_points, from.tets.mesh.points.size(), n);
+    before.on_points = figures_of(from.own().mesh, {values, n, false}, from.is_own, work);
   }
-  work.max(ends);
-  std::vector<FieldFigures> figures;
-  const OwnTets shared = slice.own_tets(work);
-  for (std::size_t c = 0; c < n; ++c) {
-    shared.add_up(sums[c].integral), shared.add_up(sums[c].magnitude);
-    figures.push_back({sums[c].integral.value(), -ends[2 * c], ends[2 * c + 1], sums[c].magnitude.value()});
+  const JoinedCells cells = join_cells(from.fields, from.tets.mesh.tets.size(), names);
+  if (cells.components > 0) {
+    const auto own = std::span(cells.values).subspan(from.begin * cells.components,
+                                                     (from.end - from.begin) * cells.components);
+    before.on_tets = figures_of(from.own().mesh, {own, cells.components, true}, {}, work);
+    before.regions = sum_cells(from.own(), {own, cells.components}, work);
   }
-  return figures;
-}
-
-CellSource FieldCarrier::tet_source(std::span<const double> values) const {
-  return {background_, from_.tet_to_entity, {values, tet_components_}};
-}
-
-CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::span<const BackgroundPlace> places,
-                                  CellReconstruction shape, const TaskRunner& runner) const {
-  CarriedFields carried;
-  std::vector<MeshField> fields;
-  for (const MeshField* field : on_points_) fields.push_back(background_.interpolate(*field, places, runner));
-  std::vector<const MeshField*> pointers;
-  for (const MeshField& field : fields) pointers.push_back(&field);
-  carried.on_points = join(pointers, places.size(), point_components_);
-  if (on_tets_.empty()) return carried;
-  const std::vector<double> before = join(on_tets_, background_.mesh().tets.size(), tet_components_);
-  carried.on_tets = average_cells(tet_source(before), to, places, shape, runner);
-  return carried;
-}
-
-void FieldCarrier::put_right(const TetsByPart& to, std::vector<double>& on_tets, const SharedWork& work) const {
-  const std::size_t n = tet_components_;
-  std::vector<double> values;
-  std::vector<RegionIntegrals> before, of_parts;
-  work.each([&] {
-    values = join(on_tets_, background_.mesh().tets.size(), n);
-    const CellSource source = tet_source(values);
-    before = sum_cells(source, {background_.mesh(), source.regions}, values, work.runner());
-    for (std::size_t p = 0; p < to.part_count(); ++p) {
-      const auto own = std::span<const double>(on_tets).subspan(to.first(p) * n, to.count(p) * n);
-      const auto sums = sum_cells(source, to.part(p), own, work.runner());
-      of_parts.insert(of_parts.end(), sums.begin(), sums.end());
-    }
-  });
-  const std::vector<RegionIntegrals> after = add_up<RegionIntegrals>(
-      work, of_parts, before.size(), [](const RegionIntegrals& part, RegionIntegrals& all) { all.add(part); });
-  work.each([&] { put_right_cells(tet_source(values), before, after, to.tets.regions, on_tets, work.runner()); });
-}
-
-std::vector<FieldTransfer> FieldCarrier::finish(const TetsByPart& to, CarriedFields& carried,
-                                                const SharedWork& work) const {
-  std::vector<FieldTransfer> transfers;
-  if (!on_tets_.empty()) put_right(to, carried.on_tets, work);
-  for (const bool on_cells : {false, true}) {
-    const auto& fields = on_cells ? on_tets_ : on_points_;
-    if (fields.empty()) continue;
-    const auto figures = compare(to, on_cells ? carried.on_tets : carried.on_points, on_cells, work);
-    add_transfers(fields, on_cells, figures, transfers);
-  }
-  return transfers;
-}
-
-std::vector<FieldFigures> FieldCarrier::find_before(bool on_cells, const BlockLoop& loop) const {
-  const std::size_t n = on_cells ? tet_components_ : point_components_;
-  const TetView from = background_.mesh();
-  const std::vector<double> given =
-      join(on_cells ? on_tets_ : on_points_, on_cells ? from.tets.size() : from.points.size(), n);
-  std::vector<FieldFigures> before = integrals_of(from, {given, n, on_cells}, loop);
-  note_extremes({given, n, on_cells}, before);
   return before;
 }
 
-// Of each component, before and after.
-std::array<std::vector<FieldFigures>, 2> FieldCarrier::compare(const TetsByPart& to, std::span<const double> carried,
-                                                               bool on_cells, const SharedWork& work) const {
-  const std::size_t n = on_cells ? tet_components_ : point_components_;
-  std::vector<FieldFigures> before, of_parts, own(n);
-  work.each([&] {
-    before = before_.empty() ? find_before(on_cells, work.runner()) : before_;
-    for (std::size_t p = 0; p < to.part_count(); ++p) {
-      const std::span<const double> values = on_cells ? carried.subspan(to.first(p) * n, to.count(p) * n) : carried;
-      const auto sums = integrals_of(to.part(p).mesh, {values, n, on_cells}, work.runner());
-      of_parts.insert(of_parts.end(), sums.begin(), sums.end());
-    }
-    note_extremes({carried, n, on_cells}, own);
+FieldCarrier::FieldCarrier(const Mesh& from, const BackgroundMesh& background, BackgroundTiles* tiles,
+                           const std::vector<std::string>& names, FieldsBefore&& before)
+    : from_(from),
+      background_(background),
+      tiles_(tiles),
+      names_(names),
+      on_points_(fields_named(from.point_fields, names)),
+      on_tets_(fields_named(from.cell_fields, names)),
+      point_components_(count_components(on_points_)),
+      tet_components_(count_components(on_tets_)),
+      before_(std::move(before)) {}
+
+void FieldCarrier::put_values_at(const BackgroundPlace& place, double* values) const {
+  if (tiles_ != nullptr) return tiles_->fields_at(place, {values, point_components_});
+  for (const MeshField* field : on_points_)
+    for (int c = 0; c < field->components; ++c) *values++ = background_.value_at(*field, c, place);
+}
+
+CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::span<const BackgroundTet> hints,
+                                  CellReconstruction shape, const SharedWork& work) const {
+  CarriedFields carried;
+  carried.on_points.resize(hints.size() * point_components_);
+  std::vector<BackgroundPlace> places(hints.size());
+  look_up_all(tiles_, hints.size(), kGrain, work, [&] {
+    return [&](std::size_t v) {
+      places[v] = background_.locate(to.mesh.points[v], hints[v]);
+      put_values_at(places[v], carried.on_points.data() + v * point_components_);
+    };
   });
-  std::vector<FieldFigures> after =
-      add_up<FieldFigures>(work, of_parts, n, [](const FieldFigures& part, FieldFigures& all) {
-        all.integral += part.integral, all.magnitude += part.magnitude;
-      });
-  std::vector<double> ends;
-  for (const FieldFigures& f : own) ends.insert(ends.end(), {-f.least, f.greatest});
-  work.max(ends);
-  for (std::size_t c = 0; c < n; ++c) after[c].least = -ends[2 * c], after[c].greatest = ends[2 * c + 1];
-  return {std::move(before), std::move(after)};
+  if (!on_tets_.empty()) carried.on_tets = carry_cells(to, places, shape, work);
+  return carried;
+}
+
+std::vector<double> FieldCarrier::carry_cells(const TetsInRegions& to, std::span<const BackgroundPlace> places,
+                                              CellReconstruction shape, const SharedWork& work) const {
+  if (tiles_ != nullptr) return average_cells({background_, *tiles_, tet_components_}, to, places, work);
+  const TetView from = background_.mesh();
+  const std::span<const std::uint32_t> regions = from_.tet_to_entity;
+  const JoinedCells cells = join_cells(from_, from.tets.size(), names_);
+  std::vector<Vec3> slopes;
+  if (shape == CellReconstruction::Linear)
+    slopes = limited_slopes({from, background_.links(), regions, 0, from.tets.size()}, cells, work.runner());
+  return average_cells({background_, regions, cells, slopes}, to, places, work);
+}
+
+std::vector<double> FieldCarrier::average_cells(const OldTets& from, const TetsInRegions& to,
+                                                std::span<const BackgroundPlace> places,
+                                                const SharedWork& work) const {
+  std::vector<double> values(to.regions.size() * tet_components_);
+  look_up_all(tiles_, to.regions.size(), kCellGrain, work, [&] {
+    return [&, averager = CellAverager(from, before_.regions, to, places, work.runner())](std::size_t tet) mutable {
+      averager.put_means(tet, &values[tet * tet_components_]);
+    };
+  });
+  return values;
+}
+
+std::vector<FieldTransfer> FieldCarrier::finish(const TetsInRegions& to, CarriedFields& carried,
+                                                const SharedWork& work) const {
+  std::vector<FieldTransfer> transfers;
+  if (!on_points_.empty()) {
+    const auto after = figures_of(to.mesh, {carried.on_points, point_components_, false}, {}, work);
+    add_transfers(on_points_, false, before_.on_points, after, transfers);
+  }
+  if (!on_tets_.empty()) {
+    const RegionSums sums = sum_cells(to, {carried.on_tets, tet_components_}, work);
+    work.each([&] { put_right_cells(before_.regions, sums, to.regions, carried.on_tets, work.runner()); });
+    const auto after = figures_of(to.mesh, {carried.on_tets, tet_components_, true}, {}, work);
+    add_transfers(on_tets_, true, before_.on_tets, after, transfers);
+  }
+  return transfers;
 }
 
 void FieldCarrier::give(CarriedFields&& carried, Mesh& to) const {

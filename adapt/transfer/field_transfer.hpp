@@ -1,12 +1,10 @@
 #pragma once
 // The fields of a mesh, carried over to what it has become.
-#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "adapt/parts/mesh_slice.hpp"
 #include "adapt/transfer/cell_transfer.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/mesh_data.hpp"
@@ -26,46 +24,53 @@ struct CarriedFields {
   std::vector<double> on_points, on_tets;
 };
 
-/// The tets that one rank has of a mesh, part after part, with their points.
-struct TetsByPart {
-  TetsInRegions tets;
-  std::span<const std::size_t> first_tets;  ///< where those of each part begin, and how many there are
+/// What is known of the fields of the whole mesh before anything is done.
+struct FieldsBefore {
+  std::vector<FieldFigures> on_points, on_tets;  ///< component by component
+  RegionSums regions;                            ///< of what is on tets
+};
 
-  std::size_t part_count() const { return first_tets.size() - 1; }
-  std::size_t first(std::size_t part) const { return first_tets[part]; }
-  std::size_t count(std::size_t part) const { return first_tets[part + 1] - first_tets[part]; }
-  TetsInRegions part(std::size_t p) const {
-    return {{tets.mesh.points, tets.mesh.tets.subspan(first(p), count(p))}, tets.regions.subspan(first(p), count(p))};
+/// The mesh that fields are given on, or the slice of it that a rank has. Non-owning.
+struct FieldPlaces {
+  const Mesh& fields;
+  TetsInRegions tets;                    ///< positive ones, of which those from `begin` to `end` are this rank's own
+  std::size_t begin = 0, end = 0;
+  std::span<const std::uint8_t> is_own;  ///< of points; empty: all
+
+  TetsInRegions own() const {
+    return {{tets.mesh.points, tets.mesh.tets.subspan(begin, end - begin)}, tets.regions.subspan(begin, end - begin)};
   }
 };
 
-/// What is said of the fields on points of the whole mesh before anything is done, component by component; for carriers
-/// that come too late to ask. `own`: the slice's own tets, positive ones. In SharedWork::together.
-std::vector<FieldFigures> figures_before(const MeshSlice& slice, const TetView& own,
-                                         const std::vector<std::string>& names, const SharedWork& work);
+/// For the fields with these names. In SharedWork::together.
+FieldsBefore fields_before(const FieldPlaces& from, const std::vector<std::string>& names, const SharedWork& work);
 
-/// Whether a field on tets has one of the names.
-bool carries_on_tets(const Mesh& mesh, const std::vector<std::string>& names);
+/// The values on all tets of a mesh, all components of the fields with these names side by side.
+struct JoinedCells {
+  std::vector<double> values;
+  std::size_t components = 0;
+  operator CellValues() const { return {values, components}; }
+};
+JoinedCells join_cells(const Mesh& mesh, std::size_t tet_count, const std::vector<std::string>& names);
 
-/// Fields of `from` with certain names, on points by interpolation, on tets as in transfer_cells; of a name that is on
-/// both, both. `background` is `from`, tet by tet. Refers to all that it is given. Pre: check_transfer.
+/// Fields of `from` with certain names, on points by interpolation, on tets as CellAverager finds them; of a name that
+/// is on both, both. Refers to all that it is given. Pre: check_transfer.
 class FieldCarrier {
  public:
-  FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names);
-  /// The same for fields on points of a mesh that lies in tiles. `before`: what is said of them; of `from` no values
-  /// are asked for then, and `carry` is not called.
-  FieldCarrier(const Mesh& from, const BackgroundMesh& background, const std::vector<std::string>& names,
-               std::vector<FieldFigures>&& before);
+  /// `background` is `from`, tet by tet. Where it lies in `tiles`, no values are asked for of `from`.
+  FieldCarrier(const Mesh& from, const BackgroundMesh& background, BackgroundTiles* tiles,
+               const std::vector<std::string>& names, FieldsBefore&& before);
 
   bool has_none() const { return on_points_.empty() && on_tets_.empty(); }
-  /// What the points and tets of `to` get, which may be some of the mesh: before integrals are put right. `places`: of
-  /// all of its points. Values do not depend on what else is in `to`. Errors: Cancelled.
-  CarriedFields carry(const TetsInRegions& to, std::span<const BackgroundPlace> places, CellReconstruction shape,
-                      const TaskRunner& runner) const;
+  /// What the points and tets of `to` get, which may be some of the mesh: before integrals are put right. `hints`: for
+  /// all of its points; tiles that have these are at hand. Values do not depend on what else is in `to`. In
+  /// SharedWork::together. Errors: Cancelled.
+  CarriedFields carry(const TetsInRegions& to, std::span<const BackgroundTet> hints, CellReconstruction shape,
+                      const SharedWork& work) const;
   /// Puts integrals on tets right, and says what has become of the fields; those on points come first. `to`: what this
-  /// rank has, with what was carried for it. Sums of parts are added up in the order of parts, so nothing depends on
-  /// the ranks. In SharedWork::together.
-  std::vector<FieldTransfer> finish(const TetsByPart& to, CarriedFields& carried, const SharedWork& work) const;
+  /// rank has, with what was carried for it. Sums are exact, so nothing depends on the ranks. In
+  /// SharedWork::together.
+  std::vector<FieldTransfer> finish(const TetsInRegions& to, CarriedFields& carried, const SharedWork& work) const;
   /// Gives `to` the fields, of all of its points and tets.
   void give(CarriedFields&& carried, Mesh& to) const;
   /// Names and components of the fields on points and on tets.
@@ -73,17 +78,19 @@ class FieldCarrier {
   std::vector<FieldInfo> infos_on_tets() const;
 
  private:
-  CellSource tet_source(std::span<const double> values) const;
-  void put_right(const TetsByPart& to, std::vector<double>& on_tets, const SharedWork& work) const;
-  std::vector<FieldFigures> find_before(bool on_cells, const BlockLoop& loop) const;
-  std::array<std::vector<FieldFigures>, 2> compare(const TetsByPart& to, std::span<const double> carried, bool on_cells,
-                                                   const SharedWork& work) const;
+  void put_values_at(const BackgroundPlace& place, double* values) const;
+  std::vector<double> average_cells(const OldTets& from, const TetsInRegions& to,
+                                    std::span<const BackgroundPlace> places, const SharedWork& work) const;
+  std::vector<double> carry_cells(const TetsInRegions& to, std::span<const BackgroundPlace> places,
+                                  CellReconstruction shape, const SharedWork& work) const;
 
   const Mesh& from_;
   const BackgroundMesh& background_;
+  BackgroundTiles* tiles_;
+  std::vector<std::string> names_;
   std::vector<const MeshField*> on_points_, on_tets_;
   std::size_t point_components_ = 0, tet_components_ = 0;
-  std::vector<FieldFigures> before_;  // where they are known
+  FieldsBefore before_;
 };
 
 }  // namespace tetloom::adapt

@@ -21,59 +21,46 @@ bool lies_behind(const std::array<double, 4>& values) {
 
 }  // namespace
 
-void NumberSet::clear() {
-  ++round_, count_ = 0;
-  if (round_ >> 32 == 0) return;
-  round_ = 1;
-  std::fill(slots_.begin(), slots_.end(), 0);
-}
+void NumberSet::clear() { ++round_, count_ = 0; }
 
-std::size_t NumberSet::slot_of(std::uint32_t number) const {
+std::size_t NumberSet::slot_of(std::uint64_t number) const {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = mix_bits(number) & mask;
-  while (!is_free(slot) && (slots_[slot] & 0xffffffffu) != number) slot = (slot + 1) & mask;
+  while (!is_free(slot) && slots_[slot].number != number) slot = (slot + 1) & mask;
   return slot;
 }
 
-bool NumberSet::insert(std::uint32_t number) {
+bool NumberSet::insert(std::uint64_t number) {
   const std::size_t slot = slot_of(number);
   if (!is_free(slot)) return false;
-  slots_[slot] = round_ << 32 | number;
+  slots_[slot] = {number, round_};
   if (++count_ * 2 > slots_.size()) grow();
   return true;
 }
 
 void NumberSet::grow() {
-  std::vector<std::uint64_t> old(slots_.size() * 2, 0);
+  std::vector<Slot> old(slots_.size() * 2);
   old.swap(slots_);
-  for (const std::uint64_t entry : old)
-    if (entry >> 32 == round_) slots_[slot_of(static_cast<std::uint32_t>(entry))] = entry;
+  for (const Slot& slot : old)
+    if (slot.round == round_) slots_[slot_of(slot.number)] = slot;
 }
 
-OverlapFinder::OverlapFinder(const BackgroundMesh& mesh, std::span<const std::uint32_t> regions)
-    : mesh_(mesh), regions_(regions) {}
-
-// The mesh is in one piece.
-std::uint32_t OverlapFinder::tet_at(const Vec3& x, BackgroundTet hint) const {
-  return static_cast<std::uint32_t>(mesh_.locate(x, hint).tet);
-}
-
-void OverlapFinder::start(std::uint32_t tet) {
+void OverlapFinder::start(BackgroundTet tet) {
   if (seen_.insert(tet)) queue_.push_back(tet);
 }
 
 std::span<const Overlap> OverlapFinder::find(const TetView& to, const TetVerts& verts, std::uint32_t region,
                                              const std::array<BackgroundTet, 4>& hints) {
-  const Corners corners{to.points[verts[0]], to.points[verts[1]], to.points[verts[2]], to.points[verts[3]]};
-  center_ = tet_at(center_of(corners), hints[0]);
+  const Corners corners = corners_of(to.points, verts);
+  center_ = from_.tet_at(center_of(corners), hints[0]);
   covered_ = 0;
-  if (regions_[center_] == region) {
+  if (from_[center_].region == region) {
     seen_.clear(), queue_.clear(), start(center_);
     spread(to, verts, corners, region, false);
   }
   if (std::abs(covered_ - 1) <= kFull) return overlaps_;
   seen_.clear(), queue_.clear(), start(center_);
-  for (std::size_t i = 0; i < 4; ++i) start(tet_at(corners[i], hints[i]));
+  for (std::size_t i = 0; i < 4; ++i) start(from_.tet_at(corners[i], hints[i]));
   spread(to, verts, corners, region, true);
   return overlaps_;
 }
@@ -81,47 +68,47 @@ std::span<const Overlap> OverlapFinder::find(const TetView& to, const TetVerts& 
 void OverlapFinder::spread(const TetView& to, const TetVerts& verts, const Corners& corners, std::uint32_t region,
                            bool touching) {
   overlaps_.clear(), covered_ = 0;
-  const TetView from = mesh_.mesh();
   for (std::size_t next = 0; next < queue_.size(); ++next) {
-    const std::uint32_t tet = queue_[next];
+    const BackgroundTet tet = queue_[next];
+    const OldTet old = from_[tet];
     FaceValues values;
-    for (std::size_t face = 0; face < 4; ++face) values[face] = face_values(from, from.tets[tet], face, corners);
+    for (std::size_t face = 0; face < 4; ++face) values[face] = face_values(old.points, old.verts, face, corners);
     ClippedTet clipped;
-    if (regions_[tet] == region) clipped = clip_tet(values);
+    if (old.region == region) clipped = clip_tet(values);
     const bool overlaps = clipped.share > kLeastShare;
     if (overlaps) {
       overlaps_.push_back({tet, clipped.share, clipped.moment});
       covered_ += clipped.share;
     }
-    const bool all = touching && touches(values, to, verts, tet);
-    for (const FaceCode face : FaceCode::of(tet)) {
-      const FaceCode behind = mesh_.behind(face);
-      if (behind.valid() && (all || (overlaps && clipped.crossed[face.side()]))) start(behind.tet());
+    const bool all = touching && touches(values, to, verts, old.corners());
+    for (std::uint32_t side = 0; side < 4; ++side) {
+      if (!all && !(overlaps && clipped.crossed[side])) continue;
+      const BackgroundFace behind = from_.behind({tet, side});
+      if (behind.valid()) start(behind.tet());
     }
   }
 }
 
 /// False only where a plane of one of them has the two on different sides.
 bool OverlapFinder::touches(const FaceValues& values, const TetView& to, const TetVerts& verts,
-                            std::uint32_t tet) const {
+                            const Corners& corners) const {
   if (std::any_of(values.begin(), values.end(), lies_behind)) return false;
-  const Corners corners = corners_of(mesh_.mesh(), tet);
   for (std::size_t face = 0; face < 4; ++face)
-    if (lies_behind(face_values(to, verts, face, corners))) return false;
+    if (lies_behind(face_values(to.points, verts, face, corners))) return false;
   return true;
 }
 
-std::uint32_t OverlapFinder::nearest(std::uint32_t region) {
+BackgroundTet OverlapFinder::nearest(std::uint32_t region) {
   seen_.clear(), queue_.clear(), start(center_);
   for (std::size_t next = 0; next < queue_.size() && next < kMostAround; ++next) {
-    const std::uint32_t tet = queue_[next];
-    if (regions_[tet] == region) return tet;
-    for (const FaceCode face : FaceCode::of(tet)) {
-      const FaceCode behind = mesh_.behind(face);
+    const BackgroundTet tet = queue_[next];
+    if (from_[tet].region == region) return tet;
+    for (std::uint32_t side = 0; side < 4; ++side) {
+      const BackgroundFace behind = from_.behind({tet, side});
       if (behind.valid()) start(behind.tet());
     }
   }
-  return kNone;
+  return kNoTet;
 }
 
 }  // namespace tetloom::adapt

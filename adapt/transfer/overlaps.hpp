@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "adapt/metric/background.hpp"
 #include "adapt/transfer/clip_tet.hpp"
+#include "adapt/transfer/old_tets.hpp"
 
 namespace tetloom::adapt {
 
 /// What an old tet has in common with a new one.
 struct Overlap {
-  std::uint32_t tet = kNone;
+  BackgroundTet tet = kNoTet;
   double share = 0;                ///< of the volume of the new tet
   std::array<double, 4> moment{};  ///< see ClippedTet
 };
@@ -22,14 +22,17 @@ class NumberSet {
  public:
   void clear();
   /// Whether it was not there yet.
-  bool insert(std::uint32_t number);
+  bool insert(std::uint64_t number);
 
  private:
   void grow();
-  std::size_t slot_of(std::uint32_t number) const;
-  bool is_free(std::size_t slot) const { return slots_[slot] >> 32 != round_; }
+  std::size_t slot_of(std::uint64_t number) const;
+  bool is_free(std::size_t slot) const { return slots_[slot].round != round_; }
 
-  std::vector<std::uint64_t> slots_ = std::vector<std::uint64_t>(64, 0);  ///< round << 32 | number
+  struct Slot {
+    std::uint64_t number = 0, round = 0;
+  };
+  std::vector<Slot> slots_ = std::vector<Slot>(64);
   std::uint64_t round_ = 1;
   std::size_t count_ = 0;
 };
@@ -42,31 +45,29 @@ class NumberSet {
 /// corners as well.
 class OverlapFinder {
  public:
-  /// `regions`: one per tet of `mesh`, which is used while the finder lives.
-  OverlapFinder(const BackgroundMesh& mesh, std::span<const std::uint32_t> regions);
+  /// `from` is used while the finder lives.
+  explicit OverlapFinder(const OldTets& from) : from_(from) {}
 
   /// Overlaps of the tet `verts` of `to` with tets of the region `region`. `hints`: a place near each corner. The
-  /// result is valid until the next call.
+  /// result is valid until the next call. Where the mesh lies in tiles, MissingTile may be thrown.
   std::span<const Overlap> find(const TetView& to, const TetVerts& verts, std::uint32_t region,
                                 const std::array<BackgroundTet, 4>& hints);
   /// The sum of the shares of what was found last, 1 but for round-off where the new tet lies in its region as it was.
   double covered() const { return covered_; }
-  /// A tet of that region which is the fewest faces away from what the last one holds its centre in, kNone where there
+  /// A tet of that region which is the fewest faces away from what the last one holds its centre in, kNoTet where there
   /// is none within thousands of tets.
-  std::uint32_t nearest(std::uint32_t region);
+  BackgroundTet nearest(std::uint32_t region);
 
  private:
   void spread(const TetView& to, const TetVerts& verts, const Corners& corners, std::uint32_t region, bool touching);
-  bool touches(const FaceValues& values, const TetView& to, const TetVerts& verts, std::uint32_t tet) const;
-  std::uint32_t tet_at(const Vec3& x, BackgroundTet hint) const;
-  void start(std::uint32_t tet);
+  bool touches(const FaceValues& values, const TetView& to, const TetVerts& verts, const Corners& corners) const;
+  void start(BackgroundTet tet);
 
-  const BackgroundMesh& mesh_;
-  std::span<const std::uint32_t> regions_;
+  const OldTets& from_;
   std::vector<Overlap> overlaps_;
-  std::vector<std::uint32_t> queue_;
+  std::vector<BackgroundTet> queue_;
   NumberSet seen_;
-  std::uint32_t center_ = kNone;
+  BackgroundTet center_ = kNoTet;
   double covered_ = 0;
 };
 

@@ -76,14 +76,6 @@ adapt::MetricField from_solution(const AdaptCommand& command, const Mesh& mesh, 
   return adapt::metric_from_solution(field.values, {mesh.points, mesh.tet_to_vert}, command.hessian, runner).metric;
 }
 
-// Whether fields are carried over with the mesh as a whole.
-bool needs_whole(const AdaptCommand& command, const PartitionedMesh& parts) {
-  const auto is_on_cells = [&](const std::string& name) {
-    return std::ranges::count(parts.cell_fields, name, &FieldInfo::name) != 0;
-  };
-  return std::ranges::any_of(command.options.transfer, is_on_cells);
-}
-
 // In SharedWork::together.
 PointsOfRank number_points(const PartitionedMesh& parts, const SharedWork& work) {
   PointsOfRank points;
@@ -117,14 +109,6 @@ MeshField metric_at(const PartMesh& part, const AdaptCommand& command, const Ada
   return values;
 }
 
-// Names, to be asked for, without values.
-Mesh fields_of(const PartitionedMesh& parts) {
-  Mesh names;
-  for (const FieldInfo& info : parts.vertex_fields) names.point_fields.push_back({info.name, info.components, {}});
-  for (const FieldInfo& info : parts.cell_fields) names.cell_fields.push_back({info.name, info.components, {}});
-  return names;
-}
-
 }  // namespace
 
 bool has_fields_beside(const std::filesystem::path& mesh) {
@@ -141,7 +125,7 @@ AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, c
   AdaptInput input;
   if (!is_piece_list(command.input)) return input;
   input.parts = read_parts(command.input, work.ranks(), work.runner(), &cancel);
-  if (work.rank_count() > 1 && !needs_whole(command, *input.parts)) {
+  if (work.rank_count() > 1) {
     if (!command.metric_file.empty()) input.points = number_points(*input.parts, work);
     return input;
   }

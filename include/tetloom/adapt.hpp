@@ -176,9 +176,8 @@ MetricConformity measure_conformity(const Mesh& mesh, const adapt::MetricField& 
 // adapt_mesh by several ranks together, and for results in parts.
 
 /// As adapt_mesh, by all ranks together: parts of the mesh are dealt to them anew for every round. All of them give the
-/// same mesh, metric and options; of that mesh each keeps a slice, or all where fields on tets are carried over. What
-/// comes out is the mesh of one process, bit for bit, on rank 0, and an empty one on the others; all else in the result
-/// is the same on all ranks, but for the time.
+/// same mesh, metric and options; of that mesh each keeps a slice. What comes out is the mesh of one process, bit for
+/// bit, on rank 0, and an empty one on the others; all else in the result is the same on all ranks, but for the time.
 ///
 /// A collective call. Errors: also InvalidArgument, where ranks give different meshes, metrics or options; what happens
 /// to one rank, its host's wish to stop too, is the same error on all of them. Thread safety: one call for each
@@ -193,10 +192,9 @@ AdaptResult adapt_mesh_on_ranks(Mesh&& mesh, adapt::MetricField&& metric, const 
                                 Communicator& ranks, const Host& host = {});
 
 /// The same of a mesh that lies in parts, which is emptied, and the metric at the vertices of each of them. No rank has
-/// more of it than its parts and its share, but where fields on tets are carried over, or bodies touch in edges longer
-/// than the metric asks for: then each has all for a while. The mesh is that of the whole one with points by global id
-/// and tets part by part. Errors: also InvalidArgument for a metric of other parts, and those of link_parts; elements
-/// are not named.
+/// more of it than its parts and its share, but where bodies touch in edges longer than the metric asks for: then each
+/// has all for a while. The mesh is that of the whole one with points by global id and tets part by part. Errors: also
+/// InvalidArgument for a metric of other parts, and those of link_parts; elements are not named.
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, PerPart<adapt::MetricField>&& metric,
                                 const AdaptOptions& options, const Host& host = {});
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<adapt::Tensor(const Vec3&)>& metric,

@@ -205,6 +205,41 @@ TEST_CASE("ranks follow a model", "[adapt][ranks]") {
   CHECK(check_like_one_process(mesh, metric, options).report.most_parts > 2);
 }
 
+TEST_CASE("ranks carry fields on tets over within their regions", "[adapt][ranks]") {
+  Mesh cube = unit_cube(6, true);
+  MeshField load{"load", 2, {}};
+  for (std::size_t tet = 0; tet < cube.tet_to_vert.size(); ++tet) {
+    const Vec3& x = cube.points[cube.tet_to_vert[tet][0]];
+    load.values.insert(load.values.end(), {cube.tet_to_entity[tet] + x.x * x.y, x.z - 0.5});
+  }
+  cube.cell_fields = {load};
+  AdaptOptions options = in_parts(1500);
+  options.transfer = {"load"};
+  options.cell_reconstruction = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
+  first_number() = std::uint64_t{1} << 33;
+  const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
+  const AdaptResult result = check_like_one_process(cube, layered, options, {2, 3, 5});
+  CHECK(result.report.most_parts > 3);
+  REQUIRE(result.report.transfers.size() == 1);
+  for (const adapt::FieldTransfer::Component& component : result.report.transfers[0].components)
+    CHECK(component.after.integral == Approx(component.before.integral).margin(1e-14));
+}
+
+TEST_CASE("fields on tets are carried over where a model moves the sides of regions", "[adapt][ranks]") {
+  const auto model = test_models::make_cylinder(0.5, 1);
+  Mesh mesh = test::meshed(*model, 0.3);
+  MeshField load{"load", 1, {}};
+  for (const auto& tet : mesh.tet_to_vert) load.values.push_back(1 + mesh.points[tet[0]].x);
+  mesh.cell_fields = {load};
+  AdaptOptions options = in_parts(800);
+  options.transfer = {"load"}, options.model = model.get();
+  const auto sizes = [](const Vec3&) { return adapt::isotropic(0.09); };
+  const AdaptResult result = check_like_one_process(mesh, sizes, options);
+  CHECK(result.report.most_parts > 3);
+  const auto& [before, after] = result.report.transfers.at(0).components.at(0);
+  CHECK(after.integral == Approx(before.integral).epsilon(1e-12));
+}
+
 TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any number of ranks", "[adapt][ranks]") {
   Mesh cube = unit_cube(4, true);
   MeshField field{"heat", 1, {}};

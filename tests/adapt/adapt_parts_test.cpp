@@ -404,6 +404,21 @@ TEST_CASE("solutions that make no metric are told alike by all ranks", "[adapt][
   CHECK(error.code == ErrorCode::InputUnsuitable);
   CHECK(error.point);
   std::vector<AdaptResult> results(2);
+  Mesh loaded = cube;
+  loaded.cell_fields = {{"load", 1, std::vector<double>(cube.tet_to_vert.size(), 1)}};
+  loaded.cell_fields[0].values[5] = NAN;
+  AdaptOptions carried = options_for(800);
+  carried.transfer = {"load"};
+  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+    results[static_cast<std::size_t>(communicator.rank())] =
+        adapt_mesh_on_ranks(in_parts(loaded, 4, communicator), of_heat(100), carried);
+  });
+  for (const AdaptResult& result : results) {
+    REQUIRE(result.errors.size() == 1);
+    CHECK(result.errors[0].message.find("not finite") != std::string::npos);
+    CHECK(result.errors[0].point);
+    CHECK(result.errors[0].elements.empty());
+  }
   test::on_simulated_ranks(2, [&](Communicator& communicator) {
     const int rank = communicator.rank();
     results[static_cast<std::size_t>(rank)] =

@@ -22,6 +22,12 @@ Mesh box_with_field() {
   MeshField wave{"wave", 2, {}};
   for (const Vec3& x : mesh.points) wave.values.insert(wave.values.end(), {std::sin(x.x), x.y * x.z});
   mesh.point_fields = {wave, {"other", 1, std::vector<double>(mesh.points.size(), 1)}};
+  MeshField step{"wave", 3, {}};
+  for (const auto& tet : mesh.tet_to_vert) {
+    const Vec3& x = mesh.points[tet[1]];
+    step.values.insert(step.values.end(), {x.x, x.y - x.z, std::floor(x.z)});
+  }
+  mesh.cell_fields = {{"other", 1, std::vector<double>(mesh.tet_to_vert.size(), 1)}, step};
   return mesh;
 }
 
@@ -77,6 +83,8 @@ std::size_t differences(const MeshSlice& one, const MeshSlice& other) {
            by_number(other, other.mesh.edge_to_vert, other.mesh.edge_to_entity);
   wrong += one.mesh.point_fields.size() != 1 || other.mesh.point_fields.size() != 1 ||
            one.mesh.point_fields[0].values != other.mesh.point_fields[0].values;
+  wrong += one.mesh.cell_fields.size() != 1 || other.mesh.cell_fields.size() != 1 ||
+           one.mesh.cell_fields[0].values != other.mesh.cell_fields[0].values;
   for (std::size_t dim = 0; dim < 4; ++dim) wrong += one.mesh.entities[dim].size() != other.mesh.entities[dim].size();
   return wrong;
 }

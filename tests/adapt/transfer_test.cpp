@@ -7,6 +7,7 @@
 #include "adapt/transfer/overlaps.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tetloom/adapt.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
@@ -18,9 +19,8 @@ constexpr TetVerts kFirst{0, 1, 2, 3}, kSecond{4, 5, 6, 7};
 
 ClippedTet clip(const Corners& tet, const Corners& by) {
   std::vector<Vec3> points(by.begin(), by.end());
-  const std::vector<TetVerts> tets{kFirst};
   FaceValues values;
-  for (std::size_t face = 0; face < 4; ++face) values[face] = face_values({points, tets}, kFirst, face, tet);
+  for (std::size_t face = 0; face < 4; ++face) values[face] = face_values(points, kFirst, face, tet);
   return clip_tet(values);
 }
 
@@ -63,8 +63,37 @@ struct Transfer {
 
   std::vector<double> operator()(const std::vector<double>& values, adapt::CellReconstruction shape,
                                  std::size_t components = 1) const {
-    return transfer_cells({background, from.tet_to_entity, {values, components}}, {tets_of(to), to.tet_to_entity},
-                          background.locate(to.points, runner), shape, runner);
+    return put_right(values, means(values, shape, components, 0, to.tet_to_vert.size()), components);
+  }
+
+  // Of some of the new tets, before integrals are put right.
+  std::vector<double> means(const std::vector<double>& values, adapt::CellReconstruction shape, std::size_t components,
+                            std::size_t begin, std::size_t end) const {
+    const CellValues cells{values, components};
+    const std::size_t count = from.tet_to_vert.size();
+    std::vector<Vec3> slopes;
+    if (shape == adapt::CellReconstruction::Linear)
+      slopes = limited_slopes({tets_of(from), background.links(), from.tet_to_entity, 0, count}, cells, runner);
+    const OldTets old(background, from.tet_to_entity, cells, slopes);
+    const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, cells, runner);
+    const TetsInRegions tets{{to.points, std::span(to.tet_to_vert).subspan(begin, end - begin)},
+                             std::span(to.tet_to_entity).subspan(begin, end - begin)};
+    const auto places = background.locate(to.points, runner);
+    std::vector<double> made((end - begin) * components);
+    look_up_all(nullptr, end - begin, 100, runner, [&] {
+      return [&, averager = CellAverager(old, before, tets, places, runner)](std::size_t tet) mutable {
+        averager.put_means(tet, &made[tet * components]);
+      };
+    });
+    return made;
+  }
+
+  std::vector<double> put_right(const std::vector<double>& values, std::vector<double> made,
+                                std::size_t components) const {
+    const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, {values, components}, runner);
+    const RegionSums after = sum_cells({tets_of(to), to.tet_to_entity}, {made, components}, runner);
+    put_right_cells(before, after, to.tet_to_entity, made, runner);
+    return made;
   }
 
   const Mesh &from, &to;
@@ -163,7 +192,9 @@ TEST_CASE("overlaps fill every new tet and every old one", "[transfer]") {
   const auto [n, m] = GENERATE(std::pair(5, 7), std::pair(7, 4), std::pair(4, 4));
   const Mesh from = mapped_cube(n, 1, squeeze), to = mapped_cube(m, n == m ? 1 : 2, swapped);
   const BackgroundMesh background(tets_of(from), {}, TaskRunner(1));
-  OverlapFinder finder(background, from.tet_to_entity);
+  const std::vector<double> zeros(from.tet_to_vert.size(), 0);
+  const OldTets old(background, from.tet_to_entity, {zeros, 1});
+  OverlapFinder finder(old);
   std::vector<double> filled(from.tet_to_vert.size(), 0);
   for (std::uint32_t tet = 0; tet < to.tet_to_vert.size(); ++tet) {
     const auto overlaps = finder.find(tets_of(to), to.tet_to_vert[tet], 0, {kNoTet, kNoTet, kNoTet, kNoTet});
@@ -182,10 +213,12 @@ TEST_CASE("overlaps fill every new tet and every old one", "[transfer]") {
 TEST_CASE("overlaps are those of all pairs", "[transfer]") {
   const Mesh from = cube(4, 1, true), to = cube(6, 2, true);
   const BackgroundMesh background(tets_of(from), {}, TaskRunner(1));
-  OverlapFinder finder(background, from.tet_to_entity);
+  const std::vector<double> zeros(from.tet_to_vert.size(), 0);
+  const OldTets old(background, from.tet_to_entity, {zeros, 1});
+  OverlapFinder finder(old);
   for (std::uint32_t tet = 0; tet < to.tet_to_vert.size(); tet += 7) {
     const std::uint32_t region = to.tet_to_entity[tet];
-    std::vector<std::uint32_t> found, all;
+    std::vector<BackgroundTet> found, all;
     for (const Overlap& overlap :
          finder.find(tets_of(to), to.tet_to_vert[tet], region, {kNoTet, kNoTet, kNoTet, kNoTet}))
       if (overlap.share > 1e-12) found.push_back(overlap.tet);
@@ -206,12 +239,14 @@ TEST_CASE("a tet outside of its region as it was has the value of the nearest te
     const std::vector<Vec3> points{{x, 0.4, 0.4}, {x + 0.1, 0.4, 0.4}, {x, 0.5, 0.4}, {x, 0.4, 0.5}};
     const std::vector<TetVerts> tets{kFirst};
     const BackgroundMesh background(tets_of(from), {}, TaskRunner(1));
-    OverlapFinder finder(background, from.tet_to_entity);
+    const std::vector<double> zeros(from.tet_to_vert.size(), 0);
+    const OldTets old(background, from.tet_to_entity, {zeros, 1});
+    OverlapFinder finder(old);
     CHECK(finder.find({points, tets}, kFirst, 0, {kNoTet, kNoTet, kNoTet, kNoTet}).empty());
-    const std::uint32_t nearest = finder.nearest(0);
-    REQUIRE(nearest != kNone);
+    const BackgroundTet nearest = finder.nearest(0);
+    REQUIRE(nearest != kNoTet);
     CHECK(from.tet_to_entity[nearest] == 0);
-    CHECK(finder.nearest(7) == kNone);
+    CHECK(finder.nearest(7) == kNoTet);
   }
 }
 
@@ -331,21 +366,12 @@ TEST_CASE("means of any tets, put together and put right, are what all tets have
   const Mesh from = cube(5, 1), to = cube(7, 2);
   const Transfer transfer(from, to);
   const std::vector<double> values = sampled(from, [](const Vec3& x) { return 1 + x.x * x.y - x.z; });
-  const CellSource source{transfer.background, from.tet_to_entity, {values, 1}};
-  const auto places = transfer.background.locate(to.points);
   const std::size_t half = to.tet_to_vert.size() / 2;
-  const auto part = [&](std::size_t begin, std::size_t end) {
-    const TetView tets{to.points, std::span(to.tet_to_vert).subspan(begin, end - begin)};
-    return average_cells(source, {tets, std::span(to.tet_to_entity).subspan(begin, end - begin)}, places,
-                         adapt::CellReconstruction::Linear, transfer.runner);
-  };
-  std::vector<double> carried = part(0, half);
-  const std::vector<double> rest = part(half, to.tet_to_vert.size());
+  const auto shape = adapt::CellReconstruction::Linear;
+  std::vector<double> carried = transfer.means(values, shape, 1, 0, half);
+  const std::vector<double> rest = transfer.means(values, shape, 1, half, to.tet_to_vert.size());
   carried.insert(carried.end(), rest.begin(), rest.end());
-  const auto before = sum_cells(source, {tets_of(from), from.tet_to_entity}, values, transfer.runner);
-  const auto after = sum_cells(source, {tets_of(to), to.tet_to_entity}, carried, transfer.runner);
-  put_right_cells(source, before, after, to.tet_to_entity, carried, transfer.runner);
-  CHECK(carried == transfer(values, adapt::CellReconstruction::Linear));
+  CHECK(transfer.put_right(values, carried, 1) == transfer(values, shape));
 }
 
 TEST_CASE("a transfer can be cancelled", "[transfer]") {
@@ -353,10 +379,15 @@ TEST_CASE("a transfer can be cancelled", "[transfer]") {
   const Transfer transfer(from, to);
   const auto places = transfer.background.locate(to.points);
   const std::vector<double> values(from.tet_to_vert.size(), 1);
+  const OldTets old(transfer.background, from.tet_to_entity, {values, 1});
+  const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, {values, 1}, transfer.runner);
   CancelToken stop;
   stop.cancel();
   const TaskRunner runner(1, {nullptr, &stop});
-  CHECK_THROWS_AS(transfer_cells({transfer.background, from.tet_to_entity, {values, 1}},
-                                 {tets_of(to), to.tet_to_entity}, places, adapt::CellReconstruction::Linear, runner),
-                  Error);
+  CellAverager averager(old, before, {tets_of(to), to.tet_to_entity}, places, runner);
+  const auto average_all = [&] {
+    double mean = 0;
+    for (std::size_t tet = 0; tet < to.tet_to_vert.size(); ++tet) averager.put_means(tet, &mean);
+  };
+  CHECK_THROWS_AS(average_all(), Error);
 }

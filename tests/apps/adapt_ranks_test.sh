@@ -57,8 +57,11 @@ on_ranks 2 adapt mesh.mesh -o parts.pvtu --parts 4 --metric sizes.sol --report r
 "$tetloom" check parts.pvtu --quiet --report check.json
 [ "$(grep '"digest"' report.json)" = "$(grep '"digest"' check.json)" ] || fail "another digest of the parts"
 
-# From pieces to pieces, also on more ranks than pieces.
-cp sizes.sol mesh.sol
+# From pieces to pieces, also on more ranks than pieces; a field on points, and one on tets, are carried over.
+sed '$d' sizes.sol > mesh.sol
+awk '/^ *Tetrahedra/ { getline count; printf "SolAtTetrahedra\n%d\n1 1\n", count
+    for (i = 0; i < count; ++i) print i % 7
+    print "End"; exit }' mesh.mesh >> mesh.sol
 field="--metric-field solution_1 --transfer solution_1 --quiet --report report.json"
 # shellcheck disable=SC2086
 "$tetloom" adapt mesh.mesh -o pieces.pvtu --parts 5 $field

@@ -171,6 +171,20 @@ void SharedWork::for_each(std::span<const double> work, std::span<const int> own
 
 void SharedWork::each(const std::function<void()>& work) const { is_shared() ? meet(work) : work(); }
 
+void SharedWork::sum(std::span<ExactSum> values) const {
+  std::vector<std::int64_t> words;
+  for (ExactSum& value : values) {
+    value.carry();
+    words.insert(words.end(), value.words().begin(), value.words().end());
+  }
+  sum(words);
+  auto next = words.cbegin();
+  for (ExactSum& value : values) {
+    for (std::int64_t& word : value.words()) word = *next++;
+    value.carry();
+  }
+}
+
 std::vector<Bytes> SharedWork::all_gather(const Put& put) const {
   MessageWriter writer;
   each([&] { put(writer); });

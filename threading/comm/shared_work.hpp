@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/exact_sum.hpp"
 #include "tetloom/communicator.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
@@ -76,6 +77,7 @@ class SharedWork {
   void each(const std::function<void()>& work) const;
   /// As in collectives.hpp, where `put` stops early, too.
   void sum(std::span<std::int64_t> values) const { ranks().sum(values); }
+  void sum(std::span<ExactSum> values) const;
   void max(std::span<double> values) const { ranks().max(values); }
   std::vector<Bytes> all_gather(const Put& put) const;
   std::vector<Bytes> exchange(const PutForRanks& put) const;

@@ -54,6 +54,13 @@ Message whole_message(const Part& part, PartId sender) {
 
 }  // namespace
 
+Mesh fields_of(const PartitionedMesh& mesh) {
+  Mesh names;
+  for (const FieldInfo& info : mesh.vertex_fields) names.point_fields.push_back({info.name, info.components, {}});
+  for (const FieldInfo& info : mesh.cell_fields) names.cell_fields.push_back({info.name, info.components, {}});
+  return names;
+}
+
 PartitionedMesh distribute_mesh(const Mesh& mesh, Communicator& communicator) {
   PartitionedMesh result(communicator, 1);
   run_on_first(communicator, [&] { result.parts.at(PartId(0)).mesh = make_part(mesh); });
