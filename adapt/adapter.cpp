@@ -167,7 +167,6 @@ void Adapter::carry_fields(AdaptReport& report) {
     std::vector<TetVerts> tets;
     work_.each([&] { tets = tets_of(whole_, runner_); });
     const TetsInRegions share{{whole_.points.span(), tets}, whole_.to_region.span()};
-    if (tiles_) fetch_tiles_of_hints();
     // The hints of vertices are those of any number of ranks, and so are the places.
     carried_ = carrier_->carry(share, whole_.to_hint.span(), options_.cell_reconstruction, work_);
     report.transfers = carrier_->finish(share, carried_, work_);
@@ -226,15 +225,9 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
 // Calls look_up(v) for all vertices. In together where there are tiles.
 template <class LookUp>
 void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
-  BackgroundTiles* const tiles = needs_tiles ? tiles_.get() : nullptr;
-  if (tiles != nullptr) fetch_tiles_of_hints();
-  look_up_all(tiles, whole_.points.size(), kGrain, work_, [&] { return std::cref(look_up); });
-}
-
-void Adapter::fetch_tiles_of_hints() {
-  std::vector<std::uint32_t> tiles;
-  for (const BackgroundTet hint : whole_.to_hint) tiles.push_back(tiles_->tile_of(hint));
-  tiles_->fetch_only(std::move(tiles), work_);
+  const auto tile_of = [&](std::size_t v) { return tiles_->tile_of(whole_.to_hint[v]); };
+  look_up_all(needs_tiles ? tiles_.get() : nullptr, whole_.points.size(), kGrain, work_, tile_of,
+              [&] { return std::cref(look_up); });
 }
 
 // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.

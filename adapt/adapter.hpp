@@ -81,7 +81,6 @@ class Adapter {
   void keep_background(std::size_t given, MetricField&& metric);
   template <class LookUp>
   void look_up_verts(const LookUp& look_up, bool needs_tiles = true);
-  void fetch_tiles_of_hints();
   double refinement();
   void follow_stages();
   void approach_metric();

@@ -158,6 +158,24 @@ void BackgroundTiles::fetch_some(std::span<const std::uint32_t> tiles, const Sha
   });
 }
 
+void BackgroundTiles::for_some_tiles(std::span<const TileUse> uses, const SharedWork& work,
+                                     const std::function<void(std::span<const TileUse>)>& look_up) {
+  constexpr std::size_t kAtOnce = 128;
+  std::vector<std::uint32_t> tiles;
+  std::vector<std::size_t> firsts;  // uses of each of them
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    if (tiles.empty() || tiles.back() != uses[i].tile) tiles.push_back(uses[i].tile), firsts.push_back(i);
+  firsts.push_back(uses.size());
+  std::array<double, 1> most{static_cast<double>(tiles.size())};
+  work.max(most);
+  for (std::size_t first = 0; first < static_cast<std::size_t>(most[0]); first += kAtOnce) {
+    const std::size_t begin = std::min(first, tiles.size()), end = std::min(first + kAtOnce, tiles.size());
+    fetch_only({tiles.begin() + static_cast<std::ptrdiff_t>(begin), tiles.begin() + static_cast<std::ptrdiff_t>(end)},
+               work);
+    look_up(uses.subspan(firsts[begin], firsts[end] - firsts[begin]));
+  }
+}
+
 void BackgroundTiles::drop_fetched() {
   for (std::uint32_t tile = 0; tile < held_.size(); ++tile)
     if (!is_own(tile)) held_[tile].reset();

@@ -22,6 +22,12 @@ struct MissingTile {
   std::uint32_t tile;
 };
 
+/// What needs a tile, by a number of its own.
+struct TileUse {
+  std::uint32_t tile, number;
+  auto operator<=>(const TileUse&) const = default;
+};
+
 /// Places and metrics are those that the whole mesh would give, bit by bit: what is not at hand is not guessed at but
 /// asked for. So which tiles are at hand decides about time alone.
 ///
@@ -53,7 +59,7 @@ class BackgroundTiles {
 
   Tensor log_metric_at(const BackgroundPlace& place) const {
     const Tile& tile = tile_with(place.tet);
-    return mean_of_corners(tile.logs, place, tile.to_vert[place_in_tile(place.tet)]);
+    return tile.log_metric_at(place, place_in_tile(place.tet));
   }
   Tensor implied_log_at(const BackgroundPlace& place) const {
     const Tile& tile = tile_with(place.tet);
@@ -88,6 +94,10 @@ class BackgroundTiles {
 
   /// These tiles are at hand afterwards, and no others but those at home. In SharedWork::together.
   void fetch_only(std::vector<std::uint32_t>&& tiles, const SharedWork& work);
+  /// Calls `look_up` with some of the uses after the other, which are those of a few tiles that are at hand then; with
+  /// none where other ranks have more of them. `uses` ascend. In SharedWork::together, as is `look_up`.
+  void for_some_tiles(std::span<const TileUse> uses, const SharedWork& work,
+                      const std::function<void(std::span<const TileUse>)>& look_up);
   /// Gives back what came from elsewhere.
   void drop_fetched();
   /// Gives back the implied metrics, here and, as all ranks call it, elsewhere.
@@ -145,11 +155,13 @@ inline void until_found(BackgroundTiles* tiles, const SharedWork& work, const st
   work.each(attempt);
 }
 
-/// For blocks of `grain` numbers below `count` calls `begin()`, and what it returns with each number; again with those
-/// that asked for a tile that was not at hand, once it is. In SharedWork::together where there are tiles.
-template <class Begin>
+/// For blocks of at most `grain` numbers below `count` calls `begin()`, and what it returns with each number. Where there
+/// are tiles: with those of a few tiles at a time, which are at hand then, by the tile `tile_of(i)` that number i needs
+/// first; again with those that asked for another one, once that is at hand too. Some of the tiles are at hand
+/// afterwards. In SharedWork::together where there are tiles.
+template <class TileOf, class Begin>
 void look_up_all(BackgroundTiles* tiles, std::size_t count, std::size_t grain, const SharedWork& work,
-                 const Begin& begin) {
+                 const TileOf& tile_of, const Begin& begin) {
   if (tiles == nullptr) {
     work.runner().for_blocks(count, grain, [&](std::size_t first, std::size_t last) {
       auto look_up = begin();
@@ -157,12 +169,20 @@ void look_up_all(BackgroundTiles* tiles, std::size_t count, std::size_t grain, c
     });
     return;
   }
-  std::vector<std::vector<std::uint32_t>> waiting((count + grain - 1) / grain);
-  for (std::uint32_t i = 0; i < count; ++i) waiting[i / grain].push_back(i);
-  tiles->until_found(work, [&] {
-    work.runner().for_each(waiting.size(), [&](std::size_t block) {
-      auto look_up = begin();
-      std::erase_if(waiting[block], [&](std::uint32_t i) { return tiles->finds([&] { look_up(i); }); });
+  std::vector<TileUse> uses;
+  work.each([&] {
+    uses.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) uses.push_back({tile_of(i), i});
+    std::ranges::sort(uses);
+  });
+  tiles->for_some_tiles(uses, work, [&](std::span<const TileUse> some) {
+    std::vector<std::vector<std::uint32_t>> waiting((some.size() + grain - 1) / grain);
+    for (std::size_t i = 0; i < some.size(); ++i) waiting[i / grain].push_back(some[i].number);
+    tiles->until_found(work, [&] {
+      work.runner().for_each(waiting.size(), [&](std::size_t block) {
+        auto look_up = begin();
+        std::erase_if(waiting[block], [&](std::uint32_t i) { return tiles->finds([&] { look_up(i); }); });
+      });
     });
   });
 }

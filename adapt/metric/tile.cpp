@@ -8,7 +8,8 @@ Tile Tile::read(const Bytes& bytes) {
   MessageReader reader(bytes);
   Tile tile;
   tile.points = reader.get_view<Vec3>();
-  tile.logs = reader.get_view<Tensor>(), tile.implied = reader.get_view<Tensor>();
+  tile.logs = reader.get_view<Tensor>(), tile.sizes = reader.get_view<double>();
+  tile.implied = reader.get_view<Tensor>();
   tile.fields = reader.get_view<double>();
   tile.to_vert = reader.get_view<std::array<std::uint16_t, 4>>();
   tile.links = reader.get_view<std::array<FaceCode, 4>>();
@@ -22,7 +23,7 @@ Tile Tile::read(const Bytes& bytes) {
 
 void put_tile(const Tile& tile, MessageWriter& writer) {
   writer.put_array(tile.points);
-  writer.put_array(tile.logs), writer.put_array(tile.implied);
+  writer.put_array(tile.logs), writer.put_array(tile.sizes), writer.put_array(tile.implied);
   writer.put_array(tile.fields);
   writer.put_array(tile.to_vert), writer.put_array(tile.links), writer.put_array(tile.linked);
   writer.put_array(tile.numbers);
@@ -34,7 +35,8 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
 Bytes bytes_of(const Tile& tile) {
   constexpr std::size_t kLengths = 256;  // of arrays, and what aligns them
   MessageWriter writer;
-  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.implied.size_bytes() +
+  writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.sizes.size_bytes() +
+                 tile.implied.size_bytes() +
                  tile.fields.size_bytes() + tile.to_vert.size_bytes() + tile.links.size_bytes() +
                  tile.linked.size_bytes() + tile.numbers.size_bytes() + tile.regions.size_bytes() +
                  tile.cells.size_bytes() + tile.slopes.size_bytes() + tile.boundary.size_bytes());

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "adapt/metric/background_place.hpp"
 #include "adapt/metric/tet_links.hpp"
 #include "tetloom/communicator.hpp"
 #include "tetloom/metric.hpp"
@@ -24,7 +25,8 @@ inline constexpr std::uint32_t kFacesOfBox = 32, kTetsOfBox = 128;
 /// tile's own.
 struct Tile {
   std::span<const Vec3> points;
-  std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function
+  std::span<const Tensor> logs;     ///< of the metric, per vertex; none where there is a function, or
+  std::span<const double> sizes;    ///< where all are a multiple of the identity: the factors
   std::span<const Tensor> implied;  ///< of the metric in which the mesh is unit; none once no stage needs it
   std::span<const double> fields;   ///< on points that are carried over, all components of a vertex side by side
   std::span<const std::array<std::uint16_t, 4>> to_vert;
@@ -36,6 +38,14 @@ struct Tile {
   std::span<const double> cells;  ///< all components of a tet side by side
   std::span<const Vec3> slopes;   ///< as of limited_slopes; none where tets have constants
   std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
+
+  /// The logarithm of the metric there, `place.tet` being the tet `tet` of the tile. Pre: there is a metric.
+  Tensor log_metric_at(const BackgroundPlace& place, std::uint32_t tet) const {
+    if (sizes.empty()) return mean_of_corners(logs, place, to_vert[tet]);
+    double sum = place.weights[0] * sizes[to_vert[tet][0]];
+    for (std::size_t i = 1; i < 4; ++i) sum += place.weights[i] * sizes[to_vert[tet][i]];
+    return diagonal(sum, sum, sum);
+  }
 
   /// What put_tile has put; valid as long as the bytes are.
   static Tile read(const Bytes& bytes);

@@ -43,8 +43,8 @@ void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<co
   });
 }
 
-// How a rank goes through its parts, and the tiles that they need: all at once, or where that is much more than its
-// share of all tiles, some at a time. All ranks do so equally often.
+// How a rank goes through its parts, and the tiles that they need: some at a time, which need half of what the rank is
+// home to, about. All ranks do so equally often.
 class Batches {
  public:
   Batches(std::span<const PartOfWhole> parts, BackgroundTiles* tiles, const SharedWork& work)
@@ -79,7 +79,9 @@ class Batches {
     const auto most = part_count_ / static_cast<std::size_t>(work_.runner().threads());
     const double share = static_cast<double>(tiles_->tile_count()) / work_.rank_count();
     const double needed = static_cast<double>(tiles_of(0, part_count_).size());
-    return std::clamp<std::size_t>(static_cast<std::size_t>(needed / share + 0.5), 1, std::max<std::size_t>(1, most));
+    constexpr double kOfShare = 0.5;
+    return std::clamp<std::size_t>(static_cast<std::size_t>(needed / share / kOfShare + 0.5), 1,
+                                   std::max<std::size_t>(1, most));
   }
 
   BackgroundTiles* tiles_;

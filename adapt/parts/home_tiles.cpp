@@ -10,6 +10,8 @@ namespace tetloom::adapt {
 
 namespace {
 
+bool is_isotropic(const Tensor& log) { return log == diagonal(log.xx, log.xx, log.xx); }
+
 // What came from one rank, where it lies.
 struct Packet {
   explicit Packet(const Bytes& bytes) {
@@ -112,6 +114,11 @@ class HomeTiles {
       if (has_metric_) logs.push_back(logs_[v]);
       for (std::size_t c = 0; c < components_; ++c) fields.push_back(fields_[v * components_ + c]);
     }
+    std::vector<double> sizes;
+    if (has_metric_ && std::ranges::all_of(logs, is_isotropic)) {
+      for (const Tensor& log : logs) sizes.push_back(log.xx);
+      logs.clear();
+    }
     std::vector<std::array<std::uint16_t, 4>> to_vert(count);
     std::vector<std::uint16_t> boundary;
     for (std::size_t i = 0; i < count; ++i) {
@@ -126,7 +133,7 @@ class HomeTiles {
     const auto of_tets = [&](const auto& all, std::size_t each) {
       return std::span(all).subspan(begin * each, count * each);
     };
-    return bytes_of({points, logs, implied, fields, to_vert, links, linked, of_tets(numbers_, 1),
+    return bytes_of({points, logs, sizes, implied, fields, to_vert, links, linked, of_tets(numbers_, 1),
                      of_tets(regions_, cell_components_ > 0 ? 1 : 0), of_tets(cells_, cell_components_),
                      of_tets(slopes_, slope_components_), boundary});
   }

@@ -224,7 +224,8 @@ CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::span<const Backg
   CarriedFields carried;
   carried.on_points.resize(hints.size() * point_components_);
   std::vector<BackgroundPlace> places(hints.size());
-  look_up_all(tiles_, hints.size(), kGrain, work, [&] {
+  const auto tile_of = [&](std::size_t v) { return tiles_->tile_of(hints[v]); };
+  look_up_all(tiles_, hints.size(), kGrain, work, tile_of, [&] {
     return [&](std::size_t v) {
       places[v] = background_.locate(to.mesh.points[v], hints[v]);
       put_values_at(places[v], carried.on_points.data() + v * point_components_);
@@ -250,7 +251,8 @@ std::vector<double> FieldCarrier::average_cells(const OldTets& from, const TetsI
                                                 std::span<const BackgroundPlace> places,
                                                 const SharedWork& work) const {
   std::vector<double> values(to.regions.size() * tet_components_);
-  look_up_all(tiles_, to.regions.size(), kCellGrain, work, [&] {
+  const auto tile_of = [&](std::size_t tet) { return tiles_->tile_of(places[to.mesh.tets[tet][0]].tet); };
+  look_up_all(tiles_, to.regions.size(), kCellGrain, work, tile_of, [&] {
     return [&, averager = CellAverager(from, before_.regions, to, places, work.runner())](std::size_t tet) mutable {
       averager.put_means(tet, &values[tet * tet_components_]);
     };

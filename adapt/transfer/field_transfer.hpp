@@ -63,8 +63,7 @@ class FieldCarrier {
 
   bool has_none() const { return on_points_.empty() && on_tets_.empty(); }
   /// What the points and tets of `to` get, which may be some of the mesh: before integrals are put right. `hints`: for
-  /// all of its points; tiles that have these are at hand. Values do not depend on what else is in `to`. In
-  /// SharedWork::together. Errors: Cancelled.
+  /// all of its points. Values do not depend on what else is in `to`. In SharedWork::together. Errors: Cancelled.
   CarriedFields carry(const TetsInRegions& to, std::span<const BackgroundTet> hints, CellReconstruction shape,
                       const SharedWork& work) const;
   /// Puts integrals on tets right, and says what has become of the fields; those on points come first. `to`: what this

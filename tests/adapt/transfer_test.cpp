@@ -80,7 +80,8 @@ struct Transfer {
                              std::span(to.tet_to_entity).subspan(begin, end - begin)};
     const auto places = background.locate(to.points, runner);
     std::vector<double> made((end - begin) * components);
-    look_up_all(nullptr, end - begin, 100, runner, [&] {
+    const auto no_tile = [](std::size_t) { return 0u; };
+    look_up_all(nullptr, end - begin, 100, runner, no_tile, [&] {
       return [&, averager = CellAverager(old, before, tets, places, runner)](std::size_t tet) mutable {
         averager.put_means(tet, &made[tet * components]);
       };
