@@ -190,7 +190,7 @@ class Start {
     give_back_where_shared(work_);
     work_.each([&] {
       report_.before = measure_conformity(mesh, metric, runner_);
-      check_load(load_of(mesh.tet_to_vert.size(), false));
+      check_load(load_of(mesh.tet_to_vert.size(), mesh));
     });
     give_back_where_shared(work_);
     work_.each([&] {
@@ -200,8 +200,12 @@ class Start {
     });
   }
 
-  AdaptLoad load_of(std::size_t tets, bool is_shared) const {
-    return {report_.before.complexity, static_cast<double>(tets), is_shared, work_.rank_count(),
+  // `fields`: of what is given, with or without values.
+  AdaptLoad load_of(std::size_t tets, const Mesh& fields) const {
+    double components = 0;
+    for (const MeshField& field : fields.cell_fields)
+      if (std::ranges::count(options_.transfer, field.name) != 0) components += field.components;
+    return {report_.before.complexity, static_cast<double>(tets), components, work_.rank_count(),
             work_.ranks().ranks_on_machine()};
   }
 
@@ -219,7 +223,7 @@ class Start {
   void start_slice(MeshSlice&& slice) {
     if (!call_.function) limit(slice);
     report_.before = conformity_of(slice, work_);
-    work_.each([&] { check_load(load_of(slice.tet_count(), true)); });
+    work_.each([&] { check_load(load_of(slice.tet_count(), slice.mesh)); });
     give_back_where_shared(work_);
     if (touches_itself(slice)) split_together(slice);
     adapter_.emplace(share_of(std::move(slice), static_cast<bool>(call_.function), options_, work_), call_.function,

@@ -57,8 +57,8 @@ ShareCells cells_of(const MeshSlice& slice, const WholeMesh& mesh, const TetView
   ShareCells own{all.components, options.cell_reconstruction == CellReconstruction::Linear, {}, {}};
   if (all.components == 0) return own;
   if (own.has_slopes)
-    own.slopes = limited_slopes({tets, mesh.to_neighbor.span(), mesh.to_region.span(), slice.begin, slice.end}, all,
-                                runner);
+    own.slopes =
+        limited_slopes({tets, mesh.to_neighbor.span(), mesh.to_region.span(), slice.begin, slice.end}, all, runner);
   const auto begin = all.values.begin();
   own.values.assign(begin + static_cast<std::ptrdiff_t>(slice.begin * all.components),
                     begin + static_cast<std::ptrdiff_t>(slice.end * all.components));

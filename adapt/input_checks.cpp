@@ -19,8 +19,9 @@ namespace {
 
 // At the least.
 constexpr double kBytesPerTet = 150;          // of the result, on the rank that has it
-constexpr double kBytesPerGiven = 50;         // on every rank, where each has all of what is given
+constexpr double kBytesPerGiven = 50;         // of what is given, in one process
 constexpr double kBytesPerGivenInTiles = 85;  // on the rank that has it: the tile at home, and copies elsewhere
+constexpr double kBytesPerComponent = 100;    // of a field on what is given: values, gradients, and copies of both
 // Indices of entities: as many again are left for corners and edges that the mesh does not name, below kTouching.
 constexpr std::uint32_t kMostGiven = kTouching / 2;
 
@@ -122,18 +123,19 @@ void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
     throw Error(ErrorCode::OutOfMemory, "the metric asks for about " + text_of(tets) +
                                             " tetrahedra, more than can be counted; ask for larger sizes");
   const std::uint64_t room = limits.for_each_of(load.ranks_on_machine);
-  const double kept = load.is_shared ? 0 : kBytesPerGiven * load.given;
-  const double shared = kBytesPerTet * tets + (load.is_shared ? kBytesPerGivenInTiles * load.given : 0);
-  if (room == MemoryLimits::kUnlimited || kept + shared / load.ranks <= static_cast<double>(room)) return;
-  std::string message = "the mesh would hold about " + text_of(tets) + " tetrahedra and need " +
-                        text_of((kept + shared / load.ranks) / 1e9) + " GB of memory" +
-                        (load.ranks > 1 ? " on each of " + std::to_string(load.ranks) + " ranks, but " : ", but ") +
-                        text_of(static_cast<double>(room) / 1e9) + " GB are free" +
-                        (load.ranks > 1 ? " for each" : "") + "; ask for larger sizes";
-  if (kept < static_cast<double>(room))
-    message +=
-        ", or for " + text_of(std::ceil(shared / (static_cast<double>(room) - kept))) + " ranks that have as much each";
-  throw Error(ErrorCode::OutOfMemory, message);
+  const auto bytes = [&](double per_given) {
+    return kBytesPerTet * tets + (per_given + kBytesPerComponent * load.components) * load.given;
+  };
+  const double all = bytes(load.ranks > 1 ? kBytesPerGivenInTiles : kBytesPerGiven);
+  if (room == MemoryLimits::kUnlimited || all / load.ranks <= static_cast<double>(room)) return;
+  throw Error(ErrorCode::OutOfMemory,
+              "the mesh would hold about " + text_of(tets) + " tetrahedra and need " + text_of(all / load.ranks / 1e9) +
+                  " GB of memory" +
+                  (load.ranks > 1 ? " on each of " + std::to_string(load.ranks) + " ranks, but " : ", but ") +
+                  text_of(static_cast<double>(room) / 1e9) + " GB are free" + (load.ranks > 1 ? " for each" : "") +
+                  "; ask for larger sizes, or for " +
+                  text_of(std::ceil(bytes(kBytesPerGivenInTiles) / static_cast<double>(room))) +
+                  " ranks that have as much each");
 }
 
 std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const SolutionMetric* solution,

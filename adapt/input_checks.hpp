@@ -17,8 +17,8 @@ void check_metric(const MetricField& metric, const Mesh& mesh);
 struct AdaptLoad {
   double complexity = 0;     ///< of the metric
   double given = 0;          ///< tets
-  bool is_shared = false;    ///< whether ranks share those too; else every rank has all
-  int ranks = 1;             ///< that share the result
+  double components = 0;     ///< of fields on them that are carried over
+  int ranks = 1;             ///< that share all of it
   int ranks_on_machine = 1;  ///< and what is free there
 };
 

@@ -155,9 +155,9 @@ inline void until_found(BackgroundTiles* tiles, const SharedWork& work, const st
   work.each(attempt);
 }
 
-/// For blocks of at most `grain` numbers below `count` calls `begin()`, and what it returns with each number. Where there
-/// are tiles: with those of a few tiles at a time, which are at hand then, by the tile `tile_of(i)` that number i needs
-/// first; again with those that asked for another one, once that is at hand too. Some of the tiles are at hand
+/// For blocks of at most `grain` numbers below `count` calls `begin()`, and what it returns with each number. Where
+/// there are tiles: with those of a few tiles at a time, which are at hand then, by the tile `tile_of(i)` that number i
+/// needs first; again with those that asked for another one, once that is at hand too. Some of the tiles are at hand
 /// afterwards. In SharedWork::together where there are tiles.
 template <class TileOf, class Begin>
 void look_up_all(BackgroundTiles* tiles, std::size_t count, std::size_t grain, const SharedWork& work,

@@ -36,10 +36,10 @@ Bytes bytes_of(const Tile& tile) {
   constexpr std::size_t kLengths = 256;  // of arrays, and what aligns them
   MessageWriter writer;
   writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.sizes.size_bytes() +
-                 tile.implied.size_bytes() +
-                 tile.fields.size_bytes() + tile.to_vert.size_bytes() + tile.links.size_bytes() +
-                 tile.linked.size_bytes() + tile.numbers.size_bytes() + tile.regions.size_bytes() +
-                 tile.cells.size_bytes() + tile.slopes.size_bytes() + tile.boundary.size_bytes());
+                 tile.implied.size_bytes() + tile.fields.size_bytes() + tile.to_vert.size_bytes() +
+                 tile.links.size_bytes() + tile.linked.size_bytes() + tile.numbers.size_bytes() +
+                 tile.regions.size_bytes() + tile.cells.size_bytes() + tile.slopes.size_bytes() +
+                 tile.boundary.size_bytes());
   put_tile(tile, writer);
   return writer.take();
 }

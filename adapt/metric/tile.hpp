@@ -35,9 +35,9 @@ struct Tile {
   std::span<const std::uint64_t> numbers;          ///< of tets, by their places in the mesh that was given
   // Of tets, where fields on them are carried over.
   std::span<const std::uint32_t> regions;
-  std::span<const double> cells;  ///< all components of a tet side by side
-  std::span<const Vec3> slopes;   ///< as of limited_slopes; none where tets have constants
-  std::span<const std::uint16_t> boundary;         ///< place · 4 + face of those with nothing behind
+  std::span<const double> cells;            ///< all components of a tet side by side
+  std::span<const Vec3> slopes;             ///< as of limited_slopes; none where tets have constants
+  std::span<const std::uint16_t> boundary;  ///< place · 4 + face of those with nothing behind
 
   /// The logarithm of the metric there, `place.tet` being the tet `tet` of the tile. Pre: there is a metric.
   Tensor log_metric_at(const BackgroundPlace& place, std::uint32_t tet) const {

@@ -49,11 +49,7 @@ struct Range {
 class Slopes {
  public:
   Slopes(const LinkedTets& mesh, const CellValues& cells)
-      : links_(mesh.links),
-        view_(mesh.mesh),
-        regions_(mesh.regions),
-        cells_(cells),
-        corners_(mesh.mesh, mesh.regions) {
+      : links_(mesh.links), view_(mesh.mesh), regions_(mesh.regions), cells_(cells), corners_(mesh.mesh, mesh.regions) {
     ranges_.resize(corners_.size() * cells.components);
     for (std::size_t tet = 0; tet < view_.tets.size(); ++tet)
       for (std::size_t i = 0; i < 4; ++i)

@@ -25,9 +25,9 @@ struct LinkedTets {
   std::size_t begin = 0, end = 0;
 };
 
-/// A gradient per tet that counts and component, of linear functions that have the values of the tets in their centres: by least
-/// squares over neighbours across faces and their neighbours, weighted by 1 / distance², in coordinates of the tet so
-/// that thin tets are as good as others. Only tets of the same region count.
+/// A gradient per tet that counts and component, of linear functions that have the values of the tets in their centres:
+/// by least squares over neighbours across faces and their neighbours, weighted by 1 / distance², in coordinates of the
+/// tet so that thin tets are as good as others. Only tets of the same region count.
 ///
 /// A gradient is made smaller until, at every corner of its tet, the function lies between the least and the greatest
 /// value of the tets of the region at that corner (as Park, Yoon & Kim 2010 limit it), so no new extremes arise. Linear

@@ -167,8 +167,7 @@ std::array<double, 4> face_values(std::span<const Vec3> points, const TetVerts& 
   };
   order(v[0], v[1]), order(v[1], v[2]), order(v[0], v[1]);
   std::array<double, 4> values;
-  for (std::size_t i = 0; i < 4; ++i)
-    values[i] = sign * volume_at(points[v[0]], points[v[1]], points[v[2]], x[i]);
+  for (std::size_t i = 0; i < 4; ++i) values[i] = sign * volume_at(points[v[0]], points[v[1]], points[v[2]], x[i]);
   return values;
 }
 

@@ -24,9 +24,9 @@ inline Vec3 center_of(const Corners& x) { return 0.25 * ((x[0] + x[1]) + (x[2] +
 /// inside of it. Indexed [face][corner].
 using FaceValues = std::array<std::array<double, 4>, 4>;
 
-/// The values of face `face` of the tet `verts` of `points` at the corners `x`. Both tets of a face get the same numbers
-/// with opposite signs, so that what one of them loses to round-off the other gets. What is below the round-off of
-/// its own computation is 0.
+/// The values of face `face` of the tet `verts` of `points` at the corners `x`. Both tets of a face get the same
+/// numbers with opposite signs, so that what one of them loses to round-off the other gets. What is below the round-off
+/// of its own computation is 0.
 std::array<double, 4> face_values(std::span<const Vec3> points, const TetVerts& verts, std::size_t face,
                                   const Corners& x);
 

@@ -151,14 +151,12 @@ std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, co
   return fields;
 }
 
-void add_transfers(const std::vector<const MeshField*>& fields, bool on_cells,
-                   const std::vector<FieldFigures>& before, const std::vector<FieldFigures>& after,
-                   std::vector<FieldTransfer>& transfers) {
+void add_transfers(const std::vector<const MeshField*>& fields, bool on_cells, const std::vector<FieldFigures>& before,
+                   const std::vector<FieldFigures>& after, std::vector<FieldTransfer>& transfers) {
   std::size_t next = 0;
   for (const MeshField* field : fields) {
     FieldTransfer& transfer = transfers.emplace_back(FieldTransfer{field->name, on_cells, {}});
-    for (int c = 0; c < field->components; ++c, ++next)
-      transfer.components.push_back({before[next], after[next]});
+    for (int c = 0; c < field->components; ++c, ++next) transfer.components.push_back({before[next], after[next]});
   }
 }
 
@@ -193,8 +191,8 @@ FieldsBefore fields_before(const FieldPlaces& from, const std::vector<std::strin
   }
   const JoinedCells cells = join_cells(from.fields, from.tets.mesh.tets.size(), names);
   if (cells.components > 0) {
-    const auto own = std::span(cells.values).subspan(from.begin * cells.components,
-                                                     (from.end - from.begin) * cells.components);
+    const auto own =
+        std::span(cells.values).subspan(from.begin * cells.components, (from.end - from.begin) * cells.components);
     before.on_tets = figures_of(from.own().mesh, {own, cells.components, true}, {}, work);
     before.regions = sum_cells(from.own(), {own, cells.components}, work);
   }
@@ -248,8 +246,7 @@ std::vector<double> FieldCarrier::carry_cells(const TetsInRegions& to, std::span
 }
 
 std::vector<double> FieldCarrier::average_cells(const OldTets& from, const TetsInRegions& to,
-                                                std::span<const BackgroundPlace> places,
-                                                const SharedWork& work) const {
+                                                std::span<const BackgroundPlace> places, const SharedWork& work) const {
   std::vector<double> values(to.regions.size() * tet_components_);
   const auto tile_of = [&](std::size_t tet) { return tiles_->tile_of(places[to.mesh.tets[tet][0]].tet); };
   look_up_all(tiles_, to.regions.size(), kCellGrain, work, tile_of, [&] {

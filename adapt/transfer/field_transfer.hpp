@@ -33,7 +33,7 @@ struct FieldsBefore {
 /// The mesh that fields are given on, or the slice of it that a rank has. Non-owning.
 struct FieldPlaces {
   const Mesh& fields;
-  TetsInRegions tets;                    ///< positive ones, of which those from `begin` to `end` are this rank's own
+  TetsInRegions tets;  ///< positive ones, of which those from `begin` to `end` are this rank's own
   std::size_t begin = 0, end = 0;
   std::span<const std::uint8_t> is_own;  ///< of points; empty: all
 

@@ -47,7 +47,10 @@ class OldTets {
   OldTet in_tile(BackgroundTet tet) const {
     const auto [tile, place] = tiles_->find(tet);
     const auto& v = tile.to_vert[place];
-    return {tile.points, {v[0], v[1], v[2], v[3]}, tile.regions[place], tile.cells.data() + place * cells_.components,
+    return {tile.points,
+            {v[0], v[1], v[2], v[3]},
+            tile.regions[place],
+            tile.cells.data() + place * cells_.components,
             tile.slopes.empty() ? nullptr : tile.slopes.data() + place * cells_.components};
   }
 

@@ -394,31 +394,24 @@ TEST_CASE("a mesh and a metric that are given up lead to the same mesh", "[adapt
   CHECK(given_up.mesh.face_to_sides.size() == kept.mesh.face_to_sides.size());
 }
 
-TEST_CASE("each rank needs what it keeps of the mesh and its share of the result", "[adapt][ranks]") {
-  const double tets = 1e8;  // 15 GB, and 5 GB for as many that are given
-  adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, false, 1, 1};
+TEST_CASE("each rank needs its share of what is given and of the result", "[adapt][ranks]") {
+  const double tets = 1e8;  // 15 GB, and 5 GB for as many that are given, or 8.5 in tiles
+  adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, 0, 1, 1};
   MemoryLimits limits;
   CHECK_NOTHROW(check_load(load, limits));
   limits.machine = 8'100'000'000;
   const Diagnostic error = test::error_of([&] { check_load(load, limits); });
   CHECK(error.code == ErrorCode::OutOfMemory);
   CHECK(error.message.find("20 GB") != std::string::npos);
-  CHECK(error.message.find("for 5 ranks") != std::string::npos);
-  load.ranks = 4;
-  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("on each of 4 ranks") != std::string::npos);
-  load.ranks = 5;
-  CHECK_NOTHROW(check_load(load, limits));
-  load.ranks_on_machine = 5;  // of which only one could have it all
-  CHECK(test::error_of([&] { check_load(load, limits); }).code == ErrorCode::OutOfMemory);
-  load.ranks_on_machine = 1, limits.process = 4'000'000'000;  // less than what every rank keeps
-  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("ranks that") == std::string::npos);
-  load.is_shared = true, limits = {}, limits.machine = 8'100'000'000;  // 23.5 GB over all ranks
-  load.ranks = 2, load.ranks_on_machine = 1;
-  const Diagnostic shared = test::error_of([&] { check_load(load, limits); });
-  CHECK(shared.message.find("on each of 2 ranks") != std::string::npos);
-  CHECK(shared.message.find("for 3 ranks") != std::string::npos);
+  CHECK(error.message.find("for 3 ranks") != std::string::npos);
+  load.ranks = 2;
+  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("on each of 2 ranks") != std::string::npos);
   load.ranks = 3;
   CHECK_NOTHROW(check_load(load, limits));
+  load.components = 2;  // 20 GB more
+  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("for 6 ranks") != std::string::npos);
+  load.components = 0, load.ranks_on_machine = 3;  // of which only one could have what it needs
+  CHECK(test::error_of([&] { check_load(load, limits); }).code == ErrorCode::OutOfMemory);
   load.complexity = 1e9;
   CHECK(test::error_of([&] { check_load(load, {}); }).message.find("counted") != std::string::npos);
 }
