@@ -126,7 +126,7 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
                          [](std::uint32_t tet) { return tet == kNone ? kNoTet : BackgroundTet{tet}; });
   touching_ = separate_umbrellas(whole_, runner_);
   keep_background(given, std::move(input.metric));
-  links_ = take_share(whole_, work_);
+  links_ = take_share(whole_);
 }
 
 // Tets may have been turned when they were linked, so they are those of `whole`, array by array.

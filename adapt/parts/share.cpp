@@ -9,10 +9,10 @@ namespace tetloom::adapt {
 
 namespace {
 
-// Cuts a rank's tets out of the mesh that all ranks have.
+// Cuts a rank's tets out of a mesh that has others, too.
 class ShareTaker {
  public:
-  /// Numbers of the vertices and tets that are there; none: as they stand.
+  /// Numbers of the vertices and tets that are there; none: as they stand, for what no rank shares.
   ShareTaker(const WholeMesh& whole, std::size_t begin, std::size_t end, std::span<const Number> verts = {},
              std::span<const Number> tets = {})
       : whole_(whole), begin_(begin), end_(end), verts_(verts), tets_(tets), to_local_(whole.points.size(), kNone) {}
@@ -35,7 +35,7 @@ class ShareTaker {
   }
 
   RemoteFace remote(FaceCode face, const std::vector<Number>& first_tets) const {
-    const Number number = tets_.empty() ? first_tets.front() + face.tet() : tets_[face.tet()];
+    const Number number = tets_[face.tet()];
     const std::size_t rank = rank_in(first_tets, number);
     return {static_cast<std::uint32_t>(rank), face.of_tet(static_cast<std::uint32_t>(number - first_tets[rank]))};
   }
@@ -158,15 +158,14 @@ void take_all(std::vector<Bytes>& given, WholeMesh& whole) {
 
 }  // namespace
 
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work) {
-  const auto ranks = static_cast<std::size_t>(work.rank_count()), rank = static_cast<std::size_t>(work.rank());
+ShareLinks take_share(WholeMesh& whole) {
   ShareLinks links;
-  links.first_tets = equal_ranges(whole.size(), ranks);
-  links.first_verts = equal_ranges(whole.points.size(), ranks);
-  if (ranks == 1 && uses_all_points(whole)) return links;
-  const Number first = links.first_tets.front();
-  whole = ShareTaker(whole, links.first_tets[rank] - first, links.first_tets[rank + 1] - first).run(links);
-  if (ranks == 1) links.to_number.clear(), links.first_verts = equal_ranges(whole.points.size(), 1);
+  links.first_tets = equal_ranges(whole.size(), 1);
+  if (!uses_all_points(whole)) {
+    whole = ShareTaker(whole, 0, whole.size()).run(links);
+    links.to_number.clear();
+  }
+  links.first_verts = equal_ranges(whole.points.size(), 1);
   return links;
 }
 

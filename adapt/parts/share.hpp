@@ -36,12 +36,11 @@ struct FaceOutside {
   friend auto operator<=>(const FaceOutside&, const FaceOutside&) = default;
 };
 
-/// Keeps this rank's share of `whole`, which all ranks have alike, in equal ranges of tets; points that no tet has
-/// go. Where that is not all of it, the share is not linked.
-ShareLinks take_share(WholeMesh& whole, const SharedWork& work);
+/// Makes the whole mesh the share of a single rank: points that no tet has go, and with them links through faces.
+ShareLinks take_share(WholeMesh& whole);
 
-/// The same of the mesh that a slice has become, with links. `faces`: those that other ranks have something behind,
-/// ascending.
+/// Keeps the slice's own tets of the mesh that it has become, with links. `faces`: those that other ranks have something
+/// behind, ascending.
 ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice, std::vector<FaceOutside>& faces);
 
 /// A share with all tets of the parts that a rank adapts in one round.

@@ -395,21 +395,21 @@ TEST_CASE("a mesh and a metric that are given up lead to the same mesh", "[adapt
 }
 
 TEST_CASE("each rank needs its share of what is given and of the result", "[adapt][ranks]") {
-  const double tets = 1e8;  // 15 GB, and 5 GB for as many that are given, or 8.5 in tiles
+  const double tets = 1e8;  // 13 GB, and 3.5 GB for as many that are given, or 7.5 in tiles
   adapt::AdaptLoad load{tets / adapt::expected_tets(1), tets, 0, 1, 1};
   MemoryLimits limits;
   CHECK_NOTHROW(check_load(load, limits));
   limits.machine = 8'100'000'000;
   const Diagnostic error = test::error_of([&] { check_load(load, limits); });
   CHECK(error.code == ErrorCode::OutOfMemory);
-  CHECK(error.message.find("20 GB") != std::string::npos);
+  CHECK(error.message.find("16.5 GB") != std::string::npos);
   CHECK(error.message.find("for 3 ranks") != std::string::npos);
   load.ranks = 2;
   CHECK(test::error_of([&] { check_load(load, limits); }).message.find("on each of 2 ranks") != std::string::npos);
   load.ranks = 3;
   CHECK_NOTHROW(check_load(load, limits));
-  load.components = 2;  // 20 GB more
-  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("for 6 ranks") != std::string::npos);
+  load.components = 3;  // 30 GB more
+  CHECK(test::error_of([&] { check_load(load, limits); }).message.find("for 7 ranks") != std::string::npos);
   load.components = 0, load.ranks_on_machine = 3;  // of which only one could have what it needs
   CHECK(test::error_of([&] { check_load(load, limits); }).code == ErrorCode::OutOfMemory);
   load.complexity = 1e9;

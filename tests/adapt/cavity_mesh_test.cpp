@@ -395,7 +395,7 @@ void with_part(const Mesh& mesh, const std::function<void(CavityMesh&)>& visit, 
   const TaskRunner runner(1);
   WholeMesh whole = make_whole_mesh(mesh, runner);
   for (VertexMetric& metric : whole.to_metric) metric = {isotropic(1), 1};
-  ShareLinks links = take_share(whole, runner);
+  ShareLinks links = take_share(whole);
   Dealing dealing{.to_part = {}, .work = {1}};
   dealing.to_part.resize(whole.size(), 0);
   adapt_in_parts(whole, links, std::move(dealing), {[&](std::size_t, CavityMesh& part) { visit(part); }}, runner);

@@ -31,7 +31,7 @@ struct BeforeRound {
       const adapt::Tensor tensor = stage.at(whole.points[v], hint);
       whole.to_metric[v] = {tensor, det(tensor)}, whole.to_hint[v] = hint;
     }
-    links = take_share(whole, work);
+    links = take_share(whole);
   }
 
   /// To parts of as many tets each.

@@ -134,7 +134,7 @@ TEST_CASE("edges at which bodies touch are not split at sides", "[side_splits]")
     const Mesh mesh = mesh_of(shape, 2);
     test::BeforeRound before(mesh, metric_of(mesh));
     const TouchingVerts touching = separate_umbrellas(before.whole, before.runner);
-    before.links = take_share(before.whole, before.work);
+    before.links = take_share(before.whole);
     splits += adapt_in_parts(before.whole, before.links, before.deal(9),
                              {[](std::size_t, CavityMesh&) {}, &before.stage, {.longest = 0.1}}, before.work);
     join_umbrellas(before.whole, touching);
