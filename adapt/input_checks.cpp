@@ -129,14 +129,15 @@ void check_load(const AdaptLoad& load, const MemoryLimits& limits) {
   };
   const double all = bytes(load.ranks > 1 ? kBytesPerGivenInTiles : kBytesPerGiven);
   if (room == MemoryLimits::kUnlimited || all / load.ranks <= static_cast<double>(room)) return;
-  throw Error(ErrorCode::OutOfMemory,
-              "the mesh would hold about " + text_of(tets) + " tetrahedra and need " + text_of(all / load.ranks / 1e9) +
-                  " GB of memory" +
-                  (load.ranks > 1 ? " on each of " + std::to_string(load.ranks) + " ranks, but " : ", but ") +
-                  text_of(static_cast<double>(room) / 1e9) + " GB are free" + (load.ranks > 1 ? " for each" : "") +
-                  "; ask for larger sizes, or for " +
-                  text_of(std::ceil(bytes(kBytesPerGivenInTiles) / static_cast<double>(room))) +
-                  " ranks that have as much each");
+  std::string message = "the mesh would hold about " + text_of(tets) + " tetrahedra and need " +
+                        text_of(all / load.ranks / 1e9) + " GB of memory" +
+                        (load.ranks > 1 ? " on each of " + std::to_string(load.ranks) + " ranks, but " : ", but ") +
+                        text_of(static_cast<double>(room) / 1e9) + " GB are free" +
+                        (load.ranks > 1 ? " for each" : "") + "; ask for larger sizes";
+  if (room > 0)
+    message += ", or for " + text_of(std::ceil(bytes(kBytesPerGivenInTiles) / static_cast<double>(room))) +
+               " ranks that have as much each";
+  throw Error(ErrorCode::OutOfMemory, message);
 }
 
 std::uint64_t fingerprint(const Mesh& mesh, const MetricField& metric, const SolutionMetric* solution,

@@ -33,7 +33,7 @@ void put_tile(const Tile& tile, MessageWriter& writer) {
 }
 
 Bytes bytes_of(const Tile& tile) {
-  constexpr std::size_t kLengths = 256;  // of arrays, and what aligns them
+  constexpr std::size_t kLengths = 320;  // of arrays, and what aligns them
   MessageWriter writer;
   writer.reserve(kLengths + tile.points.size_bytes() + tile.logs.size_bytes() + tile.sizes.size_bytes() +
                  tile.implied.size_bytes() + tile.fields.size_bytes() + tile.to_vert.size_bytes() +

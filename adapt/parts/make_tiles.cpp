@@ -265,7 +265,7 @@ class TileMaker {
     verts.clear();
     for (const std::uint32_t tet : own)
       for (std::size_t i = 0; i < 4; ++i) verts.add(share_.to_vert[std::size_t{tet} * 4 + i]);
-    constexpr std::size_t kLengths = 256;
+    constexpr std::size_t kLengths = 512;
     constexpr std::size_t kBytesOfTet = sizeof(FourVerts) + sizeof(FourFaces) + sizeof(BackgroundTet) + sizeof(Number);
     const std::size_t bytes_of_vert =
         sizeof(Number) + sizeof(Vec3) + 2 * sizeof(Tensor) + verts_.components * sizeof(double);

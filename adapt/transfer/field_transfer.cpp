@@ -187,14 +187,15 @@ FieldsBefore fields_before(const FieldPlaces& from, const std::vector<std::strin
   FieldsBefore before;
   if (n > 0) {
     const std::vector<double> values = join(on_points, from.tets.mesh.points.size(), n);
-    before.on_points = figures_of(from.own().mesh, {values, n, false}, from.is_own, work);
+    before.on_points = figures_of(from.own_tets(), {values, n, false}, from.is_own, work);
   }
   const JoinedCells cells = join_cells(from.fields, from.tets.mesh.tets.size(), names);
   if (cells.components > 0) {
     const auto own =
         std::span(cells.values).subspan(from.begin * cells.components, (from.end - from.begin) * cells.components);
-    before.on_tets = figures_of(from.own().mesh, {own, cells.components, true}, {}, work);
-    before.regions = sum_cells(from.own(), {own, cells.components}, work);
+    const TetsInRegions tets{from.own_tets(), from.tets.regions.subspan(from.begin, from.end - from.begin)};
+    before.on_tets = figures_of(tets.mesh, {own, cells.components, true}, {}, work);
+    before.regions = sum_cells(tets, {own, cells.components}, work);
   }
   return before;
 }

@@ -33,13 +33,11 @@ struct FieldsBefore {
 /// The mesh that fields are given on, or the slice of it that a rank has. Non-owning.
 struct FieldPlaces {
   const Mesh& fields;
-  TetsInRegions tets;  ///< positive ones, of which those from `begin` to `end` are this rank's own
+  TetsInRegions tets;  ///< positive, those from `begin` to `end` this rank's own; regions for fields on tets alone
   std::size_t begin = 0, end = 0;
   std::span<const std::uint8_t> is_own;  ///< of points; empty: all
 
-  TetsInRegions own() const {
-    return {{tets.mesh.points, tets.mesh.tets.subspan(begin, end - begin)}, tets.regions.subspan(begin, end - begin)};
-  }
+  TetView own_tets() const { return {tets.mesh.points, tets.mesh.tets.subspan(begin, end - begin)}; }
 };
 
 /// For the fields with these names. In SharedWork::together.
