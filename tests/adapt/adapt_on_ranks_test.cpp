@@ -385,7 +385,7 @@ TEST_CASE("a mesh and a metric that are given up lead to the same mesh", "[adapt
   cube.point_fields = {{"other", 1, std::vector<double>(cube.points.size(), 1)}};
   adapt::MetricField metric = adapt::metric_from_function(layered, cube.points);
   AdaptOptions options = in_parts(1500);
-  options.transfer = {"load"};
+  options.transfer = {GENERATE("load", "other")};  // on tets, and on points alone
   const AdaptResult kept = adapt_mesh(cube, metric, options);
   const auto alone = make_thread_communicator();
   const AdaptResult given_up = adapt_mesh_on_ranks(std::move(cube), std::move(metric), options, *alone);
