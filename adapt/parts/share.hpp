@@ -39,8 +39,8 @@ struct FaceOutside {
 /// Makes the whole mesh the share of a single rank: points that no tet has go, and with them links through faces.
 ShareLinks take_share(WholeMesh& whole);
 
-/// Keeps the slice's own tets of the mesh that it has become, with links. `faces`: those that other ranks have something
-/// behind, ascending.
+/// Keeps the slice's own tets of the mesh that it has become, with links. `faces`: those that other ranks have
+/// something behind, ascending.
 ShareLinks take_share(WholeMesh& slice_mesh, const MeshSlice& slice, std::vector<FaceOutside>& faces);
 
 /// A share with all tets of the parts that a rank adapts in one round.
