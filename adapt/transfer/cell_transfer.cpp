@@ -81,12 +81,12 @@ Change change_of(const RegionIntegrals& old, const RegionIntegrals& now) {
 
 }  // namespace
 
-std::span<const RegionIntegrals> RegionSums::of(std::uint32_t region) const {
+std::span<const RegionIntegrals> SumsByRegion::of(std::uint32_t region) const {
   return std::span(integrals).subspan(index_in(regions, region) * components, components);
 }
 
-RegionSums sum_cells(const TetsInRegions& own, const CellValues& cells, const SharedWork& work) {
-  RegionSums result{regions_of_all(own.regions, work), cells.components, {}};
+SumsByRegion sum_cells(const TetsInRegions& own, const CellValues& cells, const SharedWork& work) {
+  SumsByRegion result{regions_of_all(own.regions, work), cells.components, {}};
   ExactSums sums(0, 0);
   work.each([&] { sums = sum_own(own, cells, result.regions, work.runner()); });
   work.sum(sums.volumes), work.sum(sums.integrals), work.max(sums.ends);
@@ -133,7 +133,7 @@ void CellAverager::take_nearest(std::uint32_t region, double* values) {
     values[c] = nearest == kNoTet ? before_.of(region)[c].mean() : from_[nearest].values[c];
 }
 
-void put_right_cells(const RegionSums& before, const RegionSums& after, std::span<const std::uint32_t> regions,
+void put_right_cells(const SumsByRegion& before, const SumsByRegion& after, std::span<const std::uint32_t> regions,
                      std::span<double> values, const TaskRunner& runner) {
   const std::size_t n = before.components;
   TETLOOM_ASSERT(values.size() == regions.size() * n && after.components == n);

@@ -26,7 +26,7 @@ struct RegionIntegrals {
 };
 
 /// That of the whole mesh, by region and component.
-struct RegionSums {
+struct SumsByRegion {
   std::vector<std::uint32_t> regions;  ///< ascending
   std::size_t components = 0;
   std::vector<RegionIntegrals> integrals;
@@ -37,7 +37,7 @@ struct RegionSums {
 
 /// Of the tets of all ranks, each of which is given with one of them; exact, so that nothing depends on the ranks. In
 /// SharedWork::together.
-RegionSums sum_cells(const TetsInRegions& own, const CellValues& cells, const SharedWork& work);
+SumsByRegion sum_cells(const TetsInRegions& own, const CellValues& cells, const SharedWork& work);
 
 /// New values on tets: the mean, over the part of each new tet that lies in its region as it was, of the field there,
 /// by exact intersections of tets (Farrell & Maddison 2011; Alauzet & Mehrenberger 2010). Where the meshes cover the
@@ -48,7 +48,7 @@ RegionSums sum_cells(const TetsInRegions& own, const CellValues& cells, const Sh
 class CellAverager {
  public:
   /// `before`: sums over all tets of `from`. `places`: of all points of `to`, which may be some of the mesh's tets.
-  CellAverager(const OldTets& from, const RegionSums& before, const TetsInRegions& to,
+  CellAverager(const OldTets& from, const SumsByRegion& before, const TetsInRegions& to,
                std::span<const BackgroundPlace> places, const TaskRunner& runner)
       : from_(from), before_(before), to_(to), places_(places), runner_(runner), finder_(from) {}
 
@@ -61,7 +61,7 @@ class CellAverager {
   void take_nearest(std::uint32_t region, double* values);
 
   const OldTets& from_;
-  const RegionSums& before_;
+  const SumsByRegion& before_;
   const TetsInRegions to_;
   std::span<const BackgroundPlace> places_;
   const TaskRunner& runner_;
@@ -73,7 +73,7 @@ class CellAverager {
 /// multiplied by one factor where it has one sign in the region as it was, so that what is zero stays zero and nothing
 /// changes sign, else shifted. So integrals are kept up to round-off there too, and constants become what the new
 /// volume allows. `regions`, `values`: of some tets; `before`, `after`: sums over all.
-void put_right_cells(const RegionSums& before, const RegionSums& after, std::span<const std::uint32_t> regions,
+void put_right_cells(const SumsByRegion& before, const SumsByRegion& after, std::span<const std::uint32_t> regions,
                      std::span<double> values, const TaskRunner& runner);
 
 }  // namespace tetloom::adapt

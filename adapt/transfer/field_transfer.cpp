@@ -266,7 +266,7 @@ std::vector<FieldTransfer> FieldCarrier::finish(const TetsInRegions& to, Carried
     add_transfers(on_points_, false, before_.on_points, after, transfers);
   }
   if (!on_tets_.empty()) {
-    const RegionSums sums = sum_cells(to, {carried.on_tets, tet_components_}, work);
+    const SumsByRegion sums = sum_cells(to, {carried.on_tets, tet_components_}, work);
     work.each([&] { put_right_cells(before_.regions, sums, to.regions, carried.on_tets, work.runner()); });
     const auto after = figures_of(to.mesh, {carried.on_tets, tet_components_, true}, {}, work);
     add_transfers(on_tets_, true, before_.on_tets, after, transfers);

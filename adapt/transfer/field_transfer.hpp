@@ -27,7 +27,7 @@ struct CarriedFields {
 /// What is known of the fields of the whole mesh before anything is done.
 struct FieldsBefore {
   std::vector<FieldFigures> on_points, on_tets;  ///< component by component
-  RegionSums regions;                            ///< of what is on tets
+  SumsByRegion regions;                          ///< of what is on tets
 };
 
 /// The mesh that fields are given on, or the slice of it that a rank has. Non-owning.

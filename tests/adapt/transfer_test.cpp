@@ -75,7 +75,7 @@ struct Transfer {
     if (shape == adapt::CellReconstruction::Linear)
       slopes = limited_slopes({tets_of(from), background.links(), from.tet_to_entity, 0, count}, cells, runner);
     const OldTets old(background, from.tet_to_entity, cells, slopes);
-    const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, cells, runner);
+    const SumsByRegion before = sum_cells({tets_of(from), from.tet_to_entity}, cells, runner);
     const TetsInRegions tets{{to.points, std::span(to.tet_to_vert).subspan(begin, end - begin)},
                              std::span(to.tet_to_entity).subspan(begin, end - begin)};
     const auto places = background.locate(to.points, runner);
@@ -91,8 +91,8 @@ struct Transfer {
 
   std::vector<double> put_right(const std::vector<double>& values, std::vector<double> made,
                                 std::size_t components) const {
-    const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, {values, components}, runner);
-    const RegionSums after = sum_cells({tets_of(to), to.tet_to_entity}, {made, components}, runner);
+    const SumsByRegion before = sum_cells({tets_of(from), from.tet_to_entity}, {values, components}, runner);
+    const SumsByRegion after = sum_cells({tets_of(to), to.tet_to_entity}, {made, components}, runner);
     put_right_cells(before, after, to.tet_to_entity, made, runner);
     return made;
   }
@@ -381,7 +381,7 @@ TEST_CASE("a transfer can be cancelled", "[transfer]") {
   const auto places = transfer.background.locate(to.points);
   const std::vector<double> values(from.tet_to_vert.size(), 1);
   const OldTets old(transfer.background, from.tet_to_entity, {values, 1});
-  const RegionSums before = sum_cells({tets_of(from), from.tet_to_entity}, {values, 1}, transfer.runner);
+  const SumsByRegion before = sum_cells({tets_of(from), from.tet_to_entity}, {values, 1}, transfer.runner);
   CancelToken stop;
   stop.cancel();
   const TaskRunner runner(1, {nullptr, &stop});
