@@ -222,7 +222,7 @@ TEST_CASE("ranks carry fields on tets over within their regions", "[adapt][ranks
   CHECK(result.report.most_parts > 3);
   REQUIRE(result.report.transfers.size() == 1);
   for (const adapt::FieldTransfer::Component& component : result.report.transfers[0].components)
-    CHECK(component.after.integral == Approx(component.before.integral).margin(1e-14));
+    CHECK(component.after.integral == Approx(component.before.integral).epsilon(1e-12).margin(1e-14));
 }
 
 TEST_CASE("fields on tets are carried over where a model moves the sides of regions", "[adapt][ranks]") {
@@ -236,6 +236,7 @@ TEST_CASE("fields on tets are carried over where a model moves the sides of regi
   const auto sizes = [](const Vec3&) { return adapt::isotropic(0.09); };
   const AdaptResult result = check_like_one_process(mesh, sizes, options);
   CHECK(result.report.most_parts > 3);
+  CHECK(test::volume_of(result.mesh) > 1.02 * test::volume_of(mesh));
   const auto& [before, after] = result.report.transfers.at(0).components.at(0);
   CHECK(after.integral == Approx(before.integral).epsilon(1e-12));
 }
