@@ -6,14 +6,13 @@
 
 #include "adapt/metric/tet_edges.hpp"
 #include "core/base/free_memory.hpp"
+#include "core/base/grain.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/geometry/model_projector.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
-
-constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 // How a mesh is dealt.
 struct DealingSettings {
@@ -226,18 +225,18 @@ PassCounts Adapter::sum_of(const PassCounts& counts) const {
 template <class LookUp>
 void Adapter::look_up_verts(const LookUp& look_up, bool needs_tiles) {
   const auto tile_of = [&](std::size_t v) { return tiles_->tile_of(whole_.to_hint[v]); };
-  look_up_all(needs_tiles ? tiles_.get() : nullptr, whole_.points.size(), kGrain, work_, tile_of,
+  look_up_all(needs_tiles ? tiles_.get() : nullptr, whole_.points.size(), kElementGrain, work_, tile_of,
               [&] { return std::cref(look_up); });
 }
 
 // The largest ratio of sizes of the mesh that was given to those asked for, where vertices are now.
 double Adapter::refinement() {
   const MetricStage stage(*background_, implied_, function_, 1);
-  const std::size_t count = whole_.points.size(), blocks = (count + kGrain - 1) / kGrain;
+  const std::size_t count = whole_.points.size(), blocks = (count + kElementGrain - 1) / kElementGrain;
   std::vector<double> most(blocks, 0);
   look_up_verts([&](std::size_t v) {
     BackgroundTet hint = whole_.to_hint[v];
-    most[v / kGrain] = std::max(most[v / kGrain], stage.refinement_at(whole_.points[v], hint));
+    most[v / kElementGrain] = std::max(most[v / kElementGrain], stage.refinement_at(whole_.points[v], hint));
     whole_.to_hint[v] = hint;
   });
   std::array<double, 1> all{0};
@@ -310,7 +309,7 @@ double Adapter::count_tets() const {
 GrowingArray<float> Adapter::work_per_tet() const {
   GrowingArray<float> to_work;
   to_work.resize_for_overwrite(whole_.size());
-  runner_.for_blocks(whole_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner_.for_blocks(whole_.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const std::uint32_t* v = &whole_.to_vert[tet * 4];
       const Vec3& x = whole_.points[v[0]];
@@ -328,8 +327,8 @@ Adapter::Fit Adapter::measure() const {
     LengthCounts lengths;
     double least = 1;
   };
-  const auto blocks =
-      map_blocks(runner_, whole_.size(), kGrain, Block(), [&](std::size_t begin, std::size_t end, Block& result) {
+  const auto blocks = map_blocks(
+      runner_, whole_.size(), kElementGrain, Block(), [&](std::size_t begin, std::size_t end, Block& result) {
         Block block;  // neighbouring results share lines of the cache
         for (std::size_t tet = begin; tet < end; ++tet) {
           std::array<std::uint32_t, 4> v;

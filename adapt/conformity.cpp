@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/grain.hpp"
 #include "core/base/grouping.hpp"
 
 namespace tetloom {
@@ -12,8 +13,7 @@ namespace adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 10;
-constexpr std::size_t kSlices = 4;  // of the vertices, whose tets are known one slice after the other
+constexpr std::size_t kConformitySlices = 4;  // of the vertices, whose tets are known one slice after the other
 
 MetricConformity nothing_yet() {
   MetricConformity blank;
@@ -68,7 +68,7 @@ class Measure {
 
   // Sums that are not yet divided by their counts.
   MetricConformity run() {
-    const std::size_t slice = (metrics_.size() / kSlices / kGrain + 1) * kGrain;
+    const std::size_t slice = (metrics_.size() / kConformitySlices / kStarGrain + 1) * kStarGrain;
     for (std::size_t first = 0; first < metrics_.size(); first += slice) {
       const std::size_t count = std::min(slice, metrics_.size() - first);
       find_stars(first, count);
@@ -92,7 +92,7 @@ class Measure {
 
   template <class Body>
   void add_blocks(std::size_t count, const Body& body) {
-    const auto sums = map_blocks(loop_, count, kGrain, nothing_yet(),
+    const auto sums = map_blocks(loop_, count, kStarGrain, nothing_yet(),
                                  [&](std::size_t begin, std::size_t end, MetricConformity& result) {
                                    // Neighbouring results share lines of the cache.
                                    MetricConformity sum = nothing_yet();
@@ -106,7 +106,7 @@ class Measure {
   void find_stars(std::size_t first, std::size_t count) {
     stars_ = Grouping();
     stars_ = Grouping(count, [&](const auto& visit) {
-      loop_.for_blocks(mesh_.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      loop_.for_blocks(mesh_.tets.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet)
           for (const std::uint32_t v : mesh_.tets[tet])
             if (v - first < count) visit(static_cast<std::uint32_t>(tet), v - first);
@@ -158,7 +158,7 @@ class Measure {
 
 std::vector<VertexMetric> metrics_of(const MetricField& metric, const BlockLoop& loop) {
   std::vector<VertexMetric> metrics(metric.size());
-  loop.for_blocks(metrics.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metrics.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Tensor tensor = exp(metric.logs[v]);
       metrics[v] = {tensor, det(tensor)};

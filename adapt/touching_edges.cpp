@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapt/kernel/cavity_mesh.hpp"
+#include "core/base/lists.hpp"
 #include "core/geometry/model_projector.hpp"
 #include "core/predicates/predicates.hpp"
 
@@ -18,13 +19,6 @@ namespace {
 constexpr double kLongest = 1.4142135623730951;
 
 using EdgeVerts = std::array<std::uint32_t, 2>;
-
-EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
-template <class Verts>
-bool has(const Verts& verts, std::uint32_t vert) {
-  return std::find(verts.begin(), verts.end(), vert) != verts.end();
-}
 
 /// Edges of more than three triangles, ascending: umbrellas that touch have two each.
 std::vector<EdgeVerts> find_candidates(const Mesh& mesh) {

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/adapt_cases.hpp"
@@ -233,17 +232,15 @@ void print_measured(const nlohmann::json& task) {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("tetloom beside MMG and refine: from a mesh and a metric to another mesh", "adapt_peers");
-  app.add_option("--cases", options.cases,
-                 "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
-      ->delimiter(';')
-      ->capture_default_str();
-  app.add_option("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
-      ->check(CLI::ExistingFile);
-  app.add_option("--threads", options.threads, "of tetloom")->check(CLI::PositiveNumber)->capture_default_str();
-  add_session_options(app, options.session);
-  add_plot_option(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("tetloom beside MMG and refine: from a mesh and a metric to another mesh", "adapt_peers");
+  line.add("--cases", options.cases, "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
+      ->delimiter(';');
+  line.add("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
+      .existing_file();
+  line.add("--threads", options.threads, "of tetloom").positive();
+  add_session_options(line, options.session);
+  add_plot_option(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     print_measured(nlohmann::json::parse(options.session.measure));
     return 0;

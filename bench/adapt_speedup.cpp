@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/adapt_cases.hpp"
@@ -207,37 +206,28 @@ void run_once(const Options& options, int threads) {
   }
 }
 
-void add_options(CLI::App& app, Options& options, int& once) {
-  app.add_option("--cases", options.cases,
-                 "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
-      ->delimiter(';')
-      ->capture_default_str();
-  app.add_option("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
-      ->check(CLI::ExistingFile);
-  app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber);
-  app.add_option("--tets-per-part", options.tets_per_part, "default: as adaptation sees fit")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--workers", options.workers, "numbers of threads for which the speed is predicted")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--once", once, "run each case once on so many threads, and compare nothing")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--write", options.write, "keep the meshes, as PREFIX-CASE.meshb");
-  app.add_option("--prediction", options.prediction_path, "draw predictions into this file");
-  app.add_option("--trace", options.trace_path, "keep the tasks of the last recorded run, for a trace viewer");
-  add_session_options(app, options.session);
-  add_plot_option(app, options.session);
+void add_options(CommandLine& line, Options& options, int& once) {
+  line.add("--cases", options.cases, "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
+      ->delimiter(';');
+  line.add("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
+      .existing_file();
+  line.add("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores").positive();
+  line.add("--tets-per-part", options.tets_per_part, "default: as adaptation sees fit").positive();
+  line.add("--workers", options.workers, "numbers of threads for which the speed is predicted").positive();
+  line.add("--once", once, "run each case once on so many threads, and compare nothing").positive();
+  line.add("--write", options.write, "keep the meshes, as PREFIX-CASE.meshb");
+  line.add("--prediction", options.prediction_path, "draw predictions into this file");
+  line.add("--trace", options.trace_path, "keep the tasks of the last recorded run, for a trace viewer");
+  add_session_options(line, options.session);
+  add_plot_option(line, options.session);
 }
 
 int run(int argc, char** argv) {
   Options options;
   int once = 0;
-  CLI::App app("Speed-up of adaptation by threads, measured and predicted", "adapt_speedup");
-  add_options(app, options, once);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Speed-up of adaptation by threads, measured and predicted", "adapt_speedup");
+  add_options(line, options, once);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     const AdaptTask task = nlohmann::json::parse(options.session.measure).get<AdaptTask>();
     std::puts(nlohmann::json(measure_adapt_here(task)).dump().c_str());

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
@@ -197,18 +196,16 @@ class Bench {
 int run(int argc, char** argv) {
   Options options;
   options.session.runs = 1;
-  CLI::App app("Boundary layers on real models: validity, coverage, shape", "layers_coverage");
-  app.add_option("FOLDERS", options.folders, "folders with models, or model files");
-  app.add_option("--only", options.only, "only models whose names match this regular expression, in any case");
-  app.add_option("--settings", options.settings, "of A, B and C")->capture_default_str();
-  app.add_flag("--inside", options.inside_only, "leave the space around the models out");
-  app.add_option("--relative-size", options.task.relative_size, "mean edge, as a share of the model's diagonal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.task.threads)->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--timeout", options.task.timeout, "seconds of a run")->capture_default_str();
-  add_session_options(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Boundary layers on real models: validity, coverage, shape", "layers_coverage");
+  line.add("FOLDERS", options.folders, "folders with models, or model files");
+  line.add("--only", options.only, "only models whose names match this regular expression, in any case");
+  line.add("--settings", options.settings, "of A, B and C");
+  line.add_flag("--inside", options.inside_only, "leave the space around the models out");
+  line.add("--relative-size", options.task.relative_size, "mean edge, as a share of the model's diagonal").positive();
+  line.add("--threads", options.task.threads).positive();
+  line.add("--timeout", options.task.timeout, "seconds of a run");
+  add_session_options(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     std::puts(judge_layers(options.session.measure).dump().c_str());
     return 0;

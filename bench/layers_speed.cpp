@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
@@ -186,17 +185,13 @@ class Bench {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Boundary layers: cells a second, share of the run, memory, threads", "layers_speed");
-  app.add_option("--models", options.models, "demo models, or model files")->capture_default_str();
-  app.add_option("--relative-size", options.relative_size, "mean edge, as a share of the model's diagonal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores");
-  app.add_option("--setting", options.setting, "A, B or C")
-      ->check(CLI::IsMember({"A", "B", "C"}))
-      ->capture_default_str();
-  add_session_options(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Boundary layers: cells a second, share of the run, memory, threads", "layers_speed");
+  line.add("--models", options.models, "demo models, or model files");
+  line.add("--relative-size", options.relative_size, "mean edge, as a share of the model's diagonal").positive();
+  line.add("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores");
+  line.add("--setting", options.setting, "A, B or C").one_of({"A", "B", "C"});
+  add_session_options(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (const std::string& task = options.session.measure; !task.empty()) {
     const bool is_stage = task.front() == '{';
     const nlohmann::json said =

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "bench/support/child_process.hpp"
+#include "bench/support/command_line.hpp"
 #include "bench/support/commit.hpp"
 #include "bench/support/lattice_part.hpp"
 #include "bench/support/machine.hpp"
@@ -303,27 +303,21 @@ class Bench {
 int main(int argc, char** argv) {
   using namespace tetloom::bench;
   Options options;
-  CLI::App app("Measures how fast, how small and how well a mesh is dealt to parts.");
-  app.add_option("--solid", options.solid, "ball, drilled-block or bracket")->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many tets")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--peer-tets", options.peer_tets, "about how many tets where cuts are compared with others'")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--peer-solids", options.peer_solids, "solids or mesh files where cuts are compared")
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_flag("--only-peer", options.only_peer, "compare cuts, and measure no speed");
-  app.add_option("--threads", options.threads, "numbers of threads")->delimiter(',')->capture_default_str();
-  app.add_option("--ranks", options.ranks,
-                 "numbers of MPI ranks with one thread each, started by mpirun, beside threads")
-      ->delimiter(',');
-  app.add_option("--runs", options.runs, "of each case")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--json", options.json_path, "where to write all figures");
-  app.add_option("--trace", options.trace_path, "where to write the tasks of the last run, for a trace viewer");
-  app.add_flag("--no-peer", options.no_peer, "do not compare cuts");
-  app.add_flag("--quick", options.quick, "a small case once, to see that the bench runs");
-  app.add_option("--measure", options.measure, "")->group("");
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Measures how fast, how small and how well a mesh is dealt to parts.");
+  line.add("--solid", options.solid, "ball, drilled-block or bracket");
+  line.add("--tets", options.tets, "about how many tets").positive();
+  line.add("--peer-tets", options.peer_tets, "about how many tets where cuts are compared with others'").positive();
+  line.add("--peer-solids", options.peer_solids, "solids or mesh files where cuts are compared");
+  line.add_flag("--only-peer", options.only_peer, "compare cuts, and measure no speed");
+  line.add("--threads", options.threads, "numbers of threads");
+  line.add("--ranks", options.ranks, "numbers of MPI ranks with one thread each, started by mpirun, beside threads");
+  line.add("--runs", options.runs, "of each case").positive();
+  line.add("--json", options.json_path, "where to write all figures");
+  line.add("--trace", options.trace_path, "where to write the tasks of the last run, for a trace viewer");
+  line.add_flag("--no-peer", options.no_peer, "do not compare cuts");
+  line.add_flag("--quick", options.quick, "a small case once, to see that the bench runs");
+  line.add("--measure", options.measure, "").hidden();
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (options.quick) {
     options.tets = options.peer_tets = 50e3;
     options.runs = 1;

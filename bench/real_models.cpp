@@ -13,7 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
@@ -120,27 +119,23 @@ class Bench {
   std::vector<std::size_t> done_;
 };
 
-void add_run_options(CLI::App& app, RealRunOptions& run) {
-  app.add_option("--relative-size", run.relative_size, "target size as a share of the box's diagonal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--curvature", run.curvature, "edges per full turn")->capture_default_str();
-  app.add_option("--threads", run.threads, "of each mesher")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--timeout", run.timeout, "seconds that each mesher may take")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_flag("--distance", run.distance, "measure how far tetloom's surfaces lie from the models");
-  app.add_option("--command", run.command, "the tetloom to run")->capture_default_str();
-  app.add_option("--options", run.options, "more options for tetloom mesh, with blanks between them");
+void add_run_options(CommandLine& line, RealRunOptions& run) {
+  line.add("--relative-size", run.relative_size, "target size as a share of the box's diagonal").positive();
+  line.add("--curvature", run.curvature, "edges per full turn");
+  line.add("--threads", run.threads, "of each mesher").positive();
+  line.add("--timeout", run.timeout, "seconds that each mesher may take").positive();
+  line.add_flag("--distance", run.distance, "measure how far tetloom's surfaces lie from the models");
+  line.add("--command", run.command, "the tetloom to run");
+  line.add("--options", run.options, "more options for tetloom mesh, with blanks between them");
 }
 
 /// Those of other benches, but that a model is run once.
-void add_output_options(CLI::App& app, SessionOptions& session) {
-  app.add_option("--json", session.json_path, "write everything measured to this file as well");
-  app.add_option("--commit", session.commit, "the commit to name")->capture_default_str();
-  app.add_flag("--no-peer", session.no_peer, "run no peer beside");
-  app.add_flag("--quick", session.quick, "models made on the spot, only to see that it works");
-  app.add_option("--measure", session.measure, "")->group("");
+void add_output_options(CommandLine& line, SessionOptions& session) {
+  line.add("--json", session.json_path, "write everything measured to this file as well");
+  line.add("--commit", session.commit, "the commit to name");
+  line.add_flag("--no-peer", session.no_peer, "run no peer beside");
+  line.add_flag("--quick", session.quick, "models made on the spot, only to see that it works");
+  line.add("--measure", session.measure, "").hidden();
 }
 
 int judge(const std::string& task_text) {
@@ -153,15 +148,13 @@ int run(int argc, char** argv) {
   Options options;
   options.session.runs = 1;
   options.run.command = TETLOOM_COMMAND;
-  CLI::App app("tetloom beside Gmsh with HXT on real models: what is meshed, how fast and how well", "real_models");
-  app.add_option("FOLDERS", options.folders, "folders with models, or model files");
-  app.add_option("--only", options.only, "only models whose names match this regular expression, in any case");
-  app.add_option("--jobs", options.jobs, "models that run at once; 1 where times are to be quoted")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  add_run_options(app, options.run);
-  add_output_options(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("tetloom beside Gmsh with HXT on real models: what is meshed, how fast and how well", "real_models");
+  line.add("FOLDERS", options.folders, "folders with models, or model files");
+  line.add("--only", options.only, "only models whose names match this regular expression, in any case");
+  line.add("--jobs", options.jobs, "models that run at once; 1 where times are to be quoted").positive();
+  add_run_options(line, options.run);
+  add_output_options(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) return judge(options.session.measure);
   if (options.session.quick) options.run.relative_size = 0.1, options.run.distance = true;
   Bench(options).run();

@@ -1,7 +1,6 @@
 // The claim: tetloom meshes surfaces at least twice as fast as gmsh's 2D stage with 2 threads, and from 1 to 2 threads
 // at least 1.8 times as fast on models of 20 or more faces. Both meshers run on the same file, size and number of
 // threads, in alternation, each run in a process of its own; the median counts.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -130,23 +129,18 @@ class Bench {
   std::vector<SurfaceCase> cases_;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--models", options.models, "demo models or CAD files")->delimiter(',')->capture_default_str();
-  app.add_option("--triangles", options.triangles, "about how many triangles")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber);
-  add_session_options(app, options.session);
+void add_options(CommandLine& line, Options& options) {
+  line.add("--models", options.models, "demo models or CAD files");
+  line.add("--triangles", options.triangles, "about how many triangles").positive();
+  line.add("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores").positive();
+  add_session_options(line, options.session);
 }
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Speed of tetloom's surface meshing, beside gmsh where it is installed", "surface_speed");
-  add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Speed of tetloom's surface meshing, beside gmsh where it is installed", "surface_speed");
+  add_options(line, options);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     const nlohmann::json task = nlohmann::json::parse(options.session.measure);
     const SurfaceSample sample = measure_here(

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/category_panel.hpp"
@@ -212,17 +211,15 @@ class Bench {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("tetloom beside Gmsh with HXT: from the CAD file to the mesh on disk, and the 3D stage", "volume_peers");
-  app.add_option("--models", options.models, "demo models or CAD files")->delimiter(',')->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many tets of tetloom's")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "of each mesher")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--format", options.format, "extension of the files that both write")->capture_default_str();
-  add_session_options(app, options.session);
-  add_plot_option(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("tetloom beside Gmsh with HXT: from the CAD file to the mesh on disk, and the 3D stage",
+                   "volume_peers");
+  line.add("--models", options.models, "demo models or CAD files");
+  line.add("--tets", options.tets, "about how many tets of tetloom's").positive();
+  line.add("--threads", options.threads, "of each mesher").positive();
+  line.add("--format", options.format, "extension of the files that both write");
+  add_session_options(line, options.session);
+  add_plot_option(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     const nlohmann::json task = nlohmann::json::parse(options.session.measure);
     std::puts(judge_file(task.at("file").get<std::string>()).dump().c_str());

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
@@ -37,6 +36,7 @@ struct Options {
   double graded_tets = 1e6;
   double netgen_tets = 2e5;  ///< the largest mesh that netgen is asked for
   std::vector<int> threads = {1};
+  bool uniform_only = false;
   SessionOptions session;
 };
 
@@ -155,39 +155,25 @@ class Bench {
   std::vector<VolumeCase> cases_;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--models", options.models, "demo models or CAD files")->delimiter(',')->capture_default_str();
-  app.add_option("--graded-models", options.graded_models, "those with a varying size as well")
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many tets")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--graded-tets", options.graded_tets, "the same where the size varies")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--gradients", options.gradients, "of varying sizes")
-      ->delimiter(',')
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  app.add_option("--netgen-tets", options.netgen_tets, "the largest mesh that netgen is asked for")
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "numbers of threads")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_flag(
-      "--uniform-only", [&options](std::int64_t) { options.graded_models.clear(); }, "no varying sizes");
-  add_session_options(app, options.session);
+void add_options(CommandLine& line, Options& options) {
+  line.add("--models", options.models, "demo models or CAD files");
+  line.add("--graded-models", options.graded_models, "those with a varying size as well");
+  line.add("--tets", options.tets, "about how many tets").positive();
+  line.add("--graded-tets", options.graded_tets, "the same where the size varies").positive();
+  line.add("--gradients", options.gradients, "of varying sizes").in_range(0.001, 1.0);
+  line.add("--netgen-tets", options.netgen_tets, "the largest mesh that netgen is asked for");
+  line.add("--threads", options.threads, "numbers of threads").positive();
+  line.add_flag("--uniform-only", options.uniform_only, "no varying sizes");
+  add_session_options(line, options.session);
 }
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Quality, speed and memory of tetloom's volume meshing, beside others where they are installed",
-               "volume_quality");
-  add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Quality, speed and memory of tetloom's volume meshing, beside others where they are installed",
+                   "volume_quality");
+  add_options(line, options);
+  if (const auto status = line.parse(argc, argv)) return *status;
+  if (options.uniform_only) options.graded_models.clear();
   if (!options.session.measure.empty()) {
     const VolumeTask task = nlohmann::json::parse(options.session.measure).get<VolumeTask>();
     std::puts(nlohmann::json(measure_volume_here(task)).dump().c_str());

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/pipeline_run.hpp"
@@ -153,19 +152,16 @@ class Bench {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Tets against time and memory, from a CAD file to a mesh on disk. Files go to $TMPDIR.", "volume_scale");
-  app.add_option("--model", options.model, "a demo model or a CAD file")->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many tets")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "default: all cores")->check(CLI::PositiveNumber);
-  app.add_option("--format", options.format,
-                 "extension of the mesh; default: pvtu where the command writes it, else vtu");
-  app.add_option("--max-memory", options.max_memory, "the command's option of that name");
-  add_session_options(app, options.session);
-  add_plot_option(app, options.session);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Tets against time and memory, from a CAD file to a mesh on disk. Files go to $TMPDIR.",
+                   "volume_scale");
+  line.add("--model", options.model, "a demo model or a CAD file");
+  line.add("--tets", options.tets, "about how many tets").positive();
+  line.add("--threads", options.threads, "default: all cores").positive();
+  line.add("--format", options.format, "extension of the mesh; default: pvtu where the command writes it, else vtu");
+  line.add("--max-memory", options.max_memory, "the command's option of that name");
+  add_session_options(line, options.session);
+  add_plot_option(line, options.session);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (options.session.quick) {
     options.session.runs = 1;
     options.tets = {1e4, 4e4};

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/support/machine.hpp"
@@ -207,40 +206,27 @@ void replay_file(const Options& options) {
   print_predictions(predict(stage, options.workers, options.costs()));
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--model", options.model, "a demo model or a CAD file")->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many tets")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber);
-  app.add_option("--tets-per-part", options.tets_per_part, "of the volume; default: as the mesher sees fit")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--workers", options.workers, "numbers of threads for which the volume's speed is predicted")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--latency", options.latency_us, "of a message between parts in predictions, in microseconds")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--bandwidth", options.bandwidth_gb, "of messages between parts in predictions, in GB/s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--prediction", options.prediction_path, "draw predictions into this file");
-  app.add_option("--trace", options.trace_path, "keep the tasks of the last recorded run, for a trace viewer");
-  app.add_option("--replay", options.replay_path, "measure nothing, but predict from the tasks in this file")
-      ->check(CLI::ExistingFile);
-  add_session_options(app, options.session);
-  add_plot_option(app, options.session);
+void add_options(CommandLine& line, Options& options) {
+  line.add("--model", options.model, "a demo model or a CAD file");
+  line.add("--tets", options.tets, "about how many tets").positive();
+  line.add("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores").positive();
+  line.add("--tets-per-part", options.tets_per_part, "of the volume; default: as the mesher sees fit").positive();
+  line.add("--workers", options.workers, "numbers of threads for which the volume's speed is predicted").positive();
+  line.add("--latency", options.latency_us, "of a message between parts in predictions, in microseconds")
+      .not_negative();
+  line.add("--bandwidth", options.bandwidth_gb, "of messages between parts in predictions, in GB/s").positive();
+  line.add("--prediction", options.prediction_path, "draw predictions into this file");
+  line.add("--trace", options.trace_path, "keep the tasks of the last recorded run, for a trace viewer");
+  line.add("--replay", options.replay_path, "measure nothing, but predict from the tasks in this file").existing_file();
+  add_session_options(line, options.session);
+  add_plot_option(line, options.session);
 }
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Speed-up of meshing by threads, measured, and of its volume stage predicted", "volume_speedup");
-  add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Speed-up of meshing by threads, measured, and of its volume stage predicted", "volume_speedup");
+  add_options(line, options);
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (!options.session.measure.empty()) {
     const StageTask task = nlohmann::json::parse(options.session.measure).get<StageTask>();
     std::puts(nlohmann::json(measure_stages_here(task)).dump().c_str());

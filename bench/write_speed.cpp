@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/support/command_line.hpp"
 #include "bench/support/commit.hpp"
 #include "bench/support/lattice_part.hpp"
 #include "bench/support/machine.hpp"
@@ -166,16 +166,16 @@ class Bench {
 int main(int argc, char** argv) {
   using namespace tetloom::bench;
   Options options;
-  CLI::App app("Measures how fast a mesh is written and read in each format.");
-  app.add_option("--solid", options.solid, "ball, drilled-block or bracket")->capture_default_str();
-  app.add_option("--tets", options.tets, "about how many")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--threads", options.threads, "0: all cores")->capture_default_str();
-  app.add_option("--runs", options.runs, "of each format")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--formats", options.formats, "only these, by the names of the table")->delimiter(',');
-  app.add_option("--folder", options.folder, "where the files go; default: a temporary folder");
-  app.add_option("--json", options.json_path, "where to write all figures");
-  app.add_flag("--quick", options.quick, "a small mesh once, to see that the bench runs");
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Measures how fast a mesh is written and read in each format.");
+  line.add("--solid", options.solid, "ball, drilled-block or bracket");
+  line.add("--tets", options.tets, "about how many").positive();
+  line.add("--threads", options.threads, "0: all cores");
+  line.add("--runs", options.runs, "of each format").positive();
+  line.add("--formats", options.formats, "only these, by the names of the table");
+  line.add("--folder", options.folder, "where the files go; default: a temporary folder");
+  line.add("--json", options.json_path, "where to write all figures");
+  line.add_flag("--quick", options.quick, "a small mesh once, to see that the bench runs");
+  if (const auto status = line.parse(argc, argv)) return *status;
   if (options.quick) options.tets = 20e3, options.runs = 1;
   try {
     Bench(options).run();

@@ -65,6 +65,8 @@ endfunction()
 # Builds an executable of tests as tests are built, with the precompiled headers of all tests.
 function(tetloom_configure_test target)
   tetloom_configure(${target})
+  # Sources of tests have helpers of the same names.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   tetloom_leave_assertions_slow(${target})
   if(TETLOOM_PCH)
     # One set of precompiled headers needs one code model: that of a library.

@@ -137,17 +137,17 @@ std::vector<bool> regions_with_triangles(const MeshedModel& meshed) {
   return found;
 }
 
-struct FaceArea {
+struct MeasuredFace {
   double area = 0, largest = 0;  // largest: the area of the largest triangle
   Vec3 point;                    // its centre
 };
 
-std::vector<FaceArea> measure_faces(const MeshedModel& meshed) {
-  std::vector<FaceArea> faces(meshed.model.topology().face_count());
+std::vector<MeasuredFace> measure_faces(const MeshedModel& meshed) {
+  std::vector<MeasuredFace> faces(meshed.model.topology().face_count());
   for (std::size_t t = 0; t < meshed.surface.tri_to_vert.size(); ++t) {
     const auto [a, b, c] = corners_of(meshed.surface, t);
     const double area = 0.5 * norm(cross(b - a, c - a));
-    FaceArea& face = faces[meshed.surface.tri_to_entity[t]];
+    MeasuredFace& face = faces[meshed.surface.tri_to_entity[t]];
     face.area += area;
     if (area <= face.largest) continue;
     face.largest = area;
@@ -165,7 +165,7 @@ double model_area(const GeometricModel& model, ModelFaceId face) {
 }
 
 // The region, and its faces by how much their areas differ from the model's.
-void place(const MeshedModel& meshed, const std::vector<FaceArea>& faces, ModelRegionId region,
+void place(const MeshedModel& meshed, const std::vector<MeasuredFace>& faces, ModelRegionId region,
            Diagnostic& diagnostic) {
   std::vector<std::pair<double, ModelFaceId>> worst;
   for (const ModelFaceId face : meshed.model.topology().region_to_faces[region.value])
@@ -316,7 +316,7 @@ Diagnostic describe_overlap(const MeshedModel& meshed, std::pair<std::uint32_t, 
 std::vector<Diagnostic> check_volumes(const MeshedModel& meshed, std::span<const double> model_volumes) {
   const std::vector<double> volumes = volumes_of(meshed);
   const std::vector<bool> is_meshed = regions_with_triangles(meshed);
-  std::optional<std::vector<FaceArea>> faces;
+  std::optional<std::vector<MeasuredFace>> faces;
   std::vector<Diagnostic> warnings;
   for (std::uint32_t r = 0; r < volumes.size(); ++r) {
     const ModelRegionId region(r);

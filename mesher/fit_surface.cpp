@@ -20,12 +20,6 @@ SmallWidth small_width(const GeometricModel& model, const MeshOptions& options) 
   return {options.small_feature, kSmallFeature, small_face_limits(model)};
 }
 
-double longest_edge(const Mesh& mesh, std::uint32_t tri) {
-  const auto& [a, b, c] = mesh.tri_to_vert[tri];
-  return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
-                   distance(mesh.points[c], mesh.points[a])});
-}
-
 }  // namespace
 
 SurfaceFitter::SurfaceFitter(const GeometricModel& model, const MeshOptions& options, const SharedWork& work,
@@ -199,7 +193,7 @@ bool SurfaceFitter::keep_facets(const Candidate& candidate) {
   std::vector<KeptPlace> places;
   for (const TriangleIntersection& hit : candidate.solid_hits) {
     if (!is_of_facets(hit.first) || !is_of_facets(hit.second)) continue;
-    const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
+    const double length = longest_edge(mesh, hit);
     places.push_back({hit.point, std::ldexp(length, kept_rounds_)});
   }
   ++kept_rounds_;
@@ -334,7 +328,7 @@ std::optional<SizedModel> SurfaceFitter::refine(const Candidate& candidate, cons
 }
 
 void SurfaceFitter::refine_at(const TriangleIntersection& hit, const Mesh& mesh) {
-  const double length = std::max(longest_edge(mesh, hit.first), longest_edge(mesh, hit.second));
+  const double length = longest_edge(mesh, hit);
   if (!(length > 0)) return;  // a triangle of one point: no size makes it better
   log_.note({{hit.point, hit.point, hit.point}, 0.5 * length}, {hit.first, hit.second}, mesh);
 }

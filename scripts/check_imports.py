@@ -60,7 +60,7 @@ ADAPTERS = [
     ("OpenMesh", re.compile(r"^OpenMesh/"),
      re.compile(r"^core/discrete/(.*\.cpp|.*_detail\.hpp|detail/.*)$|^mesher/surface/facet_patch\.cpp$")),
     ("TetGen", re.compile(r"^tetgen\.h$"), re.compile(r"^apps/tetgen_worker/")),
-    ("CLI11", re.compile(r"^CLI/"), re.compile(r"^(apps|examples|bench)/")),
+    ("CLI11", re.compile(r"^CLI/"), re.compile(r"^(apps|examples)/|^bench/support/command_line\.cpp$")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), re.compile(r"^(apps|bench|tests)/|\.cpp$")),
     ("Catch2", re.compile(r"^catch2/"), re.compile(r"^tests/")),
     ("Google Benchmark", re.compile(r"^benchmark/"), re.compile(r"^bench/")),

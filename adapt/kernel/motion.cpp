@@ -13,11 +13,11 @@ using tets::cube;
 using tets::pairs::pair_of;
 using tets::pairs::PairVec;
 
-constexpr double kMoved = 0.25;          // in the metric: what is beside may then have another place
-constexpr double kOnModel = 1e-6;        // of an edge: nearer than that is on the model
-constexpr double kLongestOfRemoval = 2;  // edge that the removal of a vertex may make
-constexpr double kBearable = 0.4;        // mean ratio that a tet may fall to for the good of its neighbours
-constexpr double kNoWorse = 0.9999;      // but for round-off
+constexpr double kMoved = 0.25;            // in the metric: what is beside may then have another place
+constexpr double kOnModel = 1e-6;          // of an edge: nearer than that is on the model
+constexpr double kLongestOfRemoval = 2;    // edge that the removal of a vertex may make
+constexpr double kBearable = 0.4;          // mean ratio that a tet may fall to for the good of its neighbours
+constexpr double kNoWorseMotion = 0.9999;  // but for round-off
 // Of the badness of its tets. As the metric is that of where a vertex is, it could go to and fro for ever without gain.
 constexpr double kWorthAMove = 0.999;
 constexpr int kAttempts = 3;
@@ -59,7 +59,7 @@ Verdict Passes::snap_to_model(std::uint32_t v) {
   if (norm2(way) <= kOnModel * kOnModel * norm2(mesh_.point(beside[beside[0] == v ? 1 : 0]) - x))
     return Verdict::NoGain;
   const VertexMetric old_metric = mesh_.to_metric[v];
-  const double bearable = std::min(cube(options_.floor), kNoWorse * cavity_.least);
+  const double bearable = std::min(cube(options_.floor), kNoWorseMotion * cavity_.least);
   for (double share = 1; share > 0.1; share *= 0.5) {
     BackgroundTet hint = mesh_.to_hint[v];
     mesh_.mesh.points[v] = x + share * way;
@@ -162,7 +162,7 @@ Verdict Passes::move(std::uint32_t v) {
   if (step == Vec3{}) return Verdict::NoGain;
   if (!keep_on_entity(v, step)) return Verdict::Surface;
   const Vec3 x = mesh_.point(v);
-  const double bearable = kNoWorse * std::min(cavity_.least, cube(kBearable));
+  const double bearable = kNoWorseMotion * std::min(cavity_.least, cube(kBearable));
   for (int attempt = 0; attempt < kAttempts; ++attempt, step *= 0.5) {
     Vec3 place = x + step;
     if (dim < 3 && project_) {

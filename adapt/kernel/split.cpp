@@ -11,7 +11,7 @@ namespace {
 using tets::cube;
 using tets::verts_of;
 
-constexpr double kSplitLoss = 0.125, kLeastSplit = 0.03, kNoWorse = 0.99;
+constexpr double kSplitLoss = 0.125, kLeastSplit = 0.03, kNoWorseSplit = 0.99;
 
 Tensor mean(const Tensor& a, const Tensor& b) { return 0.5 * (a + b); }
 
@@ -26,7 +26,7 @@ Vec3 place_of_split(const CavityMesh& mesh, std::uint32_t a, std::uint32_t b) {
 
 // Tets far from the metric become worse before they become better, but not without an end.
 double floor_of_split(double floor, double least) {
-  return std::max(std::min(cube(floor), kSplitLoss * least), std::min(cube(kLeastSplit), kNoWorse * least));
+  return std::max(std::min(cube(floor), kSplitLoss * least), std::min(cube(kLeastSplit), kNoWorseSplit * least));
 }
 
 PackedEntity entity_of_edge(const CavityMesh& mesh, const Cavity& cavity) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "adapt/kernel/passes.hpp"
+#include "core/base/lists.hpp"
 
 namespace tetloom::adapt {
 
@@ -15,10 +16,6 @@ constexpr double kFlat = 1 - 1e-10, kFold = 0.9;
 
 Vec3 normal_of(const CavityMesh& mesh, const Triangle& t) {
   return normalized(cross(mesh.point(t[1]) - mesh.point(t[0]), mesh.point(t[2]) - mesh.point(t[0])));
-}
-
-bool has(const Triangle& triangle, std::uint32_t vert) {
-  return std::find(triangle.begin(), triangle.end(), vert) != triangle.end();
 }
 
 }  // namespace

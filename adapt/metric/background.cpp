@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "adapt/metric/background_search.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
 // The arrays of a background mesh, for the search.
 struct WholeSource {
   TetView mesh;
@@ -65,7 +65,7 @@ BackgroundPlace BackgroundMesh::locate(const Vec3& x, BackgroundTet hint) const 
 
 std::vector<BackgroundPlace> BackgroundMesh::locate(std::span<const Vec3> points, const BlockLoop& loop) const {
   std::vector<BackgroundPlace> places(points.size());
-  loop.for_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(points.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     BackgroundTet hint = kNoTet;
     for (std::size_t i = begin; i < end; ++i) {
       places[i] = locate(points[i], hint);

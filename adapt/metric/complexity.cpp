@@ -3,20 +3,19 @@
 
 #include "adapt/metric/own_hessian.hpp"
 #include "adapt/metric/own_tets.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
-
 /// The exact sum of the terms from `first` on.
 template <class TermOf>
 ExactSum sum_of(std::size_t first, std::size_t count, const BlockLoop& loop, const TermOf& term_of) {
   ExactSum total;
   for (const ExactSum& sum :
-       map_blocks(loop, count, kGrain, ExactSum(), [&](std::size_t begin, std::size_t end, ExactSum&of_block) {
+       map_blocks(loop, count, kElementGrain, ExactSum(), [&](std::size_t begin, std::size_t end, ExactSum&of_block) {
          for (std::size_t i = begin; i < end; ++i) of_block.add(term_of(first + i));
        }))
     total.add(sum);
@@ -59,7 +58,7 @@ double complexity(const MetricField& metric, const TetView& mesh, const BlockLoo
 double complexity(const MetricField& metric, const TetView& mesh, const OwnTets& own, const BlockLoop& loop) {
   TETLOOM_ASSERT(metric.size() == mesh.points.size());
   std::vector<double> densities(metric.size());
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) densities[v] = std::exp(0.5 * trace(metric.logs[v]));
   });
   ExactSum sum = sum_of(own.first(), own.count_of(mesh.tets.size()), loop, [&](std::size_t t) {
@@ -82,7 +81,7 @@ double scale_to_complexity(MetricField& metric, const TetView& mesh, double targ
   require_valid(bounds);
   const std::vector<double> volumes = vertex_volumes(mesh);
   std::vector<Spectrum> spectra(metric.size());
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) spectra[v] = eigen(metric.logs[v]).values;
   });
   const auto complexity_at = [&](double shift) {
@@ -110,7 +109,7 @@ double scale_to_complexity(MetricField& metric, const TetView& mesh, double targ
     else
       shift = next;
   }
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       metric.logs[v] = bounded_log(metric.logs[v] + diagonal(shift, shift, shift), bounds);
   });

@@ -3,16 +3,16 @@
 #include <string>
 
 #include "adapt/metric/own_verts.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
-constexpr double kIsotropic = 0.125;  // exponent of growth towards isotropy
-constexpr double kTolerance = 2e-3;   // of eigenvalues: 1e-3 of sizes
-constexpr double kBand = 1.5;         // of logarithms of determinants: sizes of a round, within a factor of 1.28
+constexpr double kIsotropic = 0.125;          // exponent of growth towards isotropy
+constexpr double kGradationTolerance = 2e-3;  // of eigenvalues: 1e-3 of sizes
+constexpr double kBand = 1.5;  // of logarithms of determinants: sizes of a round, within a factor of 1.28
 
 /// A metric with what growing it needs.
 struct Source {
@@ -56,7 +56,7 @@ class Gradation {
   GradationResult run() {
     const std::size_t count = points_.size();
     sources_.resize(count);
-    loop_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    loop_.for_blocks(count, kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) sources_[v] = source_of(metric_.logs[v]);
     });
     GradationResult result;
@@ -98,15 +98,15 @@ class Gradation {
   /// Intersects the metrics of `targets` with those of their neighbours that are sources. Returns the vertices whose
   /// metric has changed, ascending.
   std::vector<std::uint32_t> limit(const std::vector<std::uint32_t>& targets) {
-    const auto blocks =
-        map_blocks(loop_, targets.size(), kGrain, Limited(), [&](std::size_t begin, std::size_t end, Limited& limited) {
-          for (std::size_t i = begin; i < end; ++i) {
-            Tensor m = sources_[targets[i]].metric;
-            if (!limit(targets[i], m)) continue;
-            limited.verts.push_back(targets[i]);
-            limited.metrics.push_back(log(m));
-          }
-        });
+    const auto blocks = map_blocks(loop_, targets.size(), kStarGrain, Limited(),
+                                   [&](std::size_t begin, std::size_t end, Limited& limited) {
+                                     for (std::size_t i = begin; i < end; ++i) {
+                                       Tensor m = sources_[targets[i]].metric;
+                                       if (!limit(targets[i], m)) continue;
+                                       limited.verts.push_back(targets[i]);
+                                       limited.metrics.push_back(log(m));
+                                     }
+                                   });
     std::vector<std::uint32_t> verts;
     for (const Limited& limited : blocks)
       for (std::size_t i = 0; i < limited.verts.size(); ++i) {
@@ -117,7 +117,7 @@ class Gradation {
   }
 
   void find_sources(const std::vector<std::uint32_t>& verts) {
-    loop_.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    loop_.for_blocks(verts.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) sources_[verts[i]] = source_of(metric_.logs[verts[i]]);
     });
   }
@@ -128,7 +128,7 @@ class Gradation {
       if (!is_source_[from]) continue;
       // Most neighbours ask for nothing new, which is seen before their growth is known in full.
       const Source& source = sources_[from];
-      const Tensor most = (1 + kTolerance) * m;
+      const Tensor most = (1 + kGradationTolerance) * m;
       if (has_positive_pivots(most - source.metric)) continue;
       const Vec3 e = points_[vert] - points_[from];
       const double kept = kept_growth(source.metric, e, log_growth_);

@@ -5,12 +5,12 @@
 #include <string>
 
 #include "adapt/metric/own_hessian.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
 /// Eigenvalues below this part of the largest one of all vertices count as this part.
 constexpr double kSmallest = 1e-14;
 constexpr double kComplexityTolerance = 0.01;
@@ -27,7 +27,7 @@ void require_valid(const HessianOptions& options) {
 
 double largest_curvature(std::span<const Tensor> hessians, const BlockLoop& loop) {
   const auto largest =
-      map_blocks(loop, hessians.size(), kGrain, 0.0, [&](std::size_t begin, std::size_t end, double& of_block) {
+      map_blocks(loop, hessians.size(), kElementGrain, 0.0, [&](std::size_t begin, std::size_t end, double& of_block) {
         for (std::size_t v = begin; v < end; ++v) {
           const EigenSystem e = eigen(hessians[v]);
           of_block = std::max({of_block, std::abs(e.values[0]), std::abs(e.values[2])});
@@ -76,7 +76,7 @@ HessianMetric metric_from_hessian(std::span<const Tensor> hessians, double flat,
     throw Error(ErrorCode::InputUnsuitable, "the field has no curvature that a mesh could be adapted to");
   MetricField base;
   base.logs.resize(hessians.size());
-  loop.for_blocks(hessians.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(hessians.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       base.logs[v] = normalised_log(hessians[v], largest * kSmallest, options.norm);
   });

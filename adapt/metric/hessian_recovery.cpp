@@ -5,6 +5,7 @@
 #include <string>
 
 #include "adapt/metric/own_hessian.hpp"
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/metric.hpp"
@@ -12,10 +13,9 @@
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 256;
 constexpr std::size_t kUnknowns = 10;
 /// A column of which less than this is left beside those before it is not determined.
-constexpr double kDetermined = 1e-2;
+constexpr double kDeterminedFit = 1e-2;
 /// How much small second derivatives count, where the values alone do not determine them.
 constexpr double kPenalty = 1e-2;
 constexpr std::size_t kPenaltyRows = 6;
@@ -141,7 +141,7 @@ class Recovery {
                                        outer(axes[2])};
     if (penalized) penalize(second, verts.size(), shape.values[0]);
     std::array<double, kUnknowns> found;
-    const bool determined = fit_.solve(penalized ? 1e-14 : kDetermined, found);
+    const bool determined = fit_.solve(penalized ? 1e-14 : kDeterminedFit, found);
     hessian = {};
     for (std::size_t i = 0; i < 6; ++i) hessian += found[4 + i] * second[i];
     return determined;
@@ -202,7 +202,7 @@ std::vector<Tensor> recover_hessian(std::span<const double> values, const TetVie
 std::vector<Tensor> recover_hessian_at(std::span<const std::uint32_t> verts, std::span<const double> values,
                                        const TetView& mesh, const VertexGraph& graph, const BlockLoop& loop) {
   std::vector<Tensor> hessians(verts.size());
-  loop.for_blocks(verts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(verts.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     Recovery recovery(values, mesh, graph);
     for (std::size_t i = begin; i < end; ++i) hessians[i] = recovery.hessian_at(verts[i]);
   });

@@ -4,13 +4,12 @@
 #include <array>
 #include <string>
 
+#include "core/base/grain.hpp"
 #include "tetloom/assert.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::adapt {
 namespace {
-
-constexpr std::size_t kGrain = 1 << 12;
 
 [[noreturn]] void refuse(std::size_t vert, const Vec3& place, const std::string& what) {
   Diagnostic diagnostic;
@@ -34,7 +33,7 @@ MetricField make_field(std::span<const Vec3> points, const BlockLoop& loop, cons
                        const Explain& explain) {
   MetricField metric;
   metric.logs.resize(points.size());
-  const auto bad = map_blocks(loop, points.size(), kGrain, points.size(),
+  const auto bad = map_blocks(loop, points.size(), kElementGrain, points.size(),
                               [&](std::size_t begin, std::size_t end, std::size_t& first_bad) {
                                 for (std::size_t v = begin; v < end; ++v) {
                                   if (log_of(v, metric.logs[v])) continue;
@@ -139,7 +138,7 @@ MetricField metric_from_function(const std::function<Tensor(const Vec3&)>& metri
 
 MeshField field_of_metric(const MetricField& metric, TensorOrder order, const BlockLoop& loop) {
   MeshField field{"metric", 6, std::vector<double>(metric.size() * 6)};
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Tensor m = metric.at(v);
       const std::array<double, 6> entries = order == TensorOrder::Medit
@@ -170,14 +169,14 @@ Tensor bounded_log(const Tensor& logarithm, const MetricBounds& bounds) {
 
 void apply_bounds(MetricField& metric, const MetricBounds& bounds, const BlockLoop& loop) {
   require_valid(bounds);
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) metric.logs[v] = bounded_log(metric.logs[v], bounds);
   });
 }
 
 void intersect(MetricField& metric, const MetricField& other, const BlockLoop& loop) {
   TETLOOM_ASSERT(metric.size() == other.size());
-  loop.for_blocks(metric.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(metric.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Tensor a = metric.at(v), b = other.at(v), both = intersection(a, b);
       if (both == b)

@@ -13,19 +13,19 @@
 #include <vector>
 
 #include "adapt/metric/own_tets.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/metric.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
 constexpr double kMostTurn = 1;
 constexpr double kLeastGap = 1;    // of logarithms: sizes within a factor of 1.6 are as good as equal
 constexpr double kWorthIt = 1.5;   // complexity of the limited metric by that asked for
 constexpr double kMostDearer = 4;  // the same, where sizes become larger
-constexpr double kTolerance = 1.1;
-constexpr int kMostScalings = 12;
-constexpr std::size_t kSlices = 8;  // of the vertices, whose tets are known one slice after the other
+constexpr double kDearerTolerance = 1.1;
+constexpr int kMostTurnScalings = 12;
+constexpr std::size_t kTurningSlices = 8;  // of the vertices, whose tets are known one slice after the other
 
 /// The tets of some vertices, ascending.
 class TetsOfVerts {
@@ -140,7 +140,8 @@ class Turning {
   /// The same of this rank.
   std::optional<MetricField> limited(const MetricField& metric) const {
     std::optional<MetricField> result;
-    const std::size_t count = metric.size(), slice = std::max(kGrain, (count + kSlices - 1) / kSlices);
+    const std::size_t count = metric.size(),
+                      slice = std::max(kStarGrain, (count + kTurningSlices - 1) / kTurningSlices);
     for (std::size_t first = 0; first < count; first += slice)
       limit(metric, first, std::min(slice, count - first), result);
     return result;
@@ -171,14 +172,15 @@ class Turning {
     const TetsOfVerts tets(mesh_, first, count);
     std::vector<Tensor> logs(metric.logs.begin() + static_cast<std::ptrdiff_t>(first),
                              metric.logs.begin() + static_cast<std::ptrdiff_t>(first + count));
-    const auto changed = map_blocks(loop_, count, kGrain, char{0}, [&](std::size_t begin, std::size_t end, char& any) {
-      for (std::size_t v = first + begin; v < first + end; ++v) {
-        if (spread(metric.logs[v]) < kLeastGap) continue;
-        VertexSizes sizes(metric.logs[v], largest_);
-        for (const std::uint32_t tet : tets.at(v)) sizes.limit(Slope(metric, mesh_, mesh_.tets[tet]));
-        if (sizes.is_limited()) logs[v - first] = sizes.limited_log(), any = 1;
-      }
-    });
+    const auto changed =
+        map_blocks(loop_, count, kStarGrain, char{0}, [&](std::size_t begin, std::size_t end, char& any) {
+          for (std::size_t v = first + begin; v < first + end; ++v) {
+            if (spread(metric.logs[v]) < kLeastGap) continue;
+            VertexSizes sizes(metric.logs[v], largest_);
+            for (const std::uint32_t tet : tets.at(v)) sizes.limit(Slope(metric, mesh_, mesh_.tets[tet]));
+            if (sizes.is_limited()) logs[v - first] = sizes.limited_log(), any = 1;
+          }
+        });
     if (std::find(changed.begin(), changed.end(), 1) == changed.end()) return;
     if (!all) all = metric;
     std::copy(logs.begin(), logs.end(), all->logs.begin() + static_cast<std::ptrdiff_t>(first));
@@ -212,9 +214,9 @@ TurningResult limit_turning(MetricField& metric, const TetView& mesh, const OwnT
   result.turns = true;
   const MetricField base = std::exchange(metric, *std::move(limited));
   double shift = 0;
-  for (int scaling = 0; scaling < kMostScalings; ++scaling) {
+  for (int scaling = 0; scaling < kMostTurnScalings; ++scaling) {
     const double dearer = result.followed / (kMostDearer * result.asked);
-    if (dearer <= kTolerance) break;
+    if (dearer <= kDearerTolerance) break;
     shift -= 2.0 / 3 * std::log(dearer);
     metric = base;
     for (Tensor& logarithm : metric.logs) logarithm += diagonal(shift, shift, shift);

@@ -1,3 +1,4 @@
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "tetloom/metric.hpp"
 
@@ -5,8 +6,6 @@
 
 namespace tetloom::adapt {
 namespace {
-
-constexpr std::size_t kGrain = 1 << 12;
 
 /// The tets of every vertex.
 struct Stars {
@@ -31,19 +30,19 @@ struct Rows {
 
 VertexGraph::VertexGraph(const TetView& mesh, const BlockLoop& loop) {
   const Stars stars(mesh);
-  const auto rows =
-      map_blocks(loop, mesh.points.size(), kGrain, Rows(), [&](std::size_t begin, std::size_t end, Rows& of_block) {
-        std::vector<std::uint32_t> found;
-        for (std::size_t v = begin; v < end; ++v) {
-          found.clear();
-          for (std::size_t k = stars.begins[v]; k < stars.begins[v + 1]; ++k)
-            for (const std::uint32_t w : mesh.tets[stars.tets[k]])
-              if (w != v) found.push_back(w);
-          sort_unique(found);
-          of_block.counts.push_back(static_cast<std::uint32_t>(found.size()));
-          of_block.neighbors.insert(of_block.neighbors.end(), found.begin(), found.end());
-        }
-      });
+  const auto rows = map_blocks(loop, mesh.points.size(), kElementGrain, Rows(),
+                               [&](std::size_t begin, std::size_t end, Rows& of_block) {
+                                 std::vector<std::uint32_t> found;
+                                 for (std::size_t v = begin; v < end; ++v) {
+                                   found.clear();
+                                   for (std::size_t k = stars.begins[v]; k < stars.begins[v + 1]; ++k)
+                                     for (const std::uint32_t w : mesh.tets[stars.tets[k]])
+                                       if (w != v) found.push_back(w);
+                                   sort_unique(found);
+                                   of_block.counts.push_back(static_cast<std::uint32_t>(found.size()));
+                                   of_block.neighbors.insert(of_block.neighbors.end(), found.begin(), found.end());
+                                 }
+                               });
   begins_.reserve(mesh.points.size() + 1);
   begins_.push_back(0);
   for (const Rows& of_block : rows)

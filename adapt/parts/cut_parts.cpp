@@ -4,6 +4,7 @@
 #include <atomic>
 #include <unordered_map>
 
+#include "core/base/grain.hpp"
 #include "core/tets/face_groups.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -13,8 +14,6 @@ namespace {
 
 using tets::TetMesh;
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
-constexpr std::size_t kMostBlocks = 256;
 constexpr std::uint32_t kShared = kNone - 1;
 
 class PartCutter {
@@ -56,7 +55,7 @@ class PartCutter {
   // The tets of each part, in their order.
   void sort_tets() {
     const std::size_t count = mesh_.size(), parts = parts_.size();
-    const std::size_t grain = std::max(kGrain, count / kMostBlocks + 1), blocks = (count + grain - 1) / grain;
+    const std::size_t grain = grain_of_tables(count, kCopyGrain), blocks = (count + grain - 1) / grain;
     std::vector<std::uint32_t> places(blocks * parts, 0);  // of the next tet of each part in each block
     runner_.for_blocks(count, grain, [&](std::size_t begin, std::size_t end) {
       std::uint32_t* of_block = &places[begin / grain * parts];
@@ -83,7 +82,7 @@ class PartCutter {
 
   void find_places() {
     to_place_.resize_for_overwrite(tets_.size());
-    runner_.for_blocks(tets_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(tets_.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) to_place_[tets_[i]] = static_cast<std::uint32_t>(i);
     });
   }
@@ -98,7 +97,7 @@ class PartCutter {
 
   void find_owners() {
     to_owner_.resize(mesh_.points.size(), kNone), to_local_vert_.resize(mesh_.points.size(), 0);
-    runner_.for_blocks(mesh_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(mesh_.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin * 4; i < end * 4; ++i) add_owner(mesh_.to_vert[i], share_.to_part[i / 4] - first_);
     });
     for (const std::uint32_t v : share_.outside.verts) to_owner_[v] = kShared;
@@ -159,7 +158,7 @@ class PartCutter {
     tets::for_each_face_group(part.to_vert.span(), parts_[p].to_whole.size(), runner_, [&](auto faces, const auto&) {
       if (faces.size() == 2) tets::link_sides(part, faces[0], faces[1]);
     });
-    runner_.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (const FaceCode face : tets::FaceRange(begin, end))
         if (!part.behind(face).valid()) tets::fix_side(part, face);
     });

@@ -5,14 +5,13 @@
 #include <numeric>
 
 #include "adapt/parts/rounds.hpp"
+#include "core/base/grain.hpp"
 #include "core/spatial/hilbert.hpp"
 
 namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 12;
-constexpr std::size_t kMostBlocks = 256;
 constexpr std::size_t kMostSamples = std::size_t{1} << 14, kSamplesPerPart = std::size_t{1} << 9;
 constexpr std::size_t kSampleGrain = std::size_t{1} << 8;
 constexpr double kUnitsPerTet = 1024;
@@ -129,7 +128,7 @@ std::vector<std::uint64_t> find_cuts(std::vector<Sample> samples, std::size_t pa
 
 Box3 box_of(const WholeMesh& share, const SharedWork& work) {
   // All of its points are in use.
-  const auto boxes = map_blocks(work.runner(), share.points.size(), kGrain, Box3(),
+  const auto boxes = map_blocks(work.runner(), share.points.size(), kElementGrain, Box3(),
                                 [&](std::size_t begin, std::size_t end, Box3& result) {
                                   Box3 box;
                                   for (std::size_t v = begin; v < end; ++v) box.add(share.points[v]);
@@ -148,7 +147,7 @@ Box3 box_of(const WholeMesh& share, const SharedWork& work) {
 }
 
 double sum_of_work(std::span<const float> to_work, const SharedWork& work) {
-  const auto sums = map_blocks(work.runner(), to_work.size(), kGrain, std::int64_t{0},
+  const auto sums = map_blocks(work.runner(), to_work.size(), kElementGrain, std::int64_t{0},
                                [&](std::size_t begin, std::size_t end, std::int64_t& sum) {
                                  sum = sum_of_units(to_work.subspan(begin, end - begin));
                                });
@@ -164,7 +163,7 @@ Dealing deal_tets(const WholeMesh& share, const ShareLinks& links, std::span<con
   const Curve curve(share, box_of(share, work), round);
   std::vector<std::uint64_t> cuts;
   if (part_count > 1) cuts = find_cuts(gather_samples(curve, links, to_work, part_count, work), part_count);
-  const std::size_t grain = std::max(kGrain, share.size() / kMostBlocks + 1);
+  const std::size_t grain = grain_of_tables(share.size(), kElementGrain);
   const auto sums = map_blocks(work.runner(), share.size(), grain, std::vector<std::int64_t>(),
                                [&](std::size_t begin, std::size_t end, std::vector<std::int64_t>& units) {
                                  units.resize(part_count);

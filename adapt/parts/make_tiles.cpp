@@ -10,6 +10,7 @@
 
 #include "adapt/parts/home_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
+#include "core/base/grain.hpp"
 #include "core/base/local_numbers.hpp"
 #include "core/spatial/hilbert.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -18,7 +19,6 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 12;
 constexpr std::size_t kSamplesPerRank = 64;  // for each other rank
 
 // A tet of the share and its place along the curve.
@@ -101,7 +101,7 @@ class TileMaker {
     const double scale = ((1 << kHilbertBits) - 1) / std::max({extent.x, extent.y, extent.z, 1e-300});
     work_.each([&] {
       tets_.resize(share_.size());
-      runner_.for_blocks(tets_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      runner_.for_blocks(tets_.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tet = begin; tet < end; ++tet) {
           Vec3 sum;
           for (std::size_t i = 0; i < 4; ++i) sum += share_.points[share_.to_vert[tet * 4 + i]];

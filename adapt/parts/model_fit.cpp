@@ -14,11 +14,10 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr double kTolerance = 1e-6;    // of the model's diagonal
-constexpr double kUnledShare = 0.1;    // of the shortest edge at a vertex
-constexpr double kBesideShare = 1;     // of the longest edge at a vertex: what is smaller may have been eliminated
-constexpr double kMostBeside = 0.125;  // of the vertices on the model
-constexpr std::array<const char*, 4> kKinds{"vertex", "edge", "face", "region"};
+constexpr double kPlaceTolerance = 1e-6;  // of the model's diagonal
+constexpr double kUnledShare = 0.1;       // of the shortest edge at a vertex
+constexpr double kBesideShare = 1;        // of the longest edge at a vertex: what is smaller may have been eliminated
+constexpr double kMostBeside = 0.125;     // of the vertices on the model
 
 std::string number(double value) {
   std::array<char, 32> text{};
@@ -49,9 +48,9 @@ class FitCheck {
   void check_name(int dim, std::uint32_t index) const {
     const std::size_t count = model_.topology().count(dim);
     if (index == kNone || index < count) return;
-    throw Error(ErrorCode::InputUnsuitable, std::string("the mesh has a ") + kKinds[static_cast<std::size_t>(dim)] +
-                                                " " + std::to_string(std::uint64_t{index} + 1) +
-                                                ", but the model has only " + std::to_string(count));
+    throw Error(ErrorCode::InputUnsuitable,
+                "the mesh has a " + std::string(kEntityKinds[static_cast<std::size_t>(dim)]) + " " +
+                    std::to_string(std::uint64_t{index} + 1) + ", but the model has only " + std::to_string(count));
   }
 
   // Vertices beyond the model's are corners of the mesh alone: where edges of the model were merged, or unnamed ones
@@ -103,7 +102,7 @@ class FitCheck {
   Fit fit_of(ModelEntity entity, std::uint32_t vert, const Vec3& place) const {
     const double off = distance(place, whole_.points[vert]);
     const double on =
-        std::max({model_.attributes(entity).tolerance, kTolerance * model_.bounding_box().diagonal(),
+        std::max({model_.attributes(entity).tolerance, kPlaceTolerance * model_.bounding_box().diagonal(),
                   std::isfinite(shortest_[vert]) && entity.dim > 0 ? kUnledShare * shortest_[vert] : 0.0});
     if (off <= on) return Fit::On;
     return off <= kBesideShare * longest_[vert] ? Fit::Beside : Fit::Elsewhere;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "core/base/grain.hpp"
+
 namespace tetloom::adapt {
 
 namespace {
 
 constexpr double kBeside = 0.1;  // of a tet's box
 constexpr double kTogether = 4;  // boxes of tets are joined up to so many times the diagonal of one
-constexpr std::size_t kGrain = std::size_t{1} << 15;
 
 // Around a tet, with what lies beside it.
 Box3 box_of_tet(const CavityMesh& part, std::size_t tet) {
@@ -42,7 +43,8 @@ std::vector<std::uint32_t> needed_tiles(std::span<const PartOfWhole> parts, cons
                                         const TaskRunner& runner) {
   std::vector<std::uint8_t> all(tiles.tile_count(), 0);
   for (const PartOfWhole& part : parts) {
-    const auto blocks = map_blocks(runner, part.mesh.mesh.size(), kGrain, std::vector<std::uint8_t>(),
+    const auto blocks = map_blocks(runner, part.mesh.mesh.size(), grain_of_tables(part.mesh.mesh.size(), kCopyGrain),
+                                   std::vector<std::uint8_t>(),
                                    [&](std::size_t begin, std::size_t end, std::vector<std::uint8_t>& marks) {
                                      marks.resize(all.size(), 0);
                                      mark_tiles(part.mesh, begin, end, tiles, marks);

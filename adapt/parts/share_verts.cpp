@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "adapt/transfer/field_transfer.hpp"
+
 namespace tetloom::adapt {
 
 namespace {
@@ -18,14 +20,6 @@ std::vector<std::uint32_t> places_of(std::span<const Number> given, const WholeM
     places.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(given, number) - given.begin()));
   }
   return places;
-}
-
-std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, const std::vector<std::string>& names) {
-  std::vector<const MeshField*> fields;
-  for (const std::string& name : names)
-    for (const MeshField& field : all)
-      if (field.name == name) fields.push_back(&field);
-  return fields;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace tetloom::adapt {
 namespace {
 
 constexpr int kTensorEntries = 6;
-constexpr std::array<BoundaryKind, 2> kKinds{BoundaryKind::Edge, BoundaryKind::Triangle};
+constexpr std::array<BoundaryKind, 2> kBoundaryKinds{BoundaryKind::Edge, BoundaryKind::Triangle};
 
 void require_tets(const PartMesh& part) {
   if (part.cell_count() > part.block(CellKind::Tet).size())

@@ -14,8 +14,6 @@ namespace {
 
 using EdgeVerts = std::array<std::uint32_t, 2>;
 
-EdgeVerts ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
 /// Where the outer surface is no surface: edges of more than two of its triangles, and vertices at which its triangles
 /// do not follow each other around one umbrella.
 class Pinches {

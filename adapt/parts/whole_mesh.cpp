@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "core/tets/find_triangles.hpp"
 #include "core/tets/link_tets.hpp"
@@ -28,8 +29,6 @@ void check_cells(const Mesh& mesh) {
   if (mesh.tet_to_vert.size() >= CellPlace::kMaxTets)
     throw Error(ErrorCode::InputUnsuitable, "the mesh has too many tetrahedra");
 }
-
-constexpr std::size_t kGrain = std::size_t{1} << 12;
 
 using EdgeVerts = std::array<std::uint32_t, 2>;
 using EdgeNumbers = std::array<Number, 2>;
@@ -97,11 +96,11 @@ class Builder {
   void find_triangles() {
     const tets::TriangleIndex index(mesh_.tri_to_vert, tets_.points.size());
     triangles_.resize(mesh_.tri_to_vert.size());
-    const auto unnamed =
-        map_blocks(runner_, tets_.size(), kGrain, FaceCode(), [&](std::size_t begin, std::size_t end, auto& first) {
-          for (const FaceCode face : tets::FaceRange(begin, end))
-            if (!find_triangle(face, index)) first = std::min(first, face);
-        });
+    const auto unnamed = map_blocks(runner_, tets_.size(), kElementGrain, FaceCode(),
+                                    [&](std::size_t begin, std::size_t end, auto& first) {
+                                      for (const FaceCode face : tets::FaceRange(begin, end))
+                                        if (!find_triangle(face, index)) first = std::min(first, face);
+                                    });
     for (const FaceCode face : unnamed) {
       if (!face.valid()) continue;
       refuse(!tets_.behind(face).valid() ? "a face of the mesh's boundary has no triangle that names its model face"
@@ -300,7 +299,7 @@ void name_the_new(Mesh& mesh) {
 
 std::vector<std::array<std::uint32_t, 4>> tets_of(const WholeMesh& whole, const TaskRunner& runner) {
   std::vector<std::array<std::uint32_t, 4>> tets(whole.size());
-  runner.for_blocks(tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(tets.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) std::copy_n(&whole.to_vert[tet * 4], 4, tets[tet].begin());
   });
   return tets;
@@ -317,7 +316,7 @@ WholeMesh make_slice_mesh(const MeshSlice& slice, const SharedWork& work) {
 Mesh make_mesh_of(const WholeMesh& whole, const Mesh& source, const TaskRunner& runner) {
   Mesh mesh;
   mesh.points.resize(whole.points.size()), mesh.point_to_entity.resize(whole.points.size());
-  runner.for_blocks(whole.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(whole.points.size(), kElementGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       mesh.points[v] = whole.points[v], mesh.point_to_entity[v] = whole.to_entity[v].unpack();
   });

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "adapt/transfer/clip_tet.hpp"
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 
 namespace tetloom::adapt {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
-constexpr double kDetermined = 1e-10;  // of the largest eigenvalue: below, neighbours do not determine the slope
+constexpr double kDeterminedSlope = 1e-10;  // of the largest eigenvalue: below, neighbours do not determine the slope
 
 /// The corners of tets, those of two regions at one vertex apart.
 class RegionCorners {
@@ -76,7 +76,7 @@ class Slopes {
     }
     const double most = eigen(normal).values[2];
     const Tensor inverse =
-        map_eigenvalues(normal, [&](double value) { return value > kDetermined * most ? 1 / value : 0.0; });
+        map_eigenvalues(normal, [&](double value) { return value > kDeterminedSlope * most ? 1 / value : 0.0; });
     for (std::size_t c = 0; c < cells_.components; ++c) {
       const double value = cells_.of(tet)[c];
       Vec3 right;
@@ -131,7 +131,7 @@ std::vector<Vec3> limited_slopes(const LinkedTets& mesh, const CellValues& cells
   const Slopes finder(mesh, cells);
   const std::size_t count = mesh.end - mesh.begin;
   std::vector<Vec3> slopes(count * cells.components);
-  loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(count, kStarGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> neighbors;
     for (std::size_t i = begin; i < end; ++i)
       finder.find(static_cast<std::uint32_t>(mesh.begin + i), neighbors, &slopes[i * cells.components]);

@@ -5,13 +5,12 @@
 
 #include "adapt/transfer/clip_tet.hpp"
 #include "core/base/exact_sum.hpp"
+#include "core/base/grain.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
 namespace {
-
-constexpr std::size_t kGrain = 1 << 12, kCellGrain = 1 << 8;
 
 const MeshField* find_field(const std::vector<MeshField>& fields, const std::string& name) {
   const auto at = std::find_if(fields.begin(), fields.end(), [&](const MeshField& f) { return f.name == name; });
@@ -68,7 +67,7 @@ FieldSums sums_of(const TetView& mesh, const JoinedValues& of, const BlockLoop& 
     }
   };
   FieldSums all(n);
-  for (const FieldSums& block : map_blocks(loop, mesh.tets.size(), kGrain, all, add))
+  for (const FieldSums& block : map_blocks(loop, mesh.tets.size(), kElementGrain, all, add))
     for (std::size_t c = 0; c < n; ++c)
       all.integrals[c].add(block.integrals[c]), all.magnitudes[c].add(block.magnitudes[c]);
   return all;
@@ -143,13 +142,16 @@ std::vector<FieldInfo> infos_of(const std::vector<const MeshField*>& fields) {
   return infos;
 }
 
-// Those with the names, in their order.
+}  // namespace
+
 std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, const std::vector<std::string>& names) {
   std::vector<const MeshField*> fields;
   for (const std::string& name : names)
     if (const MeshField* const field = find_field(all, name)) fields.push_back(field);
   return fields;
 }
+
+namespace {
 
 void add_transfers(const std::vector<const MeshField*>& fields, bool on_cells, const std::vector<FieldFigures>& before,
                    const std::vector<FieldFigures>& after, std::vector<FieldTransfer>& transfers) {
@@ -224,7 +226,7 @@ CarriedFields FieldCarrier::carry(const TetsInRegions& to, std::span<const Backg
   carried.on_points.resize(hints.size() * point_components_);
   std::vector<BackgroundPlace> places(hints.size());
   const auto tile_of = [&](std::size_t v) { return tiles_->tile_of(hints[v]); };
-  look_up_all(tiles_, hints.size(), kGrain, work, tile_of, [&] {
+  look_up_all(tiles_, hints.size(), kElementGrain, work, tile_of, [&] {
     return [&](std::size_t v) {
       places[v] = background_.locate(to.mesh.points[v], hints[v]);
       put_values_at(places[v], carried.on_points.data() + v * point_components_);
@@ -250,7 +252,7 @@ std::vector<double> FieldCarrier::average_cells(const OldTets& from, const TetsI
                                                 std::span<const BackgroundPlace> places, const SharedWork& work) const {
   std::vector<double> values(to.regions.size() * tet_components_);
   const auto tile_of = [&](std::size_t tet) { return tiles_->tile_of(places[to.mesh.tets[tet][0]].tet); };
-  look_up_all(tiles_, to.regions.size(), kCellGrain, work, tile_of, [&] {
+  look_up_all(tiles_, to.regions.size(), kSearchGrain, work, tile_of, [&] {
     return [&, averager = CellAverager(from, before_.regions, to, places, work.runner())](std::size_t tet) mutable {
       averager.put_means(tet, &values[tet * tet_components_]);
     };

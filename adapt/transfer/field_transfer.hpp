@@ -19,6 +19,9 @@ namespace tetloom::adapt {
 /// integral can be made of. Pre: `mesh` is consistent.
 void check_transfer(const Mesh& mesh, const std::vector<std::string>& names);
 
+/// Those with the names, in the order of the names.
+std::vector<const MeshField*> fields_named(const std::vector<MeshField>& all, const std::vector<std::string>& names);
+
 /// Values on some points and tets, all components of all fields side by side.
 struct CarriedFields {
   std::vector<double> on_points, on_tets;

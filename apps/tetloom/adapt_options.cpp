@@ -12,10 +12,9 @@
 namespace tetloom::app {
 namespace {
 
-constexpr double kFewestTetsPerPart = 1000;
 constexpr const char* kFormats = ".mesh, .meshb, .msh, .vtu, .pvtu (in parts)";
 
-constexpr const char* kExamples = R"(
+constexpr const char* kAdaptExamples = R"(
 Examples:
   tetloom adapt cube.meshb -o fine.meshb --metric metric.sol
   tetloom adapt flow.vtu -o next.vtu --hessian mach --complexity 1e5 --norm 2 --transfer mach,density
@@ -187,7 +186,7 @@ CLI::App* add_adapt_command(CLI::App& app, RawAdapt& raw) {
       ->group(group);
   adapt->add_option("--report", raw.report, "Write a report, for failures too")->type_name("R.json")->group(group);
   adapt->add_flag("--quiet", raw.quiet, "Print errors only")->group(group);
-  adapt->footer(kExamples);
+  adapt->footer(kAdaptExamples);
   return adapt;
 }
 

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 using adapt::Verdict;
 using adapt::Verdicts;
 
-constexpr std::size_t kMostRows = 30;
+constexpr std::size_t kMostFieldRows = 30;
 constexpr std::array<std::pair<const char*, Verdicts adapt::PassCounts::*>, 4> kOperations{
     {{"splits", &adapt::PassCounts::splits},
      {"collapses", &adapt::PassCounts::collapses},
@@ -83,7 +83,8 @@ std::string transfer_table(const std::vector<adapt::FieldTransfer>& transfers) {
                       format_number(after.least) + " to " + format_number(after.greatest)});
     }
   }
-  return render_table({"field", "on", "integral before", "after", "change", "values before", "after"}, rows, kMostRows);
+  return render_table({"field", "on", "integral before", "after", "change", "values before", "after"}, rows,
+                      kMostFieldRows);
 }
 
 std::string rounded(double value) { return format_number(std::round(1e3 * value) / 1e3); }
@@ -102,7 +103,7 @@ std::string conformity_table(const MetricConformity& before, const MetricConform
                        row("mean ratio, mean", [](const C& c) { return rounded(c.mean_quality); }),
                        row("mean ratio, least", [](const C& c) { return rounded(c.least_quality); }),
                        row("complexity", [](const C& c) { return format_number(c.complexity); })},
-                      kMostRows);
+                      kMostFieldRows);
 }
 
 std::string operation_table(const adapt::PassCounts& operations) {
@@ -115,7 +116,7 @@ std::string operation_table(const adapt::PassCounts& operations) {
     rows.push_back({name, format_count(done(operations.*verdicts)), format_count(refused(operations.*verdicts)),
                     std::move(reasons)});
   }
-  return render_table({"operations", "done", "refused", "because of"}, rows, kMostRows);
+  return render_table({"operations", "done", "refused", "because of"}, rows, kMostFieldRows);
 }
 
 }  // namespace

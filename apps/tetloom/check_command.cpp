@@ -17,8 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json point_json(const std::optional<Vec3>& point) { return point ? Json{point->x, point->y, point->z} : Json(nullptr); }
-
 /// Whether the arrays are sound enough to measure anything.
 bool is_measurable(const ValidationReport& validation) {
   for (const MeshProblem& problem : validation.problems) {

@@ -13,8 +13,6 @@
 namespace tetloom::app {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::array<const char*, 4> kKinds{"vertices", "edges", "faces", "regions"};
 
 std::optional<int> dim_of_kind(const std::string& kind) {
@@ -42,7 +40,7 @@ bool is_color(const std::string& text) {
          text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
-GroupItem parse_normal(const Json& json, int dim, const std::string& place) {
+GroupItem parse_normal(const nlohmann::json& json, int dim, const std::string& place) {
   const JsonEntry entry(json, place, {"normal", "angle"});
   if (dim != 2) refuse_json(place + ": only faces have normals");
   GroupItem item;
@@ -55,7 +53,7 @@ GroupItem parse_normal(const Json& json, int dim, const std::string& place) {
   return item;
 }
 
-GroupWish parse_wish(const Json& json, const std::string& place) {
+GroupWish parse_wish(const nlohmann::json& json, const std::string& place) {
   const JsonEntry entry(json, place, {"name", kKinds[0], kKinds[1], kKinds[2], kKinds[3]});
   GroupWish wish;
   wish.name = entry.text("name");
@@ -66,7 +64,7 @@ GroupWish parse_wish(const Json& json, const std::string& place) {
     ++kinds;
     wish.dim = static_cast<int>(dim);
     if (!json[kKinds[dim]].is_array()) refuse_json(place + ": '" + kKinds[dim] + "' must be a list");
-    for (const Json& item : json[kKinds[dim]]) wish.items.push_back(parse_group_item(item, wish.dim, place));
+    for (const nlohmann::json& item : json[kKinds[dim]]) wish.items.push_back(parse_group_item(item, wish.dim, place));
   }
   if (kinds != 1) refuse_json(place + " must have one of 'regions', 'faces', 'edges' and 'vertices'");
   if (wish.items.empty()) refuse_json(place + " has no items");
@@ -170,11 +168,12 @@ GroupWish parse_group(const std::string& text) {
 }
 
 std::vector<GroupWish> parse_groups(const std::string& text, const std::string& path) {
-  const Json root = parse_json(text, path);
+  const nlohmann::json root = parse_json(text, path);
   const JsonEntry whole(root, "'" + path + "'", {"groups"});
   std::vector<GroupWish> wishes;
-  for_each_item(root, path, "groups",
-                [&](const Json& json, const std::string& place) { wishes.push_back(parse_wish(json, place)); });
+  for_each_item(root, path, "groups", [&](const nlohmann::json& json, const std::string& place) {
+    wishes.push_back(parse_wish(json, place));
+  });
   return wishes;
 }
 

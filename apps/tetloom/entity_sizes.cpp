@@ -12,9 +12,7 @@
 namespace tetloom::app {
 namespace {
 
-using Json = nlohmann::json;
-
-EntitySizeWish parse_entity(const Json& json, const std::string& place) {
+EntitySizeWish parse_entity(const nlohmann::json& json, const std::string& place) {
   const JsonEntry entry(json, place, {"dim", "tag", "name", "size"});
   EntitySizeWish wish;
   if (const auto dim = entry.integer("dim", 0, 3)) wish.dim = static_cast<int>(*dim);
@@ -27,7 +25,7 @@ EntitySizeWish parse_entity(const Json& json, const std::string& place) {
   return wish;
 }
 
-PointSize parse_point(const Json& json, const std::string& place) {
+PointSize parse_point(const nlohmann::json& json, const std::string& place) {
   const JsonEntry entry(json, place, {"point", "size"});
   return {entry.point("point"), entry.size()};
 }
@@ -83,8 +81,7 @@ bool find_entities(const EntitySizeWish& wish, const GeometricModel& model, Size
 }
 
 std::string describe_missing(const EntitySizeWish& wish, const GeometricModel& model) {
-  static constexpr std::array<const char*, 4> kinds{"vertex", "edge", "face", "region"};
-  const std::string kind = wish.dim ? kinds[static_cast<std::size_t>(*wish.dim)] : "entity";
+  const std::string kind(wish.dim ? kEntityKinds[static_cast<std::size_t>(*wish.dim)] : "entity");
   if (wish.tag) {
     return kind + " " + std::to_string(*wish.tag) + " (the model has " +
            std::to_string(model.topology().count(*wish.dim)) + ")";
@@ -97,14 +94,15 @@ std::string describe_missing(const EntitySizeWish& wish, const GeometricModel& m
 }  // namespace
 
 SizesFile parse_sizes(const std::string& text, const std::string& path) {
-  const Json root = parse_json(text, path);
+  const nlohmann::json root = parse_json(text, path);
   const JsonEntry whole(root, "'" + path + "'", {"entities", "points"});
   SizesFile sizes;
-  for_each_item(root, path, "entities", [&](const Json& json, const std::string& place) {
+  for_each_item(root, path, "entities", [&](const nlohmann::json& json, const std::string& place) {
     sizes.entities.push_back(parse_entity(json, place));
   });
-  for_each_item(root, path, "points",
-                [&](const Json& json, const std::string& place) { sizes.points.push_back(parse_point(json, place)); });
+  for_each_item(root, path, "points", [&](const nlohmann::json& json, const std::string& place) {
+    sizes.points.push_back(parse_point(json, place));
+  });
   return sizes;
 }
 

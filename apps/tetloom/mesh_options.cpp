@@ -11,12 +11,11 @@
 namespace tetloom::app {
 namespace {
 
-constexpr double kFewestTetsPerPart = 1000;
 constexpr double kDefaultCurvature = 24;
 constexpr const char* kRun = "Run";
 constexpr const char* kLayers = "Boundary layers";
 
-constexpr const char* kExamples = R"(
+constexpr const char* kMeshExamples = R"(
 Examples:
   tetloom mesh part.step -o part.vtu                        a size that suits most models
   tetloom mesh part.step -o part.msh --size 2 --curvature 24
@@ -340,7 +339,7 @@ CLI::App* add_mesh_command(CLI::App& app, RawMeshOptions& raw) {
   add_volume_options(*mesh, raw);
   add_file_options(*mesh, raw);
   add_run_options(*mesh, raw);
-  mesh->footer(kExamples);
+  mesh->footer(kMeshExamples);
   return mesh;
 }
 

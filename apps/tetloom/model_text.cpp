@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRows = 60;
+constexpr std::size_t kMostEntityRows = 60;
 
 std::string unit_text(double metres) {
   static constexpr std::array<std::pair<double, const char*>, 8> units{{{1e-6, "1 µm"},
@@ -53,7 +53,8 @@ std::string region_table(const GeometricModel& model) {
     rows.push_back({std::to_string(id.tag()), attributes.name, format_color(attributes.color), attributes.layer,
                     format_number(model.volume(id)), format_count(topology.region_to_faces[r].size())});
   }
-  return rows.empty() ? "" : render_table({"region", "name", "colour", "layer", "volume", "faces"}, rows, kMostRows);
+  return rows.empty() ? ""
+                      : render_table({"region", "name", "colour", "layer", "volume", "faces"}, rows, kMostEntityRows);
 }
 
 std::string face_table(const GeometricModel& model) {
@@ -65,7 +66,7 @@ std::string face_table(const GeometricModel& model) {
     rows.push_back({std::to_string(id.tag()), attributes.name, format_color(attributes.color), attributes.layer,
                     format_number(model.area(id)), tags_of(topology.face_to_sides[f])});
   }
-  return rows.empty() ? "" : render_table({"face", "name", "colour", "layer", "area", "region"}, rows, kMostRows);
+  return rows.empty() ? "" : render_table({"face", "name", "colour", "layer", "area", "region"}, rows, kMostEntityRows);
 }
 
 /// Edges and vertices matter here only where the file has a name for them.
@@ -77,7 +78,7 @@ std::string named_table(const GeometricModel& model, int dim, const char* headin
     if (attributes.name.empty()) continue;
     rows.push_back({std::to_string(entity.tag()), attributes.name, format_color(attributes.color), attributes.layer});
   }
-  return rows.empty() ? "" : render_table({heading, "name", "colour", "layer"}, rows, kMostRows);
+  return rows.empty() ? "" : render_table({heading, "name", "colour", "layer"}, rows, kMostEntityRows);
 }
 
 Json attributes_json(const GeometricModel& model, ModelEntity entity) {

@@ -10,6 +10,7 @@ namespace tetloom::app {
 
 inline constexpr int kMostThreads = 4096;
 inline constexpr int kMostParts = 1 << 20;
+inline constexpr double kFewestTetsPerPart = 1000;
 
 void require(bool condition, const std::string& message);
 

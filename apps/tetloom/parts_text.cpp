@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Row = PartsFigures::Row;
 
-constexpr std::size_t kMostRows = 32;
+constexpr std::size_t kMostPartRows = 32;
 constexpr std::size_t kWorstRows = 5;
 
 double boundary_share(const Row& row) {
@@ -67,7 +67,7 @@ std::vector<std::size_t> worst_parts(const PartsFigures& figures) {
 
 std::vector<std::vector<std::string>> rows_of(const PartsFigures& figures, bool weights) {
   std::vector<std::vector<std::string>> rows;
-  if (figures.parts.size() <= kMostRows) {
+  if (figures.parts.size() <= kMostPartRows) {
     for (std::size_t part = 0; part < figures.parts.size(); ++part)
       rows.push_back(cells_of(figures.parts[part], std::to_string(part), weights));
     return rows;
@@ -89,7 +89,7 @@ std::vector<std::vector<std::string>> rows_of(const PartsFigures& figures, bool 
 std::string render_parts(const PartsFigures& figures) {
   const bool weights = has_weights(figures);
   std::string text = render_table({"part", "elements", "vertices", "on boundary", "neighbours", "weight"},
-                                  rows_of(figures, weights), kMostRows);
+                                  rows_of(figures, weights), kMostPartRows);
   text += "  imbalance  elements " + format_share(figures.element_imbalance) + ", vertices " +
           format_share(figures.vertex_imbalance);
   if (weights) text += ", weights " + format_share(figures.weight_imbalance);

@@ -16,8 +16,6 @@ Json entity_json(ModelEntity entity, const std::string& name) {
   return {{"dim", entity.dim}, {"id", entity.tag()}, {"name", name}};
 }
 
-Json point_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
-
 Json entities_json(const std::vector<NamedEntity>& entities) {
   Json list = Json::array();
   for (const NamedEntity& named : entities) list.push_back(entity_json(named.entity, named.name));
@@ -129,6 +127,8 @@ Json counts_json(const RunReport& report) {
 
 }  // namespace
 
+Json point_json(const std::optional<Vec3>& point) { return point ? Json{point->x, point->y, point->z} : Json(nullptr); }
+
 double RunReport::total_seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -151,7 +151,7 @@ nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {
   Json json = {{"code", to_string(diagnostic.code)},
                {"message", diagnostic.message},
                {"entities", entities_json(diagnostic.entities)},
-               {"point", diagnostic.point ? point_json(*diagnostic.point) : Json(nullptr)}};
+               {"point", point_json(diagnostic.point)}};
   if (!diagnostic.elements.empty()) json["elements"] = diagnostic.elements;
   return json;
 }

@@ -17,6 +17,9 @@
 
 namespace tetloom::app {
 
+/// Three numbers, or null.
+nlohmann::ordered_json point_json(const std::optional<Vec3>& point);
+
 /// Numbers of what the mesh has.
 struct RunCounts {
   std::uint64_t points = 0, triangles = 0, tets = 0, regions = 0;

@@ -8,8 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json point_json(const std::optional<Vec3>& point) { return point ? Json{point->x, point->y, point->z} : Json(nullptr); }
-
 Json problem_json(const MeshProblem& problem) {
   return {{"kind", to_string(problem.kind)}, {"element_kind", to_string(problem.element)},
           {"message", problem.message},      {"count", problem.count},

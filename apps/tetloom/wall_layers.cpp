@@ -9,8 +9,6 @@
 namespace tetloom::app {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr int kMostLayers = 1000;
 
 // "!NAME" takes faces away.
@@ -19,7 +17,7 @@ void add_item(const std::string& text, const std::string& place, WallWish& wish)
   (is_taken_away ? wish.but : wish.faces).push_back(parse_group_item(is_taken_away ? text.substr(1) : text, 2, place));
 }
 
-void add_item(const Json& json, const std::string& place, WallWish& wish) {
+void add_item(const nlohmann::json& json, const std::string& place, WallWish& wish) {
   if (json.is_string()) return add_item(json.get<std::string>(), place, wish);
   wish.faces.push_back(parse_group_item(json, 2, place));
 }
@@ -32,7 +30,7 @@ WallUnits parse_units(const JsonEntry& entry) {
   return units;
 }
 
-WallWish parse_wall(const Json& json, const std::string& place, const WallLayers& common) {
+WallWish parse_wall(const nlohmann::json& json, const std::string& place, const WallLayers& common) {
   const JsonEntry entry(json, place,
                         {"faces", "side", "first_height", "growth", "count", "thickness", "y_plus", "velocity",
                          "density", "viscosity", "length"});
@@ -40,7 +38,7 @@ WallWish parse_wall(const Json& json, const std::string& place, const WallLayers
   wish.layers = common;
   if (!json.contains("faces") || !json["faces"].is_array() || json["faces"].empty())
     refuse_json(place + ": 'faces' must be a list that is not empty");
-  for (const Json& item : json["faces"]) add_item(item, place, wish);
+  for (const nlohmann::json& item : json["faces"]) add_item(item, place, wish);
   if (const std::string side = entry.text("side"); side == "front" || side == "back") {
     wish.layers.in_front = side == "front";
     wish.layers.behind = side == "back";
@@ -58,10 +56,10 @@ WallWish parse_wall(const Json& json, const std::string& place, const WallLayers
 }
 
 LayersWish parse_file(const std::string& path, const WallLayers& common) {
-  const Json root = parse_json(read_text(path, "--layers"), path);
+  const nlohmann::json root = parse_json(read_text(path, "--layers"), path);
   const JsonEntry whole(root, "'" + path + "'", {"walls", "all_tets", "fan_angle"});
   LayersWish wish;
-  for_each_item(root, path, "walls", [&](const Json& json, const std::string& place) {
+  for_each_item(root, path, "walls", [&](const nlohmann::json& json, const std::string& place) {
     wish.walls.push_back(parse_wall(json, place, common));
   });
   if (wish.walls.empty()) refuse_json("'" + path + "' has no walls");

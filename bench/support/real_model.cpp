@@ -29,12 +29,11 @@ Json child_of(const Json& json, const char* key) {
 }
 
 std::string entities_text(const Json& entities) {
-  static constexpr const char* kKinds[] = {"vertex", "edge", "face", "region"};
   std::string text;
   for (const Json& entity : entities) {
     const auto dim = static_cast<std::size_t>(number_of(entity, "dim"));
     if (dim > 3) continue;
-    text += (text.empty() ? "" : ", ") + std::string(kKinds[dim]) + ' ' +
+    text += (text.empty() ? "" : ", ") + std::string(kEntityKinds[dim]) + ' ' +
             std::to_string(static_cast<long>(number_of(entity, "id")));
   }
   return text;

@@ -12,17 +12,17 @@ namespace tetloom::bench {
 
 namespace fs = std::filesystem;
 
-void add_session_options(CLI::App& app, SessionOptions& options) {
-  app.add_option("--runs", options.runs, "runs of each")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--json", options.json_path, "write everything measured to this file as well");
-  app.add_option("--commit", options.commit, "the commit to name")->capture_default_str();
-  app.add_flag("--no-peer", options.no_peer, "run no peer beside");
-  app.add_flag("--quick", options.quick, "one run of small meshes with 1 and 2 threads, only to see that it works");
-  app.add_option("--measure", options.measure, "")->group("");
+void add_session_options(CommandLine& line, SessionOptions& options) {
+  line.add("--runs", options.runs, "runs of each").positive();
+  line.add("--json", options.json_path, "write everything measured to this file as well");
+  line.add("--commit", options.commit, "the commit to name");
+  line.add_flag("--no-peer", options.no_peer, "run no peer beside");
+  line.add_flag("--quick", options.quick, "one run of small meshes with 1 and 2 threads, only to see that it works");
+  line.add("--measure", options.measure, "").hidden();
 }
 
-void add_plot_option(CLI::App& app, SessionOptions& options) {
-  app.add_option("--svg", options.svg_path, "draw what was measured into this file");
+void add_plot_option(CommandLine& line, SessionOptions& options) {
+  line.add("--svg", options.svg_path, "draw what was measured into this file");
 }
 
 std::vector<int> all_threads(int cores) {

@@ -1,6 +1,5 @@
 #pragma once
 // What the benches of whole meshes have in common: their options, the heading, models, runs in alternation, the JSON.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -8,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/support/command_line.hpp"
 #include "bench/support/commit.hpp"
 #include "bench/support/machine.hpp"
 #include "bench/support/svg_plot.hpp"
@@ -23,10 +23,10 @@ struct SessionOptions {
 };
 
 /// --runs, --json, --commit, --no-peer, --quick and --measure.
-void add_session_options(CLI::App& app, SessionOptions& options);
+void add_session_options(CommandLine& line, SessionOptions& options);
 
 /// --svg, for benches that draw.
-void add_plot_option(CLI::App& app, SessionOptions& options);
+void add_plot_option(CommandLine& line, SessionOptions& options);
 
 /// 1, 2, 4 ... and all cores.
 std::vector<int> all_threads(int cores);

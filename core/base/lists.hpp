@@ -1,7 +1,9 @@
 #pragma once
 // What is done to lists again and again.
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tetloom {
@@ -23,5 +25,13 @@ std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
   for (const std::vector<T>& list : lists) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
+
+/// The ends of an edge, the lower one first.
+constexpr std::array<std::uint32_t, 2> ascending(std::uint32_t a, std::uint32_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Whether a short list has an item.
+constexpr bool has(const auto& list, std::uint32_t item) { return std::ranges::find(list, item) != std::end(list); }
 
 }  // namespace tetloom

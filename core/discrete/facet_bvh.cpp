@@ -40,12 +40,6 @@ Corners corners_in(const OrthogonalFrame& frame, std::span<const Vec3> points, c
   return {frame(points[t[0]]), frame(points[t[1]]), frame(points[t[2]])};
 }
 
-Box3 box_of(const Corners& corners) {
-  Box3 box;
-  for (const Vec3& p : corners) box.add(p);
-  return box;
-}
-
 /// How often boxes are met: the sum of their surfaces (Goldsmith & Salmon, Automatic creation of object hierarchies,
 /// 1987).
 double surface_of_boxes(const OrthogonalFrame& frame, std::span<const Vec3> points,

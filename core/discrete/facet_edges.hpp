@@ -5,6 +5,7 @@
 //           / \                here 3·tri is a→b, 3·tri + 1 is b→c, 3·tri + 2 is c→a.
 //          /tri\               A facet *edge* joins two points; all half-edges between them, in either
 //         a ─── b              direction, belong to it. *Regular* edges have two facets.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -28,6 +29,10 @@ struct FacetEdges {
   std::size_t size() const { return edge_to_vert.size(); }
   std::span<const std::uint32_t> halves(std::size_t edge) const {
     return std::span(sorted_halves).subspan(edge_to_offset[edge], edge_to_offset[edge + 1] - edge_to_offset[edge]);
+  }
+  /// Whether one of them has these ends.
+  bool join(std::uint32_t a, std::uint32_t b) const {
+    return std::ranges::binary_search(edge_to_vert, std::array{std::min(a, b), std::max(a, b)});
   }
   /// The other half-edge of a regular edge.
   std::uint32_t twin(std::uint32_t half) const {

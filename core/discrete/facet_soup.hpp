@@ -28,6 +28,9 @@ struct FacetSoup {
   std::uint32_t group(std::size_t tri) const { return tri_to_group.empty() ? 0 : tri_to_group[tri]; }
 };
 
+/// Removes facets with a repeated point; returns how many.
+std::size_t remove_collapsed(FacetSoup& soup);
+
 /// Parses an STL file, ASCII or binary by content; each solid of an ASCII file is a group. `name` is for messages.
 /// Errors: InputUnreadable (neither format, truncated), Cancelled.
 FacetSoup parse_stl(std::string_view bytes, const std::string& name, const CancelToken* cancel);

@@ -120,18 +120,6 @@ class NeedleCollapser {
   std::vector<bool> touched_;
 };
 
-void remove_collapsed(FacetSoup& soup) {
-  std::size_t kept = 0;
-  for (std::size_t tri = 0; tri < soup.tri_to_vert.size(); ++tri) {
-    const Triangle& t = soup.tri_to_vert[tri];
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    if (!soup.tri_to_group.empty()) soup.tri_to_group[kept] = soup.tri_to_group[tri];
-    soup.tri_to_vert[kept++] = t;
-  }
-  soup.tri_to_vert.resize(kept);
-  if (!soup.tri_to_group.empty()) soup.tri_to_group.resize(kept);
-}
-
 }  // namespace
 
 std::size_t collapse_needles(FacetSoup& soup, const CancelToken* cancel) {

@@ -9,8 +9,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::size_t kCancelEvery = 1 << 16;
-
 class ObjParser {
  public:
   ObjParser(std::string_view text, const std::string& name, const CancelToken* cancel)

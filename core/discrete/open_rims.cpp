@@ -10,12 +10,6 @@
 namespace tetloom::detail {
 namespace {
 
-Box3 box_of(std::span<const Vec3> points) {
-  Box3 box;
-  for (const Vec3& p : points) box.add(p);
-  return box;
-}
-
 /// One round of cuts at T-junctions, at most one edge of each facet.
 class JunctionCutter {
  public:
@@ -84,11 +78,6 @@ class JunctionCutter {
   double tolerance_;
   std::vector<std::pair<double, std::uint32_t>> along_x_;  // points of open edges
 };
-
-bool joins(const FacetEdges& edges, std::uint32_t a, std::uint32_t b) {
-  const std::array<std::uint32_t, 2> key{std::min(a, b), std::max(a, b)};
-  return std::binary_search(edges.edge_to_vert.begin(), edges.edge_to_vert.end(), key);
-}
 
 /// Walks along open edges, around the fans of facets between them, whatever their orientation.
 class RimWalker {
@@ -161,7 +150,7 @@ void fill(FacetSoup& soup, std::vector<std::uint32_t> rim, const FacetEdges& edg
   const bool meets_others = std::ranges::any_of(triangles, [&](const auto& t) {
     return std::ranges::any_of(std::array{0, 1, 2}, [&](int k) {
       const std::uint32_t i = t[k], j = t[(k + 1) % 3];
-      return !neighbours(i, j) && joins(edges, rim[i], rim[j]);
+      return !neighbours(i, j) && edges.join(rim[i], rim[j]);
     });
   });
   if (meets_others) {

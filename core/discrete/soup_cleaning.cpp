@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "core/base/mix_bits.hpp"
 #include "core/discrete/facet_edges.hpp"
 #include "core/discrete/facet_soup.hpp"
 #include "core/discrete/needles.hpp"
@@ -36,20 +37,9 @@ void check_not_empty(const FacetSoup& soup, const char* message) {
   }
 }
 
-Box3 box_of(std::span<const Vec3> points) {
-  Box3 box;
-  for (const Vec3& p : points) box.add(p);
-  return box;
-}
-
-std::uint64_t mix(std::uint64_t h) {
-  h ^= h >> 33, h *= 0xff51afd7ed558ccdULL, h ^= h >> 33, h *= 0xc4ceb9fe1a85ec53ULL;
-  return h ^ (h >> 33);
-}
-
 std::uint64_t hash_point(const Vec3& p) {
   const auto bits = [](double c) { return std::bit_cast<std::uint64_t>(c + 0.0); };  // + 0.0 turns -0 into +0
-  return mix(bits(p.x) ^ mix(bits(p.y) ^ mix(bits(p.z))));
+  return mix_bits(bits(p.x) ^ mix_bits(bits(p.y) ^ mix_bits(bits(p.z))));
 }
 
 /// For each point, the first one that is equal to it.
@@ -88,9 +78,13 @@ std::size_t remove_facets(FacetSoup& soup, Predicate&& remove) {
   return removed;
 }
 
+}  // namespace
+
 std::size_t remove_collapsed(FacetSoup& soup) {
   return remove_facets(soup, [&](std::size_t tri) { return is_collapsed(soup.tri_to_vert[tri]); });
 }
+
+namespace {
 
 /// Of facets with the same three points, whatever their order, the first one stays.
 std::size_t remove_duplicates(FacetSoup& soup) {
@@ -99,7 +93,7 @@ std::size_t remove_duplicates(FacetSoup& soup) {
   return remove_facets(soup, [&](std::size_t tri) {
     Triangle key = soup.tri_to_vert[tri];
     std::sort(key.begin(), key.end());
-    std::size_t slot = mix(key[0] ^ mix(key[1] ^ mix(key[2]))) & mask;
+    std::size_t slot = mix_bits(key[0] ^ mix_bits(key[1] ^ mix_bits(key[2]))) & mask;
     while (table[slot][0] != kNone && table[slot] != key) slot = (slot + 1) & mask;
     if (table[slot] == key) return true;
     table[slot] = key;
@@ -151,8 +145,8 @@ class SoupGrid {
     return {index(0), index(1), index(2)};
   }
   static std::uint64_t key(const Cell& c) {
-    return mix(static_cast<std::uint64_t>(c[0]) ^
-               mix(static_cast<std::uint64_t>(c[1]) ^ mix(static_cast<std::uint64_t>(c[2]))));
+    return mix_bits(static_cast<std::uint64_t>(c[0]) ^
+                    mix_bits(static_cast<std::uint64_t>(c[1]) ^ mix_bits(static_cast<std::uint64_t>(c[2]))));
   }
 
   std::span<const Vec3> points_;
@@ -249,11 +243,6 @@ int find_middle_corner(const FacetSoup& soup, std::size_t tri, double height) {
   return norm(facet_normal(soup.points, t)) <= height * longest ? middle : -1;
 }
 
-bool joins(const FacetEdges& edges, std::uint32_t a, std::uint32_t b) {
-  const std::array<std::uint32_t, 2> key{std::min(a, b), std::max(a, b)};
-  return std::binary_search(edges.edge_to_vert.begin(), edges.edge_to_vert.end(), key);
-}
-
 /// One round over all slivers whose surroundings no other one has changed. Slivers to be removed are collapsed.
 std::size_t swap_slivers_once(FacetSoup& soup, double height) {
   std::vector<std::pair<std::uint32_t, int>> slivers;
@@ -276,7 +265,7 @@ std::size_t swap_slivers_once(FacetSoup& soup, double height) {
     }
     const std::uint32_t other = edges.twin(half), neighbour = half_to_tri(other);
     const std::uint32_t d = half_origin(soup.tri_to_vert, previous_half(other));
-    if (touched[neighbour] || d == b || joins(edges, b, d)) continue;
+    if (touched[neighbour] || d == b || edges.join(b, d)) continue;
     const bool same_way = half_origin(soup.tri_to_vert, other) == a;  // the two facets are oriented alike
     soup.tri_to_vert[tri] = same_way ? Triangle{a, b, d} : Triangle{b, a, d};
     soup.tri_to_vert[neighbour] = same_way ? Triangle{b, c, d} : Triangle{c, b, d};

@@ -9,7 +9,6 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 84, kFacetBytes = 50;
-constexpr std::size_t kCancelEvery = 1 << 16;
 
 [[noreturn]] void fail_unreadable(const std::string& name, const std::string& why) {
   throw Error(ErrorCode::InputUnreadable, "'" + name + "' cannot be read as STL: " + why);

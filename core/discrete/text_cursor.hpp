@@ -9,6 +9,9 @@
 
 namespace tetloom::detail {
 
+/// Facets or lines between two looks at whether the run is cancelled.
+inline constexpr std::size_t kCancelEvery = std::size_t{1} << 16;
+
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
 /// Whether `word` equals `lower`, which is in lower case, whatever the case of `word`.

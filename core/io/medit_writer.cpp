@@ -5,6 +5,7 @@
 #include <array>
 #include <tuple>
 
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/medit_detail.hpp"
@@ -44,12 +45,10 @@ constexpr std::array<MeditName, kBlocks> kElementKeywords{{{"Edges\n", MeditKeyw
                                                            {"Prisms\n", MeditKeyword::Prisms},
                                                            {"Hexahedra\n", MeditKeyword::Hexahedra}}};
 
-constexpr std::size_t kGrain = std::size_t{1} << 16;
-
 /// Points on model vertices, 0-based.
 std::vector<std::uint32_t> find_corners(const Mesh& mesh, const BlockLoop& loop) {
   using Corners = std::vector<std::uint32_t>;
-  const auto of_blocks = map_blocks(loop, mesh.points.size(), kGrain, Corners(),
+  const auto of_blocks = map_blocks(loop, mesh.points.size(), kCopyGrain, Corners(),
                                     [&](std::size_t begin, std::size_t end, Corners& corners) {
                                       for (std::size_t i = begin; i < end; ++i) {
                                         const ModelEntity entity = entity_of_point(mesh, i);

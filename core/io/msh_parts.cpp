@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/base/filing.hpp"
+#include "core/base/grain.hpp"
 #include "core/io/msh_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -17,8 +18,6 @@ Key key_of(const Verts& verts) {
   std::sort(key.begin(), key.end());
   return key;
 }
-
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 /// An edge or a surface element.
 struct BoundaryElement {
@@ -82,7 +81,7 @@ void own_boundary(const Mesh& mesh, const MeshParts& parts, const BlockLoop& loo
           claims.push_back({element.block, element.index, parts.cell_to_part[first + c]});
         });
     };
-    for (const auto& claims : map_blocks(loop, cells.size(), kGrain, std::vector<Claim>(), find_claims))
+    for (const auto& claims : map_blocks(loop, cells.size(), kCopyGrain, std::vector<Claim>(), find_claims))
       for (const Claim& claim : claims) {
         std::uint32_t& owner = owners.of_elements[static_cast<std::size_t>(claim.block)][claim.index];
         owner = std::min(owner, claim.part);

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::size_t kItemsBetweenLooks = std::size_t{1} << 20;
 /// Tables of names and sides are indexed by tag. Where an entity has a larger tag than these there are none, nor beyond
-/// kLeastNamedTag where they would take more than kLargestRatio times the size of the file.
+/// kLeastNamedTag where they would take more than kLargestRatioOfNames times the size of the file.
 constexpr std::int32_t kLargestNamedTag = 1'000'000, kLeastNamedTag = 10'000;
-constexpr std::size_t kLargestRatio = 64;
+constexpr std::size_t kLargestRatioOfNames = 64;
 
 /// What Gmsh calls an element type, for error messages; types that a Mesh holds are handled before.
 std::string describe_type(std::int32_t type) {
@@ -345,7 +345,7 @@ class MshReader {
 
   /// Whether the file is large enough for tables of the entities of a dimension.
   bool can_name(int dim) const {
-    const std::size_t room = kLargestRatio * file_.bytes().size() / sizeof(EntityAttributes);
+    const std::size_t room = kLargestRatioOfNames * file_.bytes().size() / sizeof(EntityAttributes);
     const auto largest = std::clamp<std::size_t>(room, kLeastNamedTag, kLargestNamedTag);
     return largest_tag_[dim] <= static_cast<std::int32_t>(largest);
   }

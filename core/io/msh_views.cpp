@@ -10,7 +10,7 @@ namespace tetloom::detail {
 namespace {
 
 /// Fields may take so many times the size of the file: a view that leaves most carriers out is given NaN there.
-constexpr std::size_t kLargestRatio = 64;
+constexpr std::size_t kLargestRatioOfViews = 64;
 constexpr std::size_t kMostComponents = 1'000'000;
 
 /// The cells of a mesh by their tags in the file.
@@ -65,7 +65,7 @@ struct FieldSpace {
   void take(MeshField& field, std::size_t carriers) {
     const std::size_t size = static_cast<std::size_t>(field.components) * carriers;
     bytes += 8 * size;
-    if (bytes / kLargestRatio > file.bytes().size())
+    if (bytes / kLargestRatioOfViews > file.bytes().size())
       file.fail(ErrorCode::InputUnreadable, "the views are too large for what the file has of them");
     field.values.assign(size, std::numeric_limits<double>::quiet_NaN());
   }

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/grain.hpp"
 #include "core/io/formats_detail.hpp"
 #include "core/io/msh_detail.hpp"
 #include "core/io/tag_blocks_detail.hpp"
@@ -18,7 +19,6 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::size_t kLongestName = 255;
-constexpr std::size_t kGrain = std::size_t{1} << 15;
 
 std::int32_t checked_tag(std::uint32_t index) {
   const std::uint32_t tag = tag_of_index(index);
@@ -99,7 +99,8 @@ class MshWriter {
       const auto find_parts = [&](std::size_t begin, std::size_t end, std::set<std::uint32_t>& parts) {
         for (const std::uint32_t item : blocks.items(b).subspan(begin, end - begin)) parts.insert(part_of[item]);
       };
-      for (const auto& parts : map_blocks(loop_, blocks.items(b).size(), kGrain, std::set<std::uint32_t>(), find_parts))
+      for (const auto& parts :
+           map_blocks(loop_, blocks.items(b).size(), kCopyGrain, std::set<std::uint32_t>(), find_parts))
         for (const std::uint32_t part : parts) pieces.try_emplace({blocks.tags[b], part}, 0);
     }
   }
@@ -122,7 +123,7 @@ class MshWriter {
         box = of_items;
       };
       Box3& box = entities_[dim][blocks.tags[b]].box;
-      for (const Box3& of_items : map_blocks(loop_, blocks.items(b).size(), kGrain, Box3{}, add_items))
+      for (const Box3& of_items : map_blocks(loop_, blocks.items(b).size(), kCopyGrain, Box3{}, add_items))
         unite(box, of_items);
     }
   }

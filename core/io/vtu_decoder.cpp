@@ -22,7 +22,7 @@ constexpr std::array<std::pair<std::string_view, ScalarType>, 10> kScalarNames{{
                                                                                 {"Float64", ScalarType::Float64}}};
 
 /// zlib shrinks nothing to less than a thousandth: larger claims are wrong and not worth allocating for.
-constexpr std::uint64_t kLargestRatio = 1100;
+constexpr std::uint64_t kLargestRatioOfZlib = 1100;
 
 int base64_value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -117,7 +117,7 @@ VtuArray VtuDecoder::decode(const XmlElement& element) {
   VtuArray array = decode_any(element);
   decoded_bytes_ += array.byte_count();
   // A digit and a space may stand for eight bytes.
-  const std::uint64_t largest_ratio = compressed_ ? kLargestRatio : 8;
+  const std::uint64_t largest_ratio = compressed_ ? kLargestRatioOfZlib : 8;
   if (decoded_bytes_ / largest_ratio > file_.bytes().size())
     file_.fail_at_line("the arrays claim more data than the file can hold", element.name.data());
   return array;
@@ -227,7 +227,7 @@ std::string VtuDecoder::inflate(std::string_view header, std::string_view data) 
   for (std::uint64_t block = 0; block < blocks; ++block) {
     const auto packed = static_cast<std::size_t>(word(3 + block));
     const std::uint64_t size = block + 1 == blocks && last_size > 0 ? last_size : block_size;
-    if (size / kLargestRatio > packed || packed > data.size())
+    if (size / kLargestRatioOfZlib > packed || packed > data.size())
       file_.fail(ErrorCode::InputUnreadable, "a compressed block cannot hold what it claims to");
     const std::size_t begin = bytes.size();
     bytes.resize(begin + static_cast<std::size_t>(size));

@@ -48,7 +48,6 @@ inline constexpr std::size_t kMostVtuComponents = 1'000'000;
 std::string xml_escaped(std::string_view text);
 std::string xml_unescaped(std::string_view text);
 /// What the arrays with the attributes of model entities start with.
-inline constexpr std::array<std::string_view, 4> kEntityKinds{"vertex", "edge", "face", "region"};
 
 struct XmlElement {
   std::string_view name;

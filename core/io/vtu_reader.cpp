@@ -31,7 +31,7 @@ struct CellType {
   std::size_t nodes() const { return vertices_of(block) + (is_second_order ? edges_of(block).size() : 0); }
 };
 
-std::optional<CellType> find_type(std::int64_t type) {
+std::optional<CellType> find_vtk_type(std::int64_t type) {
   for (std::size_t b = 0; b < kBlocks; ++b)
     if (type == kVtkTypes[b] || type == kVtkTypes2[b]) return CellType{static_cast<Block>(b), type == kVtkTypes2[b]};
   return {};
@@ -141,7 +141,7 @@ class VtuReader {
       begin_fields(data, false, content.tags ? content.tag_name : std::string_view(), cell_fields_);
     has_cell_fields_ = true;
     grow_fields(data, cells, cell_fields_, [&](std::size_t i) -> std::optional<std::size_t> {
-      const std::optional<CellType> type = find_type(content.types.integer(i));
+      const std::optional<CellType> type = find_vtk_type(content.types.integer(i));
       if (!type || dimension_of(type->block) < 3) return {};
       return cell_kind_of(type->block);
     });
@@ -194,7 +194,7 @@ class VtuReader {
     for (std::size_t i = 0; i < cells; ++i) {
       const std::int64_t end = piece.offsets.integer(i);
       const std::int64_t type = piece.types.integer(i);
-      const std::optional<CellType> of_cell = find_type(type);
+      const std::optional<CellType> of_cell = find_vtk_type(type);
       const bool is_refused = of_cell ? of_cell->is_second_order && global_ids_ != nullptr : type != kVtkVertex;
       if (is_refused) refuse_elements(file_, describe_cell(type));
       const std::size_t nodes = of_cell ? of_cell->nodes() : 1;

@@ -5,13 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/statistics_detail.hpp"
 
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 constexpr double kOfEquilateral = 0.8660254037844386;
 
 template <class Cell>
@@ -34,7 +34,7 @@ CellJacobians measure_jacobians(const Mesh& mesh, const BlockLoop& loop, Growing
     if (kind == CellKind::Tet || cells.empty()) return;
     const std::size_t first = values.size();
     values.resize_for_overwrite(first + cells.size());
-    loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    loop.for_blocks(cells.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c)
         values[first + c] = static_cast<float>(least_of(cells[c], kind, mesh.points));
     });

@@ -216,15 +216,15 @@ const Basis& basis_of(const CurvedCell& cell) {
   return is_upright ? upright : prism;
 }
 
-struct Piece {
+struct CellPiece {
   std::vector<double> coefficients;
   int depth = 0;
 };
 
 // The two halves along an axis (de Casteljau).
-std::array<Piece, 2> halves_of(const Piece& piece, const Counts& counts, std::size_t axis) {
-  std::array<Piece, 2> halves{piece, piece};
-  for (Piece& half : halves) ++half.depth;
+std::array<CellPiece, 2> halves_of(const CellPiece& piece, const Counts& counts, std::size_t axis) {
+  std::array<CellPiece, 2> halves{piece, piece};
+  for (CellPiece& half : halves) ++half.depth;
   const std::size_t count = counts[axis], step = axis == 0 ? 1 : axis == 1 ? counts[0] : counts[0] * counts[1];
   std::array<double, 6> value{};
   for (std::size_t first = 0; first < piece.coefficients.size(); ++first) {
@@ -293,9 +293,9 @@ double least_jacobian(const CellJacobian& jacobian, double enough) {
   double found = least_at_corners(jacobian.coefficients, counts), bound = enough;
   if (const double first = least_of(jacobian.coefficients); first >= enough || !(found - first > kPrecision))
     return first;
-  std::vector<Piece> open{{jacobian.coefficients, 0}};
+  std::vector<CellPiece> open{{jacobian.coefficients, 0}};
   while (!open.empty()) {
-    const Piece piece = std::move(open.back());
+    const CellPiece piece = std::move(open.back());
     open.pop_back();
     found = std::min(found, least_at_corners(piece.coefficients, counts));
     const double lowest = least_of(piece.coefficients);
@@ -304,7 +304,7 @@ double least_jacobian(const CellJacobian& jacobian, double enough) {
       bound = std::min(bound, lowest);
       continue;
     }
-    for (Piece& half : halves_of(piece, counts, static_cast<std::size_t>(piece.depth) % 3))
+    for (CellPiece& half : halves_of(piece, counts, static_cast<std::size_t>(piece.depth) % 3))
       open.push_back(std::move(half));
   }
   return bound;

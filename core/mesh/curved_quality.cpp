@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/curved_cell.hpp"
 #include "core/mesh/curved_tet.hpp"
 #include "core/mesh/mesh_access.hpp"
@@ -14,8 +15,6 @@ namespace tetloom {
 namespace {
 
 using detail::Sum;
-
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 struct CurvedSums {
   std::size_t count = 0, not_positive = 0;
@@ -45,7 +44,7 @@ CurvedSums measure_curved_tets(const Mesh& mesh, const MidNodes& mids, std::span
     }
   };
   CurvedSums total;
-  for (const CurvedSums& sums : map_blocks(loop, mesh.tet_to_vert.size(), kGrain, CurvedSums{}, measure))
+  for (const CurvedSums& sums : map_blocks(loop, mesh.tet_to_vert.size(), kCopyGrain, CurvedSums{}, measure))
     total.add(sums);
   return total;
 }
@@ -65,7 +64,7 @@ CurvedSums measure_curved_cells(const Mesh& mesh, const MidNodes& mids, const Bl
         if (!has_positive_jacobian(jacobian)) ++sums.not_positive;
       }
     };
-    for (const CurvedSums& sums : map_blocks(loop, cells.size(), kGrain, CurvedSums{}, measure)) total.add(sums);
+    for (const CurvedSums& sums : map_blocks(loop, cells.size(), kCopyGrain, CurvedSums{}, measure)) total.add(sums);
   });
   return total;
 }

@@ -99,15 +99,15 @@ constexpr std::array<std::array<Row, kRows>, 6> kRowsOfEdges = [] {
   return all;
 }();
 
-struct Piece {
+struct TetPiece {
   TetJacobian jacobian;
   int depth = 0;
 };
 
 // The polynomial on the two halves of the tet that the middle of an edge makes (de Casteljau).
-std::array<Piece, 2> halves_of(const Piece& piece, std::size_t edge) {
-  std::array<Piece, 2> halves{piece, piece};
-  for (Piece& half : halves) ++half.depth;
+std::array<TetPiece, 2> halves_of(const TetPiece& piece, std::size_t edge) {
+  std::array<TetPiece, 2> halves{piece, piece};
+  for (TetPiece& half : halves) ++half.depth;
   for (const Row& row : kRowsOfEdges[edge]) {
     std::array<double, 4> value{};
     for (std::size_t i = 0; i < row.count; ++i) value[i] = piece.jacobian[row.at[i]];
@@ -179,9 +179,9 @@ double least_jacobian(const TetJacobian& jacobian, double enough) {
   constexpr int kMostHalvings = 24;
   double found = least(std::span(jacobian).first(4)), bound = enough;
   if (const double first = least(jacobian); first >= enough || !(found - first > kPrecision)) return first;
-  std::vector<Piece> open{{jacobian, 0}};
+  std::vector<TetPiece> open{{jacobian, 0}};
   while (!open.empty()) {
-    const Piece piece = open.back();
+    const TetPiece piece = open.back();
     open.pop_back();
     found = std::min(found, least(std::span(piece.jacobian).first(4)));
     const double lowest = least(piece.jacobian);
@@ -190,7 +190,7 @@ double least_jacobian(const TetJacobian& jacobian, double enough) {
       bound = std::min(bound, lowest);
       continue;
     }
-    for (const Piece& half : halves_of(piece, static_cast<std::size_t>(piece.depth) % 6)) open.push_back(half);
+    for (const TetPiece& half : halves_of(piece, static_cast<std::size_t>(piece.depth) % 6)) open.push_back(half);
   }
   return bound;
 }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <vector>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/digest_sums.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/mid_nodes.hpp"
@@ -106,16 +107,15 @@ Hash128 hash_cell(const Vertices<8>& v, std::uint32_t region, const PointHashes&
   return hash_turned(v, region, hashes, kHexTurns, Kind::Hex);
 }
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
-
 /// The sum of hash(i) over all i < count.
 template <class Hash>
 Hash128 sum_of(std::size_t count, const BlockLoop& loop, const Hash& hash) {
-  const auto sums = map_blocks(loop, count, kGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
-    Hash128 of_block;
-    for (std::size_t i = begin; i < end; ++i) of_block += hash(i);
-    sum = of_block;
-  });
+  const auto sums =
+      map_blocks(loop, count, kCopyGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
+        Hash128 of_block;
+        for (std::size_t i = begin; i < end; ++i) of_block += hash(i);
+        sum = of_block;
+      });
   Hash128 total;
   for (const Hash128& sum : sums) total += sum;
   return total;
@@ -168,10 +168,11 @@ class FieldHash {
   /// The sum over `count` tuples from number `first` on, with the hashes that `carrier` gives for 0, 1, ...
   template <class Carrier>
   Hash128 sum(std::size_t first, std::size_t count, const BlockLoop& loop, const Carrier& carrier) const {
-    const auto sums = map_blocks(loop, count, kGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
-      std::vector<std::uint64_t> words = head();
-      for (std::size_t i = begin; i < end; ++i) sum += of_tuple(first + i, carrier(i), words);
-    });
+    const auto sums =
+        map_blocks(loop, count, kCopyGrain, Hash128{}, [&](std::size_t begin, std::size_t end, Hash128& sum) {
+          std::vector<std::uint64_t> words = head();
+          for (std::size_t i = begin; i < end; ++i) sum += of_tuple(first + i, carrier(i), words);
+        });
     Hash128 total;
     for (const Hash128& sum : sums) total += sum;
     return total;

@@ -4,13 +4,13 @@
 #include <limits>
 #include <string>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 16;
 constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
 
 template <class Element>
@@ -21,11 +21,11 @@ bool fits(const Element& element, std::size_t point_count) {
 /// The first element that refers to a point which is not there; kNowhere without one.
 template <class Element>
 std::size_t find_misfit(const std::vector<Element>& elements, std::size_t point_count, const BlockLoop& loop) {
-  const auto first =
-      map_blocks(loop, elements.size(), kGrain, kNowhere, [&](std::size_t begin, std::size_t end, std::size_t& misfit) {
-        while (begin < end && fits(elements[begin], point_count)) ++begin;
-        if (begin < end) misfit = begin;
-      });
+  const auto first = map_blocks(loop, elements.size(), kCopyGrain, kNowhere,
+                                [&](std::size_t begin, std::size_t end, std::size_t& misfit) {
+                                  while (begin < end && fits(elements[begin], point_count)) ++begin;
+                                  if (begin < end) misfit = begin;
+                                });
   return first.empty() ? kNowhere : *std::min_element(first.begin(), first.end());
 }
 
@@ -52,7 +52,7 @@ template <class IndexOf>
 std::size_t find_entity_from(std::uint32_t limit, std::size_t count, const BlockLoop& loop, const IndexOf& index_of) {
   const auto is_beyond = [&](std::size_t i) { return index_of(i) != kNone && index_of(i) >= limit; };
   const auto first =
-      map_blocks(loop, count, kGrain, kNowhere, [&](std::size_t begin, std::size_t end, std::size_t& found) {
+      map_blocks(loop, count, kCopyGrain, kNowhere, [&](std::size_t begin, std::size_t end, std::size_t& found) {
         while (begin < end && !is_beyond(begin)) ++begin;
         if (begin < end) found = begin;
       });

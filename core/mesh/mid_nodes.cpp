@@ -2,13 +2,12 @@
 
 #include <atomic>
 
+#include "core/base/grain.hpp"
 #include "core/base/grouping.hpp"
 #include "core/base/lists.hpp"
 
 namespace tetloom {
 namespace {
-
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 using Edge = std::array<std::uint32_t, 2>;
 
@@ -18,7 +17,7 @@ class EdgesByVertex {
   EdgesByVertex(const Mesh& mesh, const BlockLoop& loop) : vertices_(vertex_count(mesh)), loop_(loop) {
     highs_ = Grouping(vertices_, [&](const auto& file) {
       for_each_edge_owner(mesh, [&](const auto& elements, std::span<const LocalEdge> edges) {
-        loop.for_blocks(elements.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        loop.for_blocks(elements.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
           for (std::size_t e = begin; e < end; ++e)
             for (const auto& [a, b] : edges) {
               const auto [low, high] = std::minmax(elements[e][a], elements[e][b]);
@@ -46,7 +45,7 @@ class EdgesByVertex {
   // Calls body(low, highs), each of them once and ascending.
   template <class Body>
   void for_vertices(const Body& body) const {
-    loop_.for_blocks(vertices_, kGrain, [&](std::size_t begin, std::size_t end) {
+    loop_.for_blocks(vertices_, kCopyGrain, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> highs;
       for (std::size_t v = begin; v < end; ++v) {
         highs.assign(highs_[v].begin(), highs_[v].end());
@@ -104,7 +103,7 @@ void put_into_regions(const Mesh& mesh, const MidNodes& mids, std::span<ModelEnt
     return;
   }
   for_each_cell_kind(mesh, [&](CellKind kind, const auto& cells, const auto& regions) {
-    loop.for_blocks(cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    loop.for_blocks(cells.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c)
         for (const auto& [a, b] : shape_of(kind).edges())
           lower_to(entities[mids.find(cells[c][a], cells[c][b])].index, regions[c]);
@@ -153,7 +152,7 @@ std::optional<std::string> find_mid_node_fault(const Mesh& mesh, const BlockLoop
     const auto check = [&](std::size_t begin, std::size_t end, std::uint8_t& is_fine) {
       is_fine = have_mid_nodes(std::span(elements).subspan(begin, end - begin), edges, mids) ? 1 : 0;
     };
-    for (const std::uint8_t is_fine : map_blocks(loop, elements.size(), kGrain, std::uint8_t{1}, check))
+    for (const std::uint8_t is_fine : map_blocks(loop, elements.size(), kCopyGrain, std::uint8_t{1}, check))
       fits &= is_fine != 0;
   });
   if (!fits) return "an edge of an element has no mid node although others have";

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <span>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/cell_jacobians.hpp"
 #include "core/mesh/curved_quality.hpp"
 #include "core/mesh/incidence_detail.hpp"
@@ -25,8 +26,6 @@ using detail::Sum;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kBandLow = 0.707106781, kBandHigh = 1.41421356;
-
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 template <std::size_t Bins>
 std::size_t bin_of(double share) {
@@ -131,7 +130,7 @@ std::vector<double> sizes_at_points(const Mesh& mesh, const SizeField* sizes, co
   std::vector<double> point_size;
   if (sizes == nullptr) return point_size;
   point_size.resize(vertex_count(mesh));
-  loop.for_blocks(point_size.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(point_size.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) point_size[i] = sizes->size_at(mesh.points[i]);
   });
   return point_size;
@@ -198,7 +197,7 @@ template <class Cell>
 CellSums sum_cells(const Mesh& mesh, CellKind kind, const std::vector<Cell>& cells,
                    const std::vector<std::uint32_t>& regions, const BlockLoop& loop) {
   const auto of_blocks =
-      map_blocks(loop, cells.size(), kGrain, CellSums{}, [&](std::size_t begin, std::size_t end, CellSums& result) {
+      map_blocks(loop, cells.size(), kCopyGrain, CellSums{}, [&](std::size_t begin, std::size_t end, CellSums& result) {
         CellSums sums{0, {}, PerEntity<RegionSums>(std::span(regions).subspan(begin, end - begin))};
         for (std::size_t c = begin; c < end; ++c) {
           const double volume = cell_volume(mesh.points, cells[c], kind);
@@ -272,7 +271,7 @@ float add_tet(const Mesh& mesh, std::size_t t, const DihedralBins& bins, TetSums
 TetSums sum_tets(const Mesh& mesh, const BlockLoop& loop, std::span<float> ratios) {
   const DihedralBins bins;
   const auto of_blocks =
-      map_blocks(loop, ratios.size(), kGrain, TetSums{}, [&](std::size_t begin, std::size_t end, TetSums& result) {
+      map_blocks(loop, ratios.size(), kCopyGrain, TetSums{}, [&](std::size_t begin, std::size_t end, TetSums& result) {
         TetSums sums;
         sums.cells.regions = PerEntity<RegionSums>(std::span(mesh.tet_to_entity).subspan(begin, end - begin));
         for (std::size_t t = begin; t < end; ++t) ratios[t] = add_tet(mesh, t, bins, sums);
@@ -347,7 +346,7 @@ struct TriangleSums {
 /// Measures all triangles; their shapes go to `shapes`.
 TriangleSums sum_triangles(const Mesh& mesh, const BlockLoop& loop, std::span<float> shapes) {
   const auto of_blocks = map_blocks(
-      loop, shapes.size(), kGrain, TriangleSums{}, [&](std::size_t begin, std::size_t end, TriangleSums& result) {
+      loop, shapes.size(), kCopyGrain, TriangleSums{}, [&](std::size_t begin, std::size_t end, TriangleSums& result) {
         TriangleSums sums;
         sums.faces = PerEntity<FaceSums>(std::span(mesh.tri_to_entity).subspan(begin, end - begin));
         for (std::size_t t = begin; t < end; ++t) {

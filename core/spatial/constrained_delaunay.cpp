@@ -6,11 +6,10 @@
 #include <unordered_map>
 
 #include "core/predicates/predicates.hpp"
+#include "tetloom/ids.hpp"
 
 namespace tetloom {
 namespace {
-
-constexpr std::uint32_t kNone = Triangulation::kNone;
 
 class PolygonTriangulator {
  public:

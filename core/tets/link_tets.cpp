@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/base/grain.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/tets/face_groups.hpp"
 #include "core/tets/find_triangles.hpp"
@@ -12,18 +13,17 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr std::size_t kGrain = 1 << 11;
-
 // Of the first tet without volume.
 Fault turn_tets(TetMesh& mesh, const BlockLoop& loop) {
-  const auto flat = map_blocks(loop, mesh.size(), kGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
-    for (auto tet = static_cast<std::uint32_t>(begin); tet < end; ++tet) {
-      const int sign =
-          orient3d(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
-      if (sign == 0) first = std::min(first, tet);
-      if (sign < 0) std::swap(mesh.to_vert[std::size_t{tet} * 4 + 2], mesh.to_vert[std::size_t{tet} * 4 + 3]);
-    }
-  });
+  const auto flat =
+      map_blocks(loop, mesh.size(), kElementGrain, kNone, [&](std::size_t begin, std::size_t end, auto& first) {
+        for (auto tet = static_cast<std::uint32_t>(begin); tet < end; ++tet) {
+          const int sign =
+              orient3d(mesh.point_of(tet, 0), mesh.point_of(tet, 1), mesh.point_of(tet, 2), mesh.point_of(tet, 3));
+          if (sign == 0) first = std::min(first, tet);
+          if (sign < 0) std::swap(mesh.to_vert[std::size_t{tet} * 4 + 2], mesh.to_vert[std::size_t{tet} * 4 + 3]);
+        }
+      });
   for (const std::uint32_t tet : flat)
     if (tet != kNone) return {"a tetrahedron has no volume", {}, mesh.point_of(tet, 0)};
   return {};

@@ -11,7 +11,7 @@
 namespace tetloom::demo {
 namespace {
 
-constexpr double kPitch = 20, kHoleRadius = 5, kRim = 1, kThickness = 8;
+constexpr double kHolePitch = 20, kHoleRadius = 5, kRim = 1, kThickness = 8;
 
 }  // namespace
 
@@ -19,12 +19,12 @@ std::vector<DemoPart> make_holed_plate(int holes) {
   if (holes < 1 || holes > 400) throw std::runtime_error("a plate has from 1 to 400 holes");
   const int columns = static_cast<int>(std::ceil(std::sqrt(1.2 * holes)));
   const int rows = (holes + columns - 1) / columns;
-  const TopoDS_Shape plate = BRepPrimAPI_MakeBox(kPitch * columns, kPitch * rows, kThickness).Shape();
+  const TopoDS_Shape plate = BRepPrimAPI_MakeBox(kHolePitch * columns, kHolePitch * rows, kThickness).Shape();
   TopTools_ListOfShape plates, drills;
   plates.Append(fillet_edges(plate, 4, [](const EdgeEnds& e) { return is_along(e, gp::DZ()); }));
   for (int i = 0; i < holes; ++i) {
-    drills.Append(cylinder({kPitch * (i % columns + 0.5), kPitch * (i / columns + 0.5), -1}, gp::DZ(), kHoleRadius,
-                           kThickness + 2));
+    drills.Append(cylinder({kHolePitch * (i % columns + 0.5), kHolePitch * (i / columns + 0.5), -1}, gp::DZ(),
+                           kHoleRadius, kThickness + 2));
   }
   BRepAlgoAPI_Cut cut;
   cut.SetArguments(plates);

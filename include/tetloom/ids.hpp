@@ -1,7 +1,9 @@
 #pragma once
 // Distinct 32-bit id types, the index of nothing, and the name of a model entity.
+#include <array>
 #include <compare>
 #include <cstdint>
+#include <string_view>
 
 namespace tetloom {
 
@@ -26,6 +28,9 @@ using ModelVertexId = Id<struct ModelVertexKind>;
 using ModelEdgeId = Id<struct ModelEdgeKind>;
 using ModelFaceId = Id<struct ModelFaceKind>;
 using ModelRegionId = Id<struct ModelRegionKind>;
+
+/// What entities are called, by dimension.
+inline constexpr std::array<std::string_view, 4> kEntityKinds{"vertex", "edge", "face", "region"};
 
 /// A model entity of any dimension: 0 vertex, 1 edge, 2 face, 3 region. The default is "no entity" (dim 4).
 struct ModelEntity {

@@ -3,6 +3,7 @@
 // are dense and can be handed to files and other libraries as they are.
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace tetloom {
 
@@ -113,5 +114,12 @@ struct Box3 {
     return lo.x <= b.hi.x && b.lo.x <= hi.x && lo.y <= b.hi.y && b.lo.y <= hi.y && lo.z <= b.hi.z && b.lo.z <= hi.z;
   }
 };
+
+/// Of no points: an empty box.
+constexpr Box3 box_of(std::span<const Vec3> points) {
+  Box3 box;
+  for (const Vec3& p : points) box.add(p);
+  return box;
+}
 
 }  // namespace tetloom

@@ -54,9 +54,9 @@ class KeptPlaces {
 };
 
 /// What the zones of a mesh become, put together to a mesh.
-class Assembly {
+class ZoneAssembly {
  public:
-  Assembly(const Mesh& mesh, const Zones& zones, std::span<const ZoneChange* const> changes)
+  ZoneAssembly(const Mesh& mesh, const Zones& zones, std::span<const ZoneChange* const> changes)
       : mesh_(mesh), zones_(zones), changes_(changes) {}
 
   EliminationResult run() {
@@ -225,7 +225,7 @@ EliminationResult eliminate_small_features(const Mesh& mesh, const FeatureElimin
   before = KnownZones(done);
   std::vector<const ZoneChange*> changes;
   for (const auto& zone : done) changes.push_back(&zone->change);
-  return Assembly(mesh, zones, changes).run();
+  return ZoneAssembly(mesh, zones, changes).run();
 }
 
 }  // namespace tetloom

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::features {
 namespace {
-
-bool has(const Triangle& verts, std::uint32_t v) { return std::ranges::find(verts, v) != verts.end(); }
 
 Triangle with(Triangle verts, std::uint32_t from, std::uint32_t to) {
   std::ranges::replace(verts, from, to);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/lists.hpp"
 #include "core/spatial/triangle_shape.hpp"
 #include "mesher/features/cone.hpp"
 
@@ -18,8 +19,6 @@ constexpr double kLeastRegionFold = 1 * std::numbers::pi / 180, kFoldGain = 2;
 constexpr double kVoidShare = 0.2, kLeastVoidFold = 1e-6;
 constexpr double kLeastCosine = 0.17;  // of the angle that a triangle may turn by
 constexpr double kKeptShare = 0.67;    // of an angle that was below the limits already
-
-bool has(const auto& items, std::uint32_t item) { return std::ranges::find(items, item) != items.end(); }
 
 Vec3 area_vector(const std::array<Vec3, 3>& x) { return cross(x[1] - x[0], x[2] - x[0]); }
 

@@ -14,8 +14,6 @@ std::vector<std::uint32_t> numbers(std::size_t count) {
   return result;
 }
 
-bool has(const auto& verts, std::uint32_t v) { return std::ranges::find(verts, v) != verts.end(); }
-
 /// The items that are alive, in the order of the items of the input beside which they stand.
 std::vector<std::uint32_t> survivors(const std::vector<std::uint8_t>& alive, const std::vector<std::uint32_t>& source) {
   std::vector<std::uint32_t> items;

@@ -16,9 +16,9 @@ namespace {
 constexpr std::size_t kMostTries = 4;  // for each two faces
 
 /// A face, to be asked where points of its surface lie.
-class FaceArea {
+class FaceExtent {
  public:
-  FaceArea(const GeometricModel& model, ModelFaceId id)
+  FaceExtent(const GeometricModel& model, ModelFaceId id)
       : model_(model), loops_(model.topology().face_to_loops[id.value]), geometry_(model.face_geometry(id)) {}
 
   bool has_plane() const { return geometry_->parametrization() == Parametrization::Smooth; }
@@ -112,21 +112,11 @@ bool share_region(const FaceSides& a, const FaceSides& b) {
          (a.back.valid() && (a.back == b.front || a.back == b.back));
 }
 
-double longest_edge(const Mesh& mesh, std::uint32_t tri) {
-  const auto& [a, b, c] = mesh.tri_to_vert[tri];
-  return std::max({distance(mesh.points[a], mesh.points[b]), distance(mesh.points[b], mesh.points[c]),
-                   distance(mesh.points[c], mesh.points[a])});
-}
-
 /// The crossings of two faces.
 struct FacePair {
   ModelFaceId first, second;
   std::vector<TriangleIntersection> crossings;
 };
-
-double longest_edge(const Mesh& mesh, const TriangleIntersection& crossing) {
-  return std::max(longest_edge(mesh, crossing.first), longest_edge(mesh, crossing.second));
-}
 
 /// The facets of faces that reach into a ball's box; points in one place are one.
 class NearFacets {
@@ -165,7 +155,7 @@ class NearFacets {
 };
 
 // Facets are the surface itself: where they cross beside crossing triangles, the model does. A face may cross itself.
-std::optional<TriangleIntersection> find_crossing_of_facets(const FacePair& pair, FaceArea& first, FaceArea& second,
+std::optional<TriangleIntersection> find_crossing_of_facets(const FacePair& pair, FaceExtent& first, FaceExtent& second,
                                                             const Mesh& surface) {
   std::vector<Tessellation> faces{first.geometry().tessellate(0, 0)};
   if (pair.first != pair.second) faces.push_back(second.geometry().tessellate(0, 0));
@@ -183,7 +173,7 @@ std::optional<TriangleIntersection> find_crossing_of_facets(const FacePair& pair
 std::optional<TriangleIntersection> find_crossing(const FacePair& pair, const Mesh& surface,
                                                   const GeometricModel& model) {
   constexpr double kLeastDepth = 1e-3;  // of the triangles' edges
-  FaceArea first(model, pair.first), second(model, pair.second);
+  FaceExtent first(model, pair.first), second(model, pair.second);
   if (!first.has_plane() && !second.has_plane()) return find_crossing_of_facets(pair, first, second, surface);
   if (!first.has_plane() || !second.has_plane() || pair.first == pair.second) return {};
   for (TriangleIntersection crossing : pair.crossings) {

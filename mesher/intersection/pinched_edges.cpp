@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom {
 
 namespace {
@@ -13,8 +15,6 @@ struct Side {
   std::uint32_t triangle = 0;
   auto operator<=>(const Side&) const = default;
 };
-
-std::array<std::uint32_t, 2> ascending(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 // Those between vertices of model edges that are no pieces of them, ascending.
 std::vector<Side> find_chords(const Mesh& surface) {

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/failure.hpp"
 #include "core/base/lists.hpp"
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t kLeafSize = intersection::TriangleTree::kLeafSize;
 constexpr std::size_t kLeavesPerBlock = 256;
-constexpr std::size_t kElementsToldAtMost = 100;
 
 bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) {
   return std::pair(a.first, a.second) < std::pair(b.first, b.second);
@@ -157,6 +157,16 @@ Diagnostic describe_group(std::span<const TriangleIntersection* const> group, co
 }
 
 }  // namespace
+
+double longest_edge(const Mesh& surface, const TriangleIntersection& crossing) {
+  double longest = 0;
+  for (const std::uint32_t tri : {crossing.first, crossing.second}) {
+    const auto& [a, b, c] = surface.tri_to_vert[tri];
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+      longest = std::max(longest, distance(surface.points[from], surface.points[to]));
+  }
+  return longest;
+}
 
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner) {
   return find_self_intersections(search, intersection::TriangleTree(search.points, search.tri_to_vert, runner), runner);

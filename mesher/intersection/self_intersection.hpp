@@ -7,6 +7,7 @@
 
 #include "mesher/intersection/triangle_tree.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/mesh_data.hpp"
 #include "tetloom/model.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
@@ -28,6 +29,9 @@ struct TriangleIntersection {
   IntersectionKind kind = IntersectionKind::Crossing;
   Vec3 point;  ///< at or near a place where they meet, within rounding
 };
+
+/// Of both triangles.
+double longest_edge(const Mesh& surface, const TriangleIntersection& crossing);
 
 /// The triangles that are compared, and how many of the results are wanted.
 struct IntersectionSearch {

@@ -14,7 +14,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-constexpr double kParallel = 0.9998;  // cosine between the normals
+constexpr double kParallelSkins = 0.9998;  // cosine between the normals
 constexpr std::size_t kTrianglesPerItem = 4096;
 
 class SkinSearch {
@@ -48,7 +48,7 @@ class SkinSearch {
     const double tolerance = std::max(tolerance_of(triangle), tolerance_of(other));
     if (!(std::abs(dot(normal, center - wall[0])) <= tolerance) || !lies_over(center, wall, normal)) return false;
     const double cosine = dot(normal, normalized(cross(own[1] - own[0], own[2] - own[0])));
-    return std::abs(cosine) >= kParallel && has_region_between(triangle, own, other, wall, cosine < 0);
+    return std::abs(cosine) >= kParallelSkins && has_region_between(triangle, own, other, wall, cosine < 0);
   }
 
   bool share_a_vertex(std::uint32_t triangle, std::uint32_t other) const {

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/grain.hpp"
+
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 256;
 constexpr std::size_t kRays = 7;     // the axis and six around it
 constexpr double kConeDegrees = 25;  // 60 degrees lose a sixth of concave insides
 constexpr double kFacing = -0.3;     // cosine between the ray's curve and the normal of what faces it
@@ -102,7 +103,7 @@ class WallSearch {
 std::vector<Clearance> find_clearances(const OppositeSurface& surface, std::span<const LookAhead> looks,
                                        const TaskRunner& runner) {
   std::vector<Clearance> clearances(looks.size());
-  runner.for_blocks(clearances.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(clearances.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     WallSearch search(surface);
     for (std::size_t i = begin; i < end; ++i)
       if (looks[i].direction != Vec3{}) clearances[i] = search.from(i, looks[i]);

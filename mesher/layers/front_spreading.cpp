@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/grain.hpp"
+
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-constexpr int kSweeps = 12;
+constexpr int kSpreadingSweeps = 12;
 constexpr double kChanging = 0.02;     // of the lengths of the wall's edges
 constexpr double kLeastWeight = 0.05;  // blunt angles count little
 
@@ -63,14 +64,14 @@ std::vector<Vec3> FrontSpreading::find_shifts(const ChangingFront& front, const 
   std::vector<Vec3> shifts(count);
   std::vector<std::uint8_t> is_changing(count, 0);
   const auto for_each_curve = [&](const auto& body) {
-    runner.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    runner.for_blocks(count, kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c) body(static_cast<std::uint32_t>(c));
     });
   };
   for_each_curve([&](std::uint32_t c) { is_changing[c] = changes_at(front, c); });
   if (std::ranges::count(is_changing, 1) == 0) return shifts;
   std::vector<Vec3> next = shifts;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kSpreadingSweeps; ++sweep) {
     for_each_curve([&](std::uint32_t c) {
       if (is_changing[c]) next[c] = shift_at(front, shifts, c);
     });

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/grain.hpp"
 #include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
@@ -11,7 +12,6 @@
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr double kBlind = 0.0872;    // cos 85°: a wall that is seen less has no direction
 constexpr double kBesideSide = 0.5;  // sin 30°: between wall and side face
 constexpr double kMostStretch = 2;
@@ -138,7 +138,7 @@ class Marching {
 
   template <class Body>
   void for_each_curve(const Body& body) const {
-    runner_.for_blocks(active_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(active_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) body(active_[i]);
     });
   }
@@ -157,7 +157,7 @@ class Marching {
 
   void find_directions(bool is_first) {
     normals_.resize(walls_.triangles.size());
-    runner_.for_blocks(normals_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(normals_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t w = begin; w < end; ++w) normals_[w] = normal_of(static_cast<std::uint32_t>(w));
     });
     visibility_.assign(walls_.curve_count(), 0);
@@ -368,7 +368,7 @@ class Marching {
       return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return is_new[c] != 0; });
     };
     std::vector<std::uint8_t> wall_is_bad(walls_.triangles.size(), 0);
-    runner_.for_blocks(wall_is_bad.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(wall_is_bad.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t w = begin; w < end; ++w)
         wall_is_bad[w] = is_concerned(walls_.triangles[w]) && !is_sound(w, is_moving, next);
     });

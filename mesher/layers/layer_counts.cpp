@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/grain.hpp"
+
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr double kSlope = 0.7;  // of the thickness from curve to curve
 constexpr double kRounding = 1e-9;
 constexpr double kPoor = 0.4;        // scaled Jacobian
@@ -50,7 +51,7 @@ LayerCounts::LayerCounts(const Walls& walls, const SideFaces& sides, const Growt
     begin_[c + 1] = begin_[c] + static_cast<std::size_t>(count);
   }
   points_.resize(begin_.back());
-  runner.for_blocks(walls.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(walls.curve_count(), kStarGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<std::uint32_t>(i);
       for (int level = 1; level <= counts_[c]; ++level)
@@ -173,7 +174,7 @@ void LayerCounts::settle(const TaskRunner& runner) {
 bool LayerCounts::limit_slopes(const TaskRunner& runner) {
   std::vector<int> lowered = counts_;
   std::vector<LayerLimit> limits = limits_;
-  runner.for_blocks(counts_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(counts_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<std::uint32_t>(i);
       for (const std::uint32_t w : walls_.triangles_at(c))
@@ -250,7 +251,7 @@ int LayerCounts::straight_levels(std::uint32_t wall, std::size_t corner) const {
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
   std::vector<int> straight(3 * walls_.triangles.size(), std::numeric_limits<int>::max());
   const std::vector<std::uint8_t> concerned = with_neighbours(unmeasured_);
-  runner.for_blocks(walls_.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(walls_.triangles.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
     for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w)
       for (std::size_t i = 0; i < 3; ++i)
         if (concerned[walls_.triangles[w].curves[i]]) straight[3 * w + i] = straight_levels(w, i);
@@ -272,7 +273,7 @@ bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {
   const auto is_concerned = [&](std::uint32_t stack) {
     return std::ranges::any_of(walls_.curves_of(stack), [&](std::uint32_t c) { return unchecked_[c] != 0; });
   };
-  runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(sound.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
     for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
       if (is_concerned(s)) sound[s] = sound_levels(s, SoundStacks::kLeastAbove);
   });
@@ -320,7 +321,7 @@ LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) co
     for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) judge(s, cells);
   };
   PoorCells sum;
-  for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kGrain, {}, judge_block)) {
+  for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kStarGrain, {}, judge_block)) {
     sum.all += some.all, sum.fixed += some.fixed;
     sum.above.insert(sum.above.end(), some.above.begin(), some.above.end());
   }
@@ -338,7 +339,7 @@ void LayerCounts::mend_shapes(const TaskRunner& runner) {
     std::ranges::nth_element(poor.above, last);
     const double least = std::min(kPoor, *last * (1 + 1e-6));
     std::vector<int> sound(walls_.stack_count());
-    runner.for_blocks(sound.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner.for_blocks(sound.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) sound[s] = sound_levels(s, least);
     });
     if (!lower_to(sound)) return;

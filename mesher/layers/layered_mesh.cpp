@@ -4,6 +4,7 @@
 #include <array>
 #include <new>
 
+#include "core/base/grain.hpp"
 #include "core/base/page_size.hpp"
 #include "mesher/layers/point_numbers.hpp"
 #include "mesher/layers/stack_elements.hpp"
@@ -11,7 +12,6 @@
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 2048;         // stacks, or curves, of one task
 constexpr std::size_t kElements = 1u << 16;  // elements of one task
 
 using CellCounts = std::array<std::size_t, kCellKinds>;
@@ -103,7 +103,7 @@ class Assembly {
     if (all >= kNone) throw std::bad_alloc();
     make_room(mesh_.points, all);
     make_room(mesh_.point_to_entity, all);
-    runner_.for_blocks(walls_.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(walls_.curve_count(), kElementGrain, [&](std::size_t begin, std::size_t end) {
       for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
         for (int level = 1; level < growth_.counts().count(c); ++level) {
           const std::uint32_t v = number({c, level});
@@ -124,7 +124,7 @@ class Assembly {
   // Counted first, then written side by side, each block of stacks to its own places.
   void add_cells() {
     const std::vector<CellCounts> counts = map_blocks<CellCounts>(
-        runner_, walls_.stack_count(), kGrain, {}, [&](std::size_t begin, std::size_t end, CellCounts& count) {
+        runner_, walls_.stack_count(), kElementGrain, {}, [&](std::size_t begin, std::size_t end, CellCounts& count) {
           for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s)
             for_each_stack_cell(growth_, s, all_tets_, [&](const auto& verts, int) {
               ++count[kKind<std::tuple_size_v<std::decay_t<decltype(verts)>>>];
@@ -136,8 +136,9 @@ class Assembly {
       for (std::size_t kind = 0; kind < kCellKinds; ++kind) first.back()[kind] += count[kind];
     }
     make_cells(first.back());
-    runner_.for_blocks(walls_.stack_count(), kGrain,
-                       [&](std::size_t begin, std::size_t end) { write_cells(begin, end, first[begin / kGrain]); });
+    runner_.for_blocks(walls_.stack_count(), kElementGrain, [&](std::size_t begin, std::size_t end) {
+      write_cells(begin, end, first[begin / kElementGrain]);
+    });
   }
 
   void make_cells(const CellCounts& counts) {

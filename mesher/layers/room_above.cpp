@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/grain.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/layers/clearance.hpp"
 #include "mesher/layers/growth_direction.hpp"
@@ -9,7 +10,6 @@
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr double kRoom = 0.5;  // of the width of the front
 
 class RoomSearch {
@@ -18,7 +18,7 @@ class RoomSearch {
       : walls_(walls), counts_(counts), surface_(surface), runner_(runner), looks_(walls.curve_count()) {}
 
   std::vector<double> run(std::span<const std::uint8_t> asked) {
-    runner_.for_blocks(looks_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(looks_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
         if (asked[c] && counts_.count(c) > 1 && !walls_.triangles_at(c).empty()) looks_[c] = look_from(c);
     });

@@ -2,10 +2,11 @@
 
 #include <cmath>
 
+#include "core/base/grain.hpp"
+
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr double kKept = 0.8;      // of the first layer's, or of the wall triangle's sine
 constexpr double kSqueezed = 0.8;  // of the wall triangle's width: fronts that only stretch are not meant
 constexpr float kLeastSine = 0.26f, kLeastSineBent = 0.39f;  // of 15 and 23 degrees
@@ -34,7 +35,7 @@ SoundStacks::SoundStacks(const Walls& walls, std::span<const Vec3> feet, const T
     : walls_(walls), limits_(walls.triangles.size()) {
   std::vector<Vec3> normals(walls.triangles.size());
   const auto for_each_wall = [&](const auto& body) {
-    runner.for_blocks(walls.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner.for_blocks(walls.triangles.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (auto w = static_cast<std::uint32_t>(begin); w < end; ++w) body(w);
     });
   };

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "core/base/grain.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "mesher/layers/clearance.hpp"
 
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr double kOfGap = 0.35, kOfFreeGap = 0.7;  // that layers may take, with layers opposite and without
 constexpr double kLeftInGap = 0.9;                 // widths that stay for other elements
 
@@ -37,7 +37,7 @@ class HeightSearch {
   // Those that can grow.
   template <class Body>
   void for_each_curve(const Body& body) const {
-    runner_.for_blocks(walls_.curve_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(walls_.curve_count(), kStarGrain, [&](std::size_t begin, std::size_t end) {
       for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
         if (starts_.directions[c] != Vec3{}) body(c);
     });

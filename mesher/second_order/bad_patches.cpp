@@ -4,14 +4,13 @@
 #include <iterator>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "core/tets/link_tets.hpp"
 
 namespace tetloom::second_order {
 namespace {
-
-constexpr std::size_t kGrain = std::size_t{1} << 13;
 
 class PatchFinder {
  public:
@@ -39,7 +38,7 @@ class PatchFinder {
           found.push_back(static_cast<std::uint32_t>(e));
     };
     std::vector<std::uint32_t> all;
-    for (const auto& found : map_blocks(runner_, elements.size(), kGrain, std::vector<std::uint32_t>{}, collect))
+    for (const auto& found : map_blocks(runner_, elements.size(), kElementGrain, std::vector<std::uint32_t>{}, collect))
       std::ranges::copy(found, std::back_inserter(all));
     return all;
   }

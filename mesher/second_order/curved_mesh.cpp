@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 
 namespace tetloom::second_order {
-namespace {
-
-constexpr std::size_t kGrain = std::size_t{1} << 13;
-
-}  // namespace
-
 CurvedMesh::CurvedMesh(Mesh& mesh, double least, const TaskRunner& runner)
     : mesh_(mesh), mids_(mesh), first_mid_(vertex_count(mesh)), least_(least), runner_(runner) {
   for_each_cell_kind(std::as_const(mesh), [&](CellKind kind, const auto& cells, const auto&) {
@@ -55,7 +50,7 @@ std::vector<std::uint32_t> CurvedMesh::find_bad(std::span<const std::uint32_t> c
     for (std::size_t i = begin; i < end; ++i)
       if (!is_good(cells[i])) found.push_back(cells[i]);
   };
-  return joined(map_blocks(runner_, cells.size(), kGrain, std::vector<std::uint32_t>{}, find));
+  return joined(map_blocks(runner_, cells.size(), kElementGrain, std::vector<std::uint32_t>{}, find));
 }
 
 // A cell has the mid node of an edge only if both ends are among its vertices.
@@ -75,7 +70,7 @@ std::vector<MidAndCell> CurvedMesh::cells_at(std::span<const std::uint32_t> mids
           if (is_wanted[mid] != 0) found.emplace_back(mid, static_cast<std::uint32_t>(first + c));
       }
     };
-    const auto found = joined(map_blocks(runner_, cells.size(), kGrain, std::vector<MidAndCell>{}, collect));
+    const auto found = joined(map_blocks(runner_, cells.size(), kElementGrain, std::vector<MidAndCell>{}, collect));
     pairs.insert(pairs.end(), found.begin(), found.end());
     first += cells.size();
   });

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/grain.hpp"
 #include "core/geometry/model_projector.hpp"
 #include "core/mesh/mid_nodes.hpp"
 #include "mesher/second_order/layer_mid_nodes.hpp"
@@ -14,7 +15,6 @@
 namespace tetloom::second_order {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 constexpr std::size_t kProjectedTogether = 1024;  // their projector remembers what it has found
 constexpr double kStraight = 1e-9;                // of the chord: below, the mid node is left in the middle
 
@@ -26,7 +26,7 @@ void add_mid_nodes(Mesh& mesh, const TaskRunner& runner) {
   mesh.points.resize(vertices + edges.size());
   mesh.point_to_entity.resize(vertices + edges.size());
   mesh.mid_to_vert = std::move(edges);
-  runner.for_blocks(mesh.mid_to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(mesh.mid_to_vert.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) mesh.points[vertices + m] = middle_of_edge(mesh, m);
   });
   classify_mid_nodes(mesh, runner);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/grain.hpp"
 #include "core/base/lists.hpp"
 #include "core/tets/deep_point.hpp"
 #include "mesher/second_order/curved_mesh.hpp"
@@ -14,7 +15,6 @@
 namespace tetloom::second_order {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 13;
 constexpr int kRoundsOfMoving = 4;       // then mid nodes inside are pulled as well
 constexpr int kHalvings = 8;             // of the interval in which the share of a displacement is sought
 constexpr double kMostKept = 0.9;        // of a displacement, where pulling has not been enough before
@@ -247,7 +247,7 @@ class Straightener {
         bounds.not_positive += least > 0 ? 0 : 1;
       }
     };
-    for (const Bounds& bounds : map_blocks(mesh_.runner(), curved_cells_.size(), kGrain, Bounds{}, bound)) {
+    for (const Bounds& bounds : map_blocks(mesh_.runner(), curved_cells_.size(), kElementGrain, Bounds{}, bound)) {
       result.min_scaled_jacobian = std::min(result.min_scaled_jacobian, bounds.least);
       result.not_positive += bounds.not_positive;
     }

@@ -14,8 +14,8 @@
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kBlock = 512;    // leaves whose corners fit in a core's cache
-constexpr std::uint32_t kDeepest = 1;  // the width of the leaves that are as deep as the tree goes
+constexpr std::size_t kLeavesAtOnce = 512;  // leaves whose corners fit in a core's cache
+constexpr std::uint32_t kDeepest = 1;       // the width of the leaves that are as deep as the tree goes
 
 using CornerIds = std::array<std::uint32_t, 8>;
 
@@ -87,9 +87,9 @@ class BlockCorners {
 
 /// Every corner of the leaves, once, by its Morton code.
 std::vector<std::uint64_t> corner_codes(std::span<const OctreeLeaf> leaves, const TaskRunner& runner) {
-  std::vector<std::vector<std::uint64_t>> blocks((leaves.size() + kBlock - 1) / kBlock);
-  runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    blocks[begin / kBlock] = BlockCorners(leaves.subspan(begin, end - begin)).codes();
+  std::vector<std::vector<std::uint64_t>> blocks((leaves.size() + kLeavesAtOnce - 1) / kLeavesAtOnce);
+  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
+    blocks[begin / kLeavesAtOnce] = BlockCorners(leaves.subspan(begin, end - begin)).codes();
   });
   std::vector<std::size_t> first{0};
   for (const auto& block : blocks) first.push_back(first.back() + block.size());
@@ -107,7 +107,7 @@ std::vector<std::uint64_t> corner_codes(std::span<const OctreeLeaf> leaves, cons
 std::vector<CornerIds> corner_ids(std::span<const OctreeLeaf> leaves, const std::vector<std::uint64_t>& codes,
                                   const TaskRunner& runner) {
   std::vector<CornerIds> ids(leaves.size());
-  runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
     const BlockCorners corners(leaves.subspan(begin, end - begin));
     const std::vector<std::uint32_t> places = corners.places_in(codes);
     for (std::size_t i = begin; i < end; ++i)
@@ -236,7 +236,7 @@ CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& 
   const std::vector<double> lowered = lower_corners(tree, leaves, field, asked, runner);
   const std::vector<double>& sizes = lowered.empty() ? asked.sizes : lowered;
   tree.corner_ratios.resize(leaves.size());
-  runner.for_blocks(leaves.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
     const BlockCorners corners(std::span<const OctreeLeaf>(leaves).subspan(begin, end - begin));
     const std::vector<std::uint32_t> places = corners.places_in(asked.codes);
     for (std::size_t i = begin; i < end; ++i)

@@ -12,7 +12,7 @@
 namespace tetloom {
 namespace {
 
-constexpr int kMostRounds = 24;
+constexpr int kMostCuts = 24;
 constexpr std::size_t kMostFacets = 4'000'000;
 
 using Facet = std::array<std::uint32_t, 3>;
@@ -81,7 +81,7 @@ void cut(const Facet& facet, const Facet& half, std::vector<Facet>& out) {
 }  // namespace
 
 void follow_face(FaceGeometry& face, ModelFaceId id, double chord, Tessellation& facets) {
-  for (int round = 0; round < kMostRounds && facets.tri_to_vert.size() < kMostFacets; ++round) {
+  for (int round = 0; round < kMostCuts && facets.tri_to_vert.size() < kMostFacets; ++round) {
     const std::size_t before = facets.points.size();
     const Halves halves = halve_edges(face, chord, facets);
     if (facets.points.size() == before) return;

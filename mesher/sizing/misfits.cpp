@@ -14,8 +14,6 @@ using Triangle = std::array<std::uint32_t, 3>;
 using FloorAt = std::function<SizeFloor(const Vec3&)>;
 
 constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
-// A new size is worth a new surface where it is smaller by this.
-constexpr double kWorthwhile = 0.9;
 // Corners nearer than this, in sizes, may be what makes a place narrow.
 constexpr double kNear = 2;
 // What is narrower than this share of the size, so that tets have angles of 5 degrees, is refined beyond the usual
@@ -109,7 +107,7 @@ class MisfitSearch {
     if (severe_width < kHopeless * severe) return 0;
     double size = std::max(width / kLeastWidth, usual);
     if (severe_width < kSevere * present) size = std::min(size, std::max(severe_width / kEasedWidth, severe));
-    return width >= kHopeless * severe && size < kWorthwhile * present ? size : HUGE_VAL;
+    return width >= kHopeless * severe && size < kWorthwhileSize * present ? size : HUGE_VAL;
   }
 
   struct AcuteCorner {

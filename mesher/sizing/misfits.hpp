@@ -30,6 +30,9 @@ struct SizeFloor {
 /// sizes, 18.3 at 0.4, 9.4 at 0.2), and so have triangles across a face of this width.
 inline constexpr double kLeastWidth = 0.4;
 
+/// A new size is worth a new surface where it is smaller than the present one by this factor.
+inline constexpr double kWorthwhileSize = 0.9;
+
 /// Triangles that face another wall of the same region at less than kLeastWidth sizes, measured along their normal, and
 /// triangles with an angle below 15 degrees and a height below that, in ascending order. Their size is what makes the
 /// width or height kLeastWidth, but at least the usual floor of the place; what is narrower than .1 sizes gets .2, but

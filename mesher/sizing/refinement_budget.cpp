@@ -7,8 +7,6 @@ namespace {
 
 // Tets per triangle of a layer with the size on it, on either side and with what gradation adds.
 constexpr double kTetsPerTriangle = 4;
-// A smaller size is worth a new surface where it is smaller by this.
-constexpr double kWorthwhile = 0.9;
 
 struct Place {
   Misfit misfit;
@@ -66,7 +64,7 @@ AffordableMisfits choose_affordable(const std::vector<Misfit>& misfits, const Me
   for (const Place& place : places) {
     if (share < kLeastWidth) ++result.left;
     const double size = share > 0 ? place.size_for(share) : place.present;
-    if (!(size < kWorthwhile * place.present)) continue;
+    if (!(size < kWorthwhileSize * place.present)) continue;
     result.refined.push_back({place.misfit.triangle, size});
     result.cost += place.cost(share);
   }

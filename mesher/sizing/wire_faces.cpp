@@ -28,9 +28,9 @@ bool passes_by(FaceGeometry& face, const Vec3& point, double distance) {
 }
 
 /// Makes the geometry of the neighbours when the first is asked for.
-class Surroundings {
+class FacesAround {
  public:
-  Surroundings(const GeometricModel& model, FaceGeometry& own, std::vector<ModelFaceId> neighbors)
+  FacesAround(const GeometricModel& model, FaceGeometry& own, std::vector<ModelFaceId> neighbors)
       : model_(model), own_(own), neighbors_(std::move(neighbors)) {}
 
   bool any_passes_by(const Vec3& point, double distance) {
@@ -152,7 +152,7 @@ bool WireFinder::is_wire(ModelFaceId face, FaceGeometry& geometry, const Tessell
   if (!sides.front.valid() && !sides.back.valid()) return false;
   constexpr std::size_t kSamples = 16;
   constexpr double kNear = 0.1, kShare = 0.6;  // of the radius; of the samples
-  Surroundings surroundings(model_, geometry, neighbors(face));
+  FacesAround surroundings(model_, geometry, neighbors(face));
   std::size_t asked = 0, back = 0;
   const std::size_t step = std::max<std::size_t>(1, facets.points.size() / kSamples);
   for (std::size_t i = 0; i < facets.points.size(); i += step) {

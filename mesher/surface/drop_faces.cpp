@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom {
 namespace {
 
 using NodePair = std::array<std::uint32_t, 2>;
-
-NodePair sorted_pair(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 void drop_triangles(const std::vector<bool>& marked, Mesh& mesh) {
   std::size_t kept = 0;
@@ -24,12 +24,12 @@ void drop_bare_edges(Mesh& mesh) {
   std::vector<NodePair> sides;
   sides.reserve(3 * mesh.tri_to_vert.size());
   for (const auto& [a, b, c] : mesh.tri_to_vert)
-    for (const NodePair& side : {sorted_pair(a, b), sorted_pair(b, c), sorted_pair(c, a)}) sides.push_back(side);
+    for (const NodePair& side : {ascending(a, b), ascending(b, c), ascending(c, a)}) sides.push_back(side);
   std::sort(sides.begin(), sides.end());
   std::size_t kept = 0;
   for (std::size_t e = 0; e < mesh.edge_to_vert.size(); ++e) {
     const auto [a, b] = mesh.edge_to_vert[e];
-    if (!std::binary_search(sides.begin(), sides.end(), sorted_pair(a, b))) continue;
+    if (!std::binary_search(sides.begin(), sides.end(), ascending(a, b))) continue;
     mesh.edge_to_vert[kept] = mesh.edge_to_vert[e];
     mesh.edge_to_entity[kept++] = mesh.edge_to_entity[e];
   }

@@ -11,7 +11,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr double kCoarsening = 16;  // of the triangles that are shared out: about 60 of them make a piece
 
 // ---- how many triangles -------------------------------------------------------------------------------------------

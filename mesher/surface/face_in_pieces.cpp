@@ -11,10 +11,7 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNoVertex = Triangulation::kNone;
 constexpr std::uint32_t kOwn = 0x80000000u;
-// Nodes of vertices that hold still for now; those of the model are numbered below.
-constexpr std::uint32_t kStill = 0x80000000u;
 constexpr std::uint8_t kZoneLayers = 4;  // of triangles, on either side of a cut
 constexpr double kJunctionReach = 10;    // in sizes: past the ends of zones that meet at a small angle
 constexpr std::size_t kZonesAtOnce = 2, kJunctionsAtOnce = 4;  // that share one evaluator of the surface
@@ -24,7 +21,7 @@ constexpr std::size_t kZonesAtOnce = 2, kJunctionsAtOnce = 4;  // that share one
 FaceInPieces::FaceInPieces(const GeometricModel& model, ModelFaceId face, const FaceSurroundings& surroundings,
                            FaceCut cut, const std::function<bool()>& keep_going)
     : model_(model), face_(face), surroundings_(surroundings), cut_(std::move(cut)), keep_going_(keep_going) {
-  while (rim_count_ < cut_.vertices.size() && cut_.vertices[rim_count_].node != kNoVertex) ++rim_count_;
+  while (rim_count_ < cut_.vertices.size() && cut_.vertices[rim_count_].node != kNone) ++rim_count_;
   parts_.resize(junction_part(0) + cut_.junctions.size() + 1);
   link_zones_to_junctions();
 }
@@ -57,7 +54,7 @@ void FaceInPieces::number_vertices(std::size_t first_part, std::size_t end_part)
   for (std::size_t p = first_part; p < end_part; ++p)
     parts_[p].first = p == 0 ? static_cast<std::uint32_t>(cut_.vertices.size())
                              : parts_[p - 1].first + static_cast<std::uint32_t>(parts_[p - 1].own.size());
-  for (std::size_t p = end_part; p < parts_.size(); ++p) parts_[p].first = kNoVertex;
+  for (std::size_t p = end_part; p < parts_.size(); ++p) parts_[p].first = kNone;
 }
 
 const PatchVertex& FaceInPieces::vertex(std::uint32_t id) const {
@@ -121,7 +118,7 @@ struct FaceInPieces::Layers {
 FaceInPieces::Layers FaceInPieces::find_layers(const FacePiece& piece, const Patch& patch) const {
   constexpr std::uint8_t kFar = 0xff;
   Layers layers{std::vector<std::uint8_t>(patch.vertices.size(), kFar),
-                std::vector<std::uint32_t>(patch.vertices.size(), kNoVertex)};
+                std::vector<std::uint32_t>(patch.vertices.size(), kNone)};
   std::vector<std::uint32_t> queue;
   for (std::uint32_t v = 0; v < piece.vertices.size(); ++v) {
     const CutVertex& kind = cut_.kinds[piece.vertices[v]];
@@ -154,9 +151,9 @@ void FaceInPieces::take_piece(std::size_t number, const Patch& patch) {
   const Layers layers = find_layers(piece, patch);
   Part& part = parts_[number];
   std::vector<std::uint32_t> ids(piece.vertices);
-  ids.resize(patch.vertices.size(), kNoVertex);
+  ids.resize(patch.vertices.size(), kNone);
   for (std::size_t v = piece.vertices.size(); v < ids.size(); ++v) {
-    if (patch.topology.outgoing(static_cast<std::uint32_t>(v)) == kNoVertex) continue;
+    if (patch.topology.outgoing(static_cast<std::uint32_t>(v)) == kNone) continue;
     ids[v] = kOwn | static_cast<std::uint32_t>(part.own.size());
     part.own.push_back(patch.vertices[v]);
   }
@@ -218,7 +215,7 @@ Region make_region(const Triangles& triangles) {
       if (triangles[t].fixed >> i & 1) topology.fix(3 * t + i, 1);
   region.still.assign(region.ids.size(), 0);
   for (std::uint32_t h = 0; h < topology.half_edges(); ++h)
-    if (topology.twin(h) == kNoVertex) region.still[topology.origin(h)] = region.still[topology.target(h)] = 1;
+    if (topology.twin(h) == kNone) region.still[topology.origin(h)] = region.still[topology.target(h)] = 1;
   return region;
 }
 
@@ -233,16 +230,16 @@ void FaceInPieces::improve(std::size_t number, const std::vector<FaceTriangle>& 
   patch.has_poles = cut_.has_poles;
   for (std::size_t v = 0; v < region.ids.size(); ++v) {
     patch.vertices.push_back(std::as_const(*this).vertex(region.ids[v]));
-    if (region.ids[v] >= rim_count_) patch.vertices.back().node = region.still[v] ? kStill | region.ids[v] : kNoVertex;
+    if (region.ids[v] >= rim_count_) patch.vertices.back().node = region.still[v] ? kStill | region.ids[v] : kNone;
   }
   optimize_patch(patch, surface, {}, keep_going_);
   Part& part = parts_[number];
   std::vector<std::uint32_t> ids(region.ids);
-  ids.resize(patch.vertices.size(), kNoVertex);
+  ids.resize(patch.vertices.size(), kNone);
   for (std::uint32_t v = 0; v < ids.size(); ++v) {
-    const bool used = patch.topology.outgoing(v) != kNoVertex, given = v < region.ids.size();
+    const bool used = patch.topology.outgoing(v) != kNone, given = v < region.ids.size();
     if (given && !used) part.dropped.push_back(ids[v]);
-    if (given && used && patch.vertices[v].node == kNoVertex) {
+    if (given && used && patch.vertices[v].node == kNone) {
       vertex(ids[v]) = patch.vertices[v];
       part.moved.push_back(ids[v]);
     }

@@ -6,11 +6,7 @@
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
-namespace {
-
-constexpr std::uint32_t kNoVertex = Triangulation::kNone;
-
-}  // namespace
+namespace {}  // namespace
 
 // ---- edges that other faces have too ------------------------------------------------------------------------------
 
@@ -54,7 +50,7 @@ void FaceInPieces::split_taken_chords() {
       const PatchPlace middle = surface.midpoint(cut_.vertices[one.verts[0]].place, cut_.vertices[one.verts[1]].place);
       Part& part = parts_.back();
       const auto vertex = part.first + static_cast<std::uint32_t>(part.own.size());
-      part.own.push_back({middle, surface.size_at(middle.point), kNoVertex});
+      part.own.push_back({middle, surface.size_at(middle.point), kNone});
       for (const TakenChord* side : {&one, &other}) {
         split_at(*side, vertex);
         changed.insert({side->part, side->triangle});
@@ -80,10 +76,10 @@ void FaceInPieces::split_at(const TakenChord& chord, std::uint32_t vertex) {
 // Two corners at one pole: no area.
 bool FaceInPieces::has_area(const Part& part, const FaceTriangle& triangle) const {
   if (!cut_.has_poles) return true;
-  std::array<std::uint32_t, 3> nodes{kNoVertex, kNoVertex, kNoVertex};
+  std::array<std::uint32_t, 3> nodes{kNone, kNone, kNone};
   for (std::size_t i = 0; i < 3; ++i)
     if (triangle.verts[i] < rim_count_) nodes[i] = vertex_of(part, triangle.verts[i]).node;
-  const auto same = [](std::uint32_t a, std::uint32_t b) { return a != kNoVertex && a == b; };
+  const auto same = [](std::uint32_t a, std::uint32_t b) { return a != kNone && a == b; };
   return !same(nodes[0], nodes[1]) && !same(nodes[1], nodes[2]) && !same(nodes[2], nodes[0]);
 }
 

@@ -51,9 +51,6 @@ std::vector<std::uint32_t> RimNodes::renumbered(const RimNodes& other) const {
 
 namespace {
 
-// Nodes of vertices that hold still while the patch is changed; those of the model are numbered below.
-constexpr std::uint32_t kStill = 0x80000000u;
-
 class FaceMesher {
   using Chord = std::array<std::uint32_t, 2>;  // two nodes, ascending
 

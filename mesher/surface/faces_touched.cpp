@@ -9,9 +9,9 @@ namespace tetloom {
 namespace {
 
 // A face's triangles, each with what lies beside it as far as its longest edge.
-class Surroundings {
+class TriangleReaches {
  public:
-  Surroundings(const FaceMesh& face, const RimNodes& rim) : face_(face), rim_(rim) {}
+  TriangleReaches(const FaceMesh& face, const RimNodes& rim) : face_(face), rim_(rim) {}
 
   Box3 of_all() const {
     Box3 box;
@@ -51,7 +51,7 @@ std::vector<bool> find_faces_touched(std::span<const Box3> changes, std::span<co
   };
   std::vector<std::uint8_t> touched(faces.size(), 0);
   runner.for_each(faces.size(), [&](std::size_t f) {
-    const Surroundings around(faces[f], rim);
+    const TriangleReaches around(faces[f], rim);
     const Box3 box = around.of_all();
     touched[f] = !box.empty() && is_changed(box) && around.any(is_changed);
   });

@@ -10,7 +10,6 @@ namespace tetloom {
 namespace {
 
 using detail::PatchFailure, detail::PatchVertices, detail::Reach, detail::RimRun;
-constexpr std::uint32_t kNone = Triangulation::kNone;
 
 /// Removes the points of the rim that are no nodes.
 class RimCleaner {

@@ -8,7 +8,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr std::size_t kLargestRing = 160;  // filling takes cubic time: tens of milliseconds for so many
 
 }  // namespace

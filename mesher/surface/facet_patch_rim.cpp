@@ -11,7 +11,6 @@ namespace tetloom::detail {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-constexpr std::uint32_t kNone = Triangulation::kNone;
 
 /// Joins what a parametrisation takes apart at poles, and gives every fan of facets a vertex of its own.
 class FacetJoiner {

@@ -7,8 +7,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
-
 class LongEdgeHalver {
  public:
   LongEdgeHalver(Triangulation& mesh, PatchVertices& vertices, const std::function<double(const Vec3&)>& size_at)

@@ -11,7 +11,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr double kTargetRadius = 0.5773502691896258;  // of the unit equilateral triangle
 constexpr double kFinishedRadius = 0.75;              // triangles below need no more points
 constexpr double kLeastDistance = 0.62;               // of a new point to its neighbours, in units of the size

@@ -28,6 +28,9 @@ struct PatchPlace {
 /// A place of facets, with tangents made of its normal.
 PatchPlace place_in_space(const Vec2& uv, const Vec3& point, const Vec3& normal);
 
+/// Nodes of vertices that hold still while the patch is changed; those of the model are numbered below.
+inline constexpr std::uint32_t kStill = 0x80000000u;
+
 /// A vertex of a patch: its place, the size wanted there, its node.
 struct PatchVertex {
   PatchPlace place;

@@ -8,7 +8,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr double kLongest = 1.42, kShortest = 0.68;  // edge lengths kept, in units of the size
 constexpr double kLargestBend = 1.5;                 // of a flipped edge: length along the surface / through space
 constexpr double kGoodEnough = 0.985;                // balls whose worst triangle is better are left alone

@@ -7,8 +7,6 @@
 namespace tetloom {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
-
 class Sharing {
  public:
   Sharing(const Patch& coarse, std::span<const double> weights)

@@ -80,13 +80,13 @@ std::vector<Vec3> starts_in(const WorkingMesh& mesh, const EdgeRing& ring, const
   return starts;
 }
 
-struct Place {
+struct InsertionPlace {
   Vec3 x;
   double cosine = 2;
 };
 
-Place find_place(const WorkingMesh& mesh, const EdgeRing& ring, const Hollow& hollow, double least) {
-  Place best;
+InsertionPlace find_place(const WorkingMesh& mesh, const EdgeRing& ring, const Hollow& hollow, double least) {
+  InsertionPlace best;
   const auto try_at = [&](const Vec3& x) {
     const double cosine = largest_cosine_in(mesh, hollow, x, least);
     if (cosine < best.cosine) best = {x, cosine};
@@ -172,7 +172,7 @@ bool insert_for_angle(WorkingMesh& mesh, std::uint32_t tet, double least) {
   EdgeRing ring;
   if (!find_any_ring(mesh, tet, edge_between(dihedral), ring)) return false;
   const Hollow hollow = hollow_of(mesh, ring);
-  const Place place = find_place(mesh, ring, hollow, least);
+  const InsertionPlace place = find_place(mesh, ring, hollow, least);
   double before = dihedral.angle;
   for (const std::uint32_t t : ring.old()) before = std::min(before, smallest_dihedral(mesh.mesh(), t).angle);
   if (!(place.cosine < std::cos(std::max(kInsertionGain * before, kLeastInserted)))) return false;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kInside = 1e-2;  // of the squared distance from another vertex: what is nearly on a sphere stays
 constexpr int kFlipsPerTet = 3;
-constexpr std::uint32_t kBlock = 4096;
+constexpr std::uint32_t kFlipBlock = 4096;
 
 // Two tets with a common face, and the line between their other vertices.
 struct FacePair {
@@ -113,7 +113,7 @@ std::size_t flip_to_delaunay(WorkingMesh& mesh, std::uint32_t first, double floo
   const auto count = static_cast<std::uint32_t>(mesh.qualities().size());
   std::size_t flips = 0;
   for (std::uint32_t tet = first; tet < count; ++tet) {
-    if ((tet - first) % kBlock == 0) runner.check_cancelled();
+    if ((tet - first) % kFlipBlock == 0) runner.check_cancelled();
     for (int i = 0; i < kFlipsPerTet && !mesh.mesh().is_dead(tet) && flipper.flip_at(tet); ++i) ++flips;
   }
   return flips;

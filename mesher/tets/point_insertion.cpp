@@ -14,10 +14,10 @@ namespace tetloom::tets {
 namespace {
 
 constexpr std::size_t kMostGrowth = 12;  // tets that join a cavity after its start
-constexpr int kSteps = 4;                // of Newton's method, for one cavity
+constexpr int kNewtonSteps = 4;          // of Newton's method, for one cavity
 constexpr double kMuchBetter = 1.3;      // in cubed quality, where as many tets stay poor, or one is nearly flat
 constexpr double kTwiceAsGood = 2;       // the same, where more tets become poor
-constexpr double kNearlyFlat = 0.15 * 0.15 * 0.15;  // what tets with an angle below two degrees have at most
+constexpr double kNearlyFlatCavity = 0.15 * 0.15 * 0.15;  // what tets with an angle below two degrees have at most
 
 // Faces are listed counter-clockwise from outside; turned, they are seen from inside.
 std::array<std::uint32_t, 3> inward_face(const TetMesh& mesh, FaceCode face) {
@@ -91,7 +91,7 @@ std::size_t PointInserter::worst_facet() const {
 
 // False when the cavity is not star-shaped around the point.
 bool PointInserter::lead_point() {
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kNewtonSteps; ++i) {
     measure();
     const std::span<const StarTet> star = std::span(star_).first(now_.facet_count);
     const auto is_positive = [](const StarTet& tet) { return tet.is_surely_positive_at({}); };
@@ -126,7 +126,7 @@ bool PointInserter::place_point(const Vec3& point) {
     now_.point = middle();
     is_placed = lead_point();
   }
-  if (now_.least_before >= kNearlyFlat || (is_placed && now_.least >= kNearlyFlat)) return is_placed;
+  if (now_.least_before >= kNearlyFlatCavity || (is_placed && now_.least >= kNearlyFlatCavity)) return is_placed;
   return go_deep();
 }
 
@@ -138,7 +138,7 @@ void PointInserter::try_cavity(std::span<const std::uint32_t> tets, const Vec3& 
     if (!behind.valid() || !add_tet(behind.tet()) || !lead_point() || now_.least <= kept_.least) break;
     kept_ = now_;
   }
-  const bool was_flat = kept_.least_before < kNearlyFlat;
+  const bool was_flat = kept_.least_before < kNearlyFlatCavity;
   const double gain = kept_.gain > 0 ? kGain : kept_.gain == 0 || was_flat ? kMuchBetter : kTwiceAsGood;
   if (kept_.least <= kept_.least_before * gain) return;
   if (best_.tet_count == 0 || kept_.least > best_.least) best_ = kept_;
@@ -151,7 +151,7 @@ bool PointInserter::insert(std::uint32_t tet) {
   try_cavity(std::span(&tet, 1), center);
   EdgeRing ring;
   for (int edge = 0; edge < 6; ++edge) {
-    const bool is_flat = double{mesh_.quality(tet)} < kNearlyFlat;
+    const bool is_flat = double{mesh_.quality(tet)} < kNearlyFlatCavity;
     if (is_flat ? !find_any_ring(mesh_, tet, edge, ring) : find_ring(mesh_, tet, edge, ring) != EdgeVerdict::Removed)
       continue;
     try_cavity(ring.old(), 0.5 * (mesh_.point(ring.a) + mesh_.point(ring.b)));

@@ -12,15 +12,15 @@ namespace tetloom::tets {
 
 namespace {
 
-using Edge = std::array<std::uint32_t, 2>;
-constexpr int kRounds = 2;
+using EdgeVerts = std::array<std::uint32_t, 2>;
+constexpr int kRecoveryRounds = 2;
 constexpr std::uint64_t kStepsBeforeAsking = 5'000'000;  // whether it is in vain: .2 s
 constexpr std::uint64_t kThorough = 10;                  // times as long a search before a point is put
 // For new points: more than both says that the input is not sound.
 constexpr std::size_t kMissingOfAnySurface = 1000, kLeastPerMissing = 50;
 
 struct MissingEdge {
-  Edge verts;
+  EdgeVerts verts;
   std::vector<std::uint32_t> triangles;
   bool there = false;
 };
@@ -46,7 +46,7 @@ class Recovery {
     }
     collect_edges();
     recoverer_.grant_steps(options_.steps_in_all);
-    for (int round = 0; round < kRounds && !missing_.empty(); ++round) {
+    for (int round = 0; round < kRecoveryRounds && !missing_.empty(); ++round) {
       const std::size_t before = missing_.size();
       recover_edges();
       recover_triangles();
@@ -87,7 +87,7 @@ class Recovery {
   }
 
   void collect_edges() {
-    std::vector<std::pair<Edge, std::uint32_t>> all;
+    std::vector<std::pair<EdgeVerts, std::uint32_t>> all;
     for (const std::uint32_t t : missing_) {
       const TriangleVerts v = sorted(triangles_[t]).verts;
       all.insert(all.end(), {{{v[0], v[1]}, t}, {{v[0], v[2]}, t}, {{v[1], v[2]}, t}});

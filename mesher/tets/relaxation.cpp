@@ -10,9 +10,9 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr int kRounds = 14;
+constexpr int kRelaxationRounds = 14;
 constexpr double kMomentum = 0.85;
-constexpr std::uint32_t kBlock = 1 << 16;
+constexpr std::uint32_t kRelaxationBlock = 1 << 16;
 
 enum class State : std::uint8_t { Stays, Moves, GoesBack };
 
@@ -138,7 +138,7 @@ std::size_t relax(WorkingMesh& mesh, std::uint32_t first, const SizeField& sizes
                   const TaskRunner& runner) {
   Relaxation relaxation(mesh, first, sizes, runner);
   std::size_t moves = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRelaxationRounds; ++round) {
     moves += relaxation.move_all(floor);
     flip_to_delaunay(mesh, first, floor, runner);
   }

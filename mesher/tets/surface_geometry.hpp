@@ -10,6 +10,13 @@
 
 namespace tetloom::tets {
 
+/// What a change of the surface must keep to, where it did before: the cosine between triangles and the model (30
+/// degrees), and how far the middle of a model edge's piece, or of a diagonal, lies from the model, in lengths of it
+/// (18 degrees of a circle).
+inline constexpr double kLeastCosine = 0.87, kLargestSag = 0.04;
+/// How far the end of a step may lie from the model, in lengths of the step.
+inline constexpr double kFarthest = 0.5;
+
 /// Triangles as they would become.
 struct SurfaceChange {
   std::span<const Vec3> points;              ///< of the whole surface

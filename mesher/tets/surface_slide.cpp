@@ -10,12 +10,9 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr double kTriangleFloor = 0.85;  // mean ratio that triangles may fall to
-constexpr double kLeastCosine = 0.87;    // between triangles and the model: 30 degrees
-constexpr double kLargestSag = 0.04;     // of pieces of model edges, in their lengths: 18 degrees of a circle
-constexpr double kLongestStep = 0.5;     // in lengths of the edges beside the vertex
-constexpr double kFarthest = 0.5;        // distance of the end of a step from the model, in lengths of the step
-constexpr int kTries = 4;
+constexpr double kSlideFloor = 0.85;  // mean ratio that triangles may fall to
+constexpr double kLongestStep = 0.5;  // in lengths of the edges beside the vertex
+constexpr int kSlideTries = 4;
 
 // A right-handed frame with `normal` as its third axis.
 std::array<Vec3, 2> tangents(const Vec3& normal) {
@@ -204,12 +201,12 @@ SlideVerdict SurfaceSlider::search() {
   Vec3 step = newton_step(direction());
   if (step == Vec3{}) return SlideVerdict::NoGain;
   SlideVerdict verdict = SlideVerdict::NoGain;
-  for (int i = 0; i < kTries; ++i, step *= 0.5) {
+  for (int i = 0; i < kSlideTries; ++i, step *= 0.5) {
     if (!worth_at(step).beats(before)) continue;
     const std::optional<SurfaceSpot> spot = surface_.project(entity_, x + step);
     const bool found = spot && distance(spot->point, x + step) <= kFarthest * norm(step);
     if (found && !worth_at(spot->point - x).beats(before)) continue;
-    if (found && keeps_shape(x, spot->point, kTriangleFloor) && is_clear_at(spot->point)) {
+    if (found && keeps_shape(x, spot->point, kSlideFloor) && is_clear_at(spot->point)) {
       apply(spot->point);
       return SlideVerdict::Moved;
     }

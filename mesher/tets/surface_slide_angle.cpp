@@ -9,10 +9,9 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr int kDirections = 12;         // in a model face
-constexpr double kTriangleFloor = 0.6;  // mean ratio that triangles may fall to
-constexpr double kFarthest = 0.5;       // distance of the end of a step from the model, in lengths of the step
-constexpr int kTries = 3;
+constexpr int kDirections = 12;           // in a model face
+constexpr double kAngleSlideFloor = 0.6;  // mean ratio that triangles may fall to
+constexpr int kAngleSlideTries = 3;
 
 }  // namespace
 
@@ -51,12 +50,12 @@ SlideVerdict SurfaceSlider::slide_for_angle(std::uint32_t tet, std::uint32_t cor
   Vec3 step = widest_step(direction(), goal, growth);
   if (step == Vec3{}) return SlideVerdict::NoGain;
   SlideVerdict verdict = SlideVerdict::NoGain;
-  for (int i = 0; i < kTries; ++i, step *= 0.5) {
+  for (int i = 0; i < kAngleSlideTries; ++i, step *= 0.5) {
     const std::optional<SurfaceSpot> spot = surface_.project(entity_, x + step);
     const bool found = spot && distance(spot->point, x + step) <= kFarthest * norm(step);
     if (found && (worth_at(spot->point - x).least < least || largest_cosine(mesh_, star_, spot->point, goal) >= goal))
       continue;
-    if (found && keeps_shape(x, spot->point, kTriangleFloor) && is_clear_at(spot->point)) {
+    if (found && keeps_shape(x, spot->point, kAngleSlideFloor) && is_clear_at(spot->point)) {
       apply(spot->point);
       return SlideVerdict::Moved;
     }

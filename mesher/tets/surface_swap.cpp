@@ -9,10 +9,8 @@ namespace tetloom::tets {
 
 namespace {
 
-constexpr double kTriangleFloor = 0.5;  // mean ratio that triangles may fall to
-constexpr double kLargestSag = 0.04;    // of an edge's middle from the model, in its lengths: 18 degrees of a circle
-constexpr double kLeastCosine = 0.87;   // between triangles and the model: 30 degrees
-constexpr double kFlat = 1e-6;          // distance of the two diagonals, in their lengths
+constexpr double kSwapFloor = 0.5;  // mean ratio that triangles may fall to
+constexpr double kFlat = 1e-6;      // distance of the two diagonals, in their lengths
 
 struct RingPlace {
   std::uint32_t tet, first, second;  // the tet is (a, b, first, second)
@@ -115,7 +113,7 @@ SwapVerdict SurfaceSwapper::check_shape() const {
       least = std::min(least, triangle_mean_ratio(mesh_.point(a), mesh_.point(b), mesh_.point(c)));
     return least;
   };
-  if (worst(now_.diamond.after()) < std::min(kTriangleFloor, worst(now_.diamond.before())))
+  if (worst(now_.diamond.after()) < std::min(kSwapFloor, worst(now_.diamond.before())))
     return SwapVerdict::PoorTriangles;
   return (surface_.project ? is_true_to_model() : lies_in_plane()) ? SwapVerdict::Swapped : SwapVerdict::OffModel;
 }

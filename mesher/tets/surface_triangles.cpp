@@ -1,10 +1,10 @@
 #include "mesher/tets/surface_triangles.hpp"
 
+#include "core/base/lists.hpp"
+
 namespace tetloom::tets {
 
 namespace {
-
-bool has(const TriangleVerts& verts, std::uint32_t v) { return verts[0] == v || verts[1] == v || verts[2] == v; }
 
 // The vertex after a -> b, or kNone when the triangle does not run that way.
 std::uint32_t apex_after(const TriangleVerts& verts, std::uint32_t a, std::uint32_t b) {

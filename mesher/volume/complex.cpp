@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/failure.hpp"
 #include "core/base/filing.hpp"
 #include "core/base/local_numbers.hpp"
 #include "mesher/volume/volume_mesher.hpp"
@@ -16,7 +17,6 @@ namespace tetloom::volume {
 
 namespace {
 
-constexpr std::size_t kElementsToldAtMost = 100;
 constexpr std::size_t kRegionsToldAtMost = 3;
 
 std::size_t region_bound(const VolumeInput& input) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "core/base/failure.hpp"
 #include "core/tets/link_tets.hpp"
 #include "mesher/intersection/self_intersection.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
@@ -21,7 +22,6 @@ namespace tetloom::volume {
 
 namespace {
 
-constexpr std::size_t kElementsToldAtMost = 100;
 constexpr int kOwnAttempts = 3;
 constexpr std::size_t kFewLost = 100;  // triangles; where more are, the place of the lattice makes no difference
 constexpr std::size_t kTrianglesOfAttempts = 400'000;  // those of a complex times the worker's attempts

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "core/base/grain.hpp"
 #include "core/base/page_size.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "tetloom/ids.hpp"
@@ -13,16 +14,14 @@ namespace tetloom {
 
 namespace {
 
-constexpr std::size_t kBlock = 1 << 16;  // items of one task
-
 using volume::PartView;
 
 // Parts follow each other; the items of one are dealt to the threads. So points that several parts have are written one
 // after the other.
-class Assembly {
+class VolumeAssembly {
  public:
   /// `first_new`: see VolumeParts.
-  Assembly(Mesh& mesh, std::uint64_t first_new, const TaskRunner& runner)
+  VolumeAssembly(Mesh& mesh, std::uint64_t first_new, const TaskRunner& runner)
       : mesh_(mesh), runner_(runner), given_(mesh.points.size()), first_new_(first_new) {}
 
   void make_room(std::size_t new_points, std::size_t tets) {
@@ -52,7 +51,7 @@ class Assembly {
   // New points lie inside of the region of any tet that has them.
   void add_points(const PartView& part) {
     const std::uint32_t region = part.tet_to_region.front();
-    runner_.for_blocks(part.points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(part.points.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const std::uint32_t number = number_of(part, v);
         mesh_.points[number] = part.points[v];
@@ -66,7 +65,7 @@ class Assembly {
   }
 
   void add_tets(const PartView& part) {
-    runner_.for_blocks(part.tet_to_region.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    runner_.for_blocks(part.tet_to_region.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t tet = begin; tet < end; ++tet) {
         for (std::size_t i = 0; i < 4; ++i)
           mesh_.tet_to_vert[next_tet_ + tet][i] = number_of(part, part.tet_to_vert[4 * tet + i]);
@@ -120,7 +119,7 @@ void gather_volume(VolumeParts&& volume, Mesh& mesh, Communicator& communicator,
     }
     std::size_t tets = 0;
     for (const PartView& view : views) tets += view.tet_to_region.size();
-    Assembly assembly(mesh, volume.first_new, wide);
+    VolumeAssembly assembly(mesh, volume.first_new, wide);
     assembly.make_room(volume.new_points, tets);
     for (std::size_t i = 0; i < views.size(); ++i) {
       assembly.add(views[i]);

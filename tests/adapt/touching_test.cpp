@@ -4,6 +4,7 @@
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tetloom/adapt.hpp"
 
 using namespace tetloom;
@@ -30,7 +31,7 @@ TEST_CASE("bodies that touch in an edge or a vertex stay together", "[adapt]") {
   for (const TouchingShape& shape : kTouchingShapes) {
     for (const int cuts : {1, 3}) {
       const Mesh mesh = mesh_of(shape, cuts);
-      for (const double h : {0.07, 0.4})
+      for (const double h : {test::kSanitized ? 0.12 : 0.07, 0.4})
         for (const double tets_per_part : {0.0, 300.0}) {
           CAPTURE(shape.name, cuts, h, tets_per_part);
           const AdaptResult result = adapted(mesh, sizes(mesh, h), tets_per_part);

@@ -117,6 +117,30 @@ TEST_CASE("a STEP file with two entities of one name is refused by that name") {
   }
 }
 
+TEST_CASE("an item of an unknown kind is left out of a part's shapes, and is damage elsewhere") {
+  const TemporaryFolder scratch;
+  test::write_sample(Sample::DrilledBox, scratch / "box.step");
+  const std::string bytes = file_content(scratch / "box.step");
+  const auto write_with_item_in = [&](const std::string& list) {
+    std::string changed = bytes;
+    const std::size_t at = changed.find("(#", changed.find(list)), end = changed.find("ENDSEC;", at);
+    REQUIRE(end < changed.size());
+    changed.insert(end, "#90001 = LEADER_DIRECTED_CALLOUT('',());\n");
+    changed.insert(at + 1, "#90001,");
+    write_file(scratch / "changed.step", changed);
+  };
+  write_with_item_in("ADVANCED_BREP_SHAPE_REPRESENTATION");
+  const ModelDocument document = read_model(scratch / "changed.step");
+  CHECK(document.model->topology().region_count() == 1);
+  REQUIRE(document.warnings.size() == 1);
+  CHECK_THAT(document.warnings[0].message, Catch::Contains("of an unknown kind and left out"));
+  for (const char* list : {"DEFINITIONAL_REPRESENTATION", "GLOBAL_UNIT_ASSIGNED_CONTEXT"}) {
+    INFO(list);
+    write_with_item_in(list);
+    CHECK(code_of([&] { read_model(scratch / "changed.step"); }) == ErrorCode::InputUnreadable);
+  }
+}
+
 TEST_CASE("random bytes are unreadable") {
   const TemporaryFolder scratch;
   const unsigned seed = 20260101;

@@ -1,6 +1,7 @@
 // Volumes filled from either lattice.
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
@@ -34,7 +35,7 @@ TEST_CASE("random star-shaped bodies are filled from an A15 lattice") {
   const unsigned seed = 815;
   CAPTURE(seed);
   std::mt19937_64 engine(seed);
-  for (int body = 0; body < 30; ++body) {
+  for (int body = 0; body < (test::kSanitized ? 12 : 30); ++body) {
     CAPTURE(body);
     std::uniform_real_distribution<double> radius(body % 2 == 0 ? 0.8 : 0.3, 1);
     const Surface surface = ball_surface(2 + body % 3, {0, 0, 0}, 0, [&](const Vec3&) { return radius(engine); });

@@ -14,7 +14,7 @@ using namespace tetloom::volume_tests;
 
 TEST_CASE("progress within one volume runs in steps from nothing to the estimated tets, on any number of threads") {
   const Surface ball = ball_surface(6, {0, 0, 0}, 3, [](const Vec3&) { return 1.0; });
-  const SizeField sizes = SizeField::uniform(0.02);
+  const SizeField sizes = SizeField::uniform(test::kSanitized ? 0.035 : 0.02);
   std::set<std::uint64_t> totals;
   for (const int threads : {1, 2}) {
     CAPTURE(threads);

@@ -2,10 +2,11 @@
 // Ranks as threads of this process, for tests of collective calls.
 #include <algorithm>
 #include <atomic>
-#include <barrier>
+#include <condition_variable>
 #include <exception>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -13,12 +14,34 @@
 
 namespace tetloom::test {
 
+/// Where threads wait for each other asleep: std::barrier tries for a while first, and takes the cores from those that
+/// are still at work.
+class MeetingPoint {
+ public:
+  explicit MeetingPoint(int threads) : threads_(threads) {}
+
+  void arrive_and_wait() {
+    std::unique_lock lock(mutex_);
+    const std::size_t meeting = meetings_;
+    if (++arrived_ < threads_) return all_are_there_.wait(lock, [&] { return meetings_ != meeting; });
+    arrived_ = 0, ++meetings_;
+    all_are_there_.notify_all();
+  }
+
+ private:
+  const int threads_;
+  std::mutex mutex_;
+  std::condition_variable all_are_there_;
+  int arrived_ = 0;
+  std::size_t meetings_ = 0;
+};
+
 /// Messages are handed over by the sender.
 class SimulatedRank : public Communicator {
  public:
   struct Board {
     explicit Board(int ranks) : barrier(ranks), receivers(ranks), sums(ranks), maxima(ranks), given(ranks) {}
-    std::barrier<> barrier;
+    MeetingPoint barrier;
     std::vector<Receiver> receivers;  // written between barriers
     std::atomic<bool> failed{false};  // raised by a rank that fails in a run, read by all others in it; carries no data
     std::vector<std::span<std::int64_t>> sums;

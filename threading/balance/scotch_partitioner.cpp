@@ -46,7 +46,7 @@ namespace {
 
 constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<SCOTCH_Num>::max());
 
-void check(int status, const char* what) {
+void check_scotch(int status, const char* what) {
   if (status != 0) throw Error(ErrorCode::Internal, std::string("Scotch could not ") + what + ": " + scotch_message);
 }
 
@@ -54,7 +54,7 @@ void check(int status, const char* what) {
 template <class T, int (*Init)(T*), void (*Exit)(T*)>
 class Handle {
  public:
-  Handle() { check(Init(&value_), "set up"); }
+  Handle() { check_scotch(Init(&value_), "set up"); }
   ~Handle() { Exit(&value_); }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
@@ -63,7 +63,7 @@ class Handle {
  private:
   T value_;
 };
-using Graph = Handle<SCOTCH_Graph, SCOTCH_graphInit, SCOTCH_graphExit>;
+using ScotchGraph = Handle<SCOTCH_Graph, SCOTCH_graphInit, SCOTCH_graphExit>;
 using Context = Handle<SCOTCH_Context, SCOTCH_contextInit, SCOTCH_contextExit>;
 using Strategy = Handle<SCOTCH_Strat, SCOTCH_stratInit, SCOTCH_stratExit>;
 
@@ -97,12 +97,12 @@ std::vector<SCOTCH_Num> small_weights(std::span<const std::int64_t> weights) {
 }
 
 void prepare(Context& context) {
-  check(SCOTCH_contextOptionSetNum(context.get(), SCOTCH_OPTIONNUMDETERMINISTIC, 1), "be made deterministic");
-  check(SCOTCH_contextOptionSetNum(context.get(), SCOTCH_OPTIONNUMRANDOMFIXEDSEED, 1), "fix its seed");
-  check(SCOTCH_contextRandomClone(context.get()), "take a generator of its own");
+  check_scotch(SCOTCH_contextOptionSetNum(context.get(), SCOTCH_OPTIONNUMDETERMINISTIC, 1), "be made deterministic");
+  check_scotch(SCOTCH_contextOptionSetNum(context.get(), SCOTCH_OPTIONNUMRANDOMFIXEDSEED, 1), "fix its seed");
+  check_scotch(SCOTCH_contextRandomClone(context.get()), "take a generator of its own");
   SCOTCH_contextRandomSeed(context.get(), 20100614);
   SCOTCH_contextRandomReset(context.get());
-  check(SCOTCH_contextThreadSpawn(context.get(), 1, nullptr), "keep to one thread");
+  check_scotch(SCOTCH_contextThreadSpawn(context.get(), 1, nullptr), "keep to one thread");
 }
 
 }  // namespace
@@ -120,16 +120,17 @@ void partition_scotch(const CellGraph& graph, std::uint32_t part_count, double i
   std::vector<SCOTCH_Num> parts(targets.size());
   Context context;
   prepare(context);
-  Graph plain, bound;
+  ScotchGraph plain, bound;
   Strategy strategy;
-  check(SCOTCH_graphBuild(plain.get(), 0, cells, first.data(), nullptr, weights.empty() ? nullptr : weights.data(),
-                          nullptr, static_cast<SCOTCH_Num>(neighbours.size()), neighbours.data(),
-                          links.empty() ? nullptr : links.data()),
-        "take the graph");
-  check(SCOTCH_contextBindGraph(context.get(), plain.get(), bound.get()), "bind the graph");
+  check_scotch(
+      SCOTCH_graphBuild(plain.get(), 0, cells, first.data(), nullptr, weights.empty() ? nullptr : weights.data(),
+                        nullptr, static_cast<SCOTCH_Num>(neighbours.size()), neighbours.data(),
+                        links.empty() ? nullptr : links.data()),
+      "take the graph");
+  check_scotch(SCOTCH_contextBindGraph(context.get(), plain.get(), bound.get()), "bind the graph");
   const auto count = static_cast<SCOTCH_Num>(part_count);
-  check(SCOTCH_stratGraphMapBuild(strategy.get(), SCOTCH_STRATDEFAULT, count, imbalance), "build a strategy");
-  check(SCOTCH_graphPart(bound.get(), count, strategy.get(), parts.data()), "partition the graph");
+  check_scotch(SCOTCH_stratGraphMapBuild(strategy.get(), SCOTCH_STRATDEFAULT, count, imbalance), "build a strategy");
+  check_scotch(SCOTCH_graphPart(bound.get(), count, strategy.get(), parts.data()), "partition the graph");
   std::ranges::transform(parts, targets.begin(), [](SCOTCH_Num p) { return static_cast<std::uint32_t>(p); });
 }
 

@@ -26,7 +26,7 @@ namespace {
 constexpr int kTag = 4711;
 constexpr std::size_t kSmall = std::size_t{32} << 10;  // messages up to here share a frame
 
-void check(int code, const char* what) {
+void check_mpi(int code, const char* what) {
   if (code == MPI_SUCCESS) return;
   char text[MPI_MAX_ERROR_STRING + 1] = {};
   int length = 0;
@@ -59,7 +59,7 @@ class Patience {
 void wait_for(MPI_Request request, const char* what) {
   int done = 0;
   for (Patience patience;;) {
-    check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), what);
+    check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE), what);
     if (done) return;
     patience.wait();
   }
@@ -67,10 +67,10 @@ void wait_for(MPI_Request request, const char* what) {
 
 int count_ranks_on_machine(MPI_Comm all) {
   MPI_Comm machine;
-  check(MPI_Comm_split_type(all, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine), "MPI_Comm_split_type");
+  check_mpi(MPI_Comm_split_type(all, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine), "MPI_Comm_split_type");
   int count = 1;
-  check(MPI_Comm_size(machine, &count), "MPI_Comm_size");
-  check(MPI_Comm_free(&machine), "MPI_Comm_free");
+  check_mpi(MPI_Comm_size(machine, &count), "MPI_Comm_size");
+  check_mpi(MPI_Comm_free(&machine), "MPI_Comm_free");
   return count;
 }
 
@@ -146,10 +146,10 @@ class MpiCommunicator : public Communicator {
 MpiCommunicator::MpiCommunicator(std::size_t largest_piece) : largest_piece_(largest_piece) {
   if (largest_piece == 0 || largest_piece > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw Error(ErrorCode::InvalidArgument, "the largest piece of a message must lie between 1 byte and 2 GiB");
-  check(MPI_Comm_dup(MPI_COMM_WORLD, &comm_), "MPI_Comm_dup");
-  check(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
-  check(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
-  check(MPI_Comm_size(comm_, &rank_count_), "MPI_Comm_size");
+  check_mpi(MPI_Comm_dup(MPI_COMM_WORLD, &comm_), "MPI_Comm_dup");
+  check_mpi(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  check_mpi(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
+  check_mpi(MPI_Comm_size(comm_, &rank_count_), "MPI_Comm_size");
   ranks_on_machine_ = count_ranks_on_machine(comm_);
   const auto ranks = static_cast<std::size_t>(rank_count_);
   outgoing_.resize(ranks);
@@ -213,17 +213,17 @@ void MpiCommunicator::announce_failure() {
 void MpiCommunicator::sum(std::span<std::int64_t> values) {
   MPI_Request request;
   // Unsigned, so that sums of hashes may overflow.
-  check(MPI_Iallreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM, comm_,
-                       &request),
-        "MPI_Iallreduce");
+  check_mpi(MPI_Iallreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM, comm_,
+                           &request),
+            "MPI_Iallreduce");
   wait_for(request, "MPI_Iallreduce");
 }
 
 void MpiCommunicator::max(std::span<double> values) {
   MPI_Request request;
-  check(MPI_Iallreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_,
-                       &request),
-        "MPI_Iallreduce");
+  check_mpi(MPI_Iallreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_,
+                           &request),
+            "MPI_Iallreduce");
   wait_for(request, "MPI_Iallreduce");
 }
 
@@ -231,7 +231,7 @@ std::vector<Bytes> MpiCommunicator::all_gather(Bytes bytes) {
   std::vector<std::uint64_t> sizes(outgoing_.size());
   std::uint64_t size = bytes.size();
   MPI_Request request;
-  check(MPI_Iallgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_, &request), "MPI_Iallgather");
+  check_mpi(MPI_Iallgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_, &request), "MPI_Iallgather");
   wait_for(request, "MPI_Iallgather");
   std::vector<Bytes> gathered;
   run_on_all(*this, [&] {
@@ -243,8 +243,8 @@ std::vector<Bytes> MpiCommunicator::all_gather(Bytes bytes) {
   for (std::size_t from = 0; from < sizes.size(); ++from)
     for (std::size_t begin = 0; begin < sizes[from]; begin += largest_piece_) {
       const auto piece = static_cast<int>(std::min<std::size_t>(largest_piece_, sizes[from] - begin));
-      check(MPI_Ibcast(gathered[from].data() + begin, piece, MPI_BYTE, static_cast<int>(from), comm_, &request),
-            "MPI_Ibcast");
+      check_mpi(MPI_Ibcast(gathered[from].data() + begin, piece, MPI_BYTE, static_cast<int>(from), comm_, &request),
+                "MPI_Ibcast");
       wait_for(request, "MPI_Ibcast");
     }
   return gathered;
@@ -340,8 +340,9 @@ void MpiCommunicator::post(int destination, const std::shared_ptr<const Bytes>& 
                            std::size_t size) {
   bytes_.push_back(bytes);
   requests_.push_back(MPI_REQUEST_NULL);
-  check(MPI_Isend(bytes->data() + begin, static_cast<int>(size), MPI_BYTE, destination, kTag, comm_, &requests_.back()),
-        "MPI_Isend");
+  check_mpi(
+      MPI_Isend(bytes->data() + begin, static_cast<int>(size), MPI_BYTE, destination, kTag, comm_, &requests_.back()),
+      "MPI_Isend");
   ++frames_sent_[static_cast<std::size_t>(destination)];
 }
 
@@ -349,8 +350,9 @@ bool MpiCommunicator::complete_sends() {
   if (requests_.empty()) return false;
   std::vector<int> done(requests_.size());
   int count = 0;
-  check(MPI_Testsome(static_cast<int>(requests_.size()), requests_.data(), &count, done.data(), MPI_STATUSES_IGNORE),
-        "MPI_Testsome");
+  check_mpi(
+      MPI_Testsome(static_cast<int>(requests_.size()), requests_.data(), &count, done.data(), MPI_STATUSES_IGNORE),
+      "MPI_Testsome");
   if (count <= 0) return false;
   for (int i = 0; i < count; ++i) bytes_[static_cast<std::size_t>(done[static_cast<std::size_t>(i)])] = nullptr;
   std::erase(requests_, MPI_REQUEST_NULL);
@@ -362,15 +364,15 @@ bool MpiCommunicator::receive_frame() {
   int there = 0, size = 0;
   MPI_Message handle;
   MPI_Status status;
-  check(MPI_Improbe(MPI_ANY_SOURCE, kTag, comm_, &there, &handle, &status), "MPI_Improbe");
+  check_mpi(MPI_Improbe(MPI_ANY_SOURCE, kTag, comm_, &there, &handle, &status), "MPI_Improbe");
   if (!there) return false;
-  check(MPI_Get_count(&status, MPI_BYTE, &size), "MPI_Get_count");
+  check_mpi(MPI_Get_count(&status, MPI_BYTE, &size), "MPI_Get_count");
   const auto source = static_cast<std::size_t>(status.MPI_SOURCE);
   if (partial_[source].incomplete()) {
     receive_piece(status.MPI_SOURCE, handle, static_cast<std::size_t>(size));
   } else {
     Bytes frame(static_cast<std::size_t>(size));
-    check(MPI_Mrecv(frame.data(), size, MPI_BYTE, &handle, MPI_STATUS_IGNORE), "MPI_Mrecv");
+    check_mpi(MPI_Mrecv(frame.data(), size, MPI_BYTE, &handle, MPI_STATUS_IGNORE), "MPI_Mrecv");
     take_frame(status.MPI_SOURCE, frame);
   }
   return true;
@@ -380,8 +382,8 @@ void MpiCommunicator::receive_piece(int source, MPI_Message& handle, std::size_t
   detail::PartialMessage& partial = partial_[static_cast<std::size_t>(source)];
   Bytes& bytes = partial.message.bytes;
   TETLOOM_ASSERT(size <= bytes.size() - partial.arrived);
-  check(MPI_Mrecv(bytes.data() + partial.arrived, static_cast<int>(size), MPI_BYTE, &handle, MPI_STATUS_IGNORE),
-        "MPI_Mrecv");
+  check_mpi(MPI_Mrecv(bytes.data() + partial.arrived, static_cast<int>(size), MPI_BYTE, &handle, MPI_STATUS_IGNORE),
+            "MPI_Mrecv");
   partial.arrived += size;
   count_frame(partial.epoch);
   if (partial.incomplete()) return;
@@ -423,7 +425,7 @@ void MpiCommunicator::hand_over(std::uint64_t epoch, Message&& message) {
 
 /// Each rank tells each other how much it has sent it. No barrier is needed beside: nobody knows before all have told.
 void MpiCommunicator::agree_on_end() {
-  check(
+  check_mpi(
       MPI_Ialltoall(frames_sent_.data(), 1, MPI_INT64_T, frames_expected_.data(), 1, MPI_INT64_T, comm_, &end_request_),
       "MPI_Ialltoall");
 }
@@ -432,7 +434,7 @@ bool MpiCommunicator::is_over() {
   if (!ending_) return false;
   if (!end_agreed_) {
     int done = 0;
-    check(MPI_Test(&end_request_, &done, MPI_STATUS_IGNORE), "MPI_Ialltoall");
+    check_mpi(MPI_Test(&end_request_, &done, MPI_STATUS_IGNORE), "MPI_Ialltoall");
     if (!done) return false;
     end_agreed_ = true;
   }
@@ -444,7 +446,7 @@ bool MpiCommunicator::is_over() {
 
 MpiSession::MpiSession(int& argc, char**& argv) {
   int provided = 0;
-  check(MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided), "MPI_Init_thread");
+  check_mpi(MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided), "MPI_Init_thread");
   if (provided < MPI_THREAD_SERIALIZED)
     throw Error(ErrorCode::Internal, "this MPI cannot be called from more than one thread");
 }

@@ -40,8 +40,8 @@ double CadEdge::curvature(double t) {
 namespace {
 constexpr int kSamplesOfOnePiece = 16, kSamplesPerPiece = 8;
 constexpr int kMaxSamples = 2048;
-constexpr int kCandidates = 3;
-constexpr int kMaxIterations = 60;
+constexpr int kMostMinima = 3;
+constexpr int kMostIterations = 60;
 constexpr double kRounding = 4e-15;
 }  // namespace
 
@@ -61,7 +61,7 @@ void CadEdge::make_samples() {
 CurvePoint CadEdge::refine(const Vec3& x, double lo, double hi) {
   const double width = hi - lo;
   double t = 0.5 * (lo + hi);
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMostIterations; ++i) {
     gp_Pnt p;
     gp_Vec d1, d2;
     curve_.D2(t, p, d1, d2);
@@ -89,7 +89,7 @@ CurvePoint CadEdge::closest_point(const Vec3& x) {
       minima.emplace_back(d, i);
     }
     std::sort(minima.begin(), minima.end());
-    if (minima.size() > kCandidates) minima.resize(kCandidates);
+    if (minima.size() > kMostMinima) minima.resize(kMostMinima);
     CurvePoint best{range_.lo, samples_.front(), HUGE_VAL};
     for (const auto& [d, i] : minima) {
       const CurvePoint sample{sample_t_[i], samples_[i], std::sqrt(d)};

@@ -8,10 +8,10 @@
 namespace tetloom::cad {
 namespace {
 
-constexpr int kMaxIterations = 50, kPoleDirections = 32;
+constexpr int kMostSteps = 50, kPoleDirections = 32;
 constexpr int kHalvings = 16, kMostTrials = 3 * kHalvings;
 constexpr double kLongestStep = 0.25;  ///< of the box, lest a step near a pole leaps to another branch
-constexpr std::size_t kCandidates = 4;
+constexpr std::size_t kMostStarts = 4;
 constexpr double kTurnPerSample = 0.3;  ///< radians
 constexpr int kFewestSamples = 8, kMostSamples = 512, kMostInGrid = 16384;
 constexpr double kConverged = 1e-12;  ///< of the face's size
@@ -57,7 +57,7 @@ CadFace::Descent CadFace::descend(const Vec3& x, Vec2 uv) {
   SurfaceJet jet = surface_->jet(uv);
   double value = norm2(jet.point - x);
   bool converged = false, stuck = false;
-  for (int i = 0; i < kMaxIterations && !converged && !stuck; ++i) {
+  for (int i = 0; i < kMostSteps && !converged && !stuck; ++i) {
     const Vec3 r = jet.point - x;
     const bool freeze_u = blocked(uv.u, search_box_.lo.u, search_box_.hi.u, dot(r, jet.du));
     const bool freeze_v = blocked(uv.v, search_box_.lo.v, search_box_.hi.v, dot(r, jet.dv));
@@ -165,7 +165,7 @@ SurfacePoint CadFace::search(const Vec3& x) {
       }
   std::sort(minima.begin(), minima.end());
   SurfacePoint best{{}, {}, HUGE_VAL};
-  for (std::size_t k = 0; k < std::min(kCandidates, minima.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(kMostStarts, minima.size()); ++k) {
     const SurfacePoint found = descend_past_poles(x, sample_uv_[minima[k].second]).found;
     if (found.distance < best.distance) best = found;
   }

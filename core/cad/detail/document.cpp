@@ -24,10 +24,6 @@ namespace {
 
 constexpr double kMetresPerMillimetre = 0.001;  // OpenCASCADE's readers convert to millimetres
 
-[[noreturn]] void unreadable(const std::filesystem::path& path, const std::string& why) {
-  throw Error(ErrorCode::InputUnreadable, "'" + path.string() + "' " + why);
-}
-
 [[noreturn]] void without_shape(const std::filesystem::path& path) {
   throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' holds no shape");
 }

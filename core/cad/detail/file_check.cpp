@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 4096, kTailBytes = 4096;
 
-[[noreturn]] void unreadable(const std::filesystem::path& path, const std::string& why) {
-  throw Error(ErrorCode::InputUnreadable, "'" + path.string() + "' " + why);
-}
-
 std::uintmax_t checked_size(const std::filesystem::path& path) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
@@ -74,6 +70,10 @@ void check_brep(const std::filesystem::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+void unreadable(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ErrorCode::InputUnreadable, "'" + path.string() + "' " + why);
+}
 
 void check_content(const std::filesystem::path& path, CadFormat format) {
   const std::uintmax_t size = checked_size(path);

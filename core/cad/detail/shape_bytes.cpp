@@ -77,13 +77,9 @@ Decoded from_bytes(std::span<const std::byte> bytes, LocationMaker& maker) {
   return decoded;
 }
 
-BRep_ListOfCurveRepresentation& curves_of(const TopoDS_Edge& edge) {
-  return Handle(BRep_TEdge)::DownCast(edge.TShape())->ChangeCurves();
-}
-
 /// Leaves the curves in space and on the face, wherever on it.
 void drop_other_curves(const TopoDS_Edge& edge, const Handle(Geom_Surface) & surface) {
-  BRep_ListOfCurveRepresentation& curves = curves_of(edge);
+  BRep_ListOfCurveRepresentation& curves = Handle(BRep_TEdge)::DownCast(edge.TShape())->ChangeCurves();
   for (BRep_ListOfCurveRepresentation::Iterator one(curves); one.More();) {
     const Handle(BRep_CurveRepresentation)& curve = one.Value();
     const bool is_kept = curve->IsCurve3D() || (curve->IsCurveOnSurface() && curve->Surface() == surface);

@@ -18,7 +18,7 @@ struct ElementType {
   bool is_second;
 };
 
-std::optional<ElementType> find_type(std::int64_t number) {
+std::optional<ElementType> find_cgns_type(std::int64_t number) {
   for (std::size_t i = 0; i < kBlocks; ++i)
     for (const bool is_second : {false, true})
       if (number == (is_second ? kCgnsKinds[i].second_type : kCgnsKinds[i].type))
@@ -118,7 +118,7 @@ class CgnsReader {
         type = left[0];
         left = left.subspan(1);
       }
-      const std::optional<ElementType> known = find_type(type);
+      const std::optional<ElementType> known = find_cgns_type(type);
       if (!known) refuse_elements(file_, "ElementType_t " + std::to_string(type));
       const std::size_t size = vertices_of(known->block) + (known->is_second ? edges_of(known->block).size() : 0);
       if (size > left.size()) file_.fail(ErrorCode::InputUnreadable, "'" + path + "' ends within an element");

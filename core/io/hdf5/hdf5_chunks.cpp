@@ -9,7 +9,6 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::uint64_t kMostInflation = 1032;  // of deflate
-constexpr int kMostLevels = 64;
 constexpr std::uint16_t kDeflate = 1, kShuffle = 2, kFletcher = 3;
 constexpr std::size_t kFletcherBytes = 4;
 
@@ -53,7 +52,7 @@ class ChunkReader {
   std::size_t element_bytes() const { return array_.chunk_shape.back(); }
 
   void find_chunks(std::uint64_t address, int level) {
-    if (level > kMostLevels) fail("a B-tree of chunks that is too deep");
+    if (level > kHdf5MostLevels) fail("a B-tree of chunks that is too deep");
     Cursor head(objects_.file(), objects_.metadata(address, 24));
     if (head.read<std::uint32_t>() != 0x45455254) fail("a damaged B-tree of chunks");  // "TREE"
     head.read<std::uint8_t>();

@@ -8,7 +8,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr int kMostLevels = 64;
 constexpr std::uint64_t kTreeHeaderBytes = 38, kNodePrefix = 6, kChecksumBytes = 4, kHeapHeaderBytes = 146;
 
 std::uint64_t little_endian(std::string_view bytes) {
@@ -34,8 +33,8 @@ class RecordTree {
     record_bytes_ = little_endian(header.substr(10, 2));
     const std::uint64_t depth = little_endian(header.substr(12, 2));
     const std::uint64_t root = little_endian(header.substr(16, 8)), records = little_endian(header.substr(24, 2));
-    const bool fine =
-        record_bytes_ > id_offset && node_bytes_ > kNodePrefix + kChecksumBytes + record_bytes_ && depth < kMostLevels;
+    const bool fine = record_bytes_ > id_offset && node_bytes_ > kNodePrefix + kChecksumBytes + record_bytes_ &&
+                      depth < kHdf5MostLevels;
     if (!fine) objects.fail(header, "a damaged B-tree");
     find_widths(depth);
     if (root != kHdf5NoAddress) visit_node(root, records, depth);
@@ -120,7 +119,7 @@ std::string_view Hdf5Heap::find(std::uint64_t block, unsigned rows, std::uint64_
                                 int level) {
   const std::uint64_t prefix = 13 + offset_bytes_;
   std::uint64_t begin = 0;
-  for (unsigned row = 0; row < rows && level < kMostLevels; begin += width_ * row_bytes(row), ++row) {
+  for (unsigned row = 0; row < rows && level < kHdf5MostLevels; begin += width_ * row_bytes(row), ++row) {
     const std::uint64_t bytes = row_bytes(row);
     if (bytes > (std::uint64_t{1} << 40) || offset < begin) break;
     if (offset - begin >= width_ * bytes) continue;

@@ -7,6 +7,8 @@ namespace tetloom::detail {
 
 inline constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
 inline constexpr std::uint64_t kHdf5NoAddress = ~std::uint64_t{0};
+/// Trees and nested objects that are deeper are taken for damaged.
+inline constexpr int kHdf5MostLevels = 64;
 
 /// Types of messages in object headers.
 using Hdf5Message = std::uint16_t;

@@ -6,7 +6,6 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::uint64_t kBudgetPerByte = 64, kLeastBudget = 1 << 20;
-constexpr int kMostLevels = 64;
 constexpr std::size_t kMostDimensions = 32;
 
 std::size_t padded(std::size_t size) { return (size + 7) / 8 * 8; }
@@ -220,7 +219,7 @@ void Hdf5Objects::add_link(Hdf5Object& object, std::string_view body) const {
 
 void Hdf5Objects::add_symbols(Hdf5Object& object, std::uint64_t tree, std::string_view names, int level) {
   constexpr std::uint64_t kNodeHead = 24, kSoftLink = 2;
-  if (level > kMostLevels) fail(names, "a group whose B-tree is too deep");
+  if (level > kHdf5MostLevels) fail(names, "a group whose B-tree is too deep");
   if (data(tree, 4) == "SNOD") {
     Cursor head(file_, metadata(tree, 8));
     take(head, 6);

@@ -22,7 +22,7 @@ std::optional<ScalarType> scalar_of(const Hdf5Datatype& type) {
   }
 }
 
-std::string trimmed(std::string_view text) {
+std::string without_padding(std::string_view text) {
   text = text.substr(0, text.find('\0'));
   while (!text.empty() && Cursor::is_space(text.back())) text.remove_suffix(1);
   return std::string(text);
@@ -84,7 +84,7 @@ std::string Hdf5Reader::text_attribute(const std::string& object, std::string_vi
   const auto& attributes = require(object).attributes;
   const auto found = attributes.find(name);
   if (found == attributes.end() || found->second.type.kind != Hdf5Class::String) return {};
-  return trimmed(found->second.data.substr(0, found->second.type.bytes));
+  return without_padding(found->second.data.substr(0, found->second.type.bytes));
 }
 
 std::vector<std::uint64_t> Hdf5Reader::shape(const std::string& path) {
@@ -154,7 +154,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& path) {
   const std::uint64_t width = is_text ? values.type.bytes : extents.empty() ? 1 : extents.back();
   std::vector<std::string> texts;
   for (std::uint64_t at = 0; width > 0 && at < bytes.size(); at += width)
-    texts.push_back(trimmed(bytes.substr(at, width)));
+    texts.push_back(without_padding(bytes.substr(at, width)));
   return texts;
 }
 

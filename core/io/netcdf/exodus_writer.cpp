@@ -16,10 +16,12 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::array<const char*, kBlocks> kTypes{"BAR2", "TRI3", "QUAD4", "TETRA", "PYRAMID", "WEDGE", "HEX"};
-constexpr std::array<const char*, kBlocks> kTypes2{"BAR3", "TRI6", "QUAD8", "TETRA10", "PYRAMID13", "WEDGE15", "HEX20"};
+constexpr std::array<const char*, kBlocks> kExodusTypes{"BAR2", "TRI3", "QUAD4", "TETRA", "PYRAMID", "WEDGE", "HEX"};
+constexpr std::array<const char*, kBlocks> kExodusTypes2{"BAR3",      "TRI6",    "QUAD8", "TETRA10",
+                                                         "PYRAMID13", "WEDGE15", "HEX20"};
 /// Behind the name of a region that has several kinds of cells, of all but the first.
-constexpr std::array<const char*, kBlocks> kKinds{"edges", "triangles", "quads", "tets", "pyramids", "prisms", "hexes"};
+constexpr std::array<const char*, kBlocks> kBlockSuffixes{"edges",    "triangles", "quads", "tets",
+                                                          "pyramids", "prisms",    "hexes"};
 /// Numbers of element faces, by kind of cell and by face in kCellShapes.
 constexpr std::array<std::array<std::int32_t, 6>, kCellKinds> kSides{
     {{2, 3, 1, 4, 0, 0}, {5, 1, 2, 3, 4, 0}, {4, 5, 1, 2, 3, 0}, {5, 6, 1, 2, 3, 4}}};
@@ -76,7 +78,7 @@ class ExodusWriter {
         const auto end = std::ranges::lower_bound(group.elements, before + elements.size());
         if (begin != end) {
           if (begin != group.elements.begin())
-            name = own_name(group.name + "_" + kKinds[static_cast<std::size_t>(block)], taken);
+            name = own_name(group.name + "_" + kBlockSuffixes[static_cast<std::size_t>(block)], taken);
           blocks_.push_back({name, block, std::span(begin, end), before});
         }
         before += elements.size();
@@ -159,7 +161,7 @@ class ExodusWriter {
         visit_block(mesh_, block.block,
                     [&](const auto& elements, const auto& entities) { put_nodes(file, block, elements, entities); });
       });
-      const auto& types = nodes_.are_second_order() ? kTypes2 : kTypes;
+      const auto& types = nodes_.are_second_order() ? kExodusTypes2 : kExodusTypes;
       out_.put_on_variable("elem_type", types[static_cast<std::size_t>(block.block)]);
     }
   }

@@ -11,10 +11,12 @@ namespace tetloom::detail {
 namespace {
 
 constexpr std::uint64_t kMostBytes = 0xfffffffc;  // of a variable of the form Offset64
-constexpr std::size_t kAlignment = 4;
+constexpr std::size_t kNetcdfAlignment = 4;
 constexpr std::int32_t kDimensionList = 10, kVariableList = 11, kAttributeList = 12;
 
-constexpr std::uint64_t aligned(std::uint64_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
+constexpr std::uint64_t padded(std::uint64_t bytes) {
+  return (bytes + kNetcdfAlignment - 1) / kNetcdfAlignment * kNetcdfAlignment;
+}
 
 constexpr std::uint64_t bytes_of(NetcdfType type) {
   switch (type) {
@@ -25,7 +27,7 @@ constexpr std::uint64_t bytes_of(NetcdfType type) {
 }
 
 template <class Number>
-void append(std::string& bytes, Number value) {
+void append_swapped(std::string& bytes, Number value) {
   const auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(byte_swapped(value));
   bytes.append(raw.data(), raw.size());
 }
@@ -37,11 +39,12 @@ class NetcdfWriter::Head {
  public:
   explicit Head(NetcdfForm form) : form_(form), bytes_("CDF") { bytes_ += static_cast<char>(form); }
 
-  void put(std::int32_t number) { append(bytes_, number); }
+  void put(std::int32_t number) { append_swapped(bytes_, number); }
   void put(NetcdfType type) { put(static_cast<std::int32_t>(type)); }
-  void put_offset(std::uint64_t offset) { append(bytes_, offset); }
+  void put_offset(std::uint64_t offset) { append_swapped(bytes_, offset); }
   void put_count(std::uint64_t count) {
-    form_ == NetcdfForm::Data64 ? append(bytes_, count) : append(bytes_, static_cast<std::uint32_t>(count));
+    form_ == NetcdfForm::Data64 ? append_swapped(bytes_, count)
+                                : append_swapped(bytes_, static_cast<std::uint32_t>(count));
   }
   void put_list(std::int32_t kind, std::size_t count) {
     put(count > 0 ? kind : 0);
@@ -49,7 +52,7 @@ class NetcdfWriter::Head {
   }
   void put_padded(std::string_view bytes) {
     bytes_ += bytes;
-    bytes_.resize(aligned(bytes_.size()), '\0');
+    bytes_.resize(padded(bytes_.size()), '\0');
   }
   void put_name(const std::string& name) {
     put_count(name.size());
@@ -84,12 +87,12 @@ NetcdfWriter::Dimension NetcdfWriter::add_growing_dimension(const std::string& n
 
 void NetcdfWriter::put(const std::string& name, std::int32_t value) {
   attributes_.push_back({name, NetcdfType::Int32, 1, {}});
-  append(attributes_.back().bytes, value);
+  append_swapped(attributes_.back().bytes, value);
 }
 
 void NetcdfWriter::put(const std::string& name, float value) {
   attributes_.push_back({name, NetcdfType::Float32, 1, {}});
-  append(attributes_.back().bytes, value);
+  append_swapped(attributes_.back().bytes, value);
 }
 
 void NetcdfWriter::put(const std::string& name, const std::string& text) {
@@ -158,7 +161,7 @@ std::string NetcdfWriter::make_head(NetcdfForm form, const std::vector<std::uint
     for (const Dimension dimension : variable.dimensions) head.put_count(dimension);
     head.put_attributes(variable.attributes);
     head.put(variable.type);
-    head.put_count(aligned(bytes_of(variable)));
+    head.put_count(padded(bytes_of(variable)));
     head.put_offset(begins[i]);
   }
   return head.bytes();
@@ -172,12 +175,12 @@ void NetcdfWriter::write(AtomicFile& file, NetcdfForm form) const {
     for (std::size_t i = 0; i < variables_.size(); ++i) {
       if (grows(variables_[i]) != growing) continue;
       begins[i] = end;
-      end += aligned(bytes_of(variables_[i]));
+      end += padded(bytes_of(variables_[i]));
     }
   file.write(make_head(form, begins));
   for (const Variable& variable : variables_) {
     if (grows(variable)) continue;
-    const std::uint64_t stop = file.position() + aligned(bytes_of(variable));
+    const std::uint64_t stop = file.position() + padded(bytes_of(variable));
     if (variable.fill) variable.fill(file);
     while (file.position() < stop) file.put('\0');
     TETLOOM_ASSERT(file.position() == stop);

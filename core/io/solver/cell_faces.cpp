@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/grain.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom::detail {
 namespace {
-
-constexpr std::size_t kGrain = std::size_t{1} << 14;
 
 using SortedFace = std::array<std::uint32_t, 4>;  // kNone behind the vertices of a triangle
 
@@ -47,7 +46,7 @@ std::vector<std::uint32_t> CellFaces::surface_faces(const BlockLoop& loop) const
   for_each_cell_kind(mesh_, [&](CellKind each, const auto& cells, const auto&) {
     const auto kind = static_cast<std::size_t>(each);
     const auto lists = map_blocks(
-        loop, cells.size(), kGrain, std::vector<std::uint32_t>(),
+        loop, cells.size(), kCopyGrain, std::vector<std::uint32_t>(),
         [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& list) {
           std::array<std::uint32_t, 4> buffer;
           for (std::size_t c = begin; c < end; ++c) {
@@ -67,7 +66,7 @@ std::vector<std::uint32_t> CellFaces::surface_faces(const BlockLoop& loop) const
 void CellFaces::sort_by_lowest_vertex(const BlockLoop& loop) {
   const std::size_t count = knows_all_ ? size() : known_.size();
   std::vector<std::uint32_t> lowest(count);
-  loop.for_blocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     std::array<std::uint32_t, 4> buffer;
     for (std::size_t i = begin; i < end; ++i) lowest[i] = *std::ranges::min_element(vertices(known_face(i), buffer));
   });
@@ -80,7 +79,7 @@ void CellFaces::sort_by_lowest_vertex(const BlockLoop& loop) {
 
 void CellFaces::find_twins(const BlockLoop& loop) {
   twin_.assign(faces_at_.size(), kNone);
-  loop.for_blocks(mesh_.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  loop.for_blocks(mesh_.points.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
     std::array<std::uint32_t, 4> buffer;
     std::vector<std::pair<SortedFace, std::uint32_t>> here;
     for (std::size_t v = begin; v < end; ++v) {

@@ -11,7 +11,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::array<const char*, 4> kKinds{"vertex", "edge", "face", "region"};
 constexpr std::size_t kLongest = 64;
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128; }
@@ -28,7 +27,7 @@ std::string group_of(const EntityTable& entities, std::size_t dim, std::uint32_t
 std::string name_of(const EntityTable& entities, std::size_t dim, std::uint32_t tag) {
   const EntityAttributes* attributes = attributes_of(entities, dim, tag);
   const std::string given = attributes ? solver_name(attributes->name) : std::string();
-  return given.empty() ? std::string(kKinds[dim]) + "_" + std::to_string(tag) : given;
+  return given.empty() ? std::string(kEntityKinds[dim]) + "_" + std::to_string(tag) : given;
 }
 
 using ElementsByTag = std::map<std::uint32_t, std::vector<std::uint32_t>>;

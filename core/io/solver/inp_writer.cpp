@@ -14,8 +14,8 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::array<const char*, kBlocks> kTypes{"T3D2", "S3", "S4", "C3D4", "C3D5", "C3D6", "C3D8"};
-constexpr std::array<const char*, kBlocks> kTypes2{"T3D3", "S6", "S8", "C3D10", nullptr, "C3D15", "C3D20"};
+constexpr std::array<const char*, kBlocks> kInpTypes{"T3D2", "S3", "S4", "C3D4", "C3D5", "C3D6", "C3D8"};
+constexpr std::array<const char*, kBlocks> kInpTypes2{"T3D3", "S6", "S8", "C3D10", nullptr, "C3D15", "C3D20"};
 constexpr std::size_t kPerLine = 8;        // numbers in a line of a set; readers take at most 16
 constexpr std::size_t kNodesPerLine = 15;  // behind the number of the element
 
@@ -70,7 +70,7 @@ class InpWriter {
         const auto begin = std::ranges::lower_bound(group.elements, first);
         const auto end = std::ranges::lower_bound(group.elements, first + elements.size());
         if (begin == end) continue;
-        const auto& types = nodes_.are_second_order() ? kTypes2 : kTypes;
+        const auto& types = nodes_.are_second_order() ? kInpTypes2 : kInpTypes;
         file_.write(std::string("*ELEMENT, TYPE=") + types[static_cast<std::size_t>(block)] + ", ELSET=" + group.name +
                     "\n");
         const auto print_block = [&](std::size_t from, std::size_t to, char* out) {

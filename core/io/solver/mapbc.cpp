@@ -12,7 +12,7 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::int64_t kLargestNamedTag = 10'000;  // for which a table of entities is made on the word of a small file
+constexpr std::int64_t kLargestTableTag = 10'000;  // for which a table of entities is made on the word of a small file
 
 struct MapbcRow {
   std::int64_t tag = 0, code = 0;
@@ -89,7 +89,7 @@ void read_mapbc(const std::filesystem::path& path, Mesh& mesh, const CancelToken
     const bool is_named = !row.name.empty() && row.name != own_name(row.tag);
     if (is_named && tags.contains(row.tag) && names.emplace(row.tag, row.name).second) ++uses[row.name];
   }
-  const auto largest = std::max<std::int64_t>(kLargestNamedTag, static_cast<std::int64_t>(surface_count(mesh)));
+  const auto largest = std::max<std::int64_t>(kLargestTableTag, static_cast<std::int64_t>(surface_count(mesh)));
   for (const auto& [tag, name] : names) {
     if (tag > largest) continue;
     std::vector<EntityAttributes>& faces = mesh.entities[2];

@@ -11,8 +11,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::size_t kMostNumber = 0x7fffffff;
-
 class Msh2Writer {
  public:
   Msh2Writer(const Mesh& mesh, bool is_text, AtomicFile& file, const BlockLoop& loop)

@@ -8,6 +8,8 @@ namespace tetloom::detail {
 
 inline constexpr std::size_t kRealBytes = 25, kIntegerBytes = 11;  // at most, with the character behind; 32-bit indices
 
+inline constexpr std::size_t kMostNumber = 0x7fffffff;  ///< of what is numbered in 32 bits with a sign
+
 /// A number in the shortest form that reads back as the same one, and a character behind it.
 template <class Number>
 char* print(char* out, Number number, char behind) {

@@ -1,16 +1,14 @@
 // Meshes of SU2: cells, points, and a marker for every face of the model that bounds the cells. Markers point out of
 // the domain. Faces between two regions, regions' names, edges and fields are left out.
 #include <algorithm>
-#include <array>
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/solver/groups.hpp"
 #include "core/io/solver/number_text.hpp"
+#include "core/io/vtu_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
-
-constexpr std::array<int, kBlocks> kVtkTypes{3, 5, 9, 10, 14, 13, 12};
 
 bool is_internal(const Mesh& mesh, std::uint32_t face) {
   return face < mesh.face_to_sides.size() && mesh.face_to_sides[face].front.valid() &&
@@ -27,7 +25,7 @@ void drop_internal(const Mesh& mesh, Group& group) {
 // In a file, a line: the type, then the vertices.
 template <class Element>
 char* print_element(char* out, Block block, const Element& verts) {
-  out = print(out, kVtkTypes[static_cast<std::size_t>(block)], ' ');
+  out = print(out, int{kVtkTypes[static_cast<std::size_t>(block)]}, ' ');
   for (std::size_t i = 0; i < verts.size(); ++i) out = print(out, verts[i], i + 1 < verts.size() ? ' ' : '\n');
   return out;
 }

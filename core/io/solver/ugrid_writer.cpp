@@ -7,8 +7,6 @@
 namespace tetloom::detail {
 namespace {
 
-constexpr std::size_t kMostNumber = 0x7fffffff;
-
 class UgridWriter {
  public:
   UgridWriter(const Mesh& mesh, UgridForm form, AtomicFile& file, const BlockLoop& loop)
