@@ -234,7 +234,7 @@ int run(int argc, char** argv) {
   Options options;
   CommandLine line("tetloom beside MMG and refine: from a mesh and a metric to another mesh", "adapt_peers");
   line.add("--cases", options.cases, "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
-      ->delimiter(';');
+      .separated_by(';');
   line.add("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
       .existing_file();
   line.add("--threads", options.threads, "of tetloom").positive();

@@ -208,7 +208,7 @@ void run_once(const Options& options, int threads) {
 
 void add_options(CommandLine& line, Options& options, int& once) {
   line.add("--cases", options.cases, "iso, cube-linear, polar-2, shock, moving-shock, or metrics such as iso:0.05")
-      ->delimiter(';');
+      .separated_by(';');
   line.add("--input", options.input, "a mesh of tets to begin with; default: the unit cube in 10 thousand tets")
       .existing_file();
   line.add("--threads", options.threads, "numbers of threads; default: 1, 2, 4 ... and all cores").positive();

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
-#include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 
 #include "bench/support/child_process.hpp"
 #include "bench/support/layer_run.hpp"
+#include "bench/support/model_files.hpp"
 #include "bench/support/session.hpp"
 
 namespace tetloom::bench {
@@ -37,28 +37,6 @@ struct Case {
     return task.model.stem().string() + (task.outside ? " out " : " in ") + task.setting.name;
   }
 };
-
-bool is_model(const fs::path& path) {
-  static const std::vector<std::string> known{".step", ".stp", ".iges", ".igs", ".brep", ".stl", ".obj"};
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::count(known, extension) > 0;
-}
-
-std::vector<fs::path> find_models(const Options& options) {
-  std::vector<fs::path> models;
-  for (const fs::path folder : options.folders) {
-    if (!fs::exists(folder)) throw std::runtime_error("no such folder: '" + folder.string() + "'");
-    if (!fs::is_directory(folder)) models.push_back(folder);
-    if (!fs::is_directory(folder)) continue;
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (is_model(entry.path())) models.push_back(entry.path());
-  }
-  const std::regex wanted(options.only, std::regex::icase);
-  std::erase_if(models, [&](const fs::path& path) { return !std::regex_search(path.filename().string(), wanted); });
-  std::ranges::sort(models);
-  return models;
-}
 
 // Valid, or refused with faces and a point.
 bool is_good(const LayerRun& run) {
@@ -144,7 +122,8 @@ class Bench {
   explicit Bench(const Options& options) : options_(options), session_("layers_coverage", options.session) {}
 
   void run() {
-    const std::vector<fs::path> models = options_.session.quick ? quick_models() : find_models(options_);
+    const std::vector<fs::path> models =
+        options_.session.quick ? quick_models() : find_models(options_.folders, options_.only);
     if (models.empty()) throw std::runtime_error("no model files");
     const bool judges = options_.task.by_check_mesh && is_installed("checkMesh");
     session_.print_heading(judges ? "judged by OpenFOAM's checkMesh as well" : "without OpenFOAM's checkMesh");

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
-#include <regex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -16,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/support/child_process.hpp"
+#include "bench/support/model_files.hpp"
 #include "bench/support/peer.hpp"
 #include "bench/support/real_run.hpp"
 #include "bench/support/real_table.hpp"
@@ -34,22 +34,6 @@ struct Options {
   SessionOptions session;
 };
 
-/// The model files of folders, and files named themselves, in the order of their names.
-std::vector<fs::path> find_models(const Options& options) {
-  std::vector<fs::path> models;
-  for (const fs::path folder : options.folders) {
-    if (!fs::exists(folder)) throw std::runtime_error("no such folder: '" + folder.string() + "'");
-    if (!fs::is_directory(folder)) models.push_back(folder);
-    if (!fs::is_directory(folder)) continue;
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (is_model_file(entry.path())) models.push_back(entry.path());
-  }
-  const std::regex wanted(options.only, std::regex::icase);
-  std::erase_if(models, [&](const fs::path& path) { return !std::regex_search(path.filename().string(), wanted); });
-  std::sort(models.begin(), models.end());
-  return models;
-}
-
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options), session_("real_models", options.session) {
@@ -59,7 +43,8 @@ class Bench {
   }
 
   void run() {
-    const std::vector<fs::path> paths = options_.session.quick ? make_quick_models() : find_models(options_);
+    const std::vector<fs::path> paths =
+        options_.session.quick ? make_quick_models() : find_models(options_.folders, options_.only);
     if (paths.empty()) throw std::runtime_error("no model files");
     session_.print_heading("beside gmsh/HXT " + (gmsh_.empty() ? "not run" : gmsh_));
     print_table_heading();

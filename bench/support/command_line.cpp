@@ -51,6 +51,11 @@ const CommandLine::Option& CommandLine::Option::one_of(std::vector<std::string> 
   return *this;
 }
 
+const CommandLine::Option& CommandLine::Option::separated_by(char separator) const {
+  of(option_).delimiter(separator);
+  return *this;
+}
+
 const CommandLine::Option& CommandLine::Option::hidden() const {
   of(option_).group("");
   return *this;

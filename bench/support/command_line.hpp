@@ -17,7 +17,8 @@ class CommandLine {
     const Option& in_range(double least, double most) const;
     const Option& existing_file() const;
     const Option& one_of(std::vector<std::string> values) const;
-    const Option& hidden() const;  ///< not in the help
+    const Option& separated_by(char separator) const;  ///< items of a list
+    const Option& hidden() const;                      ///< not in the help
 
    private:
     friend class CommandLine;
@@ -30,7 +31,8 @@ class CommandLine {
   ~CommandLine();
 
   /// An option that sets `value`, or what stands without an option where the name has no dashes. The value until then
-  /// is told as the default, unless it is zero or empty. Lists have commas between their items.
+  /// is told as the default, unless it is zero or empty. Lists have commas between their items, unless another
+  /// separator is given.
   template <class Value>
   Option add(const std::string& name, Value& value, const std::string& help = {});
   void add_flag(const std::string& name, bool& value, const std::string& help);

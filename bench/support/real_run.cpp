@@ -6,7 +6,6 @@
 #include <exception>
 #include <fstream>
 #include <map>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -179,13 +178,6 @@ ModelDocument model_as_meshed(const JudgeTask& task) {
 }
 
 }  // namespace
-
-bool is_model_file(const fs::path& path) {
-  static const std::set<std::string> known{".step", ".stp", ".brep", ".iges", ".igs", ".stl", ".obj"};
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return known.contains(extension);
-}
 
 RealModel run_real_model(const fs::path& path, const RealRunOptions& options) {
   const TemporaryFolder folder;

@@ -20,9 +20,6 @@ struct RealRunOptions {
   std::filesystem::path folder = {};  ///< where they write
 };
 
-/// Whether tetloom reads files of this extension.
-bool is_model_file(const std::filesystem::path& path);
-
 /// Runs both. Never throws for what a mesher does or a model is: that is part of the result.
 RealModel run_real_model(const std::filesystem::path& path, const RealRunOptions& options);
 
