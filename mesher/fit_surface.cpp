@@ -253,7 +253,8 @@ bool SurfaceFitter::drop_contacts(const Candidate& candidate, std::vector<Misfit
   for (const Misfit& misfit : misfits) {
     const Vec3 x = place_of(refinement_for(misfit, mesh).corners);
     const double present = candidate.sizes.size_at(x);
-    if (misfit.size > 0 && !(present < floor_at(x).usual && misfit.size < kFarLess * present)) continue;
+    const bool was_refined = present < std::min(floor_at(x).usual, kWorthwhileSize * first_sizes_.size_at(x));
+    if (misfit.size > 0 && !(was_refined && misfit.size < kFarLess * present)) continue;
     const bool is_known =
         std::ranges::any_of(contacts_, [&](const Contact& c) { return distance(x, c.center) < kApart * c.radius; });
     if (!is_known) contacts_.push_back({x, kReach * first_sizes_.size_at(x)});

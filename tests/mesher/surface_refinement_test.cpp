@@ -96,6 +96,15 @@ TEST_CASE("sizes are reduced to min_size, to what features that stay need, or to
   CHECK(Made(*model, options).result.refinement.smallest_size == Approx(0.14));
 }
 
+TEST_CASE("a thin disc is refined as a plate is, where its size follows its rim") {
+  std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({2, 0, 0}, {4, 2, 2}), make_cylinder(0.2, 0.003)};
+  MeshOptions options = options_of_size(0.3);
+  options.sizes.curvature = 24;
+  const Made made(*combine(bodies), options);
+  CHECK(made.quality.tets.min_dihedral_deg > 8);
+  CHECK(made.result.refinement.smallest_size == Approx(0.015).epsilon(0.01));
+}
+
 TEST_CASE("wires and balls keep their shape where a size alone is asked for") {
   std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {4, 4, 4}),
                                                             make_sphere({8, 0, 0}, 0.4)};
