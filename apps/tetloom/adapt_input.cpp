@@ -10,7 +10,6 @@
 #include "tetloom/metric.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/collectives.hpp"
 #include "threading/parts/gather_mesh.hpp"
 #include "threading/parts/number_ids.hpp"
 
@@ -57,20 +56,6 @@ void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const Can
   Solution solution = read_solution(file, solution_size(mesh), &cancel);
   mesh.point_fields = std::move(solution.point_fields);
   if (cell_count(mesh) == mesh.tet_to_vert.size()) mesh.cell_fields = std::move(solution.tet_fields);
-}
-
-// With the fields that the command names, wherever they lie.
-Mesh read_whole(const AdaptCommand& command, const CancelToken& cancel) {
-  Mesh mesh = read_mesh(command.input, &cancel);
-  if (needs_fields(command) && has_fields_beside(command.input)) read_fields_beside(command.input, mesh, cancel);
-  return mesh;
-}
-
-// One part, on the first rank.
-PartitionedMesh read_on_first(const AdaptCommand& command, Communicator& ranks, const CancelToken& cancel) {
-  Mesh mesh;
-  run_on_first(ranks, [&] { mesh = read_whole(command, cancel); });
-  return distribute_mesh(mesh, ranks);
 }
 
 MeshField read_metric_file(const std::filesystem::path& path, const AdaptInput& input, const CancelToken& cancel) {
@@ -138,10 +123,8 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
 
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel) {
   AdaptInput input;
-  const bool lies_in_pieces = is_piece_list(command.input);
-  if (!lies_in_pieces && work.rank_count() == 1) return input;
-  input.parts = lies_in_pieces ? read_parts(command.input, work.ranks(), work.runner(), &cancel)
-                               : read_on_first(command, work.ranks(), cancel);
+  if (!is_piece_list(command.input)) return input;
+  input.parts = read_parts(command.input, work.ranks(), work.runner(), &cancel);
   if (work.rank_count() > 1) {
     if (!command.metric_file.empty()) input.points = number_points(*input.parts, work);
     return input;
@@ -152,8 +135,11 @@ AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, c
 }
 
 void read_adapt_input(const AdaptCommand& command, const CancelToken& cancel, AdaptInput& input) {
-  if (!input.parts && !input.mesh) input.mesh = read_whole(command, cancel);
-  if (has_fields_beside(command.input)) input.order = adapt::TensorOrder::Medit;
+  if (!input.parts && !input.mesh) input.mesh = read_mesh(command.input, &cancel);
+  if (has_fields_beside(command.input)) {
+    if (needs_fields(command)) read_fields_beside(command.input, *input.mesh, cancel);
+    input.order = adapt::TensorOrder::Medit;
+  }
   const Mesh fields = input.parts ? fields_of(*input.parts) : Mesh();
   const Mesh& mesh = input.parts ? fields : *input.mesh;
   require_fields(mesh, command.options.transfer);

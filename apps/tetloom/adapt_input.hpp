@@ -38,9 +38,8 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 /// That file, of the same name: .solb beside .meshb, .sol beside .mesh.
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
-/// The mesh, where it lies in pieces or is read by several ranks: each reads some of the pieces, and the first alone a
-/// file that is none; a single rank has the whole in the end. In SharedWork::together. Errors: those of read_parts, and
-/// InputUnsuitable for fields that are not there.
+/// The mesh, where it lies in pieces: each rank reads some of them; a single one has the whole in the end. In
+/// SharedWork::together. Errors: those of read_parts.
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
 /// Reads what the command names, but for the model and a mesh that is there. Errors: as those of the readers;
