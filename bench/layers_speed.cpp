@@ -160,8 +160,7 @@ class Bench {
     SnappyTask task;
     task.surface = surface;
     task.edge = one.edge, task.first_height = setting_.first_height * one.edge, task.count = setting_.count;
-    Box3 box;
-    for (const Vec3& x : mesh.points) box.add(x);
+    const Box3 box = box_of(mesh.points);
     task.low = box.lo, task.high = box.hi;
     // The middle of the tet that has the most room around it.
     double most = 0;

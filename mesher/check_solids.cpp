@@ -111,8 +111,7 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
     double& sum = volumes[region.value];
     sum = std::isnan(sum) ? volume : sum + volume;
   };
-  Box3 box;
-  for (const Vec3& x : meshed.surface.points) box.add(x);
+  const Box3 box = box_of(meshed.surface.points);
   const Vec3 middle = box.center();
   const MidNodes mids(meshed.surface);
   for_each_surface_kind(meshed.surface, [&](const auto& elements, const auto& faces) {

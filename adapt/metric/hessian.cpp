@@ -47,8 +47,7 @@ Tensor normalised_log(const Tensor& hessian, double least, double norm) {
 }  // namespace
 
 double diagonal_of(std::span<const Vec3> points, const OwnTets& own) {
-  Box3 box;
-  for (const Vec3& p : points) box.add(p);
+  const Box3 box = box_of(points);
   std::array<double, 6> ends{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z};
   if (own.largest) own.largest(ends);
   return norm(Vec3{ends[3] + ends[0], ends[4] + ends[1], ends[5] + ends[2]});

@@ -136,8 +136,7 @@ Mesh merge_points(const Soup& soup) {
 class Columns {
  public:
   explicit Columns(const Mesh& facets) : passed_(std::size_t{kColumns} * kColumns) {
-    Box3 box;
-    for (const Vec3& p : facets.points) box.add(p);
+    const Box3 box = box_of(facets.points);
     // Steps that put no line through the corners of a regular model.
     lo_ = box.lo, width_ = 1.0001 * (box.hi.x - box.lo.x) / kColumns,
     depth_ = 1.0003 * (box.hi.y - box.lo.y) / kColumns;

@@ -77,8 +77,7 @@ void describe_facets(const fs::path& path, ModelFacts& facts) {
   if (!facts.facets) return;
   const Mesh facets = read_facet_file(path);
   facts.closed_manifold = is_closed_manifold(facets);
-  Box3 box;
-  for (const Vec3& point : facets.points) box.add(point);
+  const Box3 box = box_of(facets.points);
   facts.diagonal = box.diagonal();
   if (facts.closed_manifold) facts.volumes = {volume_within(facets)};
 }

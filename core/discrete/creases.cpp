@@ -14,8 +14,7 @@ class CreaseFilter {
  public:
   CreaseFilter(const FacetSurface& surface, double feature_angle)
       : surface_(surface), walls_(surface.edges.size(), false), crease_(walls_), weak_(walls_) {
-    Box3 box;
-    for (const Vec3& p : surface.points) box.add(p);
+    const Box3 box = box_of(surface.points);
     diagonal_ = box.diagonal();
     find_all(std::cos(feature_angle));
     for (std::uint32_t edge = 0; edge < walls_.size(); ++edge) {

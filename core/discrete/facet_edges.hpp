@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/lists.hpp"
 #include "core/discrete/facet_soup.hpp"
 
 namespace tetloom::detail {
@@ -32,7 +33,7 @@ struct FacetEdges {
   }
   /// Whether one of them has these ends.
   bool join(std::uint32_t a, std::uint32_t b) const {
-    return std::ranges::binary_search(edge_to_vert, std::array{std::min(a, b), std::max(a, b)});
+    return std::ranges::binary_search(edge_to_vert, ascending(a, b));
   }
   /// The other half-edge of a regular edge.
   std::uint32_t twin(std::uint32_t half) const {

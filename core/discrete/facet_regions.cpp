@@ -96,8 +96,7 @@ LeafMeasures measure_leaves(const FacetSurface& surface) {
   const std::size_t count = surface.leaf_count;
   LeafMeasures measures{std::vector<double>(count, 0), std::vector<std::uint32_t>(count, kNone),
                         std::vector<Box3>(count)};
-  Box3 box;
-  for (const Vec3& p : surface.points) box.add(p);
+  const Box3 box = box_of(surface.points);
   const Vec3 center = box.center();
   for (std::uint32_t tri = 0; tri < surface.tri_to_vert.size(); ++tri) {
     const std::uint32_t leaf = surface.tri_to_leaf[tri];

@@ -125,8 +125,7 @@ class NeedleCollapser {
 std::size_t collapse_needles(FacetSoup& soup, const CancelToken* cancel) {
   constexpr int kRounds = 30;
   constexpr std::size_t kFewest = 4;  // facets of a closed surface
-  Box3 box;
-  for (const Vec3& p : soup.points) box.add(p);
+  const Box3 box = box_of(soup.points);
   std::size_t merged = 0;
   for (int round = 0; round < kRounds && soup.tri_to_vert.size() > kFewest; ++round) {
     check_cancelled(cancel);

@@ -126,8 +126,7 @@ double winding_number(std::span<const Vec3> points, std::span<const Triangle> tr
 
 std::optional<UncrossedFacets> uncross_facets(std::span<const Vec3> points, std::span<const Triangle> tris,
                                               const CancelToken* cancel) {
-  Box3 box;
-  for (const Vec3& p : points) box.add(p);
+  const Box3 box = box_of(points);
   std::vector<Vec3> moved(points.begin(), points.end());
   const FacetEdges edges = find_edges(tris, points.size());
   double step = kSmallestMove * box.diagonal();

@@ -19,8 +19,7 @@ namespace {
 // The volume that the triangles at each region bound, as they are turned; from the middle of the box, to keep digits.
 std::vector<double> region_volumes(const Mesh& mesh, std::size_t regions) {
   std::vector<double> volumes(regions, 0);
-  Box3 box;
-  for (const Vec3& x : mesh.points) box.add(x);
+  const Box3 box = box_of(mesh.points);
   const Vec3 middle = box.center();
   for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
     const auto& [a, b, c] = mesh.tri_to_vert[t];

@@ -17,8 +17,7 @@ class FacetJoiner {
  public:
   explicit FacetJoiner(const Tessellation& in) : in_(in), joined_(in.points.size()), tris_(in.tri_to_vert) {
     std::iota(joined_.begin(), joined_.end(), 0u);
-    Box3 box;
-    for (const Vec3& p : in.points) box.add(p);
+    const Box3 box = box_of(in.points);
     tolerance_ = 1e-9 * box.diagonal();
   }
 

@@ -27,8 +27,7 @@ std::optional<std::array<Vec3, 3>> frame_of(const Vec3& a, const Vec3& b, const 
 
 // The motion that takes points to others; none where there is no such.
 std::optional<RigidMotion> find_motion(std::span<const Vec3> from, std::span<const Vec3> to) {
-  Box3 box;
-  for (const Vec3& p : from) box.add(p);
+  const Box3 box = box_of(from);
   const auto farthest = [&](const auto& measure) {
     return static_cast<std::size_t>(std::ranges::max_element(from, {}, measure) - from.begin());
   };

@@ -134,6 +134,13 @@ TEST_CASE("an item of an unknown kind is left out of a part's shapes, and is dam
   CHECK(document.model->topology().region_count() == 1);
   REQUIRE(document.warnings.size() == 1);
   CHECK_THAT(document.warnings[0].message, Catch::Contains("of an unknown kind and left out"));
+  // Nor where something else is wrong with the same list: here its context.
+  std::string changed = file_content(scratch / "changed.step");
+  const std::size_t list_end = changed.find(")", changed.find("(#90001,"));
+  const std::size_t context = changed.find("#", list_end), end = changed.find(")", context);
+  changed.replace(context, end - context, "#90001");
+  write_file(scratch / "changed.step", changed);
+  CHECK(code_of([&] { read_model(scratch / "changed.step"); }) == ErrorCode::InputUnreadable);
   for (const char* list : {"DEFINITIONAL_REPRESENTATION", "GLOBAL_UNIT_ASSIGNED_CONTEXT"}) {
     INFO(list);
     write_with_item_in(list);
