@@ -14,6 +14,13 @@ set(TETLOOM_COMMON_HEADERS <algorithm> <array> <atomic> <bit> <cmath> <cstdint> 
                            <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <set> <span> <string>
                            <string_view> <tuple> <unordered_map> <utility> <vector>)
 
+if(TETLOOM_MOLD)
+  find_program(TETLOOM_MOLD_LINKER mold)
+  if(TETLOOM_MOLD_LINKER)
+    add_link_options(-fuse-ld=mold)
+  endif()
+endif()
+
 function(tetloom_configure target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
@@ -65,8 +72,6 @@ endfunction()
 # Builds an executable of tests as tests are built, with the precompiled headers of all tests.
 function(tetloom_configure_test target)
   tetloom_configure(${target})
-  # Sources of tests have helpers of the same names.
-  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   tetloom_leave_assertions_slow(${target})
   if(TETLOOM_PCH)
     # One set of precompiled headers needs one code model: that of a library.

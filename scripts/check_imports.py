@@ -112,6 +112,7 @@ BRINGS = {
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+INCLUDED = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 
 
 def source_files(root):
@@ -176,6 +177,11 @@ def check_edges(root, names):
     return problems
 
 
+def own_path(root, header):
+    """Where the header of an include of the project lies, or None for one of others."""
+    return next((base + header for base in ("", "include/") if (root / (base + header)).is_file()), None)
+
+
 CODE_ONLY = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|^\s*#\s*include[^\n]*', re.M)
 
 
@@ -186,7 +192,7 @@ def included_by(root, name, known):
         for line in (root / name).read_text(encoding="utf-8").splitlines():
             match = INCLUDE.match(line)
             header = match.group(2) if match else None
-            own = next((base + header for base in ("", "include/") if header and (root / (base + header)).exists()), None)
+            own = own_path(root, header) if header else None
             if own:
                 known[name] = known[name] | included_by(root, own, known)
             elif header:
@@ -206,6 +212,68 @@ def check_standard_headers(root, names):
 
 
 TYPE = re.compile(r"(?:template\s*<.*>\s*)?(?:struct|class|enum class)\s+(?:\w+\s+)?(?!final\b)(\w+)(?:\s+final)?\s*(?::[^:].*)?\{")
+
+
+FUNCTION = re.compile(r"(?:inline |constexpr |template\s*<.*>\s*)*[A-Za-z_][\w:<>,&* ]*[ &*>]([a-z]\w*_\w+)\(")
+CONSTANT = re.compile(r"(?:inline |static )?constexpr .*\b(k[A-Z]\w+)\s*[={\[]")
+
+
+def declared_in(text):
+    """Types, functions of several words and constants that a header declares outside of classes."""
+    found = set()
+    for line in text.splitlines():
+        match = TYPE.match(line) or CONSTANT.match(line) or FUNCTION.match(line)
+        if match:
+            found.add(match.group(1))
+    return found
+
+
+def reached_from(root, name, known):
+    """`name` and the headers of the project that it includes, by itself or through each other."""
+    if name not in known:
+        known[name] = {name}
+        for line in (root / name).read_text(encoding="utf-8").splitlines():
+            match = INCLUDE.match(line)
+            own = own_path(root, match.group(2)) if match else None
+            if own:
+                known[name] = known[name] | reached_from(root, own, known)
+    return known[name]
+
+
+ENUMERATORS = re.compile(r"(\benum (?:class )?\w+[^{};]*)\{[^{}]*\}")
+# What stands before a name that is declared, and is no type.
+NO_TYPES = r"(?<!\breturn)(?<!\belse)(?<!\bthrow)(?<!\bnew)(?<!\bcase)(?<!\bnot)"
+
+
+def declares(text, word):
+    """Whether a file has a type, function, variable or member of that name of its own."""
+    return re.search(rf"\b(?:class|struct|enum|using|typename) {word}\b|[\w>&*\]]{NO_TYPES}[ &*]+{word}\b *(?:[=;({{\[:,)]|$)|"
+                     rf"[\[,] *{word} *[\],]", text, re.M)
+
+
+def check_project_headers(root, names):
+    """Names that one header of the project alone declares, in files that reach no header with that name. A source that
+    is compiled in one piece with others would not show it."""
+    texts = {name: ENUMERATORS.sub(r"\1", CODE_ONLY.sub("", (root / name).read_text(encoding="utf-8"))) for name in names}
+    words_of = {name: set(re.findall(r"(?<![\w.>])(?<!::)(?:tetloom::|test::)?(\w+)", text)) for name, text in texts.items()}
+    declaring = {}
+    for name in names:
+        if name.endswith(".hpp"):
+            for word in declared_in(texts[name]):
+                declaring.setdefault(word, set()).add(name)
+    home = {word: next(iter(files)) for word, files in declaring.items() if len(files) == 1}
+    problems, known = [], {}
+    for name in names:
+        room, others = room_of(name), reached_from(root, name, known) - {name}
+        stems = {Path(header).stem for header in INCLUDED.findall((root / name).read_text(encoding="utf-8"))}
+        for word in sorted(words_of[name] & home.keys()):
+            declaring_room = room_of(home[word])
+            if declaring_room != room and declaring_room not in MAY_INCLUDE.get(room, ()):
+                continue
+            if home[word] == name or word in stems or any(word in words_of[other] for other in others) or declares(texts[name], word):
+                continue
+            problems.append(f"{name}: uses {word} and does not include {home[word]}")
+    return problems
 
 
 def check_names(root, names):
@@ -275,7 +343,8 @@ def main():
     arguments = parser.parse_args()
     root = Path(__file__).resolve().parent.parent
     names = source_files(root)
-    problems = check_edges(root, names) + check_names(root, names) + check_standard_headers(root, names)
+    problems = check_edges(root, names) + check_names(root, names) + check_standard_headers(root, names) + \
+        check_project_headers(root, names)
     if arguments.headers:
         problems += check_headers(root, names, root / arguments.build)
     for problem in problems:

@@ -23,7 +23,7 @@ declare -A packages=(
     libtbb-dev libscotch-dev libtrilinos-zoltan-dev libopenmpi-dev openmpi-bin
     libopenmesh-dev libtet1.5-dev libeigen3-dev zlib1g-dev
     libcli11-dev nlohmann-json3-dev catch2 libbenchmark-dev"
-  [check]="git python3 clang-format-14 clang-tidy-14"
+  [check]="git python3 mold clang-format-14 clang-tidy-14"
   [oracles]="libcgal-dev"
   [picture]="python3 python3-numpy python3-meshio python3-pil"
   [peers]="gmsh netgen tetgen"

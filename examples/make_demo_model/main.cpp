@@ -131,7 +131,7 @@ int run(std::span<char* const> arguments) {
 }  // namespace tetloom::demo
 
 int main(int argc, char** argv) {
-  Message::DefaultMessenger()->ChangePrinters().Clear();
+  ::Message::DefaultMessenger()->ChangePrinters().Clear();
   try {
     return tetloom::demo::run(std::span<char* const>(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0)));
   } catch (const std::exception& error) {

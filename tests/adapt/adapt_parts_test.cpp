@@ -26,13 +26,7 @@ using namespace tetloom::adapt;
 
 namespace {
 
-Mesh unit_cube(int n) {
-  test::BoxSpec spec{n, n, n, true, 1};
-  spec.h = 1.0 / n;
-  return test::make_tet_box(spec);
-}
-
-Tensor layered(const Vec3& x) {
+Tensor layered_coarsely(const Vec3& x) {
   const double h = 0.04 + 0.3 * std::abs(x.z - 0.5);
   return diagonal(30, 30, 1 / (h * h));
 }
@@ -112,18 +106,18 @@ AdaptReport check_like_whole(const Mesh& mesh, std::size_t parts, const std::fun
 }  // namespace
 
 TEST_CASE("a mesh in parts becomes the same mesh on any number of ranks, with its fields", "[adapt][parts]") {
-  Mesh cube = unit_cube(5);
+  Mesh cube = test::make_unit_cube(5, true);
   cube.point_fields = {wave(cube), {"other", 1, std::vector<double>(cube.points.size(), 3)}};
   AdaptOptions options = options_for(1500);
   options.transfer = {"wave"};
-  CHECK(check_like_whole(cube, 3, layered, options, {1, 2, 3, 5}).transfers.size() == 1);
+  CHECK(check_like_whole(cube, 3, layered_coarsely, options, {1, 2, 3, 5}).transfers.size() == 1);
 }
 
 TEST_CASE("a mesh in parts is graded as a whole", "[adapt][parts]") {
   AdaptOptions options = options_for(1500);
   options.gradation = 1.3;
   const auto spike = [](const Vec3& x) { return isotropic(norm(x - Vec3{0.3, 0.4, 0.2}) < 0.2 ? 0.06 : 0.5); };
-  check_like_whole(unit_cube(6), 4, spike, options);
+  check_like_whole(test::make_unit_cube(6, true), 4, spike, options);
 }
 
 TEST_CASE("metrics that turn too fast are limited alike in parts", "[adapt][parts]") {
@@ -132,17 +126,17 @@ TEST_CASE("metrics that turn too fast are limited alike in parts", "[adapt][part
     const Vec3 along{std::cos(angle), std::sin(angle), 0};
     return diagonal(9, 9, 9) + outer(along, 500);
   };
-  CHECK(check_like_whole(unit_cube(6), 3, turning, options_for(2000), {1, 3}).turning.turns);
+  CHECK(check_like_whole(test::make_unit_cube(6, true), 3, turning, options_for(2000), {1, 3}).turning.turns);
 }
 
 TEST_CASE("fields on tets of a mesh in parts are carried over", "[adapt][parts]") {
-  Mesh cube = unit_cube(4);
+  Mesh cube = test::make_unit_cube(4, true);
   MeshField load{"load", 1, {}};
   for (const auto& tet : cube.tet_to_vert) load.values.push_back(cube.points[tet[0]].x);
   cube.cell_fields = {load}, cube.point_fields = {wave(cube)};
   AdaptOptions options = options_for(1500);
   options.transfer = {"load", "wave"};
-  check_like_whole(cube, 3, layered, options, {1, 3});
+  check_like_whole(cube, 3, layered_coarsely, options, {1, 3});
 }
 
 TEST_CASE("bodies that touch are adapted in parts as a whole", "[adapt][parts]") {
@@ -153,7 +147,7 @@ TEST_CASE("bodies that touch are adapted in parts as a whole", "[adapt][parts]")
 }
 
 TEST_CASE("edges and corners that a mesh in parts does not name get the same names everywhere", "[adapt][parts]") {
-  Mesh cube = unit_cube(4);
+  Mesh cube = test::make_unit_cube(4, true);
   cube.edge_to_vert.clear(), cube.edge_to_entity.clear();
   for (ModelEntity& entity : cube.point_to_entity)
     if (entity.dim < 2) entity = ModelEntity();
@@ -191,12 +185,12 @@ TEST_CASE("a metric in parts becomes finer where the model is curved, as that of
 }
 
 TEST_CASE("parts are adapted from and to where they lie, also by a function", "[adapt][parts]") {
-  const Mesh cube = unit_cube(5);
+  const Mesh cube = test::make_unit_cube(5, true);
   std::vector<std::string> digests;
   for (const int ranks : {1, 3}) {
     Mesh gathered;
     test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
-      AdaptInPartsResult result = adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered, options_for(1500));
+      AdaptInPartsResult result = adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered_coarsely, options_for(1500));
       if (!result.mesh) throw Error(ErrorCode::Internal, result.run.errors.at(0).message);
       Mesh whole = gather_mesh(*result.mesh, TaskRunner(1));
       if (communicator.rank() == 0) gathered = std::move(whole);
@@ -214,7 +208,7 @@ Diagnostic told_to_all(
   std::vector<AdaptResult> results(2);
   test::on_simulated_ranks(2, [&](Communicator& communicator) {
     PartitionedMesh mesh = in_parts(given, 3, communicator);
-    PerPart<MetricField> metric = metric_of(mesh, layered);
+    PerPart<MetricField> metric = metric_of(mesh, layered_coarsely);
     AdaptOptions options = options_for(1000);
     if (communicator.rank() == 1) change(metric, options);
     results[static_cast<std::size_t>(communicator.rank())] =
@@ -232,7 +226,7 @@ Diagnostic told_to_all(
 
 TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][parts]") {
   using Metric = PerPart<MetricField>;
-  const Mesh cube = unit_cube(3);
+  const Mesh cube = test::make_unit_cube(3, true);
   Diagnostic error =
       told_to_all(cube, [](Metric& metric, AdaptOptions&) { metric.at(metric.local().front()).logs.pop_back(); });
   CHECK(error.code == ErrorCode::InvalidArgument);
@@ -253,19 +247,19 @@ TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][p
 }
 
 TEST_CASE("meshes in parts that cannot be adapted are refused with a place", "[adapt][parts]") {
-  Mesh unnamed = unit_cube(3);
+  Mesh unnamed = test::make_unit_cube(3, true);
   unnamed.tri_to_entity[5] = kNone;
   Diagnostic error = told_to_all(unnamed);
   CHECK(error.code == ErrorCode::InputUnsuitable);
   CHECK(error.message.find("triangle that names its model face") != std::string::npos);
   CHECK(error.point);
-  Mesh flat = unit_cube(3);
+  Mesh flat = test::make_unit_cube(3, true);
   const auto& v = flat.tet_to_vert[7];
   flat.points[v[3]] = (1.0 / 3) * (flat.points[v[0]] + flat.points[v[1]] + flat.points[v[2]]);
   error = told_to_all(flat);
   CHECK(error.code == ErrorCode::InputUnsuitable);
   CHECK(error.point);
-  Mesh endless = unit_cube(3);
+  Mesh endless = test::make_unit_cube(3, true);
   endless.points[9].y = HUGE_VAL;
   CHECK(told_to_all(endless).code == ErrorCode::InputUnsuitable);
   Mesh mixed = test::make_mixed_box(4, 4, 4);
@@ -280,10 +274,10 @@ TEST_CASE("what one rank's metric throws ends the adaptation of parts on all", "
       std::atomic<int> asked{0};
       const auto metric = [&](const Vec3& x) {
         if (fails && ++asked > 300) throw std::bad_alloc();
-        return layered(x);
+        return layered_coarsely(x);
       };
       results[static_cast<std::size_t>(communicator.rank())] =
-          adapt_mesh_on_ranks(in_parts(unit_cube(4), 5, communicator), metric, options_for(800));
+          adapt_mesh_on_ranks(in_parts(test::make_unit_cube(4, true), 5, communicator), metric, options_for(800));
     });
     for (const AdaptResult& result : results) {
       REQUIRE(result.errors.size() == 1);
@@ -304,7 +298,7 @@ namespace {
 
 /// A layer across the cube, of which second derivatives are large in one direction.
 Mesh cube_with_heat(int n) {
-  Mesh cube = unit_cube(n);
+  Mesh cube = test::make_unit_cube(n, true);
   MeshField heat{"heat", 1, {}};
   for (const Vec3& x : cube.points) heat.values.push_back(std::tanh(8 * (x.x + 0.3 * x.y - 0.6)) + 0.1 * x.z * x.z);
   cube.point_fields = {heat, wave(cube)};

@@ -1,4 +1,5 @@
 // Meshes led to a metric, without a model.
+#include "tests/adapt/uniform_metric.hpp"
 #include "tetloom/adapt.hpp"
 
 #include <algorithm>
@@ -24,16 +25,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The unit cube in n³ cubes.
-Mesh unit_cube(int n, bool two_regions = false) {
-  test::BoxSpec spec{n, n, n, two_regions, 1};
-  spec.h = 1.0 / n;
-  return test::make_tet_box(spec);
-}
-
 /// The plane in the middle is a face inside of one region.
 Mesh cube_with_inner_face(int n) {
-  Mesh mesh = unit_cube(n, true);
+  Mesh mesh = test::make_unit_cube(n, true);
   for (std::uint32_t& region : mesh.tet_to_entity) region = 0;
   for (FaceSides& sides : mesh.face_to_sides)
     for (ModelRegionId* side : {&sides.front, &sides.back})
@@ -41,10 +35,6 @@ Mesh cube_with_inner_face(int n) {
   for (ModelEntity& entity : mesh.point_to_entity)
     if (entity.dim == 3) entity.index = 0;
   return mesh;
-}
-
-adapt::MetricField sizes(const Mesh& mesh, double h) {
-  return adapt::metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
 }
 
 void check_conforms(const MetricConformity& conformity) {
@@ -75,8 +65,8 @@ Diagnostic refusal(const Mesh& mesh, const adapt::MetricField& metric, const Ada
 TEST_CASE("a cube becomes finer and coarser", "[adapt]") {
   const auto [cubes, h] = GENERATE(std::pair(6, 0.08), std::pair(14, 0.2));
   CAPTURE(cubes, h);
-  const Mesh cube = unit_cube(cubes);
-  const AdaptResult result = adapted(cube, sizes(cube, h));
+  const Mesh cube = test::make_unit_cube(cubes);
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, h));
   check_kept(cube, result.mesh);
   check_conforms(result.report.after);
   const double tets = adapt::expected_tets(1 / (h * h * h));
@@ -92,24 +82,24 @@ TEST_CASE("interfaces and faces inside of a region stay where they are", "[adapt
   const bool inner = GENERATE(false, true);
   const auto [cubes, h] = GENERATE(std::pair(4, 0.12), std::pair(10, 0.25));
   CAPTURE(inner, cubes, h);
-  const Mesh cube = inner ? cube_with_inner_face(cubes) : unit_cube(cubes, true);
+  const Mesh cube = inner ? cube_with_inner_face(cubes) : test::make_unit_cube(cubes, true);
   REQUIRE(validate_mesh(cube).valid());
-  const AdaptResult result = adapted(cube, sizes(cube, h));
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, h));
   check_kept(cube, result.mesh);
   check_conforms(result.report.after);
 }
 
 TEST_CASE("without a model a bumpy face keeps its shape, beside straight edges too", "[adapt]") {
   const double h = GENERATE(0.11, 0.4);
-  Mesh cube = unit_cube(5);
+  Mesh cube = test::make_unit_cube(5);
   for (Vec3& x : cube.points)
     if (x.z == 1 && x.x > 0 && x.x < 1 && x.y > 0 && x.y < 1) x.z += 0.04 * std::sin(9 * x.x + 5 * x.y);
-  const AdaptResult result = adapted(cube, sizes(cube, h));
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, h));
   check_kept(cube, result.mesh);
 }
 
 TEST_CASE("layers of a hundredth of their length", "[adapt]") {
-  const Mesh cube = unit_cube(8);
+  const Mesh cube = test::make_unit_cube(8);
   const auto metric = [](const Vec3& x) {
     const double h = 0.004 + 0.2 * std::abs(x.z - 0.5);
     return adapt::diagonal(25, 25, 1 / (h * h));
@@ -124,7 +114,7 @@ TEST_CASE("any metric leaves a valid mesh", "[adapt]") {
   const auto [seed, aspect, h] =
       GENERATE(std::tuple(1u, 10.0, 0.5), std::tuple(2u, 1e2, 2.0), std::tuple(3u, 1e4, 90.0));
   CAPTURE(seed, aspect);
-  const Mesh cube = unit_cube(6, true);
+  const Mesh cube = test::make_unit_cube(6, true);
   adapt::RandomTensors random(seed);
   std::vector<Tensor> tensors;
   for (std::size_t v = 0; v < cube.points.size(); ++v)
@@ -138,7 +128,7 @@ TEST_CASE("any metric leaves a valid mesh", "[adapt]") {
 }
 
 TEST_CASE("the mesh does not depend on threads, in any number of parts", "[adapt]") {
-  const Mesh cube = unit_cube(6, true);
+  const Mesh cube = test::make_unit_cube(6, true);
   std::vector<double> values;
   for (const Vec3& x : cube.points) values.push_back(0.03 + 0.15 * norm(x - Vec3{0.3, 0.4, 0.5}));
   const adapt::MetricField metric = adapt::metric_from_sizes(values, cube.points);
@@ -158,8 +148,8 @@ TEST_CASE("the mesh does not depend on threads, in any number of parts", "[adapt
 }
 
 TEST_CASE("a metric from a callback is that of its values where it is constant", "[adapt]") {
-  const Mesh cube = unit_cube(4);
-  const AdaptResult from_values = adapted(cube, sizes(cube, 0.15));
+  const Mesh cube = test::make_unit_cube(4);
+  const AdaptResult from_values = adapted(cube, test::uniform_metric(cube, 0.15));
   const AdaptResult from_callback = adapt_mesh(cube, [](const Vec3&) { return adapt::isotropic(0.15); }, {});
   REQUIRE(from_callback.status == AdaptStatus::Ok);
   CHECK(from_callback.report.after.unit == Approx(from_values.report.after.unit).margin(0.02));
@@ -167,7 +157,7 @@ TEST_CASE("a metric from a callback is that of its values where it is constant",
 }
 
 TEST_CASE("gradation makes the mesh finer around what is fine", "[adapt]") {
-  const Mesh cube = unit_cube(6);
+  const Mesh cube = test::make_unit_cube(6);
   std::vector<double> values;
   for (const Vec3& x : cube.points) values.push_back(norm(x) < 0.1 ? 0.03 : 0.4);
   const adapt::MetricField metric = adapt::metric_from_sizes(values, cube.points);
@@ -179,7 +169,7 @@ TEST_CASE("gradation makes the mesh finer around what is fine", "[adapt]") {
 }
 
 TEST_CASE("fields are carried over, linear ones exactly", "[adapt]") {
-  Mesh cube = unit_cube(5);
+  Mesh cube = test::make_unit_cube(5);
   MeshField linear{"linear", 2, {}}, other{"other", 1, {}};
   for (const Vec3& x : cube.points) {
     linear.values.insert(linear.values.end(), {1 + x.x - 2 * x.y + 3 * x.z, 5 * x.z});
@@ -188,7 +178,7 @@ TEST_CASE("fields are carried over, linear ones exactly", "[adapt]") {
   cube.point_fields = {linear, other};
   AdaptOptions options;
   options.transfer = {"linear"};
-  const AdaptResult result = adapted(cube, sizes(cube, 0.13), options);
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, 0.13), options);
   REQUIRE(result.mesh.point_fields.size() == 1);
   const MeshField& field = result.mesh.point_fields[0];
   CHECK(field.name == "linear");
@@ -203,8 +193,8 @@ TEST_CASE("fields are carried over, linear ones exactly", "[adapt]") {
 }
 
 TEST_CASE("options out of range are refused", "[adapt]") {
-  const Mesh cube = unit_cube(2);
-  const adapt::MetricField metric = sizes(cube, 0.5);
+  const Mesh cube = test::make_unit_cube(2);
+  const adapt::MetricField metric = test::uniform_metric(cube, 0.5);
   const auto code = [&](const auto& change) {
     AdaptOptions options;
     change(options);
@@ -221,8 +211,8 @@ TEST_CASE("options out of range are refused", "[adapt]") {
 }
 
 TEST_CASE("metrics that do not fit are refused", "[adapt]") {
-  const Mesh cube = unit_cube(2);
-  adapt::MetricField metric = sizes(cube, 0.5);
+  const Mesh cube = test::make_unit_cube(2);
+  adapt::MetricField metric = test::uniform_metric(cube, 0.5);
   SECTION("of another length") {
     metric.logs.pop_back();
     CHECK(refusal(cube, metric).code == ErrorCode::InvalidArgument);
@@ -247,15 +237,15 @@ TEST_CASE("metrics that do not fit are refused", "[adapt]") {
     CHECK(result.errors[0].message == "nothing there");
   }
   SECTION("that ask for more than any memory holds") {
-    CHECK(refusal(cube, sizes(cube, 1e-4)).code == ErrorCode::OutOfMemory);
-    CHECK(refusal(cube, sizes(cube, 1e-12)).code == ErrorCode::OutOfMemory);
-    CHECK(refusal(cube, sizes(cube, 1e-150)).code == ErrorCode::OutOfMemory);
+    CHECK(refusal(cube, test::uniform_metric(cube, 1e-4)).code == ErrorCode::OutOfMemory);
+    CHECK(refusal(cube, test::uniform_metric(cube, 1e-12)).code == ErrorCode::OutOfMemory);
+    CHECK(refusal(cube, test::uniform_metric(cube, 1e-150)).code == ErrorCode::OutOfMemory);
   }
 }
 
 TEST_CASE("meshes that cannot be adapted are refused", "[adapt]") {
-  Mesh cube = unit_cube(2, true);
-  const auto refused = [&] { return refusal(cube, sizes(cube, 0.5)); };
+  Mesh cube = test::make_unit_cube(2, true);
+  const auto refused = [&] { return refusal(cube, test::uniform_metric(cube, 0.5)); };
   SECTION("without triangles") {
     cube.tri_to_vert.clear(), cube.tri_to_entity.clear();
     const Diagnostic error = refused();
@@ -291,7 +281,7 @@ TEST_CASE("meshes that cannot be adapted are refused", "[adapt]") {
     CHECK(refused().code == ErrorCode::InvalidArgument);
   }
   SECTION("with a point at infinity") {
-    const adapt::MetricField metric = sizes(cube, 0.5);
+    const adapt::MetricField metric = test::uniform_metric(cube, 0.5);
     cube.points[3].y = HUGE_VAL;
     CHECK(refusal(cube, metric).code == ErrorCode::InputUnsuitable);
   }
@@ -311,11 +301,11 @@ TEST_CASE("tags of entities that adaptation cannot tell apart are refused with t
   for (const std::uint32_t index : {largest, std::uint32_t{1} << 30, 0xfffffffeu}) {
     CAPTURE(index);
     const auto refused = [&](const std::function<void(Mesh&)>& change) {
-      Mesh cube = unit_cube(2);
+      Mesh cube = test::make_unit_cube(2);
       for (auto& table : cube.entities) table.clear();
       cube.face_to_sides.clear();
       change(cube);
-      const Diagnostic error = refusal(cube, sizes(cube, 0.4));
+      const Diagnostic error = refusal(cube, test::uniform_metric(cube, 0.4));
       CHECK(error.code == ErrorCode::InputUnsuitable);
       CHECK_THAT(error.message, Catch::Contains(std::to_string(std::uint64_t{index} + 1)));
       CHECK(error.elements.size() == 1);
@@ -325,36 +315,36 @@ TEST_CASE("tags of entities that adaptation cannot tell apart are refused with t
     refused([&](Mesh& cube) { cube.edge_to_entity[1] = index; });
     refused([&](Mesh& cube) { cube.point_to_entity[0] = ModelEntity(0, index); });
   }
-  Mesh cube = unit_cube(2);
+  Mesh cube = test::make_unit_cube(2);
   for (std::uint32_t& region : cube.tet_to_entity) region = largest - 1;
   for (ModelEntity& entity : cube.point_to_entity)
     if (entity.dim == 3) entity.index = largest - 1;
   cube.face_to_sides.clear(), cube.entities = {};
-  const AdaptResult result = adapted(cube, sizes(cube, 0.2));
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, 0.2));
   CHECK(validate_mesh(result.mesh).valid());
   for (const std::uint32_t region : result.mesh.tet_to_entity) REQUIRE(region == largest - 1);
 }
 
 TEST_CASE("tags of edges and corners behind the mesh's own tables are refused, however large", "[adapt]") {
   for (const std::uint32_t index : {12u, (1u << 28) - 1}) {
-    Mesh cube = unit_cube(2);
+    Mesh cube = test::make_unit_cube(2);
     cube.entities[1].resize(12);
     for (std::uint32_t& edge : cube.edge_to_entity) edge = edge == 3 ? index : edge;
-    const Diagnostic error = refusal(cube, sizes(cube, 0.4));
+    const Diagnostic error = refusal(cube, test::uniform_metric(cube, 0.4));
     CHECK(error.code == ErrorCode::InputUnsuitable);
     CHECK_THAT(error.message, Catch::Contains("table"));
   }
 }
 
 TEST_CASE("a mesh may have points that nothing uses, and no names of points", "[adapt]") {
-  Mesh cube = unit_cube(3);
+  Mesh cube = test::make_unit_cube(3);
   const Mesh whole = cube;
   cube.points.push_back({5, 5, 5}), cube.point_to_entity.emplace_back();
-  const AdaptResult unused = adapted(cube, sizes(cube, 0.2));
+  const AdaptResult unused = adapted(cube, test::uniform_metric(cube, 0.2));
   check_kept(whole, unused.mesh);
   cube = whole;
   cube.point_to_entity.clear();
-  const AdaptResult unnamed = adapted(cube, sizes(cube, 0.2));
+  const AdaptResult unnamed = adapted(cube, test::uniform_metric(cube, 0.2));
   CHECK(validate_mesh(unnamed.mesh).valid());
 }
 
@@ -365,7 +355,7 @@ TEST_CASE("the mesh of one tet, and one that has no edges named", "[adapt]") {
   mesh.tet_to_entity = {0};
   mesh.tri_to_vert = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   mesh.tri_to_entity = {0, 1, 2, 3};
-  const AdaptResult result = adapted(mesh, sizes(mesh, 0.12));
+  const AdaptResult result = adapted(mesh, test::uniform_metric(mesh, 0.12));
   CHECK(validate_mesh(result.mesh).valid());
   CHECK(result.report.after.unit > 0.9);
   double volume = 0;
@@ -374,13 +364,13 @@ TEST_CASE("the mesh of one tet, and one that has no edges named", "[adapt]") {
 }
 
 TEST_CASE("edges and corners that a mesh with names does not name get a place in its tables", "[adapt]") {
-  Mesh cube = unit_cube(3);
+  Mesh cube = test::make_unit_cube(3);
   cube.edge_to_vert.clear(), cube.edge_to_entity.clear();
   for (ModelEntity& entity : cube.point_to_entity)
     if (entity.dim < 2) entity = ModelEntity();
   cube.entities[1].resize(2), cube.entities[2].resize(6), cube.entities[3].resize(1);
   cube.entities[0].resize(1), cube.entities[2][4].name = "top";
-  const AdaptResult result = adapted(cube, sizes(cube, 0.2));
+  const AdaptResult result = adapted(cube, test::uniform_metric(cube, 0.2));
   const ValidationReport validation = validate_mesh(result.mesh);
   for (const MeshProblem& problem : validation.problems) FAIL_CHECK(problem.message);
   CHECK(result.mesh.entities[0].size() == 9);
@@ -389,9 +379,9 @@ TEST_CASE("edges and corners that a mesh with names does not name get a place in
 }
 
 TEST_CASE("cancelled at any moment, the mesh that went in is as it was", "[adapt]") {
-  const Mesh cube = unit_cube(5);
+  const Mesh cube = test::make_unit_cube(5);
   const Mesh copy = cube;
-  const adapt::MetricField metric = sizes(cube, 0.1);
+  const adapt::MetricField metric = test::uniform_metric(cube, 0.1);
   AdaptOptions options;
   options.threads = 2, options.tets_per_part = 3000;
   std::atomic<int> looks{0};
@@ -418,10 +408,10 @@ TEST_CASE("cancelled at any moment, the mesh that went in is as it was", "[adapt
 }
 
 TEST_CASE("a trace has every part of every round, and changes nothing", "[adapt]") {
-  const Mesh cube = unit_cube(6);
+  const Mesh cube = test::make_unit_cube(6);
   AdaptOptions options;
   options.tets_per_part = 2000, options.threads = 2;
-  const auto metric = sizes(cube, 0.1);
+  const auto metric = test::uniform_metric(cube, 0.1);
   const AdaptResult plain = adapted(cube, metric, options);
   Trace trace;
   options.trace = &trace;
@@ -441,14 +431,14 @@ TEST_CASE("a trace has every part of every round, and changes nothing", "[adapt]
 }
 
 TEST_CASE("the host hears of rounds", "[adapt]") {
-  const Mesh cube = unit_cube(4);
+  const Mesh cube = test::make_unit_cube(4);
   std::vector<ProgressEvent> events;
   Host host;
   host.progress = [&](const ProgressEvent& event) {
     events.push_back(event);
     return true;
   };
-  const AdaptResult result = adapt_mesh(cube, sizes(cube, 0.1), {}, host);
+  const AdaptResult result = adapt_mesh(cube, test::uniform_metric(cube, 0.1), {}, host);
   REQUIRE(result.status == AdaptStatus::Ok);
   REQUIRE_FALSE(events.empty());
   for (std::size_t i = 0; i < events.size(); ++i) {

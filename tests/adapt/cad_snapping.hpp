@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/adapt/meshed.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 
@@ -94,7 +95,7 @@ inline void check_halvings(const std::string& name, const GeometricModel& model,
     CAPTURE(name, i, h);
     AdaptOptions adapt_options;
     adapt_options.model = &model;
-    const auto metric = adapt::metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
+    const auto metric = test::uniform_metric(mesh, h);
     AdaptResult result = adapt_mesh(mesh, metric, adapt_options);
     for (const Diagnostic& error : result.errors) FAIL_CHECK(error.message);
     REQUIRE(result.status == AdaptStatus::Ok);

@@ -53,11 +53,11 @@ Triangle turned_first(Triangle t) {
 }
 
 /// All that an operation changes, as plain lists.
-struct Contents {
+struct NamedContents {
   std::vector<NamedTet> tets;
   std::vector<NamedTriangle> triangles;
   std::vector<ModelEdgePiece> edges;
-  friend bool operator==(const Contents&, const Contents&) = default;
+  friend bool operator==(const NamedContents&, const NamedContents&) = default;
 
   void sort() {
     std::sort(tets.begin(), tets.end()), std::sort(triangles.begin(), triangles.end());
@@ -65,8 +65,8 @@ struct Contents {
   }
 };
 
-Contents contents_of(const CavityMesh& mesh) {
-  Contents contents;
+NamedContents named_contents(const CavityMesh& mesh) {
+  NamedContents contents;
   for (std::uint32_t t = 0; t < mesh.mesh.size(); ++t) {
     if (mesh.mesh.is_dead(t)) continue;
     Tet v{};
@@ -99,8 +99,8 @@ std::vector<std::array<std::uint32_t, N>> replaced(const std::array<std::uint32_
   return made;
 }
 
-Contents expected(const Contents& before, const Core& core, std::uint32_t p) {
-  Contents after;
+NamedContents expected(const NamedContents& before, const Core& core, std::uint32_t p) {
+  NamedContents after;
   for (const NamedTet& tet : before.tets)
     for (const Tet& v : replaced(tet.verts, core, p)) after.tets.push_back({canonical(v), tet.region});
   for (const NamedTriangle& triangle : before.triangles)
@@ -124,7 +124,7 @@ std::map<std::uint32_t, double> volumes_of(const CavityMesh& mesh) {
   return volumes;
 }
 
-long euler_characteristic(const Contents& contents) {
+long euler_characteristic(const NamedContents& contents) {
   std::set<std::uint32_t> verts;
   std::set<std::array<std::uint32_t, 2>> edges;
   std::set<Triangle> faces;
@@ -275,7 +275,7 @@ class Mangler {
     collect(core, tet);
     tets::EdgeRing ring;
     if (!cavity_.surface.empty() || cavity_.tets.size() > 8 || !mesh_.find_ring(cavity_, ring)) return false;
-    Contents goal = contents_of(mesh_);
+    NamedContents goal = named_contents(mesh_);
     for (std::size_t i = 0; i < ring.old().size(); ++i) {
       const Tet around{ring.a, ring.b, ring.verts[i], ring.verts[(i + 1) % ring.old().size()]};
       const auto old = std::ranges::find(goal.tets, canonical(around), &NamedTet::verts);
@@ -293,7 +293,7 @@ class Mangler {
       for (const Tet& v : tets_over(ring, triangle)) goal.tets.push_back({canonical(v), region});
     goal.sort();
     mesh_.replace_ring(ring, triangles.list());
-    REQUIRE(contents_of(mesh_) == goal);
+    REQUIRE(named_contents(mesh_) == goal);
     check_invariants(mesh_);
     return true;
   }
@@ -342,9 +342,9 @@ class Mangler {
     const double least = mesh_.evaluate(cavity_, p, 0, made);
     if (!(least > 1e-9)) return false;
     if (!cavity_.surface.empty() && !mesh_.is_sound(cavity_, p)) return false;
-    const Contents goal = expected(contents_of(mesh_), core, p);
+    const NamedContents goal = expected(named_contents(mesh_), core, p);
     mesh_.reconnect(cavity_, p, made);
-    REQUIRE(contents_of(mesh_) == goal);
+    REQUIRE(named_contents(mesh_) == goal);
     check_invariants(mesh_);
     if (core.size() == 1 && core[0] != p) REQUIRE(mesh_.vert_to_tet[core[0]] == kNone);
     return true;
@@ -364,11 +364,11 @@ class Mangler {
     REQUIRE(mesh_.collect(std::span(&from, 1), tet, cavity_));
     MadeQualities made;
     if (mesh_.evaluate(cavity_, to, 0, made) > 1e-9 || !star_cavity_.find(cavity_, to, 1e-9)) return false;
-    const Contents before = contents_of(mesh_);
+    const NamedContents before = named_contents(mesh_);
     const auto volumes = volumes_of(mesh_);
     star_cavity_.fill();
     check_invariants(mesh_);
-    const Contents after = contents_of(mesh_);
+    const NamedContents after = named_contents(mesh_);
     REQUIRE(after.triangles == before.triangles);
     REQUIRE(after.edges == before.edges);
     for (const auto& [region, volume] : volumes_of(mesh_)) REQUIRE(volume == Approx(volumes.at(region)).epsilon(1e-12));
@@ -414,7 +414,7 @@ TEST_CASE("operations on cavities do what their definition says", "[cavity_mesh]
   const auto mangle = [&](CavityMesh& part) {
     check_invariants(part);
     const auto volumes = volumes_of(part);
-    const long characteristic = euler_characteristic(contents_of(part));
+    const long characteristic = euler_characteristic(named_contents(part));
     CHECK(characteristic == 1);
     Mangler mangler(part, seed);
     std::mt19937 random(seed + 7);
@@ -425,11 +425,11 @@ TEST_CASE("operations on cavities do what their definition says", "[cavity_mesh]
       done[static_cast<std::size_t>(kind)] += mangler.attempt(kind);
     }
     for (const auto& [region, volume] : volumes_of(part)) CHECK(volume == Approx(volumes.at(region)).epsilon(1e-12));
-    CHECK(euler_characteristic(contents_of(part)) == characteristic);
-    const Contents before = contents_of(part);
+    CHECK(euler_characteristic(named_contents(part)) == characteristic);
+    const NamedContents before = named_contents(part);
     part.renumber(true);
     check_invariants(part);
-    CHECK(contents_of(part).tets.size() == before.tets.size());
+    CHECK(named_contents(part).tets.size() == before.tets.size());
   };
   with_part(box, mangle, &whole);
   for (const int count : done) CHECK(count >= 5);

@@ -1,3 +1,4 @@
+#include "tests/adapt/uniform_metric.hpp"
 #include "tetloom/metric.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -30,10 +31,6 @@ double size_along(const MetricField& metric, std::size_t vert, const Vec3& direc
   return std::sqrt(norm2(direction) / dot(metric.at(vert), direction));
 }
 
-MetricField sizes_of(const Mesh& mesh, double h) {
-  return metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
-}
-
 std::vector<Vec3> helix(double radius, double height) {
   std::vector<Vec3> points;
   for (int i = 0; i < 12; ++i)
@@ -46,7 +43,7 @@ std::vector<Vec3> helix(double radius, double height) {
 TEST_CASE("the metric follows a cylinder around, not along", "[curvature_limits]") {
   const auto model = test_models::make_cylinder(2, 5);
   const Mesh mesh = strip_on(0, helix(2, 5));
-  MetricField metric = sizes_of(mesh, 1);
+  MetricField metric = test::uniform_metric(mesh, 1);
   const TaskRunner runner(2);
   CHECK(limit_by_curvature(metric, mesh, *model, {24, 0}, runner) == mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
@@ -56,11 +53,11 @@ TEST_CASE("the metric follows a cylinder around, not along", "[curvature_limits]
     CHECK(size_along(metric, v, {p.x, p.y, 0}) == Approx(1).epsilon(1e-6));
   }
   // What is finer already stays bit for bit, and no size goes below the limit.
-  MetricField fine = sizes_of(mesh, 0.3);
+  MetricField fine = test::uniform_metric(mesh, 0.3);
   const MetricField before = fine;
   CHECK(limit_by_curvature(fine, mesh, *model, {24, 0}, runner) == 0);
   CHECK(fine.logs == before.logs);
-  MetricField limited = sizes_of(mesh, 1);
+  MetricField limited = test::uniform_metric(mesh, 1);
   limit_by_curvature(limited, mesh, *model, {24, 0.8}, runner);
   CHECK(size_along(limited, 3, {-mesh.points[3].y, mesh.points[3].x, 0}) == Approx(0.8).epsilon(1e-4));
 }
@@ -74,7 +71,7 @@ TEST_CASE("the metric follows a sphere in its tangent planes", "[curvature_limit
                      2 * Vec3{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
   }
   const Mesh mesh = strip_on(0, points);
-  MetricField metric = sizes_of(mesh, 3), alone = metric;
+  MetricField metric = test::uniform_metric(mesh, 3), alone = metric;
   limit_by_curvature(metric, mesh, *model, {12, 0}, TaskRunner(2));
   limit_by_curvature(alone, mesh, *model, {12, 0}, TaskRunner(1));
   CHECK(metric.logs == alone.logs);
@@ -106,7 +103,7 @@ TEST_CASE("the metric follows curved edges of flat faces", "[curvature_limits]")
     mesh.tri_to_vert.push_back({i, (i + 1) % 8, 8 + i});
     mesh.tri_to_entity.push_back(0);
   }
-  MetricField metric = sizes_of(mesh, 2);
+  MetricField metric = test::uniform_metric(mesh, 2);
   limit_by_curvature(metric, mesh, *model, {24, 0}, TaskRunner(1));
   CHECK(size_along(metric, 0, {0, 1, 0}) == Approx(3 * std::sqrt(27.0) / 24).epsilon(1e-6));
   CHECK(size_along(metric, 8, {0, 1, 0}) == Approx(std::sqrt(27.0) / 24).epsilon(1e-6));
@@ -117,7 +114,7 @@ TEST_CASE("the metric follows curved edges of flat faces", "[curvature_limits]")
 TEST_CASE("curvature limits refuse what does not fit together", "[curvature_limits]") {
   const auto model = test_models::make_box({0, 0, 0}, {1, 1, 1});
   Mesh mesh = strip_on(0, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-  MetricField metric = sizes_of(mesh, 1);
+  MetricField metric = test::uniform_metric(mesh, 1);
   const TaskRunner runner(1);
   CHECK(limit_by_curvature(metric, mesh, *model, {}, runner) == 0);
   mesh.tri_to_entity[0] = kNone;

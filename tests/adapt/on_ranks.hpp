@@ -11,12 +11,6 @@ namespace tetloom::test {
 
 using Metric = std::function<adapt::Tensor(const Vec3&)>;
 
-inline Mesh unit_cube(int n, bool two_regions = false) {
-  BoxSpec spec{n, n, n, two_regions, 1};
-  spec.h = 1.0 / n;
-  return make_tet_box(spec);
-}
-
 inline adapt::Tensor layered(const Vec3& x) {
   const double h = 0.02 + 0.3 * std::abs(x.z - 0.5);
   return adapt::diagonal(40, 40, 1 / (h * h));

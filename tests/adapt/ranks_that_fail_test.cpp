@@ -9,7 +9,7 @@
 #include "tetloom/adapt.hpp"
 
 using namespace tetloom;
-using test::in_parts, test::layered, test::on_ranks, test::unit_cube;
+using test::in_parts, test::layered, test::on_ranks;
 
 namespace {
 
@@ -17,7 +17,7 @@ namespace {
 void check_differs(const std::function<void(Mesh&, AdaptOptions&)>& change) {
   std::vector<AdaptResult> results(2);
   test::on_simulated_ranks(2, [&](Communicator& communicator) {
-    Mesh cube = unit_cube(4);
+    Mesh cube = test::make_unit_cube(4);
     cube.cell_fields = {{"load", 1, std::vector<double>(cube.tet_to_vert.size(), 1)}};
     AdaptOptions options;
     options.transfer = {"load"};
@@ -35,7 +35,7 @@ void check_differs(const std::function<void(Mesh&, AdaptOptions&)>& change) {
 }  // namespace
 
 TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]") {
-  const Mesh cube = unit_cube(4);
+  const Mesh cube = test::make_unit_cube(4);
   // Asked for on one rank alone, late enough to be inside of a round.
   for (const int failing : {0, 1, 2}) {
     for (const int last : {1, 500, 1500}) {
@@ -62,7 +62,7 @@ TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]"
 }
 
 TEST_CASE("whatever a rank's metric throws is an error of the run, the same on all ranks", "[adapt][ranks]") {
-  const Mesh mesh = unit_cube(4);
+  const Mesh mesh = test::make_unit_cube(4);
   for (const int ranks : {1, 2, 3})
     for (int failing = 0; failing < ranks; ++failing) {
       CAPTURE(ranks, failing);
@@ -88,7 +88,7 @@ TEST_CASE("whatever a rank's metric throws is an error of the run, the same on a
 
 TEST_CASE("bad input is told alike by all ranks", "[adapt][ranks]") {
   const auto metric = [](const Vec3&) { return adapt::isotropic(0.3); };
-  Mesh cube = unit_cube(3);
+  Mesh cube = test::make_unit_cube(3);
   cube.tri_to_entity[3] = kNone;
   for (const AdaptResult& result : on_ranks(2, cube, metric, {})) {
     REQUIRE(result.errors.size() == 1);
@@ -97,7 +97,7 @@ TEST_CASE("bad input is told alike by all ranks", "[adapt][ranks]") {
   }
   AdaptOptions options;
   options.threads = -1;
-  for (const AdaptResult& result : on_ranks(2, unit_cube(2), metric, options)) {
+  for (const AdaptResult& result : on_ranks(2, test::make_unit_cube(2), metric, options)) {
     REQUIRE(result.errors.size() == 1);
     CHECK(result.errors[0].code == ErrorCode::InvalidArgument);
   }
@@ -118,7 +118,7 @@ TEST_CASE("ranks that are given different meshes, fields or options are refused"
 }
 
 TEST_CASE("stopped by the host of one rank at any moment, all ranks are cancelled", "[adapt][ranks]") {
-  const Mesh cube = unit_cube(4);
+  const Mesh cube = test::make_unit_cube(4);
   const auto metric = [](const Vec3&) { return adapt::isotropic(0.12); };
   std::atomic<int> looks{0};
   const auto host_of = [&](int stopping, int last) {

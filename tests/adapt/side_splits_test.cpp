@@ -6,8 +6,10 @@
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/umbrellas.hpp"
 #include "tests/adapt/kept_mesh.hpp"
+#include "tests/adapt/meshed.hpp"
 #include "tests/adapt/one_round.hpp"
 #include "tests/adapt/touching_blocks.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/tasks.hpp"
@@ -20,16 +22,14 @@ namespace {
 constexpr int kCubes = 5;
 constexpr double kSide = 1.0 / kCubes;
 
-Mesh unit_cube(bool two_regions) {
+Mesh cube_in_cubes(bool two_regions) {
   test::BoxSpec spec{kCubes, kCubes, kCubes, two_regions, 1};
   spec.h = kSide;
   return test::make_tet_box(spec);
 }
 
 /// Diagonals of squares are longer than 1.3, sides are not.
-MetricField metric_of(const Mesh& mesh) {
-  return metric_from_sizes(std::vector<double>(mesh.points.size(), kSide), mesh.points);
-}
+MetricField metric_of(const Mesh& mesh) { return test::uniform_metric(mesh, kSide); }
 
 /// A round in which nothing is done but at sides.
 Mesh with_sides_split(const Mesh& mesh, const SideSplitOptions& sides, std::size_t part_count, std::size_t& count) {
@@ -37,14 +37,6 @@ Mesh with_sides_split(const Mesh& mesh, const SideSplitOptions& sides, std::size
   count = adapt_in_parts(before.whole, before.links, before.deal(part_count),
                          {[](std::size_t, CavityMesh&) {}, &before.stage, sides}, before.work);
   return make_mesh_of(before.whole, mesh, TaskRunner(1));
-}
-
-double volume_of(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c, d] : mesh.tet_to_vert)
-    sum +=
-        dot(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a]), mesh.points[d] - mesh.points[a]);
-  return sum / 6;
 }
 
 std::multiset<std::array<double, 3>> places_of(const Mesh& mesh) {
@@ -59,7 +51,7 @@ TEST_CASE("edges between parts are split by all of them alike", "[side_splits]")
   const bool two_regions = GENERATE(false, true);
   const std::size_t part_count = GENERATE(2u, 3u, 7u);
   CAPTURE(two_regions, part_count);
-  const Mesh cube = unit_cube(two_regions);
+  const Mesh cube = cube_in_cubes(two_regions);
   std::size_t count = 0;
   const Mesh mesh = with_sides_split(cube, {.longest = 1.3}, part_count, count);
   CHECK(count > 0);
@@ -69,12 +61,12 @@ TEST_CASE("edges between parts are split by all of them alike", "[side_splits]")
   CHECK(std::set(after.begin(), after.end()).size() == mesh.points.size());
   CHECK(std::ranges::includes(after, before));
   CHECK(mesh.tet_to_vert.size() > cube.tet_to_vert.size());
-  CHECK(volume_of(mesh) == Approx(1));
+  CHECK(test::volume_of(mesh) == Approx(1));
   CHECK(validate_mesh(mesh).valid());
 }
 
 TEST_CASE("no edge between parts is split where one of them refuses", "[side_splits]") {
-  const Mesh cube = unit_cube(true);
+  const Mesh cube = cube_in_cubes(true);
   std::size_t count = 1;
   const Mesh mesh = with_sides_split(cube, {.longest = 1.3, .most_tets = 10}, 4, count);
   CHECK(count == 0);
@@ -83,7 +75,7 @@ TEST_CASE("no edge between parts is split where one of them refuses", "[side_spl
 }
 
 TEST_CASE("edges between parts that are short enough stay, and so do all of a single part", "[side_splits]") {
-  const Mesh cube = unit_cube(false);
+  const Mesh cube = cube_in_cubes(false);
   std::size_t count = 1;
   CHECK(with_sides_split(cube, {.longest = 2}, 4, count).points.size() == cube.points.size());
   CHECK(count == 0);
@@ -93,7 +85,7 @@ TEST_CASE("edges between parts that are short enough stay, and so do all of a si
 }
 
 TEST_CASE("where a model is followed, edges between parts are split inside of regions alone", "[side_splits]") {
-  const Mesh cube = unit_cube(true);
+  const Mesh cube = cube_in_cubes(true);
   std::size_t count = 0, all = 0;
   const Mesh kept = with_sides_split(cube, {.longest = 1.3, .follows_model = true}, 4, count);
   CHECK(count > 0);
@@ -104,7 +96,7 @@ TEST_CASE("where a model is followed, edges between parts are split inside of re
 }
 
 TEST_CASE("no tet has two edges that parts agree on at once", "[side_splits]") {
-  const Mesh cube = unit_cube(true);
+  const Mesh cube = cube_in_cubes(true);
   test::BeforeRound before(cube, metric_of(cube));
   Dealing dealing = before.deal(3);
   RoundShare share = move_tets(before.whole, before.links, std::move(dealing.to_part), 3, before.work);

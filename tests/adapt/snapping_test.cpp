@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/adapt/meshed.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
@@ -18,7 +19,7 @@ constexpr double kPi = 3.14159265358979323846;
 AdaptResult adapted(const Mesh& mesh, double h, const GeometricModel* model, double tets_per_part = 0) {
   AdaptOptions options;
   options.model = model, options.tets_per_part = tets_per_part;
-  const auto metric = adapt::metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
+  const auto metric = test::uniform_metric(mesh, h);
   return adapt_mesh(mesh, metric, options);
 }
 

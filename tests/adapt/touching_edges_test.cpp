@@ -1,5 +1,6 @@
 // Edges at which bodies touch, split before anything else.
 #include "adapt/touching_edges.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tetloom/tasks.hpp"
 
 #include <catch2/catch.hpp>
@@ -21,10 +22,6 @@ namespace {
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
 const TouchingShape& in_an_edge() { return kTouchingShapes[0]; }
-
-MetricField sizes(const Mesh& mesh, double h) {
-  return metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
-}
 
 /// The longest edge that two tets have which do not hang together around it, in a mesh of two regions that share
 /// nothing else.
@@ -79,12 +76,12 @@ Mesh tets_on_circle(double r) {
 
 TEST_CASE("meshes without edges at which bodies touch are left alone, and short ones of these", "[adapt]") {
   const Mesh box = test::make_tet_box(2, 2, 2, 1, true);
-  CHECK(!split_touching_edges(box, sizes(box, 0.01), {}, nullptr, kAny));
+  CHECK(!split_touching_edges(box, test::uniform_metric(box, 0.01), {}, nullptr, kAny));
   const Mesh vertex = mesh_of(kTouchingShapes[2], 1);
-  CHECK(!split_touching_edges(vertex, sizes(vertex, 0.01), {}, nullptr, kAny));
+  CHECK(!split_touching_edges(vertex, test::uniform_metric(vertex, 0.01), {}, nullptr, kAny));
   const Mesh edge = mesh_of(in_an_edge(), 2);
-  CHECK(!split_touching_edges(edge, sizes(edge, 0.2), {}, nullptr, kAny));
-  CHECK(split_touching_edges(edge, sizes(edge, 0.17), {}, nullptr, kAny));
+  CHECK(!split_touching_edges(edge, test::uniform_metric(edge, 0.2), {}, nullptr, kAny));
+  CHECK(split_touching_edges(edge, test::uniform_metric(edge, 0.17), {}, nullptr, kAny));
 }
 
 TEST_CASE("edges at which bodies touch are split for all of them alike, with fields", "[adapt]") {
@@ -98,7 +95,7 @@ TEST_CASE("edges at which bodies touch are split for all of them alike, with fie
   const MetricFunction function = [&](const Vec3&) { return isotropic(h); };
   for (const bool has_function : {false, true}) {
     const auto split =
-        split_touching_edges(mesh, sizes(mesh, h), has_function ? function : MetricFunction(), nullptr, kAny);
+        split_touching_edges(mesh, test::uniform_metric(mesh, h), has_function ? function : MetricFunction(), nullptr, kAny);
     REQUIRE(split);
     require_consistent(split->mesh);
     test::check_kept(mesh, make_mesh_of(make_whole_mesh(split->mesh, TaskRunner(1)), split->mesh, TaskRunner(1)));
@@ -118,7 +115,7 @@ TEST_CASE("edges at which bodies touch are split for all of them alike, with fie
 
 TEST_CASE("a metric of any sizes ends with the tets allowed", "[adapt]") {
   const Mesh mesh = mesh_of(in_an_edge(), 1);
-  MetricField metric = sizes(mesh, 1);
+  MetricField metric = test::uniform_metric(mesh, 1);
   for (std::size_t v = 0; v < mesh.points.size(); v += 3) metric.logs[v] = log(isotropic(1e-40));
   const auto split = split_touching_edges(mesh, metric, {}, nullptr, 500);
   REQUIRE(split);
@@ -129,7 +126,7 @@ TEST_CASE("a metric of any sizes ends with the tets allowed", "[adapt]") {
 TEST_CASE("points of an edge at which bodies touch lie on the model where that inverts nothing", "[adapt]") {
   const auto cylinder = test_models::make_cylinder(1, 1);
   const Mesh mesh = tets_on_circle(1.5);
-  const auto split = split_touching_edges(mesh, sizes(mesh, 0.2), {}, cylinder.get(), kAny);
+  const auto split = split_touching_edges(mesh, test::uniform_metric(mesh, 0.2), {}, cylinder.get(), kAny);
   REQUIRE(split);
   REQUIRE(split->mesh.points.size() > mesh.points.size() + 2);
   for (std::size_t v = mesh.points.size(); v < split->mesh.points.size(); ++v)
@@ -137,7 +134,7 @@ TEST_CASE("points of an edge at which bodies touch lie on the model where that i
   CHECK(least_volume(split->mesh) > 0);
 
   const Mesh narrow = tets_on_circle(0.95);
-  const auto straight = split_touching_edges(narrow, sizes(narrow, 0.6), {}, cylinder.get(), kAny);
+  const auto straight = split_touching_edges(narrow, test::uniform_metric(narrow, 0.6), {}, cylinder.get(), kAny);
   REQUIRE(straight);
   REQUIRE(straight->mesh.points.size() == narrow.points.size() + 1);
   CHECK(distance(straight->mesh.points.back(), 0.5 * (narrow.points[0] + narrow.points[1])) < 1e-12);
@@ -149,7 +146,7 @@ TEST_CASE("a mesh that cannot be adapted is refused with its own elements, thoug
   for (std::size_t t = 0; t < mesh.tri_to_vert.size(); ++t) {
     Mesh unnamed = mesh;
     unnamed.tri_to_entity[t] = kNone;
-    const AdaptResult result = adapt_mesh(unnamed, sizes(mesh, 0.1), {});
+    const AdaptResult result = adapt_mesh(unnamed, test::uniform_metric(mesh, 0.1), {});
     CHECK(result.status == AdaptStatus::Failed);
     REQUIRE(result.errors.size() == 1);
     REQUIRE(result.errors[0].elements.size() == 1);

@@ -4,6 +4,7 @@
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tetloom/adapt.hpp"
 
@@ -12,11 +13,7 @@ using namespace tetloom::adapt;
 
 namespace {
 
-MetricField sizes(const Mesh& mesh, double h) {
-  return metric_from_sizes(std::vector<double>(mesh.points.size(), h), mesh.points);
-}
-
-AdaptResult adapted(const Mesh& mesh, const MetricField& metric, double tets_per_part = 0) {
+AdaptResult adapted_in_parts(const Mesh& mesh, const MetricField& metric, double tets_per_part = 0) {
   AdaptOptions options;
   options.tets_per_part = tets_per_part, options.threads = 2;
   AdaptResult result = adapt_mesh(mesh, metric, options);
@@ -34,7 +31,7 @@ TEST_CASE("bodies that touch in an edge or a vertex stay together", "[adapt]") {
       for (const double h : {test::kSanitized ? 0.12 : 0.07, 0.4})
         for (const double tets_per_part : {0.0, 300.0}) {
           CAPTURE(shape.name, cuts, h, tets_per_part);
-          const AdaptResult result = adapted(mesh, sizes(mesh, h), tets_per_part);
+          const AdaptResult result = adapted_in_parts(mesh, test::uniform_metric(mesh, h), tets_per_part);
           test::check_kept(mesh, result.mesh);
         }
     }
@@ -51,7 +48,7 @@ TEST_CASE("random metrics leave bodies that touch valid, and together", "[adapt]
     MetricField metric = metric_from_tensors(tensors, mesh.points);
     scale_to_complexity(metric, {mesh.points, mesh.tet_to_vert}, 200);
     CAPTURE(shape.name);
-    test::check_kept(mesh, adapted(mesh, metric, 400).mesh);
+    test::check_kept(mesh, adapted_in_parts(mesh, metric, 400).mesh);
   }
 }
 
@@ -59,7 +56,7 @@ TEST_CASE("edges at which bodies touch become as short as others", "[adapt]") {
   for (const TouchingShape& shape : kTouchingShapes) {
     CAPTURE(shape.name);
     const Mesh mesh = mesh_of(shape, 1);
-    const AdaptResult result = adapted(mesh, sizes(mesh, 0.06));
+    const AdaptResult result = adapted_in_parts(mesh, test::uniform_metric(mesh, 0.06));
     test::check_kept(mesh, result.mesh);
     const MetricConformity& after = result.report.after;
     CAPTURE(after.unit, after.half_to_two, after.shortest, after.longest, after.mean_quality, after.least_quality);
@@ -80,7 +77,7 @@ TEST_CASE("fields are carried over where bodies touch", "[adapt]") {
     mesh.point_fields = {on_points}, mesh.cell_fields = {on_tets};
     AdaptOptions options;
     options.transfer = {"linear", "mass"};
-    const AdaptResult result = adapt_mesh(mesh, sizes(mesh, 0.12), options);
+    const AdaptResult result = adapt_mesh(mesh, test::uniform_metric(mesh, 0.12), options);
     REQUIRE(result.status == AdaptStatus::Ok);
     REQUIRE(result.mesh.point_fields.size() == 1);
     REQUIRE(result.mesh.point_fields[0].values.size() == 2 * result.mesh.points.size());

@@ -20,12 +20,6 @@ constexpr int kCycles = 10;
 using Metric = std::function<Tensor(const Vec3&)>;
 using Field = std::function<double(const Vec3&)>;
 
-Mesh unit_cube(int n, bool two_regions = false) {
-  test::BoxSpec spec{n, n, n, two_regions, 1};
-  spec.h = 1.0 / n;
-  return test::make_tet_box(spec);
-}
-
 double volume_at(const Mesh& mesh, std::uint32_t tet) { return volume_of(corners_of(tets_of(mesh), tet)); }
 
 void add_cell_field(Mesh& mesh, const std::string& name, const Field& field) {
@@ -102,7 +96,7 @@ TEST_CASE("integrals are kept over ten adaptations of a cube, and bounds", "[tra
   AdaptOptions options;
   options.cell_reconstruction = GENERATE(adapt::CellReconstruction::Constant, adapt::CellReconstruction::Linear);
   CAPTURE(anisotropic, static_cast<int>(options.cell_reconstruction));
-  Mesh cube = unit_cube(6, true);
+  Mesh cube = test::make_unit_cube(6, true);
   add_cell_field(cube, "constant", [](const Vec3&) { return 0.3; });
   add_cell_field(cube, "smooth", [](const Vec3& x) { return std::sin(4 * x.x) - x.y * x.z; });
   add_cell_field(cube, "jump", [](const Vec3& x) { return x.x + x.y > 0.7 ? 7.0 : 2.0; });
@@ -114,7 +108,7 @@ TEST_CASE("integrals are kept over ten adaptations of a cube, and bounds", "[tra
 }
 
 TEST_CASE("each region keeps what it has over ten adaptations", "[transfer]") {
-  Mesh cube = unit_cube(6, true);
+  Mesh cube = test::make_unit_cube(6, true);
   MeshField field{"one or the other", 1, {}};
   for (const std::uint32_t region : cube.tet_to_entity) field.values.push_back(region == 0 ? -3 : 40);
   cube.cell_fields = {field};
@@ -140,7 +134,7 @@ TEST_CASE("integrals are kept over ten adaptations of a curved part", "[transfer
 TEST_CASE("fields are carried over under any metric", "[transfer]") {
   const auto [aspect, h] = GENERATE(std::pair(1e2, 2.0), std::pair(1e4, 90.0));
   CAPTURE(aspect);
-  Mesh cube = unit_cube(6, true);
+  Mesh cube = test::make_unit_cube(6, true);
   add_cell_field(cube, "constant", [](const Vec3&) { return 0.3; });
   add_cell_field(cube, "jump", [](const Vec3& x) { return x.x + x.y > 0.7 ? 7.0 : 2.0; });
   RandomTensors random(4);
@@ -167,7 +161,7 @@ TEST_CASE("smooth fields stay at second order over ten adaptations", "[transfer]
     double h = 0;                        // cube root of a tet's mean volume
   };
   const auto errors = [&](int n) {
-    Mesh cube = unit_cube(n);
+    Mesh cube = test::make_unit_cube(n);
     add_point_field(cube, "wave", wave), add_cell_field(cube, "mass", wave);
     const Mesh result = cycled(cube, [&](int cycle) { return size_of_cycle(cycle, 1.0 / n); }, {});
     Errors sums;
@@ -191,7 +185,7 @@ TEST_CASE("smooth fields stay at second order over ten adaptations", "[transfer]
 }
 
 TEST_CASE("linear fields on points are exact over ten adaptations", "[transfer]") {
-  Mesh cube = unit_cube(5);
+  Mesh cube = test::make_unit_cube(5);
   const Field linear = [](const Vec3& x) { return 1 + x.x - 2 * x.y + 3 * x.z; };
   add_point_field(cube, "linear", linear);
   const Mesh result = cycled(cube, [](int cycle) { return layer_of_cycle(cycle); }, {});
@@ -200,7 +194,7 @@ TEST_CASE("linear fields on points are exact over ten adaptations", "[transfer]"
 }
 
 TEST_CASE("a name on points and on tets stands for both, and the report tells of each", "[transfer]") {
-  Mesh cube = unit_cube(4);
+  Mesh cube = test::make_unit_cube(4);
   add_point_field(cube, "u", [](const Vec3& x) { return x.x; });
   add_cell_field(cube, "u", [](const Vec3& x) { return x.x > 0.5 ? -1.0 : 1.0; });
   add_cell_field(cube, "other", [](const Vec3&) { return 1.0; });
@@ -223,7 +217,7 @@ TEST_CASE("a name on points and on tets stands for both, and the report tells of
 }
 
 TEST_CASE("fields do not depend on threads", "[transfer]") {
-  Mesh cube = unit_cube(5, true);
+  Mesh cube = test::make_unit_cube(5, true);
   add_point_field(cube, "p", [](const Vec3& x) { return std::exp(x.x); });
   add_cell_field(cube, "c", [](const Vec3& x) { return std::exp(x.y) - x.z; });
   std::vector<std::vector<double>> values;
@@ -240,7 +234,7 @@ TEST_CASE("fields do not depend on threads", "[transfer]") {
 }
 
 TEST_CASE("fields that cannot be carried over are refused", "[transfer]") {
-  Mesh cube = unit_cube(2);
+  Mesh cube = test::make_unit_cube(2);
   add_point_field(cube, "heat", [](const Vec3& x) { return x.x; });
   add_cell_field(cube, "mass", [](const Vec3& x) { return x.x; });
   AdaptOptions options;

@@ -9,7 +9,7 @@ using namespace tetloom::app;
 
 namespace {
 
-AdaptCommand parse(const std::vector<const char*>& more, const char* input = "in.mesh",
+AdaptCommand parse_adapt(const std::vector<const char*>& more, const char* input = "in.mesh",
                    const char* output = "out.mesh") {
   std::vector<const char*> arguments{"tetloom", "adapt", input, "-o", output};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -19,14 +19,14 @@ AdaptCommand parse(const std::vector<const char*>& more, const char* input = "in
 }  // namespace
 
 TEST_CASE("options of adapt are read") {
-  const AdaptCommand plain = parse({"--metric", "a.sol"});
+  const AdaptCommand plain = parse_adapt({"--metric", "a.sol"});
   CHECK(plain.metric_file == "a.sol");
   CHECK(plain.options.transfer.empty());
   CHECK(plain.options.quality_floor == AdaptOptions().quality_floor);
   CHECK(plain.hessian.gradation == 0);
   CHECK(plain.hessian.bounds.h_max == HUGE_VAL);
   CHECK(plain.model.empty());
-  const AdaptCommand all = parse({"--hessian",
+  const AdaptCommand all = parse_adapt({"--hessian",
                                   "heat",
                                   "--complexity",
                                   "1e4",
@@ -74,18 +74,18 @@ TEST_CASE("options of adapt are read") {
 }
 
 TEST_CASE("adapt writes parts to a list of pieces, and where they are asked for") {
-  CHECK_FALSE(parse({"--metric", "a.sol"}).in_parts);
-  const AdaptCommand list = parse({"--metric", "a.sol"}, "in.pvtu", "out.pvtu");
+  CHECK_FALSE(parse_adapt({"--metric", "a.sol"}).in_parts);
+  const AdaptCommand list = parse_adapt({"--metric", "a.sol"}, "in.pvtu", "out.pvtu");
   CHECK(list.in_parts);
   CHECK(list.options.parts == 0);
-  const AdaptCommand file = parse({"--metric", "a.sol", "--parts", "7"}, "in.mesh", "out.msh");
+  const AdaptCommand file = parse_adapt({"--metric", "a.sol", "--parts", "7"}, "in.mesh", "out.msh");
   CHECK(file.in_parts);
   CHECK(file.options.parts == 7);
-  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--parts", "7"}), UsageError);
-  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--parts", "0"}, "in.mesh", "out.pvtu"), UsageError);
-  CHECK_THROWS_AS(parse({"--metric", "out/a.sol"}, "in.mesh", "out.pvtu"), UsageError);
-  CHECK_THROWS_AS(parse({"--metric", "a.sol", "--report", "out/r.json"}, "in.mesh", "out.pvtu"), UsageError);
-  CHECK_THROWS_AS(parse({"--metric", "a.sol"}, "out/in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric", "a.sol", "--parts", "7"}), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric", "a.sol", "--parts", "0"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric", "out/a.sol"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric", "a.sol", "--report", "out/r.json"}, "in.mesh", "out.pvtu"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric", "a.sol"}, "out/in.mesh", "out.pvtu"), UsageError);
 }
 
 TEST_CASE("wrong options of adapt are refused") {
@@ -126,12 +126,12 @@ TEST_CASE("wrong options of adapt are refused") {
   };
   for (const auto& more : wrong) {
     CAPTURE(more);
-    CHECK_THROWS_AS(parse(more), UsageError);
+    CHECK_THROWS_AS(parse_adapt(more), UsageError);
   }
   const std::vector<const char*> right{"--metric-field", "size"};
-  CHECK_THROWS_AS(parse(right, "in.mesh", "in.mesh"), UsageError);
-  CHECK_THROWS_AS(parse(right, "in.mesh", "out.stl"), UsageError);
-  CHECK_THROWS_AS(parse(right, "in.mesh", "out"), UsageError);
-  CHECK_THROWS_AS(parse({"--metric-field", "size", "--transfer", "a"}, "in.mesh", "./in.meshb/../in.mesh"), UsageError);
-  CHECK_NOTHROW(parse(right));
+  CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "in.mesh"), UsageError);
+  CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "out.stl"), UsageError);
+  CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "out"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric-field", "size", "--transfer", "a"}, "in.mesh", "./in.meshb/../in.mesh"), UsageError);
+  CHECK_NOTHROW(parse_adapt(right));
 }

@@ -57,24 +57,12 @@
 #include <XCAFDoc_LayerTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 
+#include "tests/cad/shape_lists.hpp"
+
 namespace tetloom::test {
 namespace {
 
 TopoDS_Shape box() { return BRepPrimAPI_MakeBox(10, 20, 30).Shape(); }
-
-TopoDS_Shape compound(const std::vector<TopoDS_Shape>& shapes) {
-  TopoDS_Compound result;
-  BRep_Builder builder;
-  builder.MakeCompound(result);
-  for (const TopoDS_Shape& shape : shapes) builder.Add(result, shape);
-  return result;
-}
-
-std::vector<TopoDS_Shape> faces_of(const TopoDS_Shape& shape) {
-  std::vector<TopoDS_Shape> result;
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) result.push_back(face.Current());
-  return result;
-}
 
 TopoDS_Shape loose(const TopoDS_Shape& shape) {
   std::vector<TopoDS_Shape> result;
@@ -265,10 +253,10 @@ void require(bool done, const std::filesystem::path& path) {
 /// OpenCASCADE's writers report on standard output.
 class Silence {
  public:
-  Silence() : printers_(Message::DefaultMessenger()->Printers()) {
-    Message::DefaultMessenger()->ChangePrinters().Clear();
+  Silence() : printers_(::Message::DefaultMessenger()->Printers()) {
+    ::Message::DefaultMessenger()->ChangePrinters().Clear();
   }
-  ~Silence() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
+  ~Silence() { ::Message::DefaultMessenger()->ChangePrinters() = printers_; }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
 

@@ -32,22 +32,10 @@
 #include <TopoDS_Solid.hxx>
 #include <vector>
 
+#include "tests/cad/shape_lists.hpp"
+
 namespace tetloom::test {
 namespace {
-
-TopoDS_Shape compound(const std::vector<TopoDS_Shape>& shapes) {
-  TopoDS_Compound result;
-  BRep_Builder builder;
-  builder.MakeCompound(result);
-  for (const TopoDS_Shape& shape : shapes) builder.Add(result, shape);
-  return result;
-}
-
-std::vector<TopoDS_Shape> faces_of(const TopoDS_Shape& shape) {
-  std::vector<TopoDS_Shape> result;
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) result.push_back(face.Current());
-  return result;
-}
 
 std::vector<TopoDS_Shape> loose_faces_of(const TopoDS_Shape& shape) {
   std::vector<TopoDS_Shape> result;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array kKinds{CellKind::Pyramid, CellKind::Prism, CellKind::Hex};
 
-CurvedCell reference_cell(CellKind kind) {
+CurvedCell curved_reference(CellKind kind) {
   CurvedCell cell{kind, {}, {}};
   switch (kind) {
     case CellKind::Pyramid: cell.verts = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}}; break;
@@ -33,7 +33,7 @@ CurvedCell reference_cell(CellKind kind) {
 
 /// The nodal functions as text books have them: vertices, then mid nodes in the order of kCellShapes.
 std::vector<double> nodal_functions(CellKind kind, const Vec3& x) {
-  const CurvedCell at = reference_cell(kind);
+  const CurvedCell at = curved_reference(kind);
   const CellShape& shape = shape_of(kind);
   std::vector<double> values(shape.vertex_count + shape.edge_count);
   if (kind == CellKind::Prism) {
@@ -114,7 +114,7 @@ double least_sampled(const CurvedCell& cell) {
 CurvedCell bent(CellKind kind, unsigned seed, double by) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> any(-by, by);
-  CurvedCell cell = reference_cell(kind);
+  CurvedCell cell = curved_reference(kind);
   for (std::size_t e = 0; e < cell.edge_count(); ++e) cell.bends[e] = {any(random), any(random), any(random)};
   return cell;
 }
@@ -123,7 +123,7 @@ CurvedCell bent(CellKind kind, unsigned seed, double by) {
 
 TEST_CASE("straight cells of any kind have the Jacobian of their corners throughout") {
   for (const CellKind kind : kKinds) {
-    const CurvedCell cell = reference_cell(kind);
+    const CurvedCell cell = curved_reference(kind);
     CHECK(cell.is_straight());
     CHECK(least_jacobian(cell_jacobian(cell), 0.5) == Approx(1));
     CHECK(has_positive_jacobian(cell_jacobian(cell)));
@@ -147,11 +147,11 @@ TEST_CASE("the bound is below the Jacobian that the nodes' functions have, and n
 
 TEST_CASE("a cell that is inverted at one place alone is not positive") {
   for (const CellKind kind : kKinds) {
-    CurvedCell cell = reference_cell(kind);
+    CurvedCell cell = curved_reference(kind);
     cell.bends[0] = {0, 0, 2.2};
     CHECK(least_sampled(cell) < 0);
     CHECK_FALSE(has_positive_jacobian(cell_jacobian(cell)));
-    CurvedCell flat = reference_cell(kind);
+    CurvedCell flat = curved_reference(kind);
     flat.verts[3] = flat.verts[0];
     flat.bends[0] = {0, 0, 0.01};
     CHECK_FALSE(has_positive_jacobian(cell_jacobian(flat)));
@@ -161,7 +161,7 @@ TEST_CASE("a cell that is inverted at one place alone is not positive") {
 TEST_CASE("bent faces between cells take from one volume what they give to the other") {
   for (const CellKind kind : kKinds) {
     // A face of the base that bulges outwards by a parabola: the edge 0 1 by .1 towards -y and -z.
-    CurvedCell cell = reference_cell(kind);
+    CurvedCell cell = curved_reference(kind);
     const double before = cell_jacobian(cell).volume;
     cell.bends[0] = {0, 0, -0.1};
     CHECK(cell_jacobian(cell).volume > before);

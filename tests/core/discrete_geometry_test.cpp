@@ -14,12 +14,6 @@ using namespace tetloom::shapes;
 
 namespace {
 
-constexpr double kAngle = 0.7;
-
-std::unique_ptr<GeometricModel> model_of(const Facets& facets) {
-  return make_discrete_model(facets.points, facets.triangles, kAngle);
-}
-
 Vec3 random_point(std::mt19937& random, double reach) {
   std::uniform_real_distribution<double> coordinate(-reach, reach);
   const double x = coordinate(random), y = coordinate(random), z = coordinate(random);

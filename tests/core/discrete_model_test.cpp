@@ -14,14 +14,6 @@ using namespace tetloom::shapes;
 
 namespace {
 
-constexpr double kAngle = 0.7;
-
-std::unique_ptr<GeometricModel> model_of(const Facets& facets, bool with_groups = false) {
-  return make_discrete_model(
-      facets.points, facets.triangles, kAngle,
-      with_groups ? std::span<const std::uint32_t>(facets.groups) : std::span<const std::uint32_t>());
-}
-
 ModelVertexId start_of(const ModelTopology& topology, const EdgeUse& use) {
   return topology.edges[use.edge.value].vertices[use.forward ? 0 : 1];
 }

@@ -7,10 +7,13 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/model.hpp"
 #include "tetloom/vec.hpp"
 
 namespace tetloom::shapes {
@@ -181,6 +184,13 @@ inline std::string ascii_stl(const Facets& facets, const std::string& name, cons
     text += "    endloop\n  endfacet\n";
   }
   return text + "endsolid " + name + "\n";
+}
+
+/// Cut where facets meet at more than 0.7 radians.
+inline std::unique_ptr<GeometricModel> model_of(const Facets& facets, bool with_groups = false) {
+  return make_discrete_model(
+      facets.points, facets.triangles, 0.7,
+      with_groups ? std::span<const std::uint32_t>(facets.groups) : std::span<const std::uint32_t>());
 }
 
 }  // namespace tetloom::shapes

@@ -8,6 +8,7 @@
 
 using namespace tetloom;
 using test::TemporaryFolder;
+using test::survive;
 
 namespace {
 
@@ -29,15 +30,6 @@ Mesh one_of_each() {
   mesh.point_to_entity.assign(8, {});
   mesh.point_to_entity[0] = {0, 5};
   return mesh;
-}
-
-void survive(const std::filesystem::path& path) {
-  try {
-    static_cast<void>(mesh_digest(read_mesh(path)));
-  } catch (const Error& error) {
-    const bool expected = error.code() == ErrorCode::InputUnreadable || error.code() == ErrorCode::InputUnsuitable;
-    if (!expected) FAIL_CHECK("unexpected error: " << error.what());
-  }
 }
 
 }  // namespace

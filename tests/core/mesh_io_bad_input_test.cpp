@@ -14,9 +14,12 @@
 #include "tetloom/io.hpp"
 
 using namespace tetloom;
+using test::content_of;
+using test::error_for;
 using test::error_of;
 using test::file_content;
 using test::TemporaryFolder;
+using test::survive;
 using test::write_file;
 
 namespace {
@@ -25,28 +28,6 @@ constexpr std::array<const char*, 5> kExtensions{".vtu", ".msh", ".mesh", ".mesh
 
 Diagnostic reading_error(const std::filesystem::path& path) {
   return error_of([&] { static_cast<void>(read_mesh(path)); });
-}
-
-Diagnostic error_for(const std::string& extension, const std::string& content) {
-  const TemporaryFolder folder;
-  write_file(folder / test::joined("bad", extension), content);
-  return reading_error(folder / test::joined("bad", extension));
-}
-
-/// Reads a damaged file: either it is refused with a reason, or it holds some mesh.
-void survive(const std::filesystem::path& path) {
-  try {
-    static_cast<void>(mesh_digest(read_mesh(path)));
-  } catch (const Error& error) {
-    const bool expected = error.code() == ErrorCode::InputUnreadable || error.code() == ErrorCode::InputUnsuitable;
-    if (!expected || error.diagnostic().message.empty()) FAIL_CHECK("unexpected error: " << error.what());
-  }
-}
-
-std::string content_of(const Mesh& mesh, const std::string& extension) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / test::joined("good", extension));
-  return file_content(folder / test::joined("good", extension));
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -19,7 +19,7 @@ using test::TemporaryFolder;
 
 namespace {
 
-Mesh sample() {
+Mesh decorated_box() {
   Mesh mesh = test::make_box(4, 3, 3, true, 1.0 / 3);
   test::jitter(mesh, 0.05, 42);
   test::decorate(mesh);
@@ -79,7 +79,7 @@ double number_in(const std::string& json, const std::string& key) {
 TEST_CASE("meshio reads the same points and elements from every format") {
   if (!has_meshio()) return;
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = decorated_box();
   for (const char* extension : {".vtu", ".mesh", ".meshb", ".msh"}) {
     INFO(extension);
     const auto path = folder / test::joined("mesh", extension);
@@ -111,7 +111,7 @@ TEST_CASE("meshio reads the same points and elements from every format") {
 TEST_CASE("meshio sees the regions and faces of every format") {
   if (!has_meshio()) return;
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = decorated_box();
   const std::array<std::array<std::string, 2>, 4> cases{
       {{".vtu", "entity_tag"}, {".msh", "gmsh:physical"}, {".mesh", "medit:ref"}, {".meshb", "medit:ref"}}};
   for (const auto& [extension, key] : cases) {
@@ -143,7 +143,7 @@ TEST_CASE("Gmsh opens our MSH files without a warning and keeps what is in them"
     return;
   }
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = decorated_box();
   Mesh bare = mesh;
   bare.tet_to_entity.assign(bare.tet_to_vert.size(), ModelRegionId::kNone);
   bare.tri_to_vert.clear(), bare.tri_to_entity.clear();
@@ -173,7 +173,7 @@ TEST_CASE("Gmsh opens our MSH files without a warning and keeps what is in them"
 TEST_CASE("VTU files of meshio come back in every encoding") {
   if (!has_meshio()) return;
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = decorated_box();
   write_mesh(mesh, folder / "ours.vtu");
   for (const char* how : {"binary=False", "binary=True, compression=None", "binary=True, compression='zlib'",
                           "binary=True, compression='zlib', header_type='UInt64'"}) {
@@ -196,7 +196,7 @@ TEST_CASE("VTU files of meshio come back in every encoding") {
 TEST_CASE("MSH files of meshio and Gmsh come back in every version") {
   if (!has_meshio()) return;
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = decorated_box();
   write_mesh(mesh, folder / "ours.vtu");
   for (const char* how : {"'2.2', binary=False", "'4.1', binary=False", "'4.1', binary=True"}) {
     INFO(how);

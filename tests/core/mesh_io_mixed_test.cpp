@@ -13,8 +13,11 @@
 
 using namespace tetloom;
 using test::check_same_elements;
+using test::error_for;
 using test::error_of;
 using test::TemporaryFolder;
+using test::read_content;
+using test::written_and_read;
 
 namespace {
 
@@ -28,7 +31,7 @@ MeshField random_field(std::string name, int components, std::size_t carriers, s
 }
 
 /// All kinds of cells in two regions, with fields whose names files like to trip over.
-Mesh sample() {
+Mesh mixed_sample() {
   Mesh mesh = test::make_mixed_box(4, 3, 5, 7, true);
   std::mt19937_64 random(3);
   mesh.point_fields = {random_field("temperature", 1, mesh.points.size(), random),
@@ -37,22 +40,6 @@ Mesh sample() {
   mesh.cell_fields = {random_field("stress", 9, cell_count(mesh), random),
                       random_field("temperature", 1, cell_count(mesh), random)};
   return mesh;
-}
-
-Mesh written_and_read(const Mesh& mesh, const std::string& extension) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / test::joined("mesh", extension));
-  return read_mesh(folder / test::joined("mesh", extension));
-}
-
-Mesh read_text(const std::string& extension, const std::string& text) {
-  const TemporaryFolder folder;
-  test::write_file(folder / test::joined("a", extension), text);
-  return read_mesh(folder / test::joined("a", extension));
-}
-
-Diagnostic error_for(const std::string& extension, const std::string& text) {
-  return error_of([&] { static_cast<void>(read_text(extension, text)); });
 }
 
 /// A triangle and a prism of positive volume on it.
@@ -102,7 +89,7 @@ std::string wedge_vtu(const std::string& cell_data) {
 TEST_CASE("all kinds of cells and their classification come back bit for bit") {
   for (const char* extension : {".vtu", ".msh", ".mesh", ".meshb"}) {
     INFO(extension);
-    const Mesh mesh = sample(), read = written_and_read(mesh, extension);
+    const Mesh mesh = mixed_sample(), read = written_and_read(mesh, extension);
     check_same_elements(read, mesh);
     CHECK(mesh_digest(read) == mesh_digest(mesh));
     CHECK(validate_mesh(read).valid());
@@ -114,17 +101,17 @@ TEST_CASE("all kinds of cells and their classification come back bit for bit") {
 }
 
 TEST_CASE("prisms and wedges are turned as their formats want them") {
-  const Mesh wedge = read_text(".vtu", wedge_vtu(""));
+  const Mesh wedge = read_content(".vtu", wedge_vtu(""));
   CHECK(wedge.prism_to_vert[0] == std::array<std::uint32_t, 6>{0, 2, 1, 3, 5, 4});
   CHECK(compute_quality(wedge).cells.volume == Approx(0.5));
-  const Mesh prism = read_text(".msh", kMshStart);
+  const Mesh prism = read_content(".msh", kMshStart);
   CHECK(compute_quality(prism).cells.volume == Approx(0.5));
 }
 
 TEST_CASE("meshio reads the same cells, volumes and fields") {
   if (!test::has_meshio()) return;
   const TemporaryFolder folder;
-  const Mesh mesh = sample();
+  const Mesh mesh = mixed_sample();
   write_mesh(mesh, folder / "mesh.vtu");
   const std::string script = R"(
 import sys, meshio, numpy as np
@@ -157,7 +144,7 @@ if len(sys.argv) > 6:
 }
 
 TEST_CASE("arrays of any type of number are fields, those of the classification are not") {
-  const Mesh mesh = read_text(
+  const Mesh mesh = read_content(
       ".vtu", wedge_vtu("<DataArray type='Int8' Name='a&lt;b' NumberOfComponents='2'>-3 4</DataArray>"
                         "<DataArray type='Float32' Name='f'>0.5</DataArray><DataArray type='Int32' Name='material'>"
                         "8</DataArray><DataArray type='UInt32' Name='MaterialIDs'>9</DataArray>"
@@ -187,7 +174,7 @@ TEST_CASE("fields of the wrong length are refused in files") {
 
 TEST_CASE("of a view the first time step counts, parts of it are put together, and gaps are NaN") {
   const Mesh mesh =
-      read_text(".msh", kMshStart + view("NodeData", "4\n1\n2", "1 10\n3 30\n") +
+      read_content(".msh", kMshStart + view("NodeData", "4\n1\n2", "1 10\n3 30\n") +
                             view("NodeData", "4\n1\n1", "6 60\n") + view("NodeData", "5\n1\n1", "1 99\n") +
                             view("ElementData", "0\n1\n2", "9 1\n7 2\n") + view("ElementData", "1\n1\n1", "9 1\n"));
   REQUIRE(mesh.point_fields.size() == 1);

@@ -14,32 +14,22 @@
 
 using namespace tetloom;
 using test::check_same_elements;
+using test::error_for;
 using test::error_of;
 using test::file_content;
 using test::TemporaryFolder;
 using test::with_mid_nodes;
+using test::written_and_read;
 
 namespace {
 
 Vec3 bulge(const Vec3& x) { return {0.02 * std::sin(3 * x.y), 0.01 * std::cos(2 * x.z), 0.02 * std::sin(x.x)}; }
 
-Mesh sample() {
+Mesh second_order_sample() {
   Mesh mesh = with_mid_nodes(test::make_mixed_box(4, 3, 5, 7, true), bulge);
   mesh.point_fields = {{"temperature", 1, {}}};
   for (const Vec3& x : mesh.points) mesh.point_fields[0].values.push_back(x.x + 2 * x.y);
   return mesh;
-}
-
-Mesh written_and_read(const Mesh& mesh, const std::string& extension, const WriteOptions& options = {}) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / test::joined("mesh", extension), options);
-  return read_mesh(folder / test::joined("mesh", extension));
-}
-
-Diagnostic error_for(const std::string& extension, const std::string& text) {
-  const TemporaryFolder folder;
-  test::write_file(folder / test::joined("a", extension), text);
-  return error_of([&] { static_cast<void>(read_mesh(folder / test::joined("a", extension))); });
 }
 
 /// A tet of Gmsh, whose last two mid nodes are those of the edges 2 3 and 1 3, with numbers that do not put vertices
@@ -53,7 +43,7 @@ std::string gmsh_tet(const std::string& nodes = "9 2 7 4 1 3 5 6 8 10", const st
 }  // namespace
 
 TEST_CASE("meshes of second order come back as they were") {
-  const Mesh mesh = sample();
+  const Mesh mesh = second_order_sample();
   for (const char* extension : {".vtu", ".msh"}) {
     INFO(extension);
     const Mesh read = written_and_read(mesh, extension);
@@ -146,7 +136,7 @@ TEST_CASE("Abaqus files have elements of second order, and node sets with mid no
   }
   CHECK(tets == mesh.tet_to_vert.size());
   CHECK(set_nodes == 9);  // two triangles: four vertices and five edges
-  const Mesh mixed = sample();
+  const Mesh mixed = second_order_sample();
   CHECK_THAT(error_of([&] { write_mesh(mixed, folder / "b.inp"); }).message, Catch::Contains("pyramids"));
 }
 

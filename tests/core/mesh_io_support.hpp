@@ -1,5 +1,5 @@
 #pragma once
-// Comparing meshes field by field, for the tests of core/io.
+// Comparing meshes field by field, and sending them through files, for the tests of core/io.
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
@@ -9,13 +9,52 @@
 
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/check.hpp"
 #include "tetloom/error.hpp"
+#include "tetloom/io.hpp"
 #include "tetloom/mesh_data.hpp"
 
 namespace tetloom::test {
 
 /// A file name from its stem and its extension.
 inline std::string joined(std::string stem, const std::string& extension) { return stem += extension; }
+
+/// In these a file is called by its name, or by its extension alone, which starts with a dot.
+inline std::string file_name(const std::string& name) { return name.starts_with('.') ? joined("mesh", name) : name; }
+
+inline Mesh read_content(const std::string& name, const std::string& content) {
+  const TemporaryFolder folder;
+  write_file(folder / file_name(name), content);
+  return read_mesh(folder / file_name(name));
+}
+
+/// Why such a file is refused.
+inline Diagnostic error_for(const std::string& name, const std::string& content) {
+  return error_of([&] { static_cast<void>(read_content(name, content)); });
+}
+
+inline Mesh written_and_read(const Mesh& mesh, const std::string& name, const WriteOptions& options = {}) {
+  const TemporaryFolder folder;
+  write_mesh(mesh, folder / file_name(name), options);
+  return read_mesh(folder / file_name(name));
+}
+
+/// What a file of the mesh holds.
+inline std::string content_of(const Mesh& mesh, const std::string& name) {
+  const TemporaryFolder folder;
+  write_mesh(mesh, folder / file_name(name));
+  return file_content(folder / file_name(name));
+}
+
+/// Reads a damaged file: either it is refused with a reason, or it holds some mesh.
+inline void survive(const std::filesystem::path& path) {
+  try {
+    static_cast<void>(mesh_digest(read_mesh(path)));
+  } catch (const Error& error) {
+    const bool expected = error.code() == ErrorCode::InputUnreadable || error.code() == ErrorCode::InputUnsuitable;
+    if (!expected || error.diagnostic().message.empty()) FAIL_CHECK("unexpected error: " << error.what());
+  }
+}
 
 inline bool same_points(const Mesh& a, const Mesh& b) {
   if (a.points.size() != b.points.size()) return false;

@@ -14,6 +14,7 @@ using namespace tetloom;
 using test::check_same_elements;
 using test::error_of;
 using test::TemporaryFolder;
+using test::written_and_read;
 
 namespace {
 
@@ -39,12 +40,6 @@ Mesh shuffled_elements(Mesh mesh) {
   shuffle(mesh.tri_to_vert, mesh.tri_to_entity);
   shuffle(mesh.tet_to_vert, mesh.tet_to_entity);
   return mesh;
-}
-
-Mesh written_and_read(const Mesh& mesh, const std::string& extension) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / test::joined("mesh", extension));
-  return read_mesh(folder / test::joined("mesh", extension));
 }
 
 constexpr std::array<const char*, 4> kExact{".vtu", ".msh", ".mesh", ".meshb"};

@@ -25,7 +25,7 @@ using test::ThreadsLoop;
 
 namespace {
 
-const std::array<std::string, 5> kExtensions{".vtu", ".msh", ".mesh", ".meshb", ".stl"};
+const std::array<std::string, 5> kWritten{".vtu", ".msh", ".mesh", ".meshb", ".stl"};
 
 /// Large enough for several blocks in every format, and for several batches of text.
 Mesh large_mesh() {
@@ -65,7 +65,7 @@ class CancellingLoop : public BlockLoop {
 
 TEST_CASE("files have the same bytes whoever carries out the loops, and hold the mesh") {
   const Mesh mesh = large_mesh();
-  for (const std::string& extension : kExtensions) {
+  for (const std::string& extension : kWritten) {
     INFO(extension);
     const std::string expected = bytes_of(mesh, extension, serial_loop());
     CHECK(expected.size() > 500'000);
@@ -102,7 +102,7 @@ TEST_CASE("parts and pieces have the same bytes whoever carries out the loops") 
 TEST_CASE("a disk that becomes full while several threads write is reported, and the temporary removed") {
   const TemporaryFolder folder;
   const Mesh mesh = large_mesh();
-  for (const std::string& extension : kExtensions) {
+  for (const std::string& extension : kWritten) {
     if (extension == ".stl") continue;
     for (const rlim_t limit : {rlim_t{2'000'000}, rlim_t{4'000'000}}) {
       INFO(extension << " up to " << limit);
@@ -119,7 +119,7 @@ TEST_CASE("a disk that becomes full while several threads write is reported, and
 TEST_CASE("a write that is cancelled in its middle leaves nothing behind") {
   const TemporaryFolder folder;
   const Mesh mesh = large_mesh();
-  for (const std::string& extension : kExtensions) {
+  for (const std::string& extension : kWritten) {
     if (extension == ".stl") continue;
     for (const int blocks : {1, 25}) {
       INFO(extension << " after " << blocks);

@@ -15,28 +15,18 @@ using namespace tetloom;
 using test::error_of;
 using test::file_content;
 using test::TemporaryFolder;
+using test::read_content;
 using test::with_mid_nodes;
 using test::write_file;
+using test::written_and_read;
 
 namespace {
 
 /// A box of two regions without names: files call its entities by their tags.
 Mesh unnamed_box() { return test::make_box(4, 3, 2, true); }
 
-Mesh read_text(const std::string& name, const std::string& text) {
-  const TemporaryFolder folder;
-  write_file(folder / name, text);
-  return read_mesh(folder / name);
-}
-
 std::string reason(const std::string& name, const std::string& text) {
-  return error_of([&] { static_cast<void>(read_text(name, text)); }).message;
-}
-
-Mesh written_and_read(const Mesh& mesh, const std::string& name, const WriteOptions& options = {}) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / name, options);
-  return read_mesh(folder / name);
+  return error_of([&] { static_cast<void>(read_content(name, text)); }).message;
 }
 
 /// What Abaqus files hold: cells, and elements on faces, which may come in another order.
@@ -78,7 +68,7 @@ TEST_CASE("Abaqus files of second order come back") {
 
 TEST_CASE("names in Abaqus files become those of entities") {
   const Mesh mesh =
-      read_text("a.inp", "** made by hand\n*HEADING\n anything, here\n" + kTetNodes +
+      read_content("a.inp", "** made by hand\n*HEADING\n anything, here\n" + kTetNodes +
                              "*element , type = c3d4 , elset=The Body\n7,10,20,\n30,40\n"
                              "*Material, name=steel\n*Elastic\n210000., 0.3\n"
                              "*ELSET, ELSET=all, GENERATE\n1, 9, 2\n"
@@ -122,7 +112,7 @@ TEST_CASE("SU2 files come back with faces by their tags") {
 
 TEST_CASE("SU2 files of others are read, in two dimensions as surfaces") {
   const Mesh mesh =
-      read_text("a.su2",
+      read_content("a.su2",
                 "% by hand\nNDIME=2\nNELEM= 2 % triangles\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4 4\n0 0 0\n1 0 1\n"
                 "1 1 2\n0 1e0 3\nNMARK= 2\nMARKER_TAG= lower\nMARKER_ELEMS= 1\n3 0 1\nMARKER_TAG= edge_5\n"
                 "MARKER_ELEMS= 1\n3 1 2 0\n");

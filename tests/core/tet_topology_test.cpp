@@ -13,10 +13,10 @@ using namespace tetloom::tets;
 
 namespace {
 
-const std::array<Vec3, 4> kPoints{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of a positive tet
+const std::array<Vec3, 4> kCorners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of a positive tet
 
 int sign_of(std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
-  return orient3d(kPoints[a], kPoints[b], kPoints[c], kPoints[d]);
+  return orient3d(kCorners[a], kCorners[b], kCorners[c], kCorners[d]);
 }
 
 }  // namespace

@@ -10,8 +10,6 @@ using tetloom::Triangulation;
 
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation::kNone;
-
 // A grid of n × n squares, each cut in two.
 Triangulation make_grid(std::uint32_t n) {
   Triangulation mesh;
@@ -57,12 +55,12 @@ Counts count(const Triangulation& mesh) {
 TEST_CASE("a flip exchanges the diagonal and keeps fixed marks on the rim of its two triangles") {
   Triangulation mesh = make_grid(1);
   const std::uint32_t diagonal =
-      mesh.find_half_edge(0, 3) != kNone ? mesh.find_half_edge(0, 3) : mesh.find_half_edge(3, 0);
-  REQUIRE(diagonal != kNone);
+      mesh.find_half_edge(0, 3) != Triangulation::kNone ? mesh.find_half_edge(0, 3) : mesh.find_half_edge(3, 0);
+  REQUIRE(diagonal != Triangulation::kNone);
   mesh.fix(mesh.find_half_edge(0, 1), 2);
   mesh.flip(diagonal);
   CHECK(mesh.validate());
-  CHECK((mesh.find_half_edge(1, 2) != kNone && mesh.find_half_edge(2, 1) != kNone));
+  CHECK((mesh.find_half_edge(1, 2) != Triangulation::kNone && mesh.find_half_edge(2, 1) != Triangulation::kNone));
   CHECK(mesh.fixed(mesh.find_half_edge(0, 1)) == 2);
   CHECK(count(mesh).euler == 1);
 }
@@ -71,11 +69,11 @@ TEST_CASE("a half-edge is found from either end, inside and at the rim, and only
   std::mt19937 random(3);
   Triangulation mesh = make_grid(6);
   for (int i = 0; i < 40; ++i)
-    if (const auto h = static_cast<std::uint32_t>(random() % mesh.half_edges()); mesh.twin(h) != kNone)
+    if (const auto h = static_cast<std::uint32_t>(random() % mesh.half_edges()); mesh.twin(h) != Triangulation::kNone)
       mesh.split_edge(h, mesh.add_vertex());
   for (std::uint32_t a = 0; a < mesh.vertex_count(); ++a)
     for (std::uint32_t b = 0; b < mesh.vertex_count(); ++b) {
-      std::uint32_t expected = kNone;
+      std::uint32_t expected = Triangulation::kNone;
       for (std::uint32_t h = 0; h < mesh.half_edges(); ++h)
         if (mesh.alive(h / 3) && mesh.origin(h) == a && mesh.target(h) == b) expected = h;
       REQUIRE(mesh.find_half_edge(a, b) == expected);
@@ -85,7 +83,7 @@ TEST_CASE("a half-edge is found from either end, inside and at the rim, and only
 TEST_CASE("splitting a fixed edge gives two fixed edges") {
   Triangulation mesh = make_grid(2);
   const std::uint32_t inner = mesh.find_half_edge(1, 4);
-  REQUIRE(mesh.twin(inner) != kNone);
+  REQUIRE(mesh.twin(inner) != Triangulation::kNone);
   mesh.fix(inner, 1);
   const std::uint32_t v = mesh.add_vertex();
   mesh.split_edge(inner, v);
@@ -121,11 +119,11 @@ TEST_CASE("random flips, splits and collapses keep the topology of a disc") {
   Triangulation mesh = make_grid(6);
   for (int step = 0; step < 2000; ++step) {
     const auto h = static_cast<std::uint32_t>(random() % mesh.half_edges());
-    if (!mesh.alive(h / 3) || mesh.twin(h) == kNone) continue;
+    if (!mesh.alive(h / 3) || mesh.twin(h) == Triangulation::kNone) continue;
     switch (random() % 3) {
       case 0:
-        if (mesh.find_half_edge(mesh.apex(h), mesh.apex(mesh.twin(h))) == kNone &&
-            mesh.find_half_edge(mesh.apex(mesh.twin(h)), mesh.apex(h)) == kNone)
+        if (mesh.find_half_edge(mesh.apex(h), mesh.apex(mesh.twin(h))) == Triangulation::kNone &&
+            mesh.find_half_edge(mesh.apex(mesh.twin(h)), mesh.apex(h)) == Triangulation::kNone)
           mesh.flip(h);
         break;
       case 1: mesh.split_edge(h, mesh.add_vertex()); break;

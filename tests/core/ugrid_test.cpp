@@ -12,36 +12,18 @@
 #include "tetloom/io.hpp"
 
 using namespace tetloom;
+using test::content_of;
+using test::error_for;
 using test::error_of;
 using test::file_content;
 using test::TemporaryFolder;
+using test::read_content;
 using test::write_file;
+using test::written_and_read;
 
 namespace {
 
 constexpr std::array<const char*, 3> kNames{"a.lb8.ugrid", "a.b8.ugrid", "a.ugrid"};
-
-Mesh written_and_read(const Mesh& mesh, const std::string& name) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / name);
-  return read_mesh(folder / name);
-}
-
-std::string content_of(const Mesh& mesh, const std::string& name) {
-  const TemporaryFolder folder;
-  write_mesh(mesh, folder / name);
-  return file_content(folder / name);
-}
-
-Mesh read_content(const std::string& name, const std::string& content) {
-  const TemporaryFolder folder;
-  write_file(folder / name, content);
-  return read_mesh(folder / name);
-}
-
-Diagnostic error_for(const std::string& name, const std::string& content) {
-  return error_of([&] { static_cast<void>(read_content(name, content)); });
-}
 
 /// What UGRID files hold of a mesh: neither edges nor regions.
 Mesh held_of(Mesh mesh) {

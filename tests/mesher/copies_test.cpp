@@ -7,6 +7,7 @@
 #include "mesher/complexes.hpp"
 #include "mesher/surface/copied_complexes.hpp"
 #include "mesher/surface/surface_mesher.hpp"
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/placed_model.hpp"
 #include "tests/threading/communicators.hpp"
@@ -24,13 +25,6 @@ const std::vector<RigidMotion> kPlaces{{},
                                        turn_about({1, 0, 0}, 0, {0, 0, 9})};
 
 std::unique_ptr<GeometricModel> cylinders() { return place_body(make_cylinder(1, 3), kPlaces); }
-
-MeshOptions options_of_size(double size) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = 2;
-  return options;
-}
 
 // What a place of a mesh has: its triangles and tets, with the numbers of its own points, and these.
 struct Place {

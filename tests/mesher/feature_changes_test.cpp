@@ -11,6 +11,7 @@
 #include "mesher/features/eliminate_features.hpp"
 #include "mesher/features/local_change.hpp"
 #include "mesher/features/shape_check.hpp"
+#include "tests/support/analytic_shapes.hpp"
 #include "tests/support/strip_mesh.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -19,8 +20,6 @@ using namespace tetloom::features;
 using namespace tetloom::test_models;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 double area_of(const Mesh& mesh) {
   double area = 0;

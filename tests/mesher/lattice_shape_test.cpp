@@ -14,7 +14,7 @@
 namespace tetloom::lattice {
 namespace {
 
-constexpr LatticeKind kBoth[] = {LatticeKind::Bcc, LatticeKind::A15};
+constexpr LatticeKind kLattices[] = {LatticeKind::Bcc, LatticeKind::A15};
 
 // In cubes.
 Vec3 position(const LatticeShape& shape, const SiteStep& step) {
@@ -48,7 +48,7 @@ std::set<std::tuple<int, int, int, int>> face_of(const TetType& tet, std::size_t
 }  // namespace
 
 TEST_CASE("the tets of a lattice fill a cube and have empty circumspheres") {
-  for (const LatticeKind kind : kBoth) {
+  for (const LatticeKind kind : kLattices) {
     const LatticeShape& shape = LatticeShape::of(kind);
     CHECK(shape.sites().size() == (kind == LatticeKind::A15 ? 8 : 2));
     CHECK(shape.tets().size() == (kind == LatticeKind::A15 ? 46 : 12));
@@ -98,7 +98,7 @@ TEST_CASE("the mean ratios of the lattices' tets are those of the headers") {
 }
 
 TEST_CASE("behind each face of a type stands the tet that has the same face, and that one in front") {
-  for (const LatticeKind kind : kBoth) {
+  for (const LatticeKind kind : kLattices) {
     const std::vector<TetType>& tets = LatticeShape::of(kind).tets();
     for (std::size_t tet = 0; tet < tets.size(); ++tet) {
       for (std::size_t face = 0; face < 4; ++face) {
@@ -116,7 +116,7 @@ TEST_CASE("behind each face of a type stands the tet that has the same face, and
 
 TEST_CASE("what is around a site lies in the cubes around its cube") {
   const auto is_near = [](int x, int y, int z) { return std::max({std::abs(x), std::abs(y), std::abs(z)}) <= 1; };
-  for (const LatticeKind kind : kBoth) {
+  for (const LatticeKind kind : kLattices) {
     const LatticeShape& shape = LatticeShape::of(kind);
     for (const TetType& tet : shape.tets()) {
       for (const SiteStep& v : tet.verts) REQUIRE(is_near(v.x, v.y, v.z));
@@ -133,7 +133,7 @@ TEST_CASE("what is around a site lies in the cubes around its cube") {
 }
 
 TEST_CASE("distances from the surface suit the lattice's edges and circumspheres, and cubes its mean edge") {
-  for (const LatticeKind kind : kBoth) {
+  for (const LatticeKind kind : kLattices) {
     const LatticeShape& shape = LatticeShape::of(kind);
     double longest = 0, sum = 0, radius = 0;
     std::size_t edges = 0;

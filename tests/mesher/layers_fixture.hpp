@@ -9,18 +9,14 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
 
 namespace tetloom::test_layers {
 
-inline MeshOptions options_of_size(double size, int threads = 2) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = threads;
-  return options;
-}
+using test_models::options_of_size;
 
 /// Layers on all faces but some.
 inline LayerOptions on_faces(const GeometricModel& model, WallLayers layers, std::vector<std::uint32_t> but = {}) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <thread>
 
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
@@ -13,14 +14,6 @@ using namespace tetloom;
 using namespace tetloom::test_models;
 
 namespace {
-
-MeshOptions options_of_size(double size, int threads = 2) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = threads;
-  options.volume_worker = TETLOOM_WORKER;
-  return options;
-}
 
 ErrorCode thrown_code(const GeometricModel& model, const MeshOptions& options) {
   try {

@@ -15,7 +15,7 @@ using namespace tetloom::test_models;
 
 namespace {
 
-MeshOptions options_of_size(double size, double tets_per_part = 0) {
+MeshOptions options_in_parts(double size, double tets_per_part = 0) {
   MeshOptions options;
   options.sizes.size = size;
   options.threads = 2;
@@ -85,40 +85,40 @@ void check_same(const GeometricModel& model, const MeshOptions& options, std::si
 }  // namespace
 
 TEST_CASE("the parts in which a volume was filled are the mesh of one piece") {
-  check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.07, 4000), 3, 10);
-  check_same(*make_sphere({0, 0, 0}, 1), options_of_size(0.13, 4000), 3, 10);
+  check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_in_parts(0.07, 4000), 3, 10);
+  check_same(*make_sphere({0, 0, 0}, 1), options_in_parts(0.13, 4000), 3, 10);
 }
 
 TEST_CASE("points of the whole mesh may have numbers beyond 32 bits") {
   // Cut off at 32 bits, the second would no longer ascend.
   first_number() = GENERATE(std::uint64_t{1} << 33, (std::uint64_t{1} << 32) - 5000);
   const std::shared_ptr<void> back(nullptr, [](void*) { first_number() = 0; });
-  check_same(*make_torus(3, 0.6), options_of_size(0.12, 4000), 3, 80);
-  check_on_ranks(*make_torus(3, 0.6), options_of_size(0.12, 4000));
-  MeshOptions options = options_of_size(0.14, 8000);
+  check_same(*make_torus(3, 0.6), options_in_parts(0.12, 4000), 3, 80);
+  check_on_ranks(*make_torus(3, 0.6), options_in_parts(0.12, 4000));
+  MeshOptions options = options_in_parts(0.14, 8000);
   options.parts = 7;
   check_same(*two_bodies(), options, 7, 7);
 }
 
 TEST_CASE("ranks make the mesh of one process") {
-  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.07, 4000));
-  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.3));
-  check_on_ranks(*two_bodies(), options_of_size(0.14, 8000));
-  check_on_ranks(*two_bodies(), options_of_size(0.25));
+  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_in_parts(0.07, 4000));
+  check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options_in_parts(0.3));
+  check_on_ranks(*two_bodies(), options_in_parts(0.14, 8000));
+  check_on_ranks(*two_bodies(), options_in_parts(0.25));
 }
 
 TEST_CASE("ranks mesh what no solid has, too") {
-  check_on_ranks(*make_plate(2, 1), options_of_size(0.2));
+  check_on_ranks(*make_plate(2, 1), options_in_parts(0.2));
   std::vector<std::shared_ptr<const GeometricModel>> bodies{make_box({0, 0, 0}, {1, 1, 1}), make_plate(2, 1)};
-  check_on_ranks(*combine(bodies), options_of_size(0.2));
-  MeshOptions options = options_of_size(0.2);
+  check_on_ranks(*combine(bodies), options_in_parts(0.2));
+  MeshOptions options = options_in_parts(0.2);
   options.surface_only = true;
   check_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options);
 }
 
 TEST_CASE("what memory cannot hold, and options that are none, end alike on all ranks") {
   const auto communicator = make_communicator();
-  MeshOptions options = options_of_size(0.05, 4000);
+  MeshOptions options = options_in_parts(0.05, 4000);
   options.max_memory = 1 << 20;
   const MeshResult result = make_mesh_on_ranks(*make_box({0, 0, 0}, {1, 1, 1}), options, *communicator);
   CHECK(result.status == MeshStatus::Failed);
@@ -130,7 +130,7 @@ TEST_CASE("what memory cannot hold, and options that are none, end alike on all 
 }
 
 TEST_CASE("what becomes of the surface while volumes are filled is in their parts") {
-  MeshOptions options = options_of_size(0.12, 3000);
+  MeshOptions options = options_in_parts(0.12, 3000);
   options.sizes.curvature = 20;
   options.sizes.gradation = 0.7;
   options.goals.dihedral = 35;
@@ -145,21 +145,21 @@ TEST_CASE("what becomes of the surface while volumes are filled is in their part
 }
 
 TEST_CASE("complexes that are filled in one part are a part each") {
-  check_same(*two_bodies(), options_of_size(0.25), 2, 2);
-  check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_of_size(0.3), 1, 1);
+  check_same(*two_bodies(), options_in_parts(0.25), 2, 2);
+  check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_in_parts(0.3), 1, 1);
 }
 
-TEST_CASE("some complexes in parts and others whole") { check_same(*two_bodies(), options_of_size(0.14, 8000), 3, 40); }
+TEST_CASE("some complexes in parts and others whole") { check_same(*two_bodies(), options_in_parts(0.14, 8000), 3, 40); }
 
 TEST_CASE("the mesh is dealt to as many parts as are asked for, also to more than it has tets") {
   for (const int parts : {1, 3, 2000}) {
     CAPTURE(parts);
-    MeshOptions options = options_of_size(parts > 3 ? 0.4 : 0.09, 4000);
+    MeshOptions options = options_in_parts(parts > 3 ? 0.4 : 0.09, 4000);
     options.parts = parts;
     check_same(*make_box({0, 0, 0}, {1, 1, 1}), options, static_cast<std::size_t>(parts),
                static_cast<std::size_t>(parts));
   }
-  MeshOptions options = options_of_size(0.09, 4000);
+  MeshOptions options = options_in_parts(0.09, 4000);
   options.parts = 3;
   const auto communicator = make_communicator();
   const MeshInPartsResult result = make_mesh_in_parts(*make_box({0, 0, 0}, {1, 1, 1}), options, *communicator);
@@ -170,7 +170,7 @@ TEST_CASE("the parts do not depend on the number of threads") {
   const auto model = two_bodies();
   std::vector<std::string> digests;
   for (const int threads : {1, 2, 4}) {
-    MeshOptions options = options_of_size(0.14, 8000);
+    MeshOptions options = options_in_parts(0.14, 8000);
     options.threads = threads;
     const auto communicator = make_communicator();
     const MeshInPartsResult result = make_mesh_in_parts(*model, options, *communicator);
@@ -188,7 +188,7 @@ TEST_CASE("the parts do not depend on the number of threads") {
 TEST_CASE("models that cannot be dealt to parts are refused before any work") {
   const auto communicator = make_communicator();
   const auto refused = [&](const GeometricModel& model, std::size_t entities) {
-    const MeshInPartsResult result = make_mesh_in_parts(model, options_of_size(0.2), *communicator);
+    const MeshInPartsResult result = make_mesh_in_parts(model, options_in_parts(0.2), *communicator);
     CHECK(result.run.status == MeshStatus::Failed);
     CHECK_FALSE(result.mesh);
     CHECK(result.run.mesh.points.empty());
@@ -212,10 +212,10 @@ TEST_CASE("parts of a surface alone, and fewer parts than none, are no options")
     }
     return ErrorCode::Internal;
   };
-  MeshOptions options = options_of_size(0.3);
+  MeshOptions options = options_in_parts(0.3);
   options.surface_only = true;
   CHECK(code_of(options) == ErrorCode::InvalidArgument);
-  options = options_of_size(0.3);
+  options = options_in_parts(0.3);
   options.parts = -1;
   CHECK(code_of(options) == ErrorCode::InvalidArgument);
 }
@@ -225,7 +225,7 @@ TEST_CASE("a call for parts is cancelled at any stage, and has no mesh then") {
   for (const Stage stage : {Stage::Faces, Stage::Volume, Stage::Partition}) {
     Host host;
     host.progress = [&](const ProgressEvent& event) { return event.stage != stage; };
-    MeshOptions options = options_of_size(0.07, 4000);
+    MeshOptions options = options_in_parts(0.07, 4000);
     options.parts = 5;
     const auto communicator = make_communicator();
     const MeshInPartsResult result = make_mesh_in_parts(*model, options, *communicator, host);

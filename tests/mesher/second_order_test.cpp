@@ -18,7 +18,7 @@ using namespace tetloom::test_models;
 
 namespace {
 
-MeshOptions options_of_size(double size, int threads = 2) {
+MeshOptions second_order_of_size(double size, int threads = 2) {
   MeshOptions options;
   options.sizes.size = size;
   options.order = 2;
@@ -26,7 +26,7 @@ MeshOptions options_of_size(double size, int threads = 2) {
   return options;
 }
 
-Mesh meshed(const GeometricModel& model, const MeshOptions& options) {
+Mesh meshed_second_order(const GeometricModel& model, const MeshOptions& options) {
   MeshResult result = make_mesh(model, options);
   REQUIRE(result.status == MeshStatus::Ok);
   CHECK(result.second_order.mid_nodes == result.mesh.mid_to_vert.size());
@@ -35,7 +35,7 @@ Mesh meshed(const GeometricModel& model, const MeshOptions& options) {
 }
 
 double volume_error(double size) {
-  const Mesh mesh = meshed(*make_sphere({1, 2, 3}, 1), options_of_size(size));
+  const Mesh mesh = meshed_second_order(*make_sphere({1, 2, 3}, 1), second_order_of_size(size));
   return std::abs(compute_quality(mesh).curved.volume - 4 * std::numbers::pi / 3);
 }
 
@@ -55,7 +55,7 @@ struct BentBox {
 }  // namespace
 
 TEST_CASE("mid nodes of surface edges lie on the model, those inside in the middle") {
-  const Mesh mesh = meshed(*make_sphere({1, 2, 3}, 1), options_of_size(0.3));
+  const Mesh mesh = meshed_second_order(*make_sphere({1, 2, 3}, 1), second_order_of_size(0.3));
   std::size_t on_sphere = 0;
   for (std::size_t m = 0; m < mesh.mid_to_vert.size(); ++m) {
     const std::size_t p = vertex_count(mesh) + m;
@@ -75,7 +75,7 @@ TEST_CASE("the volume of a ball converges with the fourth power of the size") {
 }
 
 TEST_CASE("volumes are compared with the model's as the curved triangles bound them") {
-  MeshOptions options = options_of_size(0.5);
+  MeshOptions options = second_order_of_size(0.5);
   const auto model = make_sphere({1, 2, 3}, 1);
   CHECK(make_mesh(*model, options).warnings.empty());
   options.order = 1;
@@ -86,26 +86,26 @@ TEST_CASE("volumes are compared with the model's as the curved triangles bound t
 
 TEST_CASE("the mesh of second order does not depend on the number of threads") {
   const auto model = make_torus(3, 1);
-  const std::string digest = mesh_digest(meshed(*model, options_of_size(0.5, 1)));
-  for (const int threads : {2, 5}) CHECK(mesh_digest(meshed(*model, options_of_size(0.5, threads))) == digest);
+  const std::string digest = mesh_digest(meshed_second_order(*model, second_order_of_size(0.5, 1)));
+  for (const int threads : {2, 5}) CHECK(mesh_digest(meshed_second_order(*model, second_order_of_size(0.5, threads))) == digest);
 }
 
 TEST_CASE("flat faces and straight edges leave all tets straight") {
-  const Mesh mesh = meshed(*make_box({0, 0, 0}, {1, 2, 3}), options_of_size(0.5));
+  const Mesh mesh = meshed_second_order(*make_box({0, 0, 0}, {1, 2, 3}), second_order_of_size(0.5));
   CHECK(compute_quality(mesh).curved.count == 0);
 }
 
 TEST_CASE("a surface alone has mid nodes as well") {
-  MeshOptions options = options_of_size(0.4);
+  MeshOptions options = second_order_of_size(0.4);
   options.surface_only = true;
-  const Mesh mesh = meshed(*make_cylinder(1, 2), options);
+  const Mesh mesh = meshed_second_order(*make_cylinder(1, 2), options);
   CHECK(mesh.tet_to_vert.empty());
   CHECK(mesh.mid_to_vert.size() == mesh.tri_to_vert.size() * 3 / 2);
 }
 
 TEST_CASE("sizes far too coarse for the curves give valid tets all the same") {
   for (const double size : {2.0, 1.0}) {
-    const MeshResult result = make_mesh(*make_torus(2, 1), options_of_size(size));
+    const MeshResult result = make_mesh(*make_torus(2, 1), second_order_of_size(size));
     REQUIRE(result.status == MeshStatus::Ok);
     CHECK(result.second_order.invalid == 0);
     CHECK(result.second_order.min_scaled_jacobian >= 0.1);
@@ -145,7 +145,7 @@ TEST_CASE("mid nodes inside of a region give way before those on the model do") 
 
 TEST_CASE("orders and bounds out of range are refused by name") {
   const auto model = make_box({0, 0, 0}, {1, 1, 1});
-  MeshOptions options = options_of_size(0.5);
+  MeshOptions options = second_order_of_size(0.5);
   options.order = 3;
   CHECK_THROWS_WITH(make_mesh(*model, options), Catch::Contains("order"));
   options.order = 2;

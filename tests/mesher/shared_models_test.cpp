@@ -43,17 +43,15 @@ struct Figures {
   long long inverted_by_judge = -1;
 };
 
-Figures judge(const MeshResult& result, const GeometricModel& model, double size) {
+Figures judge(const MeshResult& result, const GeometricModel& model) {
   Figures figures;
   figures.regions = model.topology().region_count();
   const QualityReport quality = compute_quality(result.mesh, &result.sizes);
   figures.volume = quality.tets.volume;
   figures.model_volume = result.model_volume;
-  figures.valid = validate_mesh(result.mesh).problems.empty();
+  figures.valid = validate_mesh(result.mesh).problems.empty() && quality.cells.inverted == 0;
   figures.regions_filled =
       std::set<std::uint32_t>(result.mesh.tet_to_entity.begin(), result.mesh.tet_to_entity.end()).size();
-  const nlohmann::json answer = ask_judge(result.mesh, size);
-  if (!answer.empty()) figures.inverted_by_judge = answer.at("inverted").get<long long>();
   return figures;
 }
 
@@ -74,7 +72,8 @@ void print_row(const std::string& name, const MeshResult& result, const Figures&
   std::fflush(stdout);
 }
 
-void mesh_all(double relative_size) {
+/// An independent judge reads text for as long as the meshes take to make.
+void mesh_all(double relative_size, bool judged) {
   const std::vector<fs::path> models = test::list_real_models();
   if (models.empty()) {
     WARN("skipped: no models in " << test::kRealModels);
@@ -91,7 +90,12 @@ void mesh_all(double relative_size) {
     const MeshResult result = make_mesh(*document.model, options);
     CHECK(result.status == MeshStatus::Ok);
     for (const Diagnostic& error : result.errors) UNSCOPED_INFO(error.message);
-    const Figures figures = judge(result, *document.model, relative_size * document.model->bounding_box().diagonal());
+    Figures figures = judge(result, *document.model);
+    if (judged) {
+      const nlohmann::json answer =
+          ask_judge(result.mesh, relative_size * document.model->bounding_box().diagonal());
+      if (!answer.empty()) figures.inverted_by_judge = answer.at("inverted").get<long long>();
+    }
     print_row(file.filename().string(), result, figures);
     CHECK(figures.valid);
     CHECK(figures.regions_filled == figures.regions);
@@ -103,6 +107,6 @@ void mesh_all(double relative_size) {
 
 }  // namespace
 
-TEST_CASE("real CAD models are filled at a size of a fortieth of the diagonal", "[fortieth]") { mesh_all(1.0 / 40); }
+TEST_CASE("real CAD models are filled at a size of a fortieth of the diagonal", "[fortieth]") { mesh_all(1.0 / 40, true); }
 
-TEST_CASE("real CAD models are filled at a size of a hundredth of the diagonal", "[hundredth]") { mesh_all(1.0 / 100); }
+TEST_CASE("real CAD models are filled at a size of a hundredth of the diagonal", "[hundredth]") { mesh_all(1.0 / 100, false); }

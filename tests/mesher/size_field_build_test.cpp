@@ -15,11 +15,10 @@ namespace {
 
 using test_sizes::build;
 using test_sizes::RandomPoints;
+using test_sizes::unit_box;
 using test_sizes::values_of;
 
 const Box3 kUnitBox{{0, 0, 0}, {1, 1, 1}};
-
-std::unique_ptr<GeometricModel> unit_box() { return test_models::make_box(kUnitBox.lo, kUnitBox.hi); }
 
 ModelEntity face(std::size_t i) { return ModelFaceId(i); }
 

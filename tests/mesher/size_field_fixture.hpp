@@ -1,5 +1,6 @@
 #pragma once
 // What the tests of the size field share.
+#include <memory>
 #include <random>
 #include <span>
 
@@ -13,6 +14,8 @@ inline SizeField build(const GeometricModel& model, const SizeOptions& options, 
                        std::span<const SizeRefinement> refinements = {}) {
   return build_size_field(model, options, refinements, TaskRunner(threads));
 }
+
+inline std::unique_ptr<GeometricModel> unit_box() { return test_models::make_box({0, 0, 0}, {1, 1, 1}); }
 
 /// All leaves within 100 of the origin, with the sizes at their corners: the same for equal fields alone.
 inline std::vector<Vec3> values_of(const SizeField& field) {

@@ -16,12 +16,11 @@ namespace {
 using Catch::Matchers::Contains;
 using test_sizes::build;
 using test_sizes::refusal;
+using test_sizes::unit_box;
 
 std::unique_ptr<GeometricModel> faceless_cylinder(ErrorCode code) {
   return std::make_unique<test_models::FacelessModel>(test_models::make_cylinder(1, 2), code);
 }
-
-std::unique_ptr<GeometricModel> unit_box() { return test_models::make_box({0, 0, 0}, {1, 1, 1}); }
 
 }  // namespace
 

@@ -9,7 +9,9 @@
 
 #include "mesher/features/small_features.hpp"
 #include "mesher/sizing/refinement_budget.hpp"
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
+#include "tests/support/analytic_shapes.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/tasks.hpp"
@@ -18,18 +20,6 @@ using namespace tetloom;
 using namespace tetloom::test_models;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// A cube whose edge along y at x = z = 1 is cut off by a face this wide.
-std::unique_ptr<GeometricModel> make_chamfered_cube(double width) {
-  const double c = 1 - width / std::sqrt(2);
-  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 0, c}, {c, 0, 1}, {0, 0, 1},
-                                 {0, 1, 0}, {1, 1, 0}, {1, 1, c}, {c, 1, 1}, {0, 1, 1}};
-  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}, {0, 5, 6, 1}, {1, 6, 7, 2},
-                                                      {2, 7, 8, 3},    {3, 8, 9, 4},    {4, 9, 5, 0}};
-  return make_polyhedron(points, faces);
-}
 
 /// Two blocks side by side of which one is higher by `step`: an L of six faces around and two at the ends, whose edges
 /// along z are cut where the outline bends.
@@ -72,13 +62,6 @@ std::unique_ptr<GeometricModel> make_slotted_block(double width, double degrees)
     faces.push_back({i, i + 8, j + 8, j});
   }
   return make_polyhedron(points, faces);
-}
-
-MeshOptions options_of_size(double size) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = 2;
-  return options;
 }
 
 struct Made {

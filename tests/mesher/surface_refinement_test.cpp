@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
@@ -9,14 +10,6 @@ using namespace tetloom;
 using namespace tetloom::test_models;
 
 namespace {
-
-MeshOptions options_of_size(double size) {
-  MeshOptions options;
-  options.sizes.size = size;
-  options.threads = 2;
-  options.volume_worker = TETLOOM_WORKER;
-  return options;
-}
 
 /// With its quality; checks that it is whole.
 struct Made {
@@ -44,16 +37,6 @@ std::unique_ptr<GeometricModel> make_wedge(double degrees, double length, double
   const std::vector<Vec3> points{{0, 0, 0},     {length, 0, 0},     {length, 0, height},
                                  {0, width, 0}, {length, width, 0}, {length, width, height}};
   const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {0, 2, 5, 3}, {1, 4, 5, 2}};
-  return make_polyhedron(points, faces);
-}
-
-/// A cube whose edge along y at x = z = 1 is cut off by a face this wide.
-std::unique_ptr<GeometricModel> make_chamfered_cube(double width) {
-  const double c = 1 - width / std::sqrt(2);
-  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 0, c}, {c, 0, 1}, {0, 0, 1},
-                                 {0, 1, 0}, {1, 1, 0}, {1, 1, c}, {c, 1, 1}, {0, 1, 1}};
-  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}, {0, 5, 6, 1}, {1, 6, 7, 2},
-                                                      {2, 7, 8, 3},    {3, 8, 9, 4},    {4, 9, 5, 0}};
   return make_polyhedron(points, faces);
 }
 

@@ -77,10 +77,6 @@ Surface moved(Surface surface, const Vec3& by) {
   return surface;
 }
 
-Surface ball(int levels = 2) {
-  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
-}
-
 bool has(const Diagnostic& error, std::uint64_t triangle) {
   return std::find(error.elements.begin(), error.elements.end(), triangle) != error.elements.end();
 }

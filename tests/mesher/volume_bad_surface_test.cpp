@@ -1,19 +1,10 @@
 // Surfaces that bound no volume: what is said of them, and what is filled all the same.
 #include "mesher/volume/volume_mesher.hpp"
-#include "tests/mesher/volume_surfaces.hpp"
+#include "tests/mesher/filled_surface.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::volume_tests;
-
-namespace {
-
-VolumeMesh fill(const Surface& surface, double size, int threads = 2) {
-  const SizeField sizes = SizeField::uniform(size);
-  return fill_volume(surface.input(sizes), {TETLOOM_WORKER}, TaskRunner(threads));
-}
-
-}  // namespace
 
 TEST_CASE("an open shell is named with its faces and a point, and the other regions are filled") {
   Surface surface = cube_surface(3);

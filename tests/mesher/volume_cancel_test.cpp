@@ -17,10 +17,6 @@ namespace {
 
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
-Surface ball(int levels) {
-  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
-}
-
 // A ball with a twisted prism inside, so that points are put to recover its triangles.
 Surface ball_with_prism() {
   Surface surface = ball(2);

@@ -45,10 +45,6 @@ SizeField graded_sizes(double size, double scale) {
   return SizeField::from_octree(tree);
 }
 
-Surface ball(int levels) {
-  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
-}
-
 struct Figures {
   double tets = 0, volume = 0, mean_quality = 0, low_quality = 0;  // the last: of the worst hundredth
 };

@@ -120,6 +120,11 @@ Surface ball_surface(int levels, const Vec3& center, std::uint32_t region, Radiu
   return surface;
 }
 
+/// The unit ball of region 0.
+inline Surface ball(int levels = 2) {
+  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+}
+
 /// Sizes that grow from `low` to `high` along x in [-1.5, 1.5].
 inline SizeField growing_sizes(double low, double high) {
   SizeOctree tree;

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "mesher/volume/volume_mesher.hpp"
-#include "tests/mesher/volume_surfaces.hpp"
+#include "tests/mesher/filled_surface.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -14,11 +14,6 @@ using namespace tetloom;
 using namespace tetloom::volume_tests;
 
 namespace {
-
-VolumeMesh fill(const Surface& surface, double size, int threads = 2) {
-  const SizeField sizes = SizeField::uniform(size);
-  return fill_volume(surface.input(sizes), {TETLOOM_WORKER}, TaskRunner(threads));
-}
 
 struct Statistics {
   double mean_length = 0, in_band = 0, median_quality = 0, lowest_quality = 0;

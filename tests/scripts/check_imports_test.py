@@ -71,6 +71,27 @@ class StandardHeaders(unittest.TestCase):
         self.assertEqual(self.problems_of({"core/a.cpp": '// std::vector\nauto text = "std::map";\n'}), [])
 
 
+class ProjectHeaders(unittest.TestCase):
+    files = {"core/shape.hpp": "struct Shape {\n};\nShape shape_at(int);\nconstexpr int kShapes = 3;\n",
+             "core/user.hpp": '#include "core/shape.hpp"\nShape used();\n'}
+
+    def problems_of(self, source):
+        return problems_of(check_imports.check_project_headers, {**self.files, "core/a.cpp": source})
+
+    def test_a_type_a_function_and_a_constant_ask_for_their_header(self):
+        for use in ("Shape made;", "auto made = shape_at(1);", "int i = kShapes;"):
+            self.assertEqual(len(self.problems_of(use + "\n")), 1, use)
+            self.assertEqual(self.problems_of('#include "core/shape.hpp"\n' + use + "\n"), [])
+
+    def test_another_header_may_bring_it(self):
+        self.assertEqual(self.problems_of('#include "core/user.hpp"\nShape made;\n'), [])
+
+    def test_own_names_members_and_those_of_others_ask_for_nothing(self):
+        for text in ("struct Shape { int i; };", "class Shape;", "enum class Kind { Shape, Other };", "int kShapes = 1;",
+                     "int i = object.shape_at(1);", "#include <Shape.hxx>\nShape made;", "// Shape"):
+            self.assertEqual(self.problems_of(text + "\n"), [], text)
+
+
 class Names(unittest.TestCase):
     def problems_of(self, files):
         return problems_of(check_imports.check_names, files)

@@ -193,6 +193,16 @@ std::unique_ptr<GeometricModel> make_polyhedron(std::span<const Vec3> points,
   return std::make_unique<AnalyticModel>(std::move(parts));
 }
 
+std::unique_ptr<GeometricModel> make_chamfered_cube(double width) {
+  const double c = 1 - width / std::sqrt(2);
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 0, c}, {c, 0, 1}, {0, 0, 1},
+                                 {0, 1, 0}, {1, 1, 0}, {1, 1, c}, {c, 1, 1}, {0, 1, 1}};
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}, {0, 5, 6, 1}, {1, 6, 7, 2},
+                                                      {2, 7, 8, 3},    {3, 8, 9, 4},    {4, 9, 5, 0}};
+  return make_polyhedron(points, faces);
+}
+
+
 std::unique_ptr<GeometricModel> make_box(const Vec3& lo, const Vec3& hi) {
   std::vector<Vec3> points;
   for (int i = 0; i < 8; ++i) points.push_back({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});

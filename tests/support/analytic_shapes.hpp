@@ -14,6 +14,7 @@ namespace tetloom::test_models {
 
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kTurn = 2 * kPi;
+inline constexpr double kDegree = kPi / 180;
 
 /// `value` moved by whole periods to lie nearest to `target`.
 inline double wrap_near(double value, double target, double period) {

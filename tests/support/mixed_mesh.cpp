@@ -194,6 +194,12 @@ Mesh make_tet_box(int nx, int ny, int nz, unsigned seed, bool two_regions) {
   return make_tet_box({.nx = nx, .ny = ny, .nz = nz, .two_regions = two_regions, .seed = seed});
 }
 
+Mesh make_unit_cube(int n, bool two_regions) {
+  BoxSpec spec{n, n, n, two_regions, 1};
+  spec.h = 1.0 / n;
+  return make_tet_box(spec);
+}
+
 Mesh make_mixed_box(const BoxSpec& spec) {
   if (spec.nz < 4) throw std::invalid_argument("a mixed box needs four layers");
   BoxBuilder box(spec);

@@ -19,6 +19,9 @@ struct BoxSpec {
 Mesh make_tet_box(const BoxSpec& spec);
 Mesh make_tet_box(int nx, int ny, int nz, unsigned seed = 0, bool two_regions = false);
 
+/// The unit cube in n³ cubes, whose points inside are moved.
+Mesh make_unit_cube(int n, bool two_regions = false);
+
 /// All four kinds of cells, conforming, classified as in `make_tet_box`. From below: a layer of prisms that stand on
 /// triangles, layers of tets, a layer with a point in the middle of each cube from which pyramids reach up to
 /// quadrilaterals and tets to the rest, and a layer of hexes in which some cubes are prisms. The boundary has triangles

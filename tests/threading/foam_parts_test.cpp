@@ -116,7 +116,7 @@ std::size_t interface_count(const Mesh& mesh) {
   return count;
 }
 
-PartitionedMesh make_parts(const Mesh& mesh, std::size_t count, Communicator& communicator, const TaskRunner& runner) {
+PartitionedMesh dealt_parts(const Mesh& mesh, std::size_t count, Communicator& communicator, const TaskRunner& runner) {
   PartitionedMesh parts = distribute_mesh(mesh, communicator);
   BalanceOptions options;
   options.part_count = count;
@@ -192,7 +192,7 @@ TEST_CASE("processors of OpenFOAM: both sides of part boundaries fit, and patche
       CAPTURE(mixed, count);
       const TemporaryFolder folder;
       const Mesh whole = make_named(mixed);
-      write_parts(make_parts(whole, count, *communicator, runner), folder / "box.foam", runner);
+      write_parts(dealt_parts(whole, count, *communicator, runner), folder / "box.foam", runner);
       const std::vector<Processor> all = read_case(folder / "box.foam", count);
       double volume = 0;
       std::size_t cells = 0, boundary = 0;
@@ -225,14 +225,14 @@ TEST_CASE("processors of OpenFOAM: files do not depend on threads, and those of 
   for (const int threads : {1, 3}) {
     const TaskRunner runner(threads);
     const fs::path path = folder / (std::to_string(threads) + ".foam");
-    for (int again = 0; again < 2; ++again) write_parts(make_parts(whole, 3, *communicator, runner), path, runner);
+    for (int again = 0; again < 2; ++again) write_parts(dealt_parts(whole, 3, *communicator, runner), path, runner);
   }
   for (std::size_t part = 0; part < 3; ++part)
     for (const char* name : {"points", "faces", "owner", "neighbour", "boundary", "cellZones", "faceZones"})
       CHECK(file_content(mesh_of(folder / "1.foam", part) / name) ==
             file_content(mesh_of(folder / "3.foam", part) / name));
   const TaskRunner runner(2);
-  const PartitionedMesh two = make_parts(whole, 2, *communicator, runner);
+  const PartitionedMesh two = dealt_parts(whole, 2, *communicator, runner);
   const Diagnostic refused = error_of([&] { write_parts(two, folder / "1.foam", runner); });
   CHECK(refused.code == ErrorCode::OutputFailed);
   CHECK(refused.message.find("processor2") != std::string::npos);
@@ -242,7 +242,7 @@ TEST_CASE("processors of OpenFOAM: a folder with somebody's files is left as it 
   const auto communicator = make_communicator();
   const TaskRunner runner(2);
   const TemporaryFolder folder;
-  const PartitionedMesh parts = make_parts(make_named(false), 2, *communicator, runner);
+  const PartitionedMesh parts = dealt_parts(make_named(false), 2, *communicator, runner);
   write_parts(parts, folder / "a.foam", runner);
   const std::string before = file_content(mesh_of(folder / "a.foam", 0) / "points");
   std::ofstream(mesh_of(folder / "a.foam", 1) / "notes.txt") << "mine";
@@ -255,7 +255,7 @@ TEST_CASE("names of groups in parts are those of the whole mesh") {
   const auto communicator = make_communicator();
   const TaskRunner runner(2);
   const Mesh whole = make_named(true);
-  const PartitionedMesh parts = make_parts(whole, 4, *communicator, runner);
+  const PartitionedMesh parts = dealt_parts(whole, 4, *communicator, runner);
   const detail::GroupNames names = detail::gather_group_names(parts);
   const auto listed = detail::list_names(names.groups, names.entities), expected = solver_names(whole);
   REQUIRE(listed.size() == expected.size());

@@ -33,10 +33,10 @@ namespace {
 /// OpenCASCADE's writers report on standard output.
 class Silence {
  public:
-  Silence() : printers_(Message::DefaultMessenger()->Printers()) {
-    Message::DefaultMessenger()->ChangePrinters().Clear();
+  Silence() : printers_(::Message::DefaultMessenger()->Printers()) {
+    ::Message::DefaultMessenger()->ChangePrinters().Clear();
   }
-  ~Silence() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
+  ~Silence() { ::Message::DefaultMessenger()->ChangePrinters() = printers_; }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
 
