@@ -224,9 +224,12 @@ SurfaceRound SurfaceFitter::count_round(const Candidate& candidate, const Narrow
 }
 
 std::vector<Misfit> SurfaceFitter::find_misfits(const Candidate& candidate) const {
+  std::vector<std::uint8_t> face_has_layers;
+  if (!options_.layers.walls.empty()) face_has_layers.resize(model_.topology().face_count());
+  for (const WallLayers& wall : options_.layers.walls) face_has_layers[wall.face.value] = 1;
   return tetloom::find_misfits(
       candidate.surface.mesh, model_.topology(), candidate.sizes, [&](const Vec3& x) { return floor_at(x); },
-      *candidate.tree, work_, candidate.tri_is_new);
+      *candidate.tree, work_, candidate.tri_is_new, face_has_layers);
 }
 
 // By default no smaller than what fits a feature that is just not eliminated, but where angles are very small.

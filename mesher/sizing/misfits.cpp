@@ -13,7 +13,11 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using FloorAt = std::function<SizeFloor(const Vec3&)>;
 
-constexpr double kFlatAngle = 15 * std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kFlatAngle = 15 * kDegree;
+// On faces with layers: a prism on a triangle with an angle of 20 degrees has a scaled Jacobian of at most .4. The
+// second is tan 22 degrees and what edges of one size differ in length.
+constexpr double kFlatAngleBelowLayers = 22 * kDegree, kLeastWidthBelowLayers = 0.55;
 // Corners nearer than this, in sizes, may be what makes a place narrow.
 constexpr double kNear = 2;
 // What is narrower than this share of the size, so that tets have angles of 5 degrees, is refined beyond the usual
@@ -34,8 +38,8 @@ bool share_a_vertex(const Triangle& s, const Triangle& t) {
 class MisfitSearch {
  public:
   MisfitSearch(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
-               const intersection::TriangleTree& tree)
-      : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree) {
+               const intersection::TriangleTree& tree, std::span<const std::uint8_t> face_has_layers)
+      : mesh_(surface), topology_(topology), sizes_(sizes), tree_(tree), face_has_layers_(face_has_layers) {
     sort_pieces();
     sum_normals();
     face_to_edges_.resize(topology.face_count());
@@ -92,7 +96,13 @@ class MisfitSearch {
     const Vec3 normal = normalized(cross(b - a, c - a));
     if (norm2(normal) == 0) return HUGE_VAL;
     const double reach = kLeastWidth * present;
-    double width = height_of_flat(triangle, {a, b, c});
+    const auto [usual, severe] = floor(center);
+    double width = height_of_flat(triangle, {a, b, c}, kFlatAngle);
+    double size_below_layers = HUGE_VAL;
+    if (has_layers(triangle)) {
+      const double height = height_of_flat(triangle, {a, b, c}, kFlatAngleBelowLayers);
+      if (height >= kHopeless * severe) size_below_layers = std::max(height / kLeastWidthBelowLayers, severe);
+    }
     double severe_width = is_near_acute_corner(triangle, center, present) ? HUGE_VAL : width;
     for (const Wall& wall : find_walls(place, center, reach * normal)) {
       if (wall.cosine <= kOpposite) continue;
@@ -102,11 +112,11 @@ class MisfitSearch {
     const double edge_width = width_at_edges(place, normal, reach, present);
     if (edge_width < kSevere * present) severe_width = std::min(severe_width, edge_width);
     width = std::min({width, severe_width, edge_width});
-    if (width == HUGE_VAL) return HUGE_VAL;
-    const auto [usual, severe] = floor(center);
+    if (width == HUGE_VAL && size_below_layers == HUGE_VAL) return HUGE_VAL;
     if (severe_width < kHopeless * severe) return 0;
     double size = std::max(width / kLeastWidth, usual);
     if (severe_width < kSevere * present) size = std::min(size, std::max(severe_width / kEasedWidth, severe));
+    size = std::min(size, size_below_layers);
     return width >= kHopeless * severe && size < kWorthwhileSize * present ? size : HUGE_VAL;
   }
 
@@ -225,14 +235,18 @@ class MisfitSearch {
     });
   }
 
-  /// The least height of a triangle with an angle that is too small and not the model's; else infinity.
-  double height_of_flat(std::uint32_t triangle, const std::array<Vec3, 3>& x) const {
+  bool has_layers(std::uint32_t triangle) const {
+    return !face_has_layers_.empty() && face_has_layers_[mesh_.tri_to_entity[triangle]] != 0;
+  }
+
+  /// The least height of a triangle with an angle below `least` that is not the model's; else infinity.
+  double height_of_flat(std::uint32_t triangle, const std::array<Vec3, 3>& x, double least) const {
     std::array<double, 3> length2{};  // of the edge opposite to each corner
     for (std::size_t i = 0; i < 3; ++i) length2[i] = norm2(x[(i + 2) % 3] - x[(i + 1) % 3]);
     const std::size_t i = std::ranges::min_element(length2) - length2.begin();
     const Vec3 u = x[(i + 1) % 3] - x[i], v = x[(i + 2) % 3] - x[i];
     const double twice_area = norm(cross(u, v));
-    if (std::atan2(twice_area, dot(u, v)) >= kFlatAngle) return HUGE_VAL;
+    if (std::atan2(twice_area, dot(u, v)) >= least) return HUGE_VAL;
     const Triangle& verts = mesh_.tri_to_vert[triangle];
     if (lies_on_piece(verts[i], verts[(i + 1) % 3]) && lies_on_piece(verts[i], verts[(i + 2) % 3])) return HUGE_VAL;
     if (lies_in_acute_corner(triangle)) return HUGE_VAL;
@@ -344,6 +358,7 @@ class MisfitSearch {
   const ModelTopology& topology_;
   const SizeField& sizes_;
   const intersection::TriangleTree& tree_;
+  std::span<const std::uint8_t> face_has_layers_;            // empty: none has
   std::vector<std::array<std::uint32_t, 2>> model_pieces_;   // of model edges, ascending, the lower end first
   std::vector<std::uint32_t> piece_edges_;                   // the edge of each
   std::vector<Vec3> piece_normals_;                          // of their triangles, summed
@@ -358,8 +373,9 @@ class MisfitSearch {
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work,
-                                 std::span<const std::uint8_t> tri_is_new) {
-  const MisfitSearch search(surface, topology, sizes, tree);
+                                 std::span<const std::uint8_t> tri_is_new,
+                                 std::span<const std::uint8_t> face_has_layers) {
+  const MisfitSearch search(surface, topology, sizes, tree, face_has_layers);
   constexpr std::size_t kLeaf = intersection::TriangleTree::kLeafSize;
   std::vector<double> fitting(surface.tri_to_vert.size());  // leaf by leaf
   work.fill<double>(fitting, 256 * kLeaf, [&](std::size_t begin, std::size_t end) {

@@ -38,16 +38,20 @@ inline constexpr double kWorthwhileSize = 0.9;
 /// width or height kLeastWidth, but at least the usual floor of the place; what is narrower than .1 sizes gets .2, but
 /// at least the severe floor.
 ///
+/// On faces with layers, whose cells inherit the angles of their triangles, an angle below 22 degrees is too small; the
+/// size makes the height .55 of it, down to the severe floor.
+///
 /// Not told are walls that meet at a common model edge, as in a wedge, and faces where they narrow between two model
 /// edges that meet: smaller sizes would not make them any better. Beside corners the severe floor does not hold.
 /// Widths below a tenth of the severe floor, which no size allowed fits, have size 0. Widths are sampled once per
 /// triangle, at its centre, and at the middles of its sides that are pieces of model edges. `sizes`: those that the
 /// mesh was made with. `tree`: of the mesh. `tri_is_new`: the triangles that are looked at; empty: all.
-/// Complexity: O(n log n). Errors: Cancelled.
+/// `face_has_layers`: per face; empty: none has. Complexity: O(n log n). Errors: Cancelled.
 std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topology, const SizeField& sizes,
                                  const std::function<SizeFloor(const Vec3&)>& floor,
                                  const intersection::TriangleTree& tree, const SharedWork& work,
-                                 std::span<const std::uint8_t> tri_is_new = {});
+                                 std::span<const std::uint8_t> tri_is_new = {},
+                                 std::span<const std::uint8_t> face_has_layers = {});
 
 /// Whether misfits are so few, less than a thousandth of the triangles, that they are not worth another surface: none
 /// leaves angles of less than 5 degrees, or there are as many as the `before` that smaller sizes were made for.

@@ -190,7 +190,8 @@ TEST_CASE("parts are adapted from and to where they lie, also by a function", "[
   for (const int ranks : {1, 3}) {
     Mesh gathered;
     test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
-      AdaptInPartsResult result = adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered_coarsely, options_for(1500));
+      AdaptInPartsResult result =
+          adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered_coarsely, options_for(1500));
       if (!result.mesh) throw Error(ErrorCode::Internal, result.run.errors.at(0).message);
       Mesh whole = gather_mesh(*result.mesh, TaskRunner(1));
       if (communicator.rank() == 0) gathered = std::move(whole);

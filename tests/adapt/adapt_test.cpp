@@ -1,6 +1,6 @@
 // Meshes led to a metric, without a model.
-#include "tests/adapt/uniform_metric.hpp"
 #include "tetloom/adapt.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -94,8 +94,8 @@ TEST_CASE("edges at which bodies touch are split for all of them alike, with fie
   const double h = 0.03;
   const MetricFunction function = [&](const Vec3&) { return isotropic(h); };
   for (const bool has_function : {false, true}) {
-    const auto split =
-        split_touching_edges(mesh, test::uniform_metric(mesh, h), has_function ? function : MetricFunction(), nullptr, kAny);
+    const auto split = split_touching_edges(mesh, test::uniform_metric(mesh, h),
+                                            has_function ? function : MetricFunction(), nullptr, kAny);
     REQUIRE(split);
     require_consistent(split->mesh);
     test::check_kept(mesh, make_mesh_of(make_whole_mesh(split->mesh, TaskRunner(1)), split->mesh, TaskRunner(1)));

@@ -10,7 +10,7 @@ using namespace tetloom::app;
 namespace {
 
 AdaptCommand parse_adapt(const std::vector<const char*>& more, const char* input = "in.mesh",
-                   const char* output = "out.mesh") {
+                         const char* output = "out.mesh") {
   std::vector<const char*> arguments{"tetloom", "adapt", input, "-o", output};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return std::get<AdaptCommand>(parse_command_line(static_cast<int>(arguments.size()), arguments.data()));
@@ -27,34 +27,34 @@ TEST_CASE("options of adapt are read") {
   CHECK(plain.hessian.bounds.h_max == HUGE_VAL);
   CHECK(plain.model.empty());
   const AdaptCommand all = parse_adapt({"--hessian",
-                                  "heat",
-                                  "--complexity",
-                                  "1e4",
-                                  "--norm",
-                                  "inf",
-                                  "--h-min",
-                                  "0.1",
-                                  "--h-max",
-                                  "2",
-                                  "--max-aspect",
-                                  "100",
-                                  "--gradation",
-                                  "1.5",
-                                  "--transfer",
-                                  "a,b",
-                                  "--quality-floor",
-                                  "0.2",
-                                  "--tets-per-part",
-                                  "5000",
-                                  "--threads",
-                                  "3",
-                                  "--model",
-                                  "m.step",
-                                  "--curvature",
-                                  "24",
-                                  "--quiet",
-                                  "--transfer-order",
-                                  "1"});
+                                        "heat",
+                                        "--complexity",
+                                        "1e4",
+                                        "--norm",
+                                        "inf",
+                                        "--h-min",
+                                        "0.1",
+                                        "--h-max",
+                                        "2",
+                                        "--max-aspect",
+                                        "100",
+                                        "--gradation",
+                                        "1.5",
+                                        "--transfer",
+                                        "a,b",
+                                        "--quality-floor",
+                                        "0.2",
+                                        "--tets-per-part",
+                                        "5000",
+                                        "--threads",
+                                        "3",
+                                        "--model",
+                                        "m.step",
+                                        "--curvature",
+                                        "24",
+                                        "--quiet",
+                                        "--transfer-order",
+                                        "1"});
   CHECK(all.hessian_field == "heat");
   CHECK(all.hessian.complexity == 1e4);
   CHECK(std::isinf(all.hessian.norm));
@@ -132,6 +132,7 @@ TEST_CASE("wrong options of adapt are refused") {
   CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "in.mesh"), UsageError);
   CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "out.stl"), UsageError);
   CHECK_THROWS_AS(parse_adapt(right, "in.mesh", "out"), UsageError);
-  CHECK_THROWS_AS(parse_adapt({"--metric-field", "size", "--transfer", "a"}, "in.mesh", "./in.meshb/../in.mesh"), UsageError);
+  CHECK_THROWS_AS(parse_adapt({"--metric-field", "size", "--transfer", "a"}, "in.mesh", "./in.meshb/../in.mesh"),
+                  UsageError);
   CHECK_NOTHROW(parse_adapt(right));
 }

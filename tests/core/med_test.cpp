@@ -7,8 +7,8 @@
 #include "tetloom/io.hpp"
 
 using namespace tetloom;
-using test::TemporaryFolder;
 using test::survive;
+using test::TemporaryFolder;
 
 namespace {
 

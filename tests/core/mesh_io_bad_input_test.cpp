@@ -18,8 +18,8 @@ using test::content_of;
 using test::error_for;
 using test::error_of;
 using test::file_content;
-using test::TemporaryFolder;
 using test::survive;
+using test::TemporaryFolder;
 using test::write_file;
 
 namespace {

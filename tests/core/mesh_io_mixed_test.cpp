@@ -15,8 +15,8 @@ using namespace tetloom;
 using test::check_same_elements;
 using test::error_for;
 using test::error_of;
-using test::TemporaryFolder;
 using test::read_content;
+using test::TemporaryFolder;
 using test::written_and_read;
 
 namespace {
@@ -175,8 +175,8 @@ TEST_CASE("fields of the wrong length are refused in files") {
 TEST_CASE("of a view the first time step counts, parts of it are put together, and gaps are NaN") {
   const Mesh mesh =
       read_content(".msh", kMshStart + view("NodeData", "4\n1\n2", "1 10\n3 30\n") +
-                            view("NodeData", "4\n1\n1", "6 60\n") + view("NodeData", "5\n1\n1", "1 99\n") +
-                            view("ElementData", "0\n1\n2", "9 1\n7 2\n") + view("ElementData", "1\n1\n1", "9 1\n"));
+                               view("NodeData", "4\n1\n1", "6 60\n") + view("NodeData", "5\n1\n1", "1 99\n") +
+                               view("ElementData", "0\n1\n2", "9 1\n7 2\n") + view("ElementData", "1\n1\n1", "9 1\n"));
   REQUIRE(mesh.point_fields.size() == 1);
   const std::vector<double>& heat = mesh.point_fields[0].values;
   REQUIRE(heat.size() == 6);

@@ -14,8 +14,8 @@
 using namespace tetloom;
 using test::error_of;
 using test::file_content;
-using test::TemporaryFolder;
 using test::read_content;
+using test::TemporaryFolder;
 using test::with_mid_nodes;
 using test::write_file;
 using test::written_and_read;
@@ -69,10 +69,10 @@ TEST_CASE("Abaqus files of second order come back") {
 TEST_CASE("names in Abaqus files become those of entities") {
   const Mesh mesh =
       read_content("a.inp", "** made by hand\n*HEADING\n anything, here\n" + kTetNodes +
-                             "*element , type = c3d4 , elset=The Body\n7,10,20,\n30,40\n"
-                             "*Material, name=steel\n*Elastic\n210000., 0.3\n"
-                             "*ELSET, ELSET=all, GENERATE\n1, 9, 2\n"
-                             "*SURFACE, NAME=Base\nThe Body, S1\n*Surface, name=face_9, type=element\n7,S3\n");
+                                "*element , type = c3d4 , elset=The Body\n7,10,20,\n30,40\n"
+                                "*Material, name=steel\n*Elastic\n210000., 0.3\n"
+                                "*ELSET, ELSET=all, GENERATE\n1, 9, 2\n"
+                                "*SURFACE, NAME=Base\nThe Body, S1\n*Surface, name=face_9, type=element\n7,S3\n");
   REQUIRE(mesh.tet_to_vert.size() == 1);
   REQUIRE(mesh.entities[3].size() == 1);
   CHECK(mesh.entities[3][0].name == "The Body");
@@ -113,9 +113,9 @@ TEST_CASE("SU2 files come back with faces by their tags") {
 TEST_CASE("SU2 files of others are read, in two dimensions as surfaces") {
   const Mesh mesh =
       read_content("a.su2",
-                "% by hand\nNDIME=2\nNELEM= 2 % triangles\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4 4\n0 0 0\n1 0 1\n"
-                "1 1 2\n0 1e0 3\nNMARK= 2\nMARKER_TAG= lower\nMARKER_ELEMS= 1\n3 0 1\nMARKER_TAG= edge_5\n"
-                "MARKER_ELEMS= 1\n3 1 2 0\n");
+                   "% by hand\nNDIME=2\nNELEM= 2 % triangles\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4 4\n0 0 0\n1 0 1\n"
+                   "1 1 2\n0 1e0 3\nNMARK= 2\nMARKER_TAG= lower\nMARKER_ELEMS= 1\n3 0 1\nMARKER_TAG= edge_5\n"
+                   "MARKER_ELEMS= 1\n3 1 2 0\n");
   CHECK(mesh.tri_to_vert.size() == 2);
   CHECK(mesh.edge_to_entity == std::vector<std::uint32_t>{0, 4});
   CHECK(mesh.entities[1].at(0).name == "lower");

@@ -16,8 +16,8 @@ using test::content_of;
 using test::error_for;
 using test::error_of;
 using test::file_content;
-using test::TemporaryFolder;
 using test::read_content;
+using test::TemporaryFolder;
 using test::write_file;
 using test::written_and_read;
 

@@ -149,7 +149,9 @@ TEST_CASE("complexes that are filled in one part are a part each") {
   check_same(*make_box({0, 0, 0}, {1, 1, 1}), options_in_parts(0.3), 1, 1);
 }
 
-TEST_CASE("some complexes in parts and others whole") { check_same(*two_bodies(), options_in_parts(0.14, 8000), 3, 40); }
+TEST_CASE("some complexes in parts and others whole") {
+  check_same(*two_bodies(), options_in_parts(0.14, 8000), 3, 40);
+}
 
 TEST_CASE("the mesh is dealt to as many parts as are asked for, also to more than it has tets") {
   for (const int parts : {1, 3, 2000}) {

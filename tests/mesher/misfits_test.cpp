@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "mesher/sizing/misfits.hpp"
+#include "tests/mesher/options_of_size.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
@@ -45,11 +47,12 @@ struct Lens {
     topology.face_to_sides.resize(1);
   }
 
-  std::vector<Misfit> misfits() const {
+  std::vector<Misfit> misfits(bool has_layers = false) const {
     const TaskRunner runner(1);
     const intersection::TriangleTree tree(mesh.points, mesh.tri_to_vert, runner);
     const auto floor = [](const Vec3&) { return SizeFloor{0.5, 0.01}; };
-    return find_misfits(mesh, topology, SizeField::uniform(1), floor, tree, SharedWork(runner));
+    const std::vector<std::uint8_t> face_has_layers(1, has_layers ? 1 : 0);
+    return find_misfits(mesh, topology, SizeField::uniform(1), floor, tree, SharedWork(runner), {}, face_has_layers);
   }
 
  private:
@@ -116,6 +119,44 @@ TEST_CASE("what is a tenth of its size gets a smaller one than what is a little 
   // As many as before smaller sizes were made.
   CHECK(are_negligible({{0, 0.3}}, large, SizeField::uniform(1), 1));
   CHECK_FALSE(are_negligible(found, lens.mesh, SizeField::uniform(1), 1));
+}
+
+TEST_CASE("below layers a strip has edges that give their cells good shapes, also below the usual floor") {
+  for (const double width : {0.36, 0.2}) {
+    CAPTURE(width);
+    const Lens lens({0.7, width, width, width, width, 0.7});
+    if (width > 0.3) CHECK(lens.misfits().empty());
+    const auto fits = [&](const Misfit& misfit) {
+      return misfit.size == Approx(width / std::hypot(1, width) / 0.55).epsilon(0.02);
+    };
+    CHECK(std::ranges::count_if(lens.misfits(), fits) == 0);
+    CHECK(std::ranges::count_if(lens.misfits(true), fits) >= 5);
+  }
+  CHECK(Lens({0.1, 0.2, 0.2, 0.1}).misfits(true).empty());
+}
+
+TEST_CASE("layers on a solid with a narrow face have cells of good shapes there") {
+  const auto cube = make_chamfered_cube(0.09);
+  MeshOptions options = options_of_size(0.3);
+  for (std::uint32_t face = 0; face < cube->topology().face_count(); ++face) {
+    WallLayers wall;
+    wall.face = ModelFaceId(face);
+    wall.first_height = 0.005, wall.count = 3;
+    options.layers.walls.push_back(wall);
+  }
+  const MeshResult result = make_mesh(*cube, options);
+  REQUIRE(result.status == MeshStatus::Ok);
+  constexpr std::uint32_t kChamfer = 4;
+  std::size_t on_chamfer = 0;
+  for (std::size_t t = 0; t < result.mesh.tri_to_vert.size(); ++t) {
+    if (result.mesh.tri_to_entity[t] != kChamfer) continue;
+    ++on_chamfer;
+    const auto& [a, b, c] = result.mesh.tri_to_vert[t];
+    const Vec3 &x = result.mesh.points[a], &y = result.mesh.points[b], &z = result.mesh.points[c];
+    for (const auto& [at, left, right] : {std::array{x, y, z}, std::array{y, z, x}, std::array{z, x, y}})
+      CHECK(norm(cross(left - at, right - at)) > std::tan(std::numbers::pi / 9) * dot(left - at, right - at));
+  }
+  CHECK(on_chamfer > 0);
 }
 
 TEST_CASE("a wall that is narrow below an edge alone is refined there") {

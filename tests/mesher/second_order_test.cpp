@@ -87,7 +87,8 @@ TEST_CASE("volumes are compared with the model's as the curved triangles bound t
 TEST_CASE("the mesh of second order does not depend on the number of threads") {
   const auto model = make_torus(3, 1);
   const std::string digest = mesh_digest(meshed_second_order(*model, second_order_of_size(0.5, 1)));
-  for (const int threads : {2, 5}) CHECK(mesh_digest(meshed_second_order(*model, second_order_of_size(0.5, threads))) == digest);
+  for (const int threads : {2, 5})
+    CHECK(mesh_digest(meshed_second_order(*model, second_order_of_size(0.5, threads))) == digest);
 }
 
 TEST_CASE("flat faces and straight edges leave all tets straight") {

@@ -92,8 +92,7 @@ void mesh_all(double relative_size, bool judged) {
     for (const Diagnostic& error : result.errors) UNSCOPED_INFO(error.message);
     Figures figures = judge(result, *document.model);
     if (judged) {
-      const nlohmann::json answer =
-          ask_judge(result.mesh, relative_size * document.model->bounding_box().diagonal());
+      const nlohmann::json answer = ask_judge(result.mesh, relative_size * document.model->bounding_box().diagonal());
       if (!answer.empty()) figures.inverted_by_judge = answer.at("inverted").get<long long>();
     }
     print_row(file.filename().string(), result, figures);
@@ -107,6 +106,10 @@ void mesh_all(double relative_size, bool judged) {
 
 }  // namespace
 
-TEST_CASE("real CAD models are filled at a size of a fortieth of the diagonal", "[fortieth]") { mesh_all(1.0 / 40, true); }
+TEST_CASE("real CAD models are filled at a size of a fortieth of the diagonal", "[fortieth]") {
+  mesh_all(1.0 / 40, true);
+}
 
-TEST_CASE("real CAD models are filled at a size of a hundredth of the diagonal", "[hundredth]") { mesh_all(1.0 / 100, false); }
+TEST_CASE("real CAD models are filled at a size of a hundredth of the diagonal", "[hundredth]") {
+  mesh_all(1.0 / 100, false);
+}

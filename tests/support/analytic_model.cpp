@@ -202,7 +202,6 @@ std::unique_ptr<GeometricModel> make_chamfered_cube(double width) {
   return make_polyhedron(points, faces);
 }
 
-
 std::unique_ptr<GeometricModel> make_box(const Vec3& lo, const Vec3& hi) {
   std::vector<Vec3> points;
   for (int i = 0; i < 8; ++i) points.push_back({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});

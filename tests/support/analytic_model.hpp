@@ -24,7 +24,7 @@ std::unique_ptr<GeometricModel> make_polyhedron(std::span<const Vec3> points,
                                                 std::span<const std::vector<std::uint32_t>> face_to_vert,
                                                 bool solid = true);
 
-/// The unit cube with the edge at x = 1, z = 1 cut off: a face as wide as `width`.
+/// The unit cube with the edge at x = 1, z = 1 cut off: face 4, as wide as `width`.
 std::unique_ptr<GeometricModel> make_chamfered_cube(double width);
 
 /// 6 faces (x lo, x hi, y lo, y hi, z lo, z hi), 12 edges, 8 vertices (bit 0 of the index: x, 1: y, 2: z), 1 region.
