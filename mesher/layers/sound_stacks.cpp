@@ -69,7 +69,7 @@ bool SoundStacks::is_wide_enough(std::uint32_t wall, const std::array<Vec3, 3>& 
 }
 
 double SoundStacks::least_above(double least, double jacobian_of_first) {
-  return std::max(kLeastFirst, std::min(least, kKept * jacobian_of_first));
+  return jacobian_of_first >= least ? least : std::max(kLeastFirst, kKept * jacobian_of_first);
 }
 
 }  // namespace tetloom::layers
