@@ -16,6 +16,7 @@
 #include "mesher/volume/worker_protocol.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tests/support/in_time.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -69,9 +70,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Large enough to keep the worker busy for seconds.
+// Large enough to keep the worker busy for seconds; with sanitizers it is busy longer.
 const Surface& big_ball() {
-  static const Surface ball = ball_surface(7, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+  static const Surface ball = ball_surface(test::kSanitized ? 6 : 7, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
   return ball;
 }
 
@@ -183,7 +184,7 @@ TEST_CASE("a worker killed from outside is an error at once, and no second one i
 
 TEST_CASE("cancelling ends a busy worker within a second and leaves no process") {
   // The worker would take minutes.
-  const SizeField sizes = SizeField::uniform(0.008);
+  const SizeField sizes = SizeField::uniform(test::kSanitized ? 0.016 : 0.008);
   const Surface& ball = big_ball();
   CHECK(test::in_time([&] {
     CancelToken token;
