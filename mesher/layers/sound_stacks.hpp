@@ -15,10 +15,10 @@ namespace tetloom::layers {
 /// What cells have to be, per wall triangle. Refers to the walls.
 ///
 /// All are positive in exact arithmetic, however they are split. The first layer has a scaled Jacobian of .02 at least;
-/// further ones have .25, where no more is asked of them, or .8 of what the first one has where that is less. Fronts that are narrower
-/// than the wall keep all angles above 15 degrees where the wall is flat or has a sharp edge, and above 23 degrees
-/// where it bends: there a tet that lies over two narrow triangles at an angle of nearly 180 degrees is flat, and no
-/// other tets can take its place. Above narrow wall triangles .8 of the sine suffices.
+/// further ones have .25, where no more is asked of them, or .8 of what the first one has where that is less. Fronts
+/// that are narrower than the wall keep all angles above 15 degrees where the wall is flat or has a sharp edge, and
+/// above 23 degrees where it bends: there a tet that lies over two narrow triangles at an angle of nearly 180 degrees
+/// is flat, and no other tets can take its place. Above narrow wall triangles .8 of the sine suffices.
 class SoundStacks {
  public:
   static constexpr double kLeastAbove = 0.25;  ///< scaled Jacobian of layers but the first
