@@ -1,5 +1,6 @@
 #pragma once
 // Options of meshes of one size.
+#include "tests/mesher/worker.hpp"
 #include "tetloom/mesh.hpp"
 
 namespace tetloom::test_models {
@@ -8,9 +9,7 @@ inline MeshOptions options_of_size(double size, int threads = 2) {
   MeshOptions options;
   options.sizes.size = size;
   options.threads = threads;
-#ifdef TETLOOM_WORKER
-  options.volume_worker = TETLOOM_WORKER;
-#endif
+  options.volume_worker = test::kWorker;
   return options;
 }
 
