@@ -46,7 +46,7 @@ double RefinementLog::smallest_size() const {
 Diagnostic RefinementLog::describe(const SurfaceRefinement& refinement, bool done, const GeometricModel& model) const {
   std::ostringstream message;
   message << "the size asked for does not fit everywhere (" << refinement.narrow_places
-          << " triangles at walls, faces or edges narrower than 0.4 of it, " << refinement.crossings << " crossings): ";
+          << " triangles at walls, faces or edges too narrow for it, " << refinement.crossings << " crossings): ";
   if (done)
     message << "it was made smaller there, down to " << smallest_size();
   else

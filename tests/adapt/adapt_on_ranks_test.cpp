@@ -10,6 +10,7 @@
 #include "tests/adapt/meshed.hpp"
 #include "tests/adapt/on_ranks.hpp"
 #include "tests/adapt/touching_blocks.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/sanitized.hpp"
@@ -310,7 +311,7 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
 
 TEST_CASE("a call for parts that is cancelled while they are dealt has no mesh", "[adapt][ranks]") {
   const Mesh cube = test::make_unit_cube(3);
-  const auto metric = adapt::metric_from_sizes(std::vector<double>(cube.points.size(), 0.2), cube.points);
+  const auto metric = test::uniform_metric(cube, 0.2);
   std::vector<AdaptInPartsResult> results(2);
   test::on_simulated_ranks(2, [&](Communicator& communicator) {
     const auto rank = static_cast<std::size_t>(communicator.rank());

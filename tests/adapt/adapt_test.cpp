@@ -1,6 +1,5 @@
 // Meshes led to a metric, without a model.
 #include "tetloom/adapt.hpp"
-#include "tests/adapt/uniform_metric.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +11,7 @@
 
 #include "tests/adapt/kept_mesh.hpp"
 #include "tests/adapt/random_tensors.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/metric.hpp"

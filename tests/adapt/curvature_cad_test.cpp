@@ -1,6 +1,7 @@
 // Curvature limits on models of OpenCASCADE.
 #include <catch2/catch.hpp>
 
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/cad/cad_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tetloom/metric.hpp"
@@ -39,7 +40,7 @@ TEST_CASE("the metric follows a cylinder of a CAD file, and the same as a B-spli
     test::write_sample(sample, folder / "x.brep");
     const auto model = std::move(read_model(folder / "x.brep").model);
     const Mesh mesh = facets_of(*model);
-    MetricField metric = metric_from_sizes(std::vector<double>(mesh.points.size(), 4), mesh.points);
+    MetricField metric = test::uniform_metric(mesh, 4);
     limit_by_curvature(metric, mesh, *model, {24, 0}, TaskRunner(2));
     std::vector<Box3> boxes(model->topology().face_count());
     std::vector<std::uint32_t> point_to_face(mesh.points.size(), kNone);
@@ -67,7 +68,7 @@ TEST_CASE("the metric follows a torus in both directions", "[curvature_limits]")
   test::write_sample(test::Sample::Torus, folder / "x.brep");
   const auto model = std::move(read_model(folder / "x.brep").model);
   const Mesh mesh = facets_of(*model);
-  MetricField metric = metric_from_sizes(std::vector<double>(mesh.points.size(), 1e6), mesh.points);
+  MetricField metric = test::uniform_metric(mesh, 1e6);
   CHECK(limit_by_curvature(metric, mesh, *model, {24, 0}, TaskRunner(2)) == mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     const Vec3 p = mesh.points[v];

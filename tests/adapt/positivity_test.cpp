@@ -11,6 +11,7 @@
 #include "tests/adapt/box_mesh.hpp"
 #include "tests/adapt/one_round.hpp"
 #include "tests/adapt/random_tensors.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
@@ -31,7 +32,7 @@ Mesh turned_box() {
 
 /// Visits the only part of a mesh.
 void in_one_part(const Mesh& mesh, const std::function<void(CavityMesh&)>& visit) {
-  const MetricField metric = metric_from_sizes(std::vector<double>(mesh.points.size(), 0.1), mesh.points);
+  const MetricField metric = test::uniform_metric(mesh, 0.1);
   test::in_one_round(mesh, metric, {}, 1, [&](CavityMesh& part, Passes&) {
     const std::vector<Vec3> points(part.mesh.points.begin(), part.mesh.points.end());
     visit(part);

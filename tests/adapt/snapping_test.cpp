@@ -167,7 +167,7 @@ TEST_CASE("what comes out goes in again, where edges are long for the curvature"
 TEST_CASE("a mesh that follows a model does not depend on threads", "[snapping]") {
   const auto cylinder = test_models::make_cylinder(1, 2);
   const Mesh mesh = meshed(*cylinder, 0.4);
-  const auto metric = adapt::metric_from_sizes(std::vector<double>(mesh.points.size(), 0.15), mesh.points);
+  const auto metric = test::uniform_metric(mesh, 0.15);
   std::vector<std::vector<Vec3>> points;
   for (const int threads : {1, 4}) {
     AdaptOptions options;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/adapt/one_round.hpp"
+#include "tests/adapt/uniform_metric.hpp"
 #include "tests/support/mixed_mesh.hpp"
 
 using namespace tetloom;
@@ -23,7 +24,7 @@ Snapped snap(const Vec3& special, const Vec3& place, double h = 0.5) {
   test::BoxSpec spec{3, 3, 3, false, 1};
   spec.h = 1.0 / 3;
   const Mesh box = test::make_tet_box(spec);
-  const MetricField metric = metric_from_sizes(std::vector<double>(box.points.size(), h), box.points);
+  const MetricField metric = test::uniform_metric(box, h);
   const auto is_special = [&](const Vec3& x) { return distance(x, special) < 1e-9; };
   const SurfaceProjector project = [&](ModelEntity, const Vec3& x) {
     return std::optional(SurfaceSpot{is_special(x) ? place : x, {}});

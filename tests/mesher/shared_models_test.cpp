@@ -72,7 +72,7 @@ void print_row(const std::string& name, const MeshResult& result, const Figures&
   std::fflush(stdout);
 }
 
-/// An independent judge reads text for as long as the meshes take to make.
+/// `judged`: by an independent judge as well, which reads text and so takes long.
 void mesh_all(double relative_size, bool judged) {
   const std::vector<fs::path> models = test::list_real_models();
   if (models.empty()) {
