@@ -226,23 +226,23 @@ Diagnostic told_to_all(
 }  // namespace
 
 TEST_CASE("parts that cannot be adapted are told alike by all ranks", "[adapt][parts]") {
-  using Metric = PerPart<MetricField>;
+  using MetricInParts = PerPart<MetricField>;
   const Mesh cube = test::make_unit_cube(3, true);
-  Diagnostic error =
-      told_to_all(cube, [](Metric& metric, AdaptOptions&) { metric.at(metric.local().front()).logs.pop_back(); });
+  Diagnostic error = told_to_all(
+      cube, [](MetricInParts& metric, AdaptOptions&) { metric.at(metric.local().front()).logs.pop_back(); });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("points of a part") != std::string::npos);
-  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.quality_floor = 0.2; });
+  error = told_to_all(cube, [](MetricInParts&, AdaptOptions& options) { options.quality_floor = 0.2; });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("not given the same") != std::string::npos);
-  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.curvature = CurvatureLimits{}; });
+  error = told_to_all(cube, [](MetricInParts&, AdaptOptions& options) { options.curvature = CurvatureLimits{}; });
   CHECK(error.message.find("need a model") != std::string::npos);
   const auto model = test_models::make_box({0, 0, 0}, {1, 1, 1});
-  error = told_to_all(cube, [&](Metric&, AdaptOptions& options) {
+  error = told_to_all(cube, [&](MetricInParts&, AdaptOptions& options) {
     options.model = model.get(), options.curvature = CurvatureLimits{-3, 0};
   });
   CHECK(error.code == ErrorCode::InvalidArgument);
-  error = told_to_all(cube, [](Metric&, AdaptOptions& options) { options.transfer = {"nothing"}; });
+  error = told_to_all(cube, [](MetricInParts&, AdaptOptions& options) { options.transfer = {"nothing"}; });
   CHECK(error.code == ErrorCode::InvalidArgument);
   CHECK(error.message.find("nothing") != std::string::npos);
 }
