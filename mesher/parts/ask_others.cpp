@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/stopwatch.hpp"
 #include "mesher/parts/own_points.hpp"
 #include "mesher/parts/shell_steps.hpp"
 #include "threading/comm/collectives.hpp"
@@ -42,7 +43,7 @@ std::vector<Message> answer(const AllParts& parts, const std::vector<Message>& q
   parts.runner.for_each(local.size(), [&](std::size_t p) {
     const std::vector<std::size_t>& asked = part_to_questions[local[p].value];
     if (asked.empty()) return;
-    const OwnPoints points = find_own_points(parts.input, parts.states.at(local[p]), local[p]);
+    const OwnPoints points = find_own_points(parts.input, parts.states.at(local[p]).shell, local[p]);
     for (const std::size_t i : asked) {
       const auto open_balls = MessageReader(questions[i].bytes).get_view<OpenBall>();
       MessageWriter writer;
@@ -71,8 +72,10 @@ bool take_answers(const AllParts& parts, const std::vector<Message>& answers) {
     const TraceSpan span(parts.trace, "take answers", parts.runner.threads(), told.size());
     parts.runner.for_each(told.size(), [&](std::size_t i) {
       PartState& state = parts.states.at(told[i]);
-      if (!add_shell_points(parts.input, state, part_to_points[told[i].value])) return;
-      make_shell(parts.input, state, told[i], parts.runner);
+      if (!add_shell_points(parts.input, state.shell, part_to_points[told[i].value])) return;
+      Stopwatch watch;
+      state.fault = make_shell(parts.input, state.shell, told[i], parts.runner);
+      state.figures.seconds.delaunay += watch.lap();
       learnt[i] = 1;
     });
   });

@@ -31,17 +31,13 @@ std::uint64_t name_of(std::array<VertKey, 3> keys) {
   return name;
 }
 
-// In the order of `open_faces`.
-std::vector<Placed<std::uint64_t>> name_open_faces(PartState& state) {
-  const TetMesh& mesh = state.mesh;
-  state.open_names.clear();
+std::vector<Placed<std::uint64_t>> name_open_faces(const KeyedTets& part, std::span<const FaceCode> open_faces) {
+  const TetMesh& mesh = part.mesh;
   std::vector<Placed<std::uint64_t>> names;
-  names.reserve(state.strips.open_faces.size());
-  for (const FaceCode face : state.strips.open_faces) {
+  names.reserve(open_faces.size());
+  for (const FaceCode face : open_faces) {
     const auto [a, b, c] = verts_of(mesh, face);
-    const std::uint64_t name = name_of({state.keys[a], state.keys[b], state.keys[c]});
-    state.open_names.push_back(name);
-    names.push_back({mesh.points[a], reach_of(mesh, face), name});
+    names.push_back({mesh.points[a], reach_of(mesh, face), name_of({part.keys[a], part.keys[b], part.keys[c]})});
   }
   return names;
 }
@@ -70,20 +66,22 @@ class NamePlaces {
   std::vector<std::uint32_t> first_;  // of those that begin with so many bits
 };
 
-void check_open_faces(PartState& state, std::span<const std::span<const std::uint64_t>> told) {
-  std::sort(state.open_names.begin(), state.open_names.end());
-  const NamePlaces places(state.open_names);
-  std::vector<std::uint8_t> met(state.open_names.size(), 0);
+tets::Fault check_open_faces(BorderCheck& check, std::span<const std::span<const std::uint64_t>> told) {
+  std::sort(check.open_names.begin(), check.open_names.end());
+  const NamePlaces places(check.open_names);
+  std::vector<std::uint8_t> met(check.open_names.size(), 0);
   for (const auto& names : told) {
     for (const std::uint64_t name : names) {
       const std::size_t at = places.find(name);
       if (at < met.size()) met[at] = static_cast<std::uint8_t>(std::min(2, met[at] + 1));
     }
   }
+  tets::Fault fault;
   for (std::size_t i = 0; i < met.size(); ++i) {
-    if (met[i] == 0) state.unmet_names.push_back(state.open_names[i]);
-    if (met[i] > 1) state.fault.message = "three parts have the same face";
+    if (met[i] == 0) check.unmet_names.push_back(check.open_names[i]);
+    if (met[i] > 1) fault.message = "three parts have the same face";
   }
+  return fault;
 }
 
 }  // namespace
@@ -99,13 +97,16 @@ double least_reach_of(const TetMesh& mesh, FaceCode open_face) {
   return kReachInEdges * distance(mesh.points[a], mesh.points[b]);
 }
 
-void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
-  const std::vector<Placed<std::uint64_t>> names = name_open_faces(state);
-  const std::vector<Placed<std::uint32_t>> points = find_border_points(input, state, task.part());
-  const std::span<const float> qualities = state.qualities.span();
-  state.known_least_angle = tets::dihedral_of_worst(state.mesh, qualities);
+BorderCheck send_borders(const SharedInput& input, const PartTets& part, std::span<const FaceCode> open_faces,
+                         PartTask& task) {
+  BorderCheck check;
+  const std::vector<Placed<std::uint64_t>> names = name_open_faces(part, open_faces);
+  for (const auto& name : names) check.open_names.push_back(name.what);
+  const std::vector<Placed<std::uint32_t>> points = find_border_points(input, part, task.part());
+  const std::span<const float> qualities = part.qualities.span();
+  check.least_angle = tets::dihedral_of_worst(part.mesh, qualities);
   const bool stays = qualities.empty() || !wants_improvement(input, tets::least_of(qualities));
-  const double told_angle = stays ? state.known_least_angle : HUGE_VAL;
+  const double told_angle = stays ? check.least_angle : HUGE_VAL;
   const auto neighbors = input.decomposition.neighbors(task.part());
   const auto near_names = near_neighbors(names, input.decomposition, task.part());
   const auto near_points = near_neighbors(points, input.decomposition, task.part());
@@ -116,31 +117,32 @@ void send_borders(const SharedInput& input, PartState& state, PartTask& task) {
     writer.put_array<std::uint32_t>(near_points[n]);
     task.send(neighbors[n], writer.take());
   }
+  return check;
 }
 
-void take_borders(PartState& state, PartTask& task) {
+tets::Fault take_borders(BorderCheck& check, PartTask& task) {
   std::vector<std::span<const std::uint64_t>> names;
   for (const Message& message : task.inbox()) {
     MessageReader reader(message.bytes);
-    state.known_least_angle = std::min(state.known_least_angle, reader.get<double>());
+    check.least_angle = std::min(check.least_angle, reader.get<double>());
     names.push_back(reader.get_view<std::uint64_t>());
     const auto points = reader.get_view<std::uint32_t>();
-    state.surface_elsewhere.insert(state.surface_elsewhere.end(), points.begin(), points.end());
+    check.surface_elsewhere.insert(check.surface_elsewhere.end(), points.begin(), points.end());
   }
-  check_open_faces(state, names);
+  return check_open_faces(check, names);
 }
 
 bool all_faces_met(const AllParts& parts) {
   std::vector<std::uint64_t> names;
   for (const PartId part : parts.states.local()) {
-    const auto& unmet = parts.states.at(part).unmet_names;
+    const auto& unmet = parts.states.at(part).check.unmet_names;
     names.insert(names.end(), unmet.begin(), unmet.end());
   }
   names = gather_lists<std::uint64_t>(parts.communicator, names);
   sort_unique(names);
   std::vector<std::int64_t> counts(names.size(), 0);
   for (const PartId part : parts.states.local()) {
-    const auto& open = parts.states.at(part).open_names;
+    const auto& open = parts.states.at(part).check.open_names;
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto [begin, end] = std::equal_range(open.begin(), open.end(), names[i]);
       counts[i] += end - begin;

@@ -14,9 +14,9 @@ using tets::TetMesh;
 // Strips are a small share of the part: a byte per tet and per vertex is all that grows with it.
 class Extraction {
  public:
-  explicit Extraction(const PartState& state)
-      : mesh_(state.mesh), tet_flags_(state.mesh.size(), 0), vert_flags_(state.mesh.points.size(), 0) {
-    for (const auto& [vert, face] : state.strips.border.verts) vert_flags_[vert] = kShared;
+  Extraction(const TetMesh& mesh, const PartBorder& border)
+      : mesh_(mesh), tet_flags_(mesh.size(), 0), vert_flags_(mesh.points.size(), 0) {
+    for (const auto& [vert, face] : border.verts) vert_flags_[vert] = kShared;
   }
 
   std::vector<TetsToMigrate> run(std::span<const FaceCode> open_faces,
@@ -105,9 +105,9 @@ class Extraction {
 
 }  // namespace
 
-std::vector<TetsToMigrate> find_tets_to_migrate(const PartState& state,
+std::vector<TetsToMigrate> find_tets_to_migrate(const TetMesh& mesh, const StripState& strips,
                                                 std::span<const std::pair<PartId, std::uint32_t>> verts) {
-  return Extraction(state).run(state.strips.open_faces, verts);
+  return Extraction(mesh, strips.border).run(strips.open_faces, verts);
 }
 
 }  // namespace tetloom::parts

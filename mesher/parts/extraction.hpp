@@ -16,8 +16,8 @@ struct TetsToMigrate {
 };
 
 /// The tets within two layers around the vertices, each for the first of their owners; ascending by destination.
-/// `verts`: vertices of open faces with their owners, ascending; each vertex once.
-std::vector<TetsToMigrate> find_tets_to_migrate(const PartState& state,
+/// `verts`: vertices of open faces with their owners, ascending; each vertex once. `strips` has these faces.
+std::vector<TetsToMigrate> find_tets_to_migrate(const tets::TetMesh& mesh, const StripState& strips,
                                                 std::span<const std::pair<PartId, std::uint32_t>> verts);
 
 }  // namespace tetloom::parts

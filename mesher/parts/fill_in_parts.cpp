@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/codec.hpp"
+#include "core/base/stopwatch.hpp"
 #include "mesher/parts/ask_others.hpp"
 #include "mesher/parts/borders.hpp"
 #include "mesher/parts/lattice_steps.hpp"
@@ -19,6 +21,19 @@
 namespace tetloom::parts {
 
 namespace {
+
+// The time until the end of the scope.
+class AddedTime {
+ public:
+  explicit AddedTime(double& seconds) : seconds_(seconds) {}
+  ~AddedTime() { seconds_ += watch_.lap(); }
+  AddedTime(const AddedTime&) = delete;
+  AddedTime& operator=(const AddedTime&) = delete;
+
+ private:
+  double& seconds_;
+  Stopwatch watch_;
+};
 
 class Filler {
  public:
@@ -77,49 +92,91 @@ class Filler {
     percents_.clear();
   }
 
+  // Core and shell of every part.
   void make_tets() {
     std::vector<Step> steps;
-    steps.push_back(step("points", 14, Sends::Messages, [&](PartState& s, PartTask& t) { find_points(input_, s, t); }));
-    if (input_.is_graded())
-      steps.push_back(
-          step("grading", 3, Sends::Messages, [&](PartState& s, PartTask& t) { drop_near_finer(input_, s, t); }));
-    steps.push_back(step("core", 8, Sends::Messages, [&](PartState& s, PartTask& t) { make_core(input_, s, t); }));
-    const auto shell = [&](PartState& s, PartTask& t) {
-      take_shell_points(s, t);
-      make_shell(input_, s, t.part(), t.runner());
+    const auto points = [&](PartState& s, PartTask& t) {
+      const AddedTime time(s.figures.seconds.points);
+      s.shell = find_points(input_, t);
     };
+    const auto grading = [&](PartState& s, PartTask& t) {
+      const AddedTime time(s.figures.seconds.points);
+      drop_near_finer(input_, s.shell, t);
+    };
+    const auto core = [&](PartState& s, PartTask& t) {
+      const AddedTime time(s.figures.seconds.core);
+      make_core(input_, s.shell, t);
+    };
+    const auto shell = [&](PartState& s, PartTask& t) {
+      const AddedTime time(s.figures.seconds.delaunay);
+      take_shell_points(s.shell, t);
+      s.fault = make_shell(input_, s.shell, t.part(), t.runner());
+    };
+    steps.push_back(step("points", 14, Sends::Messages, points));
+    if (input_.is_graded()) steps.push_back(step("grading", 3, Sends::Messages, grading));
+    steps.push_back(step("core", 8, Sends::Messages, core));
     steps.push_back(step("shell", 26, Sends::Nothing, shell));
     run_steps(steps);
+  }
+
+  // One mesh of core and shell, optimised but for what lies between parts.
+  void join_and_optimize(PartState& s, PartTask& t) {
+    FillingFigures& figures = s.figures;
+    JoinedShell joined;
+    {
+      const AddedTime time(figures.seconds.join);
+      joined = append_shell(input_, std::exchange(s.shell, {}), mending_.removed);
+    }
+    s.tets = std::move(joined.tets);
+    s.seen_sides = joined.seen_sides, figures.core_tets = joined.core_tets, figures.shell_tets = joined.shell_tets;
+    for (const RecoveredTets& recovered : mending_.recovered[t]) {
+      s.seen_sides += add_recovered(s.tets, t.part(), recovered, input_.only_region);
+      figures.shell_tets += recovered.made.size();
+    }
+    s.fault = name_regions(input_, s.tets.mesh);
+    if (s.fault.any()) return;
+    const AddedTime time(figures.seconds.optimize);
+    figures.optimizer = optimize_inside(input_, s.tets, joined.open_faces, joined.core_tets, t.part(), t.runner());
   }
 
   void optimize() {
     std::vector<Step> steps;
     const auto inside = [&](PartState& s, PartTask& t) {
-      append_shell(input_, s, mending_.removed);
-      for (const std::uint32_t c : s.recovered) add_recovered(s, t.part(), mending_.recovered[c], input_.only_region);
-      name_regions(input_, s);
-      if (s.fault.any()) return;
-      optimize_inside(input_, s, t.part(), t.runner());
-      send_poor(input_, s, t);
+      join_and_optimize(s, t);
+      if (!s.fault.any()) send_poor(input_, s.tets, s.strips, t);
     };
     steps.push_back(step("optimize", 22, Sends::Messages, inside));
-    for (std::size_t round = 0; round < kStripRounds; ++round) {
-      steps.push_back(step("share", 1, Sends::Messages, [&](PartState& s, PartTask& t) { send_shared(input_, s, t); }));
-      steps.push_back(
-          step("send strips", 1, Sends::Messages, [&, round](PartState& s, PartTask& t) { send_strips(s, round, t); }));
-      const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
-        take_strips(input_, s, t);
-        is_last ? send_borders(input_, s, t) : send_poor(input_, s, t);
-      };
-      steps.push_back(step("strips", 3, Sends::Messages, take));
-    }
+    for (std::size_t round = 0; round < kStripRounds; ++round) add_strip_round(round, steps);
     const auto finish = [&](PartState& s, PartTask& t) {
-      take_borders(s, t);
-      finish_part(input_, s, t.part(), t.runner());
+      s.fault = take_borders(s.check, t);
+      if (s.fault.any()) return;
+      auto [changed, fault] = finish_part(input_, s.tets, s.check, s.figures, t.part(), t.runner());
+      s.changed_triangles = std::move(changed), s.fault = std::move(fault);
     };
     steps.push_back(step("finish", 8, Sends::Nothing, finish));
     run_steps(steps);
     if (!all_faces_met(parts_)) parts_.set_fault("the faces of parts do not fit together");
+  }
+
+  void add_strip_round(std::size_t round, std::vector<Step>& steps) {
+    const auto share = [&](PartState& s, PartTask& t) { send_shared(input_, s.tets, s.strips, t); };
+    const auto send = [round](PartState& s, PartTask& t) {
+      send_strips(s.tets, s.strips, round == 0, s.figures.parts.strips[round], t);
+    };
+    const auto take = [&, is_last = round + 1 == kStripRounds](PartState& s, PartTask& t) {
+      {
+        const AddedTime time(s.figures.seconds.optimize);
+        take_strips(input_, s.tets, s.strips, s.figures.optimizer, t);
+      }
+      if (is_last) {
+        s.check = send_borders(input_, s.tets, s.strips.open_faces, t);
+      } else {
+        send_poor(input_, s.tets, s.strips, t);
+      }
+    };
+    steps.push_back(step("share", 1, Sends::Messages, share));
+    steps.push_back(step("send strips", 1, Sends::Messages, send));
+    steps.push_back(step("strips", 3, Sends::Messages, take));
   }
 
   // What all ranks know in the end: the figures of all parts, in their order, and what became of the surface.

@@ -26,26 +26,32 @@ constexpr double kBesideBox = 1, kFromOtherBoxes = 3;
 
 class Improvement {
  public:
-  Improvement(const SharedInput& input, PartState& state, PartId part)
-      : input_(input), state_(state), mesh_(state.mesh), box_(input.decomposition.box(part)), part_(part) {}
+  Improvement(const SharedInput& input, PartTets& part_tets, tets::OptimizeReport& report, PartId part)
+      : input_(input),
+        tets_(part_tets),
+        mesh_(part_tets.mesh),
+        report_(report),
+        box_(input.decomposition.box(part)),
+        part_(part) {}
 
-  void run(const TaskRunner& runner) {
+  std::vector<ChangedTriangle> run(std::span<const std::uint32_t> elsewhere, const TaskRunner& runner) {
     collect();
     renumber();
-    freeze();
+    freeze(elsewhere);
     const intersection::TriangleTree tree(surface_.points, surface_.tri_to_vert, runner);
     tets::OptimizeOptions options = optimize_options(input_.filling);
     options.fixed_points = static_cast<std::uint32_t>(surface_.points.size());
     options.keep_points = true;
-    const auto after = volume::improve(mesh_, {surface_, tree, *input_.filling.freedom, options, is_frozen_},
-                                       state_.figures.optimizer, runner);
-    note_changes(after);
+    const auto after =
+        volume::improve(mesh_, {surface_, tree, *input_.filling.freedom, options, is_frozen_}, report_, runner);
+    while (tets_.keys.size() < mesh_.points.size()) tets_.keys.push_back(key_of(part_, tets_.next_index++));
+    return find_changes(after);
   }
 
  private:
   // The surface that the part knows or has tets at, with numbers of its own.
   void collect() {
-    triangles_ = state_.triangles;
+    triangles_ = tets_.triangles;
     for (const FaceCode face : mesh_.faces()) {
       if (!mesh_.is_fixed(face)) continue;
       const auto* triangle = input_.triangles.find(tets::sorted(complex_verts(face)));
@@ -55,7 +61,7 @@ class Improvement {
     const Complex& complex = input_.filling.complex;
     for (const std::uint32_t t : triangles_)
       points_.insert(points_.end(), complex.tri_to_vert[t].begin(), complex.tri_to_vert[t].end());
-    for (const VertKey key : state_.keys)
+    for (const VertKey key : tets_.keys)
       if (is_of_surface(key)) points_.push_back(static_cast<std::uint32_t>(key));
     sort_unique(points_);
     surface_.regions = complex.regions;
@@ -73,7 +79,7 @@ class Improvement {
 
   TriangleVerts complex_verts(FaceCode face) const {
     TriangleVerts verts = verts_of(mesh_, face);
-    for (std::uint32_t& v : verts) v = static_cast<std::uint32_t>(state_.keys[v]);
+    for (std::uint32_t& v : verts) v = static_cast<std::uint32_t>(tets_.keys[v]);
     return verts;
   }
 
@@ -86,30 +92,30 @@ class Improvement {
     GrowingArray<Vec3> points{std::span<const Vec3>(surface_.points)};
     GrowingArray<VertKey> keys;
     for (const std::uint32_t point : points_) keys.push_back(point);
-    std::vector<std::uint32_t> to_new(state_.keys.size());
+    std::vector<std::uint32_t> to_new(tets_.keys.size());
     for (std::uint32_t v = 0; v < to_new.size(); ++v) {
-      if (is_of_surface(state_.keys[v])) {
-        to_new[v] = local(static_cast<std::uint32_t>(state_.keys[v]));
+      if (is_of_surface(tets_.keys[v])) {
+        to_new[v] = local(static_cast<std::uint32_t>(tets_.keys[v]));
         continue;
       }
       to_new[v] = static_cast<std::uint32_t>(points.size());
       points.push_back(mesh_.points[v]);
-      keys.push_back(state_.keys[v]);
+      keys.push_back(tets_.keys[v]);
     }
     for (std::uint32_t& v : mesh_.to_vert) v = to_new[v];
-    for (AcuteTet& tet : state_.figures.optimizer.acute_tets) {
+    for (AcuteTet& tet : report_.acute_tets) {
       for (auto& triangle : tet.triangles)
         for (std::uint32_t& v : triangle) v = to_new[v];
       for (std::uint32_t& v : tet.points) v = to_new[v];
     }
     mesh_.points = std::move(points);
-    state_.keys = std::move(keys);
+    tets_.keys = std::move(keys);
   }
 
-  void freeze() {
+  void freeze(std::span<const std::uint32_t> elsewhere) {
     is_frozen_.assign(points_.size(), 0);
     for (std::size_t i = 0; i < points_.size(); ++i) is_frozen_[i] = !is_own(surface_.points[i]);
-    for (const std::uint32_t point : state_.surface_elsewhere)
+    for (const std::uint32_t point : elsewhere)
       if (const auto at = std::lower_bound(points_.begin(), points_.end(), point); at != points_.end() && *at == point)
         is_frozen_[static_cast<std::size_t>(at - points_.begin())] = 1;
     for (const FaceCode face : mesh_.faces()) {
@@ -129,18 +135,20 @@ class Improvement {
     });
   }
 
-  void note_changes(const std::vector<TriangleVerts>& after) {
+  std::vector<ChangedTriangle> find_changes(const std::vector<TriangleVerts>& after) const {
+    std::vector<ChangedTriangle> changed;
     for (std::size_t t = 0; t < after.size(); ++t) {
       if (after[t] == surface_.tri_to_vert[t]) continue;
       const auto& [a, b, c] = after[t];
-      state_.changed_triangles.push_back({triangles_[t], {points_[a], points_[b], points_[c]}});
+      changed.push_back({triangles_[t], {points_[a], points_[b], points_[c]}});
     }
-    while (state_.keys.size() < mesh_.points.size()) state_.keys.push_back(key_of(part_, state_.next_index++));
+    return changed;
   }
 
   const SharedInput& input_;
-  PartState& state_;
+  PartTets& tets_;
   TetMesh& mesh_;
+  tets::OptimizeReport& report_;
   const Box3& box_;
   PartId part_;
   std::vector<std::uint32_t> triangles_, points_;  // of the complex, ascending
@@ -154,22 +162,25 @@ bool wants_improvement(const SharedInput& input, double least_cubed) {
   return input.filling.freedom && least_cubed < tets::quality_to_improve(volume::optimize_options(input.filling));
 }
 
-void improve_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
-  Improvement(input, state, part).run(runner);
+std::vector<ChangedTriangle> improve_part(const SharedInput& input, PartTets& part_tets,
+                                          std::span<const std::uint32_t> elsewhere, tets::OptimizeReport& report,
+                                          PartId part, const TaskRunner& runner) {
+  return Improvement(input, part_tets, report, part).run(elsewhere, runner);
 }
 
-std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const PartState& state, PartId part) {
-  std::vector<char> seen(state.keys.size(), 0);
+std::vector<Placed<std::uint32_t>> find_border_points(const SharedInput& input, const KeyedTets& part_tets,
+                                                      PartId part) {
+  std::vector<char> seen(part_tets.keys.size(), 0);
   std::vector<std::uint32_t> used;
-  const std::uint8_t* fixed = state.mesh.to_fixed.data();
+  const std::uint8_t* fixed = part_tets.mesh.to_fixed.data();
   const auto has_fixed = [fixed](std::size_t tet) { return fixed[tet] != 0; };
-  tets::for_each_that(0, state.mesh.size(), has_fixed, [&](std::size_t at) {
+  tets::for_each_that(0, part_tets.mesh.size(), has_fixed, [&](std::size_t at) {
     const auto tet = static_cast<std::uint32_t>(at);
-    if (state.mesh.is_dead(tet)) return;
+    if (part_tets.mesh.is_dead(tet)) return;
     for (const FaceCode face : FaceCode::of(tet)) {
-      if (!state.mesh.is_fixed(face)) continue;
-      for (const std::uint32_t v : verts_of(state.mesh, face))
-        if (!std::exchange(seen[v], 1)) used.push_back(static_cast<std::uint32_t>(state.keys[v]));
+      if (!part_tets.mesh.is_fixed(face)) continue;
+      for (const std::uint32_t v : verts_of(part_tets.mesh, face))
+        if (!std::exchange(seen[v], 1)) used.push_back(static_cast<std::uint32_t>(part_tets.keys[v]));
     }
   });
   sort_unique(used);

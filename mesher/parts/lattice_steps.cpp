@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/stopwatch.hpp"
 #include "mesher/parts/near_box.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -61,13 +60,13 @@ std::vector<SentSites> find_sent_sites(const SharedInput& input, const LevelPoin
 }
 
 // Per level: its sites within so many cubes of the other part's box, and whether each is near the surface.
-void send_sites(const SharedInput& input, const PartState& state, double reach, PartTask& task) {
+void send_sites(const SharedInput& input, const PartShell& shell, double reach, PartTask& task) {
   const auto neighbors = input.decomposition.neighbors(task.part());
   std::vector<MessageWriter> writers(neighbors.size());
-  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
-    const LevelPoints& level = state.shell.levels[l];
+  for (std::size_t l = 0; l < shell.levels.size(); ++l) {
+    const LevelPoints& level = shell.levels[l];
     const double margin = reach * cube_of(input, level);
-    const auto sent = find_sent_sites(input, level, state.shell.own_first[l], margin, task.part());
+    const auto sent = find_sent_sites(input, level, shell.own_first[l], margin, task.part());
     for (std::size_t n = 0; n < neighbors.size(); ++n) {
       writers[n].put_array<SentSite>(sent[n].sites);
       writers[n].put_array<char>(sent[n].near);
@@ -76,10 +75,10 @@ void send_sites(const SharedInput& input, const PartState& state, double reach, 
   for (std::size_t n = 0; n < neighbors.size(); ++n) task.send(neighbors[n], writers[n].take());
 }
 
-void number_own(PartState& state) {
-  state.shell.own_first.assign(1, 0);
-  for (const LevelPoints& level : state.shell.levels)
-    state.shell.own_first.push_back(state.shell.own_first.back() + static_cast<std::uint32_t>(level.sites.size()));
+void number_own(PartShell& shell) {
+  shell.own_first.assign(1, 0);
+  for (const LevelPoints& level : shell.levels)
+    shell.own_first.push_back(shell.own_first.back() + static_cast<std::uint32_t>(level.sites.size()));
 }
 
 // Appends what others sent, level by level, to lists of the same levels.
@@ -109,16 +108,16 @@ void append_points(const LevelPoints& level, std::vector<Vec3>& points) {
   for (const Site& site : level.sites) points.push_back(level.lattice.point(site));
 }
 
-void send_shell_points(const SharedInput& input, const PartState& state, PartTask& task) {
+void send_shell_points(const SharedInput& input, const PartShell& shell, PartTask& task) {
   std::vector<Placed<SentShellPoint>> border;
   std::size_t l = 0;
-  for (const std::uint32_t vert : state.core.shell_verts) {
-    while (vert >= state.core.level_to_vert[l + 1]) ++l;
-    const Vec3& x = state.mesh.points[vert];
-    const double reach = kShellReach * state.shell.levels[l].lattice.size();
+  for (const std::uint32_t vert : shell.core.shell_verts) {
+    while (vert >= shell.core.level_to_vert[l + 1]) ++l;
+    const Vec3& x = shell.core_mesh.points[vert];
+    const double reach = kShellReach * shell.levels[l].lattice.size();
     if (depth_inside(x, input.decomposition.box(task.part())) > reach) continue;
-    const auto index = static_cast<std::uint32_t>(state.keys[vert]);
-    border.push_back({x, reach, {x, index, state.shell.pure_around[vert] != 0}});
+    const auto index = static_cast<std::uint32_t>(shell.keys[vert]);
+    border.push_back({x, reach, {x, index, shell.pure_around[vert] != 0}});
   }
   const auto neighbors = input.decomposition.neighbors(task.part());
   const auto near = near_neighbors(border, input.decomposition, task.part());
@@ -132,10 +131,10 @@ void send_shell_points(const SharedInput& input, const PartState& state, PartTas
 
 }  // namespace
 
-void find_points(const SharedInput& input, PartState& state, PartTask& task) {
-  Stopwatch watch;
+PartShell find_points(const SharedInput& input, PartTask& task) {
+  PartShell shell;
   const Box3& box = input.decomposition.box(task.part());
-  state.shell.levels = empty_levels(input);
+  shell.levels = empty_levels(input);
   lattice::CellSites working;
   for (const std::uint32_t index : input.decomposition.cells_of(task.part())) {
     task.check_cancelled();
@@ -148,75 +147,69 @@ void find_points(const SharedInput& input, PartState& state, PartTask& task) {
     const auto level_to_sites = input.cells.find_sites(cell, piece, working);
     for (std::size_t l = 0; l < level_to_sites.size(); ++l) {
       for (const lattice::KeptSite& kept : level_to_sites[l]) {
-        state.shell.levels[l].sites.push_back(kept.site);
-        state.shell.levels[l].near_surface.push_back(kept.near_surface);
+        shell.levels[l].sites.push_back(kept.site);
+        shell.levels[l].near_surface.push_back(kept.near_surface);
       }
     }
   }
-  number_own(state);
-  send_sites(input, state, input.is_graded() ? kDroppingReach : lattice::kReach, task);
-  state.figures.seconds.points += watch.lap();
+  number_own(shell);
+  send_sites(input, shell, input.is_graded() ? kDroppingReach : lattice::kReach, task);
+  return shell;
 }
 
-void drop_near_finer(const SharedInput& input, PartState& state, PartTask& task) {
-  Stopwatch watch;
+void drop_near_finer(const SharedInput& input, PartShell& shell, PartTask& task) {
   std::vector<LevelPoints> others = empty_levels(input);
   std::vector<std::vector<VertKey>> keys;
   take_sites(task, others, keys);
-  std::vector<std::vector<Vec3>> points(state.shell.levels.size());
-  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
+  std::vector<std::vector<Vec3>> points(shell.levels.size());
+  for (std::size_t l = 0; l < shell.levels.size(); ++l) {
     const std::size_t first = l < lattice::kLevelsThatReach ? 0 : l - lattice::kLevelsThatReach;
     const std::vector<std::span<const Vec3>> finer(points.begin() + static_cast<std::ptrdiff_t>(first),
                                                    points.begin() + static_cast<std::ptrdiff_t>(l));
-    for (LevelPoints* level : {&state.shell.levels[l], &others[l]}) {
+    for (LevelPoints* level : {&shell.levels[l], &others[l]}) {
       if (l > 0) lattice::drop_near_finer(*level, finer, task.runner());
       append_points(*level, points[l]);
     }
   }
-  number_own(state);
-  send_sites(input, state, lattice::kGradedReach, task);
-  state.figures.seconds.points += watch.lap();
+  number_own(shell);
+  send_sites(input, shell, lattice::kGradedReach, task);
 }
 
-void make_core(const SharedInput& input, PartState& state, PartTask& task) {
-  Stopwatch watch;
+void make_core(const SharedInput& input, PartShell& shell, PartTask& task) {
   std::vector<std::vector<VertKey>> foreign;
-  take_sites(task, state.shell.levels, foreign);
+  take_sites(task, shell.levels, foreign);
   const auto known = input.surface.points_of(task.part());
-  state.surface.assign(known.begin(), known.end());
-  state.keys.reserve(known.size());
+  shell.surface.assign(known.begin(), known.end());
+  shell.keys.reserve(known.size());
   for (const std::uint32_t point : known) {
-    state.mesh.points.push_back(input.filling.complex.points[point]);
-    state.keys.push_back(point);
+    shell.core_mesh.points.push_back(input.filling.complex.points[point]);
+    shell.keys.push_back(point);
   }
-  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
-    state.shell.levels[l].foreign = foreign[l].size();
-    for (std::uint32_t i = state.shell.own_first[l]; i < state.shell.own_first[l + 1]; ++i)
-      state.keys.push_back(key_of(task.part(), i));
-    state.keys.append(foreign[l]);
+  for (std::size_t l = 0; l < shell.levels.size(); ++l) {
+    shell.levels[l].foreign = foreign[l].size();
+    for (std::uint32_t i = shell.own_first[l]; i < shell.own_first[l + 1]; ++i)
+      shell.keys.push_back(key_of(task.part(), i));
+    shell.keys.append(foreign[l]);
   }
-  state.next_index = state.shell.own_first.back();
-  state.core = emit_core(state.mesh, state.shell.levels, task.runner());
-  state.shell.pure_around.assign(state.mesh.points.size(), 0);
-  for (std::size_t i = 0; i < state.core.shell_verts.size(); ++i)
-    state.shell.pure_around[state.core.shell_verts[i]] = state.core.pure_around[i];
-  state.figures.core_tets = state.mesh.size();
-  send_shell_points(input, state, task);
-  state.figures.seconds.core += watch.lap();
+  shell.core = emit_core(shell.core_mesh, shell.levels, task.runner());
+  shell.pure_around.assign(shell.core_mesh.points.size(), 0);
+  for (std::size_t i = 0; i < shell.core.shell_verts.size(); ++i)
+    shell.pure_around[shell.core.shell_verts[i]] = shell.core.pure_around[i];
+  send_shell_points(input, shell, task);
 }
 
-void take_shell_points(PartState& state, PartTask& task) {
+void take_shell_points(PartShell& shell, PartTask& task) {
   // Those of the neighbourhood that the core knows are not taken twice.
   std::vector<std::pair<VertKey, std::uint32_t>> known;
-  for (std::size_t l = 0; l < state.shell.levels.size(); ++l) {
-    const std::uint32_t end = state.core.level_to_vert[l + 1];
-    for (auto v = end - static_cast<std::uint32_t>(state.shell.levels[l].foreign); v < end; ++v)
-      known.emplace_back(state.keys[v], v);
+  for (std::size_t l = 0; l < shell.levels.size(); ++l) {
+    const std::uint32_t end = shell.core.level_to_vert[l + 1];
+    for (auto v = end - static_cast<std::uint32_t>(shell.levels[l].foreign); v < end; ++v)
+      known.emplace_back(shell.keys[v], v);
   }
   std::sort(known.begin(), known.end());
-  state.shell.verts.resize(state.surface.size());
-  for (std::uint32_t v = 0; v < state.shell.verts.size(); ++v) state.shell.verts[v] = v;
-  state.shell.verts.insert(state.shell.verts.end(), state.core.shell_verts.begin(), state.core.shell_verts.end());
+  shell.verts.resize(shell.surface.size());
+  for (std::uint32_t v = 0; v < shell.verts.size(); ++v) shell.verts[v] = v;
+  shell.verts.insert(shell.verts.end(), shell.core.shell_verts.begin(), shell.core.shell_verts.end());
   for (Message& message : task.inbox()) {
     MessageReader reader(message.bytes);
     for (const SentShellPoint& sent : reader.get_view<SentShellPoint>()) {
@@ -226,13 +219,13 @@ void take_shell_points(PartState& state, PartTask& task) {
       if (at != known.end() && at->first == key) {
         vert = at->second;
       } else {
-        vert = static_cast<std::uint32_t>(state.mesh.points.size());
-        state.mesh.points.push_back(sent.point);
-        state.keys.push_back(key);
-        state.shell.pure_around.push_back(0);
+        vert = static_cast<std::uint32_t>(shell.core_mesh.points.size());
+        shell.core_mesh.points.push_back(sent.point);
+        shell.keys.push_back(key);
+        shell.pure_around.push_back(0);
       }
-      state.shell.pure_around[vert] = sent.has_pure != 0;
-      state.shell.verts.push_back(vert);
+      shell.pure_around[vert] = sent.has_pure != 0;
+      shell.verts.push_back(vert);
     }
   }
 }

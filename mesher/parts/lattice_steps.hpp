@@ -6,15 +6,15 @@
 namespace tetloom::parts {
 
 /// Finds the part's own sites and sends those near others.
-void find_points(const SharedInput& input, PartState& state, PartTask& task);
+PartShell find_points(const SharedInput& input, PartTask& task);
 
 /// Where there are several lattices: drops sites near those of finer ones and sends what is left once more.
-void drop_near_finer(const SharedInput& input, PartState& state, PartTask& task);
+void drop_near_finer(const SharedInput& input, PartShell& shell, PartTask& task);
 
 /// Writes the part's share of the core, and sends its points of the shell that others have to know.
-void make_core(const SharedInput& input, PartState& state, PartTask& task);
+void make_core(const SharedInput& input, PartShell& shell, PartTask& task);
 
 /// Takes the points of the shell that others know.
-void take_shell_points(PartState& state, PartTask& task);
+void take_shell_points(PartShell& shell, PartTask& task);
 
 }  // namespace tetloom::parts

@@ -33,7 +33,7 @@ void send_near_points(const AllParts& parts, const Cluster& cluster, std::uint32
                       std::vector<Message>& messages) {
   parts.input.decomposition.for_each_in(cluster.box, [&](PartId part) {
     if (!parts.states.is_local(part)) return;
-    const NearPoints found = find_near_points(parts.input, parts.states.at(part), part, cluster);
+    const NearPoints found = find_near_points(parts.input, parts.states.at(part).shell, part, cluster);
     MessageWriter writer;
     writer.put(std::uint64_t{index});
     writer.put_array<ShellPoint>(found.points);
@@ -76,9 +76,9 @@ std::vector<TetKeys> gather_removed(const AllParts& parts, const std::vector<Clu
   return removed;
 }
 
-// The tets to the parts that are to have them; those of this rank.
-std::vector<RecoveredTets> deal_all_recovered(const AllParts& parts, const std::vector<Cluster>& clusters,
-                                              std::span<const RecoveredCluster> recovered) {
+// The tets to the parts that are to have them.
+PerPart<std::vector<RecoveredTets>> deal_all_recovered(const AllParts& parts, const std::vector<Cluster>& clusters,
+                                                       std::span<const RecoveredCluster> recovered) {
   const auto pack = [&] {
     std::vector<Message> messages;
     for (std::uint32_t c = 0; c < clusters.size(); ++c) {
@@ -91,11 +91,10 @@ std::vector<RecoveredTets> deal_all_recovered(const AllParts& parts, const std::
     }
     return messages;
   };
-  std::vector<RecoveredTets> dealt;
+  PerPart<std::vector<RecoveredTets>> dealt(parts.states.part_count(), parts.states.local());
   for (const Message& message : parts.exchange(pack)) {
     MessageReader reader(message.bytes);
-    parts.states.at(message.to).recovered.push_back(static_cast<std::uint32_t>(dealt.size()));
-    dealt.push_back(get_recovered(reader));
+    dealt.at(message.to).push_back(get_recovered(reader));
   }
   return dealt;
 }
@@ -103,7 +102,7 @@ std::vector<RecoveredTets> deal_all_recovered(const AllParts& parts, const std::
 }  // namespace
 
 Mending mend_surface(const AllParts& parts) {
-  Mending mending;
+  Mending mending{{}, {parts.states.part_count(), parts.states.local()}};
   const std::vector<std::uint32_t> missing = gather_missing(parts);
   if (missing.empty()) return mending;
   if (are_too_many(parts, missing.size())) {

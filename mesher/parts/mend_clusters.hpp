@@ -9,8 +9,8 @@ namespace tetloom::parts {
 
 /// What recovering missing triangles has changed.
 struct Mending {
-  std::vector<RecoveredTets> recovered;  ///< of this rank's parts; PartState::recovered names those of a part
-  std::vector<TetKeys> removed;          ///< tets of the shell, of any part, that are no more, ascending
+  std::vector<TetKeys> removed;                   ///< tets of the shell, of any part, that are no more, ascending
+  PerPart<std::vector<RecoveredTets>> recovered;  ///< those that each part has instead
 };
 
 /// Sets the fault of parts where triangles could not be recovered, or are too many. A collective call. Errors:

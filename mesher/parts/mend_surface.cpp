@@ -233,14 +233,14 @@ std::vector<Cluster> make_clusters(const SharedInput& input, std::span<const std
   return clusters;
 }
 
-NearPoints find_near_points(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster) {
+NearPoints find_near_points(const SharedInput& input, const PartShell& shell, PartId part, const Cluster& cluster) {
   NearPoints found;
-  for_each_own_vert(input, state, part, [&](std::uint32_t v) {
-    if (!cluster.box.contains(state.shell.mesh.points[v])) return;
-    found.points.push_back(shell_point(state, v));
-    if (v < state.surface_count()) return;
-    any_pure_around(state, v, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
-      found.pure.push_back({state.keys[v], lattice.point(site)});
+  for_each_own_vert(input, shell, part, [&](std::uint32_t v) {
+    if (!cluster.box.contains(shell.mesh.points[v])) return;
+    found.points.push_back(shell_point(shell, v));
+    if (v < shell.surface_count()) return;
+    any_pure_around(shell, v, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
+      found.pure.push_back({shell.keys[v], lattice.point(site)});
       return false;
     });
   });

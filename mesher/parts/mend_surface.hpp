@@ -39,7 +39,7 @@ struct NearPoints {
 };
 
 /// Own points of the shell in the cluster's box.
-NearPoints find_near_points(const SharedInput& input, const PartState& state, PartId part, const Cluster& cluster);
+NearPoints find_near_points(const SharedInput& input, const PartShell& shell, PartId part, const Cluster& cluster);
 
 /// What recovering a cluster has changed.
 struct RecoveredCluster {

@@ -39,23 +39,22 @@ void count(const tets::OptimizeReport& done, tets::OptimizeReport& all) {
 
 }  // namespace
 
-void optimize_inside(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
-  Stopwatch watch;
-  tets::OptimizeOptions options = options_of(input, state.surface_count());
-  options.open_faces = state.core.open_faces;
-  if (input.filling.options.lattice == LatticeKind::Bcc)
-    options.lattice_tets = static_cast<std::uint32_t>(state.figures.core_tets);
-  options.qualities = &state.qualities;
-  state.figures.optimizer = optimize(state.mesh, options, runner);
-  while (state.keys.size() < state.mesh.points.size()) state.keys.push_back(key_of(part, state.next_index++));
-  state.figures.seconds.optimize += watch.lap();
+tets::OptimizeReport optimize_inside(const SharedInput& input, PartTets& tets, std::span<const FaceCode> open_faces,
+                                     std::size_t core_tets, PartId part, const TaskRunner& runner) {
+  tets::OptimizeOptions options = options_of(input, tets.surface_count);
+  options.open_faces = open_faces;
+  if (input.filling.options.lattice == LatticeKind::Bcc) options.lattice_tets = static_cast<std::uint32_t>(core_tets);
+  options.qualities = &tets.qualities;
+  tets::OptimizeReport report = optimize(tets.mesh, options, runner);
+  while (tets.keys.size() < tets.mesh.points.size()) tets.keys.push_back(key_of(part, tets.next_index++));
+  return report;
 }
 
-void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, const TaskRunner& runner) {
+void optimize_strip(const SharedInput& input, KeyedTets& strip, tets::OptimizeReport& all, const TaskRunner& runner) {
   tets::OptimizeOptions options = options_of(input, strip.surface_count);
   options.qualities = &strip.qualities;
   tets::TetMesh& mesh = strip.mesh;
-  count(optimize(mesh, options, runner), state.figures.optimizer);
+  count(optimize(mesh, options, runner), all);
   std::vector<char> is_outside(mesh.points.size(), 0);
   for (const FaceCode face : mesh.faces()) {
     if (mesh.behind(face).valid() || mesh.is_fixed(face)) continue;
@@ -65,30 +64,33 @@ void optimize_strip(const SharedInput& input, Strip& strip, PartState& state, co
     if (!is_outside[v]) strip.waits[v] = 0;
 }
 
-void finish_part(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
+FinishedSurface finish_part(const SharedInput& input, PartTets& tets, const BorderCheck& check, FillingFigures& figures,
+                            PartId part, const TaskRunner& runner) {
   Stopwatch watch;
-  tets::OptimizeReport& report = state.figures.optimizer;
+  FinishedSurface finished;
+  tets::OptimizeReport& report = figures.optimizer;
   const std::vector<std::uint32_t> dead =
-      state.has_dead ? find_dead(state.qualities.span()) : std::vector<std::uint32_t>();
+      tets.has_dead ? find_dead(tets.qualities.span()) : std::vector<std::uint32_t>();
   {
-    tets::WorkingMesh working(state.mesh, std::move(state.qualities));
-    tets::summarize_result(working, input.filling.options.goals, state.known_least_angle, report);
+    tets::WorkingMesh working(tets.mesh, std::move(tets.qualities));
+    tets::summarize_result(working, input.filling.options.goals, check.least_angle, report);
   }
-  compact(state.mesh, dead);
-  report.tets = state.mesh.size();
-  state.figures.seconds.optimize += watch.lap();
+  compact(tets.mesh, dead);
+  report.tets = tets.mesh.size();
+  figures.seconds.optimize += watch.lap();
   const bool improved = wants_improvement(input, tets::cube(report.least));
-  if (improved) improve_part(input, state, part, runner);
-  state.figures.seconds.surface += watch.lap();
+  if (improved) finished.changed_triangles = improve_part(input, tets, check.surface_elsewhere, report, part, runner);
+  figures.seconds.surface += watch.lap();
   // By their vertices in the complex.
-  const auto to_complex = [&](std::uint32_t& v) { v = static_cast<std::uint32_t>(state.keys[v]); };
+  const auto to_complex = [&](std::uint32_t& v) { v = static_cast<std::uint32_t>(tets.keys[v]); };
   for (AcuteTet& tet : report.acute_tets) {
     for (auto& triangle : tet.triangles) std::for_each(triangle.begin(), triangle.end(), to_complex);
     std::for_each(tet.points.begin(), tet.points.end(), to_complex);
   }
   // The qualities have proved it of all others. Those of the lattice are written down, not computed.
   if (improved || tets::cube(report.least) <= tets::kSurelyPositive)
-    state.fault = volume::check_volumes(state.mesh, runner);
+    finished.fault = volume::check_volumes(tets.mesh, runner);
+  return finished;
 }
 
 }  // namespace tetloom::parts

@@ -69,9 +69,9 @@ std::vector<ShellPoint> OwnPoints::find_in(std::span<const OpenBall> open_balls,
   return found;
 }
 
-OwnPoints find_own_points(const SharedInput& input, const PartState& state, PartId part) {
+OwnPoints find_own_points(const SharedInput& input, const PartShell& shell, PartId part) {
   std::vector<ShellPoint> points;
-  for_each_own_vert(input, state, part, [&](std::uint32_t v) { points.push_back(shell_point(state, v)); });
+  for_each_own_vert(input, shell, part, [&](std::uint32_t v) { points.push_back(shell_point(shell, v)); });
   return OwnPoints(std::move(points));
 }
 

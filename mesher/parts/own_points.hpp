@@ -25,6 +25,6 @@ class OwnPoints {
   Bvh bvh_;
 };
 
-OwnPoints find_own_points(const SharedInput& input, const PartState& state, PartId part);
+OwnPoints find_own_points(const SharedInput& input, const PartShell& shell, PartId part);
 
 }  // namespace tetloom::parts

@@ -19,7 +19,7 @@ constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
 // What is kept of a part's state: all of them are numbered before any of them is handed on.
 struct FinishedPart {
-  PartMesh part;  // by vertices of the state
+  PartMesh part;  // by vertices of its tets
   GrowingArray<VertKey> keys;
   std::uint32_t next_index = 0;
 };
@@ -171,18 +171,19 @@ class Numberer {
 // The triangles of the surface among the faces of a part.
 class TriangleFinder {
  public:
-  TriangleFinder(const SharedInput& input, const PartState& state) : input_(input), state_(state) {
-    for (const ChangedTriangle& changed : state.changed_triangles)
+  TriangleFinder(const SharedInput& input, const KeyedTets& part, std::span<const ChangedTriangle> all_changed)
+      : input_(input), part_(part) {
+    for (const ChangedTriangle& changed : all_changed)
       changed_.emplace_back(tets::sorted(changed.verts).verts, &changed);
     std::sort(changed_.begin(), changed_.end());
   }
 
-  // With vertices of the state.
+  // With vertices of the part.
   void find(BoundaryBlock& triangles) const {
     std::vector<std::pair<std::uint32_t, TriangleVerts>> found;
-    for (const FaceCode face : state_.mesh.faces()) {
-      const FaceCode behind = state_.mesh.behind(face);
-      if (state_.mesh.is_fixed(face) && (!behind.valid() || face < behind)) found.push_back(triangle_at(face));
+    for (const FaceCode face : part_.mesh.faces()) {
+      const FaceCode behind = part_.mesh.behind(face);
+      if (part_.mesh.is_fixed(face) && (!behind.valid() || face < behind)) found.push_back(triangle_at(face));
     }
     std::sort(found.begin(), found.end());
     for (const auto& [triangle, verts] : found) {
@@ -195,9 +196,9 @@ class TriangleFinder {
  private:
   // The face's triangle, its vertices in the order that the surface has them in.
   std::pair<std::uint32_t, TriangleVerts> triangle_at(FaceCode face) const {
-    const TriangleVerts verts = verts_of(state_.mesh, face);
+    const TriangleVerts verts = verts_of(part_.mesh, face);
     TriangleVerts points;
-    for (std::size_t i = 0; i < 3; ++i) points[i] = static_cast<std::uint32_t>(state_.keys[verts[i]]);
+    for (std::size_t i = 0; i < 3; ++i) points[i] = static_cast<std::uint32_t>(part_.keys[verts[i]]);
     const tets::SortedTriangle key = tets::sorted(points);
     std::pair<std::uint32_t, TriangleVerts> found{};
     TriangleVerts order{};
@@ -219,18 +220,18 @@ class TriangleFinder {
   }
 
   const SharedInput& input_;
-  const PartState& state_;
+  const KeyedTets& part_;
   std::vector<std::pair<TriangleVerts, const ChangedTriangle*>> changed_;
 };
 
 // The state with all that is not needed any more is gone.
 FinishedPart take_finished(const SharedInput& input, PartState& state) {
   FinishedPart finished;
-  TriangleFinder(input, state).find(finished.part.block(BoundaryKind::Triangle));
+  TriangleFinder(input, state.tets, state.changed_triangles).find(finished.part.block(BoundaryKind::Triangle));
   CellBlock& tets = finished.part.block(CellKind::Tet);
-  finished.part.points = std::move(state.mesh.points), finished.keys = std::move(state.keys);
-  tets.to_vert = std::move(state.mesh.to_vert), tets.to_region = std::move(state.mesh.to_region);
-  finished.next_index = state.next_index;
+  finished.part.points = std::move(state.tets.mesh.points), finished.keys = std::move(state.tets.keys);
+  tets.to_vert = std::move(state.tets.mesh.to_vert), tets.to_region = std::move(state.tets.mesh.to_region);
+  finished.next_index = state.tets.next_index;
   state = PartState();
   return finished;
 }

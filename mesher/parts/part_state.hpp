@@ -40,13 +40,21 @@ using TetKeys = std::array<VertKey, 4>;
 
 inline constexpr std::size_t kStripRounds = std::tuple_size_v<decltype(FillingPartsFigures::strips)>;
 
-/// What serves to make the core and the shell of a part, until they are joined.
+/// What a part makes its core and the shell around it of, until they are joined. Vertices of both: points of the
+/// surface first, then sites level by level, then what others have told.
 struct PartShell {
-  std::vector<lattice::LevelPoints> levels;    ///< own sites, then those of other parts
-  std::vector<std::uint32_t> own_first;        ///< per level: the number of its first own site; and one past the last
-  std::vector<tets::TriangleVerts> tri_verts;  ///< vertices here of the triangles that the part knows
-  std::vector<std::uint16_t> pure_around;      ///< per point: see LatticeCore; foreign ones: any
-  std::vector<std::uint32_t> verts;            ///< own and foreign
+  std::vector<std::uint32_t> surface;    ///< points of the complex that the part knows, ascending
+  std::vector<std::uint32_t> triangles;  ///< triangles of the complex between these
+
+  std::vector<lattice::LevelPoints> levels;  ///< own sites, then those of other parts
+  std::vector<std::uint32_t> own_first;      ///< per level: the number of its first own site; and one past the last
+  tets::TetMesh core_mesh;                   ///< its points go over to `mesh`
+  lattice::LatticeCore core;
+
+  GrowingArray<VertKey> keys;                  ///< of all vertices
+  std::vector<std::uint16_t> pure_around;      ///< per vertex: see LatticeCore; foreign ones: any
+  std::vector<tets::TriangleVerts> tri_verts;  ///< vertices of `triangles`
+  std::vector<std::uint32_t> verts;            ///< of the shell: own and foreign
   tets::TetMesh mesh;
   std::size_t size = 0;                ///< how many of `verts` are in it
   std::uint32_t first_outer = 0;       ///< see DelaunayResult
@@ -54,6 +62,24 @@ struct PartShell {
   std::vector<OpenBall> open_balls;    ///< of tets that reach beyond what the part knows
   std::vector<TetKeys> asked_tets;     ///< whose balls have ever been open, ascending
   std::vector<std::uint32_t> missing;  ///< own triangles of the complex that the shell does not have
+
+  std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface.size()); }
+};
+
+/// Tets of which all parts know the vertices by their keys: those of a part, or a strip of them on its way.
+struct KeyedTets {
+  tets::TetMesh mesh;
+  GrowingArray<VertKey> keys;        ///< per point; ascending for those that came with the tets of a strip
+  GrowingArray<std::uint8_t> waits;  ///< per point: 1 where it could not move or lose edges, being between parts
+  GrowingArray<float> qualities;     ///< cubed, per tet, once optimised; of dead ones as in a WorkingMesh
+  std::uint32_t surface_count = 0;   ///< points of the surface that stand first
+};
+
+/// The tets of a part, once core and shell are joined.
+struct PartTets : KeyedTets {
+  std::vector<std::uint32_t> triangles;  ///< of the complex, that the part has known from the beginning, ascending
+  std::uint32_t next_index = 0;          ///< of the next point made here
+  bool has_dead = false;                 ///< tets, once optimised
 };
 
 struct BorderVert {
@@ -92,36 +118,24 @@ struct StripState {
   std::vector<tets::FaceCode> opened;      ///< faces that taking tets out has opened
 };
 
-/// Everything that one part has.
+/// What a part and its neighbours tell each other in the end.
+struct BorderCheck {
+  std::vector<std::uint64_t> open_names;         ///< of the part's open faces
+  std::vector<std::uint64_t> unmet_names;        ///< of those, that no neighbour has told of
+  std::vector<std::uint32_t> surface_elsewhere;  ///< points of the complex that other parts' tets have
+  double least_angle = 0;                        ///< radians: of this part's tets and of what neighbours tell of theirs
+};
+
+/// Everything that one part has, stage by stage.
 struct PartState {
-  std::vector<std::uint32_t> surface;    ///< points of the complex that the part knows, ascending
-  std::vector<std::uint32_t> triangles;  ///< triangles of the complex between these
-
-  // From the core on: points of the surface first.
-  tets::TetMesh mesh;
-  GrowingArray<VertKey> keys;
-  lattice::LatticeCore core;
-  PartShell shell;                   ///< until it is joined to the core
-  std::uint32_t next_index = 0;      ///< of the next point made here
-  std::size_t seen_sides = 0;        ///< of surface triangles, by tets of this part
-  GrowingArray<std::uint8_t> waits;  ///< per point: 1 where it could not move or lose edges, being between parts
-
-  std::vector<std::uint32_t> recovered;  ///< of tets where triangles have been recovered, those that this part has
-
-  GrowingArray<float> qualities;  ///< cubed, per tet, once optimised; of dead ones as in a WorkingMesh
-  bool has_dead = false;          ///< tets, once optimised
-  double known_least_angle = 0;   ///< radians: of this part's tets and of what neighbours tell of theirs
-
+  PartShell shell;
+  PartTets tets;
   StripState strips;
-  std::vector<std::uint64_t> open_names;   ///< of the open faces in the end
-  std::vector<std::uint64_t> unmet_names;  ///< of those, that no neighbour has told of
-
-  std::vector<std::uint32_t> surface_elsewhere;    ///< points of the complex that other parts' tets have
-  std::vector<ChangedTriangle> changed_triangles;  ///< of the complex
+  BorderCheck check;
+  std::vector<ChangedTriangle> changed_triangles;
+  std::size_t seen_sides = 0;  ///< of surface triangles, by tets of this part
   FillingFigures figures;
   tets::Fault fault;
-
-  std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface.size()); }
 };
 
 /// Read by all parts, changed by none.

@@ -93,8 +93,9 @@ RecoveredTets get_recovered(MessageReader& reader) {
   return recovered;
 }
 
-void add_recovered(PartState& state, PartId part, const RecoveredTets& recovered, std::uint32_t region) {
-  Strip strip;
+std::size_t add_recovered(PartTets& tets, PartId part, const RecoveredTets& recovered, std::uint32_t region) {
+  KeyedTets strip;
+  std::size_t sides = 0;
   for (std::size_t v = 0; v < recovered.keys.size(); ++v) {
     strip.keys.push_back(recovered.keys[v]);
     strip.mesh.points.push_back(recovered.points[v]);
@@ -110,14 +111,14 @@ void add_recovered(PartState& state, PartId part, const RecoveredTets& recovered
     }
     strip.mesh.to_region.push_back(region);
     strip.mesh.to_fixed.push_back(recovered.fixed[t]);
-    state.seen_sides += static_cast<std::size_t>(std::popcount(recovered.fixed[t]));
+    sides += static_cast<std::size_t>(std::popcount(recovered.fixed[t]));
   }
-  state.figures.shell_tets += recovered.made.size();
   link_strip(strip);
   std::vector<FaceCode> open;
-  for (const FaceCode face : state.mesh.faces())
-    if (!state.mesh.behind(face).valid() && !state.mesh.is_fixed(face)) open.push_back(face);
-  put_in(state, part, std::move(strip), open);
+  for (const FaceCode face : tets.mesh.faces())
+    if (!tets.mesh.behind(face).valid() && !tets.mesh.is_fixed(face)) open.push_back(face);
+  put_in(tets, part, std::move(strip), open);
+  return sides;
 }
 
 }  // namespace tetloom::parts

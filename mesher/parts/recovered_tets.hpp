@@ -27,7 +27,7 @@ std::vector<std::pair<PartId, RecoveredTets>> deal_recovered(const SharedInput& 
 void put(MessageWriter& writer, const RecoveredTets& tets);
 RecoveredTets get_recovered(MessageReader& reader);
 
-/// Puts tets into their part's mesh, whose own ones have been joined.
-void add_recovered(PartState& state, PartId part, const RecoveredTets& tets, std::uint32_t region);
+/// Puts tets into the mesh of their part. Returns how many sides of surface triangles they have.
+std::size_t add_recovered(PartTets& tets, PartId part, const RecoveredTets& recovered, std::uint32_t region);
 
 }  // namespace tetloom::parts

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/base/lists.hpp"
-#include "core/base/stopwatch.hpp"
 #include "core/predicates/predicates.hpp"
 #include "core/tets/circumsphere.hpp"
 #include "core/tets/find_triangles.hpp"
@@ -42,85 +41,87 @@ OpenBall ball_of(const TetMesh& mesh, std::uint32_t tet) {
 
 class Shell {
  public:
-  Shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner)
+  Shell(const SharedInput& input, PartShell& shell, PartId part, const TaskRunner& runner)
       : input_(input),
-        state_(state),
+        shell_(shell),
         part_(part),
         runner_(runner),
-        mesh_(state.shell.mesh),
+        mesh_(shell.mesh),
         box_(input.decomposition.box(part)),
-        surface_count_(state.surface_count()) {}
+        surface_count_(shell.surface_count()) {}
 
-  void make() {
-    const tets::DelaunayFrame frame{input_.box, state_.keys.span()};
-    const auto verts = std::span(state_.shell.verts).subspan(state_.shell.size);
-    if (mesh_.points.empty()) mesh_.points = std::move(state_.mesh.points);
-    const tets::DelaunayResult delaunay = state_.shell.size == 0
+  tets::Fault make() {
+    const tets::DelaunayFrame frame{input_.box, shell_.keys.span()};
+    const auto verts = std::span(shell_.verts).subspan(shell_.size);
+    if (mesh_.points.empty()) mesh_.points = std::move(shell_.core_mesh.points);
+    const tets::DelaunayResult delaunay = shell_.size == 0
                                               ? make_delaunay(mesh_, verts, runner_, frame)
-                                              : extend_delaunay(mesh_, state_.shell.first_outer, verts, runner_, frame);
-    state_.shell.size = state_.shell.verts.size();
-    state_.shell.first_outer = first_outer_ = delaunay.first_outer;
+                                              : extend_delaunay(mesh_, shell_.first_outer, verts, runner_, frame);
+    shell_.size = shell_.verts.size();
+    shell_.first_outer = first_outer_ = delaunay.first_outer;
+    tets::Fault fault;
     if (delaunay.duplicates.empty()) {
       find_kept();
     } else {
-      state_.fault.message = "points of the surface coincide";
+      fault.message = "points of the surface coincide";
     }
     mesh_.points.resize(first_outer_);
+    return fault;
   }
 
  private:
   void find_kept() {
     fix_surface();
-    state_.shell.kept.clear(), state_.shell.open_balls.clear();
+    shell_.kept.clear(), shell_.open_balls.clear();
     std::vector<TetKeys> asked_tets;
     find_own_verts();
     sides_.emplace(
         input_,
-        ShellView{mesh_, surface_count_, first_outer_, is_own_vert_, {*index_, state_.triangles}, missing_boxes_});
+        ShellView{mesh_, surface_count_, first_outer_, is_own_vert_, {*index_, shell_.triangles}, missing_boxes_});
     for (std::uint32_t tet = 0; tet < mesh_.size(); ++tet) {
       if (!has_own_vert(tet) || !is_kept(tet)) continue;
-      if (is_own(tet)) state_.shell.kept.push_back(tet);
+      if (is_own(tet)) shell_.kept.push_back(tet);
       note_open_ball(tet, asked_tets);
     }
     std::sort(asked_tets.begin(), asked_tets.end());
     std::vector<TetKeys> all;
-    std::set_union(state_.shell.asked_tets.begin(), state_.shell.asked_tets.end(), asked_tets.begin(), asked_tets.end(),
+    std::set_union(shell_.asked_tets.begin(), shell_.asked_tets.end(), asked_tets.begin(), asked_tets.end(),
                    std::back_inserter(all));
-    state_.shell.asked_tets = std::move(all);
+    shell_.asked_tets = std::move(all);
   }
 
   void fix_surface() {
-    if (state_.shell.tri_verts.empty()) number_triangles();
-    index_.emplace(state_.shell.tri_verts, surface_count_);
-    state_.shell.missing.clear();
-    for (const std::uint32_t t : fix_triangles(mesh_, state_.shell.tri_verts, *index_, runner_)) {
+    if (shell_.tri_verts.empty()) number_triangles();
+    index_.emplace(shell_.tri_verts, surface_count_);
+    shell_.missing.clear();
+    for (const std::uint32_t t : fix_triangles(mesh_, shell_.tri_verts, *index_, runner_)) {
       Box3& box = missing_boxes_.emplace_back();
-      for (const std::uint32_t v : state_.shell.tri_verts[t]) box.add(mesh_.points[v]);
-      const std::uint32_t triangle = state_.triangles[t];
+      for (const std::uint32_t v : shell_.tri_verts[t]) box.add(mesh_.points[v]);
+      const std::uint32_t triangle = shell_.triangles[t];
       const auto& verts = input_.filling.complex.tri_to_vert[triangle];
       if (input_.surface.owner_of(*std::min_element(verts.begin(), verts.end())) == part_)
-        state_.shell.missing.push_back(triangle);
+        shell_.missing.push_back(triangle);
     }
   }
 
   void number_triangles() {
-    if (state_.triangles.empty()) {
+    if (shell_.triangles.empty()) {
       const auto known = input_.surface.triangles_of(part_);
-      state_.triangles.assign(known.begin(), known.end());
+      shell_.triangles.assign(known.begin(), known.end());
     }
     const auto local = [&](std::uint32_t point) {
-      return static_cast<std::uint32_t>(std::lower_bound(state_.surface.begin(), state_.surface.end(), point) -
-                                        state_.surface.begin());
+      return static_cast<std::uint32_t>(std::lower_bound(shell_.surface.begin(), shell_.surface.end(), point) -
+                                        shell_.surface.begin());
     };
-    for (const std::uint32_t triangle : state_.triangles) {
+    for (const std::uint32_t triangle : shell_.triangles) {
       const auto& [a, b, c] = input_.filling.complex.tri_to_vert[triangle];
-      state_.shell.tri_verts.push_back({local(a), local(b), local(c)});
+      shell_.tri_verts.push_back({local(a), local(b), local(c)});
     }
   }
 
   void find_own_verts() {
     is_own_vert_.assign(first_outer_, 0);
-    for_each_own_vert(input_, state_, part_, [&](std::uint32_t v) { is_own_vert_[v] = 1; });
+    for_each_own_vert(input_, shell_, part_, [&](std::uint32_t v) { is_own_vert_[v] = 1; });
   }
 
   // Sets own_, too.
@@ -129,14 +130,14 @@ class Shell {
     own_ = kNone;
     for (int i = 0; i < 4; ++i) {
       if (v[i] >= first_outer_) return false;
-      if (is_own_vert_[v[i]] && (own_ == kNone || state_.keys[v[i]] < state_.keys[own_])) own_ = v[i];
+      if (is_own_vert_[v[i]] && (own_ == kNone || shell_.keys[v[i]] < shell_.keys[own_])) own_ = v[i];
     }
     return own_ != kNone;
   }
 
   bool is_own(std::uint32_t tet) const {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
-    return std::all_of(v, v + 4, [&](std::uint32_t vert) { return state_.keys[own_] <= state_.keys[vert]; });
+    return std::all_of(v, v + 4, [&](std::uint32_t vert) { return shell_.keys[own_] <= shell_.keys[vert]; });
   }
 
   // Whether the tet is one of the mesh, of those that are no tets of the core: neither outside nor in the core's place.
@@ -153,9 +154,9 @@ class Shell {
   bool is_in_core(std::uint32_t tet) const {
     const std::uint32_t* v = &mesh_.to_vert[std::size_t{tet} * 4];
     for (int i = 0; i < 4; ++i)
-      if (state_.shell.pure_around[v[i]] == 0) return false;
+      if (shell_.pure_around[v[i]] == 0) return false;
     const TetBall ball(mesh_, tet);
-    return any_pure_around(state_, own_, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
+    return any_pure_around(shell_, own_, [&](const lattice::SiteLattice& lattice, const lattice::Site& site) {
       return ball.holds(lattice, site);
     });
   }
@@ -173,20 +174,20 @@ class Shell {
         input_.is_graded() ? (size - 2 * input_.filling.sizes.gradation() * ball.radius) / kLevelStep : size;
     if (outside <= kShellReach * least) return;
     const TetKeys keys = keys_of(tet);
-    if (std::binary_search(state_.shell.asked_tets.begin(), state_.shell.asked_tets.end(), keys)) return;
-    state_.shell.open_balls.push_back(ball);
+    if (std::binary_search(shell_.asked_tets.begin(), shell_.asked_tets.end(), keys)) return;
+    shell_.open_balls.push_back(ball);
     asked_tets.push_back(keys);
   }
 
   TetKeys keys_of(std::uint32_t tet) const {
     TetKeys keys;
-    for (std::size_t i = 0; i < 4; ++i) keys[i] = state_.keys[mesh_.to_vert[std::size_t{tet} * 4 + i]];
+    for (std::size_t i = 0; i < 4; ++i) keys[i] = shell_.keys[mesh_.to_vert[std::size_t{tet} * 4 + i]];
     std::sort(keys.begin(), keys.end());
     return keys;
   }
 
   const SharedInput& input_;
-  PartState& state_;
+  PartShell& shell_;
   PartId part_;
   const TaskRunner& runner_;
   TetMesh& mesh_;
@@ -200,10 +201,10 @@ class Shell {
 };
 
 // Points of the surface stand first, ascending: nearly all vertices get new numbers.
-void add_surface_points(const SharedInput& input, PartState& state, std::span<const std::uint32_t> more) {
-  const std::uint32_t before = state.surface_count(), shift = static_cast<std::uint32_t>(more.size());
+void add_surface_points(const SharedInput& input, PartShell& shell, std::span<const std::uint32_t> more) {
+  const std::uint32_t before = shell.surface_count(), shift = static_cast<std::uint32_t>(more.size());
   std::vector<std::uint32_t> surface(before + shift);
-  std::merge(state.surface.begin(), state.surface.end(), more.begin(), more.end(), surface.begin());
+  std::merge(shell.surface.begin(), shell.surface.end(), more.begin(), more.end(), surface.begin());
   GrowingArray<Vec3> points;
   GrowingArray<VertKey> keys;
   std::vector<char> knows(input.filling.complex.points.size(), 0);
@@ -213,54 +214,52 @@ void add_surface_points(const SharedInput& input, PartState& state, std::span<co
     points.push_back(input.filling.complex.points[point]);
     keys.push_back(point);
     knows[point] = 1;
-    if (old < before && state.surface[old] == point) {
+    if (old < before && shell.surface[old] == point) {
       to_new[old++] = v;
     } else {
       added.push_back(v);
     }
   }
-  state.surface = std::move(surface);
-  points.append(state.shell.mesh.points.span().subspan(before));
-  keys.append(state.keys.span().subspan(before));
-  state.shell.mesh.points = std::move(points);
-  state.keys = std::move(keys);
-  state.shell.pure_around.insert(state.shell.pure_around.begin(), shift, 0);
+  shell.surface = std::move(surface);
+  points.append(shell.mesh.points.span().subspan(before));
+  keys.append(shell.keys.span().subspan(before));
+  shell.mesh.points = std::move(points);
+  shell.keys = std::move(keys);
+  shell.pure_around.insert(shell.pure_around.begin(), shift, 0);
   const auto renumber = [&](std::uint32_t& v) { v = v < before ? to_new[v] : v + shift; };
-  for (auto* verts : {&state.mesh.to_vert, &state.shell.mesh.to_vert})
+  for (auto* verts : {&shell.core_mesh.to_vert, &shell.mesh.to_vert})
     for (std::uint32_t& v : *verts) renumber(v);
-  for (auto* verts : {&state.core.shell_verts, &state.core.level_to_vert, &state.shell.verts})
+  for (auto* verts : {&shell.core.shell_verts, &shell.core.level_to_vert, &shell.verts})
     for (std::uint32_t& v : *verts) renumber(v);
-  state.core.first_own_end += shift;
-  state.shell.first_outer += shift;
-  state.shell.verts.insert(state.shell.verts.end(), added.begin(), added.end());
+  shell.core.first_own_end += shift;
+  shell.first_outer += shift;
+  shell.verts.insert(shell.verts.end(), added.begin(), added.end());
   const auto& triangles = input.filling.complex.tri_to_vert;
-  state.triangles.clear(), state.shell.tri_verts.clear();
+  shell.triangles.clear(), shell.tri_verts.clear();
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    if (knows[triangles[t][0]] && knows[triangles[t][1]] && knows[triangles[t][2]]) state.triangles.push_back(t);
+    if (knows[triangles[t][0]] && knows[triangles[t][1]] && knows[triangles[t][2]]) shell.triangles.push_back(t);
 }
 
 }  // namespace
 
-void make_shell(const SharedInput& input, PartState& state, PartId part, const TaskRunner& runner) {
-  Stopwatch watch;
-  Shell(input, state, part, runner).make();
-  state.figures.seconds.delaunay += watch.lap();
+tets::Fault make_shell(const SharedInput& input, PartShell& shell, PartId part, const TaskRunner& runner) {
+  return Shell(input, shell, part, runner).make();
 }
 
-bool add_shell_points(const SharedInput& input, PartState& state, std::span<const ShellPoint> points) {
+bool add_shell_points(const SharedInput& input, PartShell& shell, std::span<const ShellPoint> points) {
   std::vector<std::uint32_t> surface;
   for (const ShellPoint& sent : points) {
     const auto point = static_cast<std::uint32_t>(sent.key);
-    if (is_of_surface(sent.key) && !std::binary_search(state.surface.begin(), state.surface.end(), point))
+    if (is_of_surface(sent.key) && !std::binary_search(shell.surface.begin(), shell.surface.end(), point))
       surface.push_back(point);
   }
   sort_unique(surface);
-  if (!surface.empty()) add_surface_points(input, state, surface);
+  if (!surface.empty()) add_surface_points(input, shell, surface);
   std::vector<std::pair<VertKey, std::uint32_t>> known;
-  for (std::uint32_t v = state.surface_count(); v < state.keys.size(); ++v) known.emplace_back(state.keys[v], v);
+  for (std::uint32_t v = shell.surface_count(); v < shell.keys.size(); ++v) known.emplace_back(shell.keys[v], v);
   std::sort(known.begin(), known.end());
-  std::vector<char> in_shell(state.keys.size(), 0);
-  for (const std::uint32_t v : state.shell.verts) in_shell[v] = 1;
+  std::vector<char> in_shell(shell.keys.size(), 0);
+  for (const std::uint32_t v : shell.verts) in_shell[v] = 1;
   bool any = !surface.empty();
   for (const ShellPoint& sent : points) {
     if (is_of_surface(sent.key)) continue;
@@ -270,16 +269,16 @@ bool add_shell_points(const SharedInput& input, PartState& state, std::span<cons
       vert = at->second;
       if (in_shell[vert]) continue;
     } else {
-      vert = static_cast<std::uint32_t>(state.keys.size());
+      vert = static_cast<std::uint32_t>(shell.keys.size());
       known.insert(at, {sent.key, vert});
-      state.shell.mesh.points.push_back(sent.point);
-      state.keys.push_back(sent.key);
-      state.shell.pure_around.push_back(0);
+      shell.mesh.points.push_back(sent.point);
+      shell.keys.push_back(sent.key);
+      shell.pure_around.push_back(0);
       in_shell.push_back(0);
     }
     in_shell[vert] = 1;
-    state.shell.verts.push_back(vert);
-    state.shell.pure_around[vert] = static_cast<std::uint16_t>(sent.has_pure);
+    shell.verts.push_back(vert);
+    shell.pure_around[vert] = static_cast<std::uint16_t>(sent.has_pure);
     any = true;
   }
   return any;

@@ -62,29 +62,29 @@ void link_pairs(TetMesh& mesh, std::span<Side> sides) {
 
 }  // namespace
 
-Bytes pack_piece(const PartState& state, std::span<const std::uint32_t> tets, TetPacker<TetMesh>& packer) {
+Bytes pack_piece(const PartTets& part, std::span<const std::uint32_t> tets, TetPacker<TetMesh>& packer) {
   packer.begin(tets);
   const TetPlaces places(tets);
   const auto link = [&](FaceCode face) {
-    const FaceCode behind = state.mesh.behind(face);
+    const FaceCode behind = part.mesh.behind(face);
     const std::uint32_t place = !behind.valid() ? kNone : places.find(behind.tet());
     return place == kNone ? FaceCode() : behind.of_tet(place);
   };
   MessageWriter writer;
-  packer.put(writer, [&](std::uint32_t v) { return state.keys[v]; });
+  packer.put(writer, [&](std::uint32_t v) { return part.keys[v]; });
   packer.put_links(writer, link);
-  writer.put_each(packer.verts(), [&](std::uint32_t v) { return state.waits[v]; });
-  writer.put_each(tets, [&](std::uint32_t tet) { return state.mesh.to_fixed[tet]; });
+  writer.put_each(packer.verts(), [&](std::uint32_t v) { return part.waits[v]; });
+  writer.put_each(tets, [&](std::uint32_t tet) { return part.mesh.to_fixed[tet]; });
   return writer.take();
 }
 
-void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<FaceCode>& opened) {
-  TetMesh& mesh = state.mesh;
+void take_out(PartTets& part, std::span<const std::uint32_t> tets, std::vector<FaceCode>& opened) {
+  TetMesh& mesh = part.mesh;
   for (const std::uint32_t tet : tets) {
     mesh.to_vert[std::size_t{tet} * 4] = kNone;
-    state.qualities[tet] = tets::WorkingMesh::kDeadQuality;
+    part.qualities[tet] = tets::WorkingMesh::kDeadQuality;
   }
-  state.has_dead |= !tets.empty();
+  part.has_dead |= !tets.empty();
   for (const std::uint32_t tet : tets) {
     for (const FaceCode face : FaceCode::of(tet)) {
       const FaceCode behind = mesh.behind(face);
@@ -96,9 +96,9 @@ void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector
   }
 }
 
-Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
+KeyedTets unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
   TetPackets packets(std::move(pieces));
-  Strip strip;
+  KeyedTets strip;
   std::vector<std::span<const std::uint8_t>> waits;
   for (TetPacket& packet : packets.all()) {
     packet.take_links();
@@ -122,7 +122,7 @@ Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
   return strip;
 }
 
-void link_strip(Strip& strip) {
+void link_strip(KeyedTets& strip) {
   TetMesh& mesh = strip.mesh;
   mesh.to_neighbor.resize(mesh.to_vert.size());
   // By lowest vertex first: there are few at each.
@@ -139,8 +139,8 @@ void link_strip(Strip& strip) {
     if (end[v] - begin > 1) link_pairs(mesh, std::span(sides).subspan(begin, end[v] - begin));
 }
 
-void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>& open) {
-  TetMesh& mesh = state.mesh;
+void put_in(PartTets& tets, PartId part, KeyedTets&& strip, std::vector<FaceCode>& open) {
+  TetMesh& mesh = tets.mesh;
   const std::uint32_t first_point = static_cast<std::uint32_t>(mesh.points.size());
   const auto first = static_cast<std::uint32_t>(mesh.size());
   // Vertices that the part has are those of its open faces.
@@ -149,9 +149,9 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
   const KeyFilter filter(strip.keys.span());
   for (const FaceCode face : open) {
     for (const std::uint32_t v : verts_of(mesh, face)) {
-      if (std::exchange(seen[v], 1) || !filter.may_hold(state.keys[v])) continue;
-      const auto at = std::lower_bound(strip.keys.begin(), strip.keys.end(), state.keys[v]);
-      if (at == strip.keys.end() || *at != state.keys[v] || to_vert[at - strip.keys.begin()] != kNone) continue;
+      if (std::exchange(seen[v], 1) || !filter.may_hold(tets.keys[v])) continue;
+      const auto at = std::lower_bound(strip.keys.begin(), strip.keys.end(), tets.keys[v]);
+      if (at == strip.keys.end() || *at != tets.keys[v] || to_vert[at - strip.keys.begin()] != kNone) continue;
       to_vert[at - strip.keys.begin()] = v;
       is_in_strip[v] = 1;
     }
@@ -160,13 +160,13 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
     const bool is_new = v >= strip.keys.size();
     const std::uint8_t waits = is_new ? std::uint8_t{0} : strip.waits[v];
     if (to_vert[v] != kNone) {
-      state.waits[to_vert[v]] = waits;
+      tets.waits[to_vert[v]] = waits;
       continue;
     }
     to_vert[v] = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.push_back(strip.mesh.points[v]);
-    state.keys.push_back(is_new ? key_of(part, state.next_index++) : strip.keys[v]);
-    state.waits.push_back(waits);
+    tets.keys.push_back(is_new ? key_of(part, tets.next_index++) : strip.keys[v]);
+    tets.waits.push_back(waits);
   }
   std::vector<Side> sides;
   for (const FaceCode face : open) {
@@ -179,7 +179,7 @@ void put_in(PartState& state, PartId part, Strip&& strip, std::vector<FaceCode>&
     mesh.to_neighbor.push_back(face.valid() ? face.of_tet(first + face.tet()) : face);
   mesh.to_region.append(strip.mesh.to_region.span());
   mesh.to_fixed.append(strip.mesh.to_fixed.span());
-  state.qualities.append(strip.qualities.span());
+  tets.qualities.append(strip.qualities.span());
   for (const FaceCode face : tets::FaceRange(first, mesh.size())) {
     if (mesh.behind(face).valid()) continue;
     sides.push_back({tets::sorted(verts_of(mesh, face)).verts, face});

@@ -9,29 +9,20 @@
 
 namespace tetloom::parts {
 
-/// A few tets with vertices of their own, those of the surface first.
-struct Strip {
-  tets::TetMesh mesh;
-  GrowingArray<VertKey> keys;        ///< per point, ascending for those that came with the tets
-  GrowingArray<std::uint8_t> waits;  ///< per point
-  GrowingArray<float> qualities;     ///< cubed, per tet, once optimised
-  std::uint32_t surface_count = 0;   ///< points of the surface
-};
-
 /// Some of a part's tets as a message. `packer` is one of the part's mesh, for many pieces.
-Bytes pack_piece(const PartState& state, std::span<const std::uint32_t> tets, TetPacker<tets::TetMesh>& packer);
+Bytes pack_piece(const PartTets& part, std::span<const std::uint32_t> tets, TetPacker<tets::TetMesh>& packer);
 
 /// Takes the given tets out of the part's mesh; appends the faces that lie open for that.
-void take_out(PartState& state, std::span<const std::uint32_t> tets, std::vector<tets::FaceCode>& opened);
+void take_out(PartTets& part, std::span<const std::uint32_t> tets, std::vector<tets::FaceCode>& opened);
 
 /// One strip of the pieces that parts have packed, in this order, linked where they meet. Pre: they do not overlap.
-Strip unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner);
+KeyedTets unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner);
 
 /// Links the strip's tets through the faces that they share and are not linked through yet.
-void link_strip(Strip& strip);
+void link_strip(KeyedTets& strip);
 
 /// Appends the strip, linked to those of `open`, the part's open faces, that it has too; its points that have no key
 /// get one of `part`. Afterwards `open` holds the open faces as they have become.
-void put_in(PartState& state, PartId part, Strip&& strip, std::vector<tets::FaceCode>& open);
+void put_in(PartTets& tets, PartId part, KeyedTets&& strip, std::vector<tets::FaceCode>& open);
 
 }  // namespace tetloom::parts

@@ -11,17 +11,19 @@ namespace tetloom::parts {
 
 /// Marks, the first time, what could not change between parts; tells the neighbours at which of the vertices that
 /// waited for it the part's tets are poor, and which it has where they do not look for it.
-void send_poor(const SharedInput& input, PartState& state, PartTask& task);
+void send_poor(const SharedInput& input, PartTets& part, StripState& strips, PartTask& task);
 
 /// Tells the neighbours which of the vertices where any part's tets are poor the part has, and those that have told of
 /// a vertex in any case.
-void send_shared(const SharedInput& input, PartState& state, PartTask& task);
+void send_shared(const SharedInput& input, const PartTets& part, StripState& strips, PartTask& task);
 
-/// Takes the strips that other parts are to have out of the mesh and sends them; in the first round, number 0, only
-/// those between two parts.
-void send_strips(PartState& state, std::size_t round, PartTask& task);
+/// Takes the strips that other parts are to have out of the mesh and sends them. `between_two`: only those between two
+/// parts.
+void send_strips(PartTets& part, StripState& strips, bool between_two, FillingPartsFigures::Strips& figures,
+                 PartTask& task);
 
-/// Takes the strips that this part is to have, optimises and joins them.
-void take_strips(const SharedInput& input, PartState& state, PartTask& task);
+/// Takes the strips that this part is to have, optimises and joins them; what is done is counted in `report`.
+void take_strips(const SharedInput& input, PartTets& part, StripState& strips, tets::OptimizeReport& report,
+                 PartTask& task);
 
 }  // namespace tetloom::parts
