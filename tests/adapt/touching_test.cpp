@@ -56,7 +56,7 @@ TEST_CASE("edges at which bodies touch become as short as others", "[adapt]") {
   for (const TouchingShape& shape : kTouchingShapes) {
     CAPTURE(shape.name);
     const Mesh mesh = mesh_of(shape, 1);
-    const AdaptResult result = adapted_in_parts(mesh, test::uniform_metric(mesh, 0.06));
+    const AdaptResult result = adapted_in_parts(mesh, test::uniform_metric(mesh, test::kSanitized ? 0.075 : 0.06));
     test::check_kept(mesh, result.mesh);
     const MetricConformity& after = result.report.after;
     CAPTURE(after.unit, after.half_to_two, after.shortest, after.longest, after.mean_quality, after.least_quality);

@@ -12,6 +12,7 @@
 #include "mesher/tets/delaunay.hpp"
 #include "mesher/tets/shell.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/tet_fixtures.hpp"
 #include "tetloom/tasks.hpp"
 
@@ -51,8 +52,8 @@ struct Made {
   }
 };
 
-Surface ball() {
-  return ball_surface(5, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
+Surface ball(int levels = 5) {
+  return ball_surface(levels, {0, 0, 0}, 0, [](const Vec3&) { return 1.0; });
 }
 
 using Tet = std::array<std::uint32_t, 4>;
@@ -78,7 +79,7 @@ std::vector<std::uint32_t> ids_below(std::size_t count) {
 TEST_CASE("points of a uniform lattice keep their distance from the surface and lie inside") {
   const double size = 0.11;
   for (const LatticeKind kind : kBoth) {
-    const Made made(ball(), SizeField::uniform(size), kind);
+    const Made made(ball(test::kSanitized ? 4 : 5), SizeField::uniform(size), kind);
     REQUIRE(made.levels.size() == 1);
     const LatticeShape& shape = LatticeShape::of(kind);
     const double cubes = 4.18 * 0.83 / std::pow(shape.cube_per_size() * size, 3);  // less a layer of .55 sizes
@@ -91,7 +92,7 @@ TEST_CASE("points of a uniform lattice keep their distance from the surface and 
 TEST_CASE("sites are kept by their distance from the nearest triangle, and near ones are told") {
   const double size = 0.17;
   for (const LatticeKind kind : kBoth) {
-    const Made made(ball(), SizeField::uniform(size), kind);
+    const Made made(ball(test::kSanitized ? 4 : 5), SizeField::uniform(size), kind);
     REQUIRE(made.levels.size() == 1);
     const LevelPoints& level = made.levels[0];
     const LatticeShape& shape = LatticeShape::of(kind);
@@ -100,13 +101,14 @@ TEST_CASE("sites are kept by their distance from the nearest triangle, and near 
     const auto first = level.lattice.first_site({-1, -1, -1}), end = level.lattice.first_site({1, 1, 1});
     level.lattice.for_each_between(first, end, [&](const Site& site) {
       const Vec3 x = level.lattice.point(site);
+      if (norm(x) >= 1) return;
       double from_triangle = HUGE_VAL, from_point = HUGE_VAL;
       for (const auto& [a, b, c] : made.surface.tri_to_vert) {
         const std::vector<Vec3>& p = made.surface.points;
         from_triangle = std::min(from_triangle, distance_to_triangle(x, p[a], p[b], p[c]));
         from_point = std::min({from_point, distance(x, p[a]), distance(x, p[b]), distance(x, p[c])});
       }
-      if (norm(x) >= 1 || from_triangle < shape.from_surface() * size) return;
+      if (from_triangle < shape.from_surface() * size) return;
       const bool asks_triangles = shape.triangle_reach() == shape.near_surface();
       kept.push_back(site);
       near.push_back((asks_triangles ? from_triangle : from_point) < shape.near_surface() * size);

@@ -4,6 +4,7 @@
 
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
@@ -81,8 +82,8 @@ Figures fill_moved(const Surface& surface, double size, const Motion& motion) {
 }  // namespace
 
 TEST_CASE("turned, moved and scaled by any amount, a surface gets as many tetrahedra of the same quality") {
-  const int levels = 5;
-  const double size = 0.06;
+  const int levels = test::kSanitized ? 4 : 5;
+  const double size = test::kSanitized ? 0.1 : 0.06;
   const Surface body = ball_surface(levels, {0, 0, 0}, 0, [](const Vec3& d) { return 1 + 0.2 * d.x * d.y * d.z; });
   const Figures rest = fill_moved(body, size, {});
   CAPTURE(rest.tets, rest.mean_quality, rest.low_quality);
