@@ -1,6 +1,7 @@
 #include "core/base/free_memory.hpp"
 
 #include <cstdlib>
+#include <mutex>
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -10,6 +11,10 @@ namespace tetloom {
 
 void give_back_free_memory() noexcept {
 #ifdef __GLIBC__
+  // Where memory comes from elsewhere (a sanitizer, an allocator of the host), the first call sets up glibc's own,
+  // which several threads must not do at once.
+  static std::mutex mutex;
+  const std::scoped_lock lock(mutex);
   ::malloc_trim(0);
 #endif
 }
