@@ -94,6 +94,18 @@ PointsOfRank number_points(const PartitionedMesh& parts, const SharedWork& work)
   return points;
 }
 
+// Where one file has all that is asked for.
+void read_slices_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel, AdaptInput& input) {
+  if (work.rank_count() == 1) return;
+  if (has_fields_beside(command.input) && needs_fields(command)) return;
+  std::optional<SlicedMesh> sliced = read_slices(command.input, work.ranks(), work.runner(), &cancel);
+  if (!sliced) return;
+  input.parts = std::move(sliced->mesh);
+  if (command.metric_file.empty()) return;
+  input.points = number_points(*input.parts, work);
+  input.points.numbers = input.points.ids, input.points.whole.points = sliced->points;
+}
+
 // Of the values that were read for all parts of this rank, or of a field of the part.
 MeshField metric_at(const PartMesh& part, const AdaptCommand& command, const AdaptInput& input) {
   if (command.metric_file.empty()) {
@@ -123,7 +135,10 @@ std::filesystem::path fields_beside(const std::filesystem::path& mesh) {
 
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel) {
   AdaptInput input;
-  if (!is_piece_list(command.input)) return input;
+  if (!is_piece_list(command.input)) {
+    read_slices_of(command, work, cancel, input);
+    return input;
+  }
   input.parts = read_parts(command.input, work.ranks(), work.runner(), &cancel);
   if (work.rank_count() > 1) {
     if (!command.metric_file.empty()) input.points = number_points(*input.parts, work);

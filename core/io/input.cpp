@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <locale.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -30,7 +31,8 @@ class Descriptor {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path, const CancelToken* cancel) : name_("'"), cancel_(cancel) {
+InputFile::InputFile(const std::filesystem::path& path, const CancelToken* cancel, FileAccess access)
+    : name_("'"), cancel_(cancel) {
   name_ += path.string();
   name_ += '\'';
   const auto fail_with = [&](int reason) {
@@ -45,7 +47,14 @@ InputFile::InputFile(const std::filesystem::path& path, const CancelToken* cance
   if (!S_ISREG(info.st_mode)) fail(ErrorCode::InputUnreadable, "is no regular file");
   if (info.st_size == 0) fail(ErrorCode::InputUnreadable, "the file is empty");
   const auto expected = static_cast<std::size_t>(info.st_size);
+  if (access == FileAccess::Mapped) {
+    void* const mapping = ::mmap(nullptr, expected, PROT_READ, MAP_PRIVATE, file.get(), 0);
+    if (mapping == MAP_FAILED) fail_with(errno);
+    begin_ = static_cast<const char*>(mapping), size_ = expected;
+    return;
+  }
   data_ = std::make_unique_for_overwrite<char[]>(expected);
+  begin_ = data_.get();
   constexpr std::size_t kChunk = std::size_t{32} << 20;  // between two looks at the cancel flag
   while (size_ < expected) {
     check_cancelled();
@@ -57,12 +66,20 @@ InputFile::InputFile(const std::filesystem::path& path, const CancelToken* cance
   }
 }
 
+InputFile::~InputFile() {
+  if (!data_ && begin_ != nullptr) ::munmap(const_cast<char*>(begin_), size_);
+}
+
+void InputFile::let_go() const {
+  if (!data_) ::madvise(const_cast<char*>(begin_), size_, MADV_DONTNEED);
+}
+
 void InputFile::fail(const std::string& what, const char* where) const {
-  fail(ErrorCode::InputUnreadable, what + ", at byte " + std::to_string(where - data_.get()));
+  fail(ErrorCode::InputUnreadable, what + ", at byte " + std::to_string(where - begin_));
 }
 
 void InputFile::fail_at_line(const std::string& what, const char* where) const {
-  const auto lines = std::count(static_cast<const char*>(data_.get()), where, '\n');
+  const auto lines = std::count(begin_, where, '\n');
   fail(ErrorCode::InputUnreadable, what + ", in line " + std::to_string(lines + 1));
 }
 

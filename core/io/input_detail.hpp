@@ -18,12 +18,24 @@ namespace tetloom::detail {
 
 static_assert(std::endian::native == std::endian::little, "the writers assume a little-endian machine");
 
+/// How an InputFile has its bytes.
+enum class FileAccess {
+  InMemory,  ///< all of them, whatever becomes of the file
+  Mapped,    ///< as they are asked for; the file must not become shorter meanwhile
+};
+
 /// The bytes of a regular, non-empty file.
 class InputFile {
  public:
-  InputFile(const std::filesystem::path& path, const CancelToken* cancel);
+  InputFile(const std::filesystem::path& path, const CancelToken* cancel, FileAccess access = FileAccess::InMemory);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
 
-  std::string_view bytes() const { return {data_.get(), size_}; }
+  std::string_view bytes() const { return {begin_, size_}; }
+  /// Of a mapped file, what has been looked at takes no memory until it is looked at again. Cheap enough to be called
+  /// after every few megabytes.
+  void let_go() const;
   void check_cancelled() const {
     if (cancel_ != nullptr) cancel_->check();
   }
@@ -37,7 +49,8 @@ class InputFile {
  private:
   std::string name_;
   const CancelToken* cancel_;
-  std::unique_ptr<char[]> data_;
+  std::unique_ptr<char[]> data_;  // null where it is mapped
+  const char* begin_ = nullptr;
   std::size_t size_ = 0;
 };
 

@@ -10,7 +10,7 @@
 
 namespace tetloom::detail {
 
-constexpr std::size_t kRecordsBetweenLooks = std::size_t{1} << 20;  // at the cancel flag
+constexpr std::size_t kRecordsBetweenLooks = std::size_t{1} << 18;  // at the cancel flag
 
 /// Codes of keywords that other files than meshes know as well.
 constexpr std::int32_t kMeditDimension = 3, kMeditEnd = 54;

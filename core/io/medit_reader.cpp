@@ -6,6 +6,7 @@
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/medit_detail.hpp"
+#include "core/io/slice_filter_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -15,6 +16,44 @@ struct MeditContent {
   Mesh mesh;
   std::vector<std::uint32_t> point_refs;  // indices, none for 0
   std::vector<std::uint32_t> corner_points;
+  SliceFilter* filter = nullptr;  // null: all is read
+
+  bool is_first_pass() const { return filter != nullptr && filter->is_first_pass(); }
+  bool wants(Block block, std::uint64_t count) const {
+    if (filter == nullptr) return true;
+    filter->expect(block, count);
+    // Tets are counted before their first one is read.
+    if (is_first_pass() && block == Block::Tet && filter->counts().tets != count) filter->set_unfit();
+    return filter->wants(block);
+  }
+  bool keeps_point(std::uint64_t point) const { return filter == nullptr || filter->keeps_point(point); }
+
+  /// Whether the points are read in this pass. A second list of them takes the place of the first.
+  bool begin_points(std::uint64_t count) {
+    mesh.points.clear(), point_refs.clear();
+    if (is_first_pass()) filter->set_points(count);
+    if (filter == nullptr) mesh.points.reserve(count), point_refs.reserve(count);
+    return !is_first_pass();
+  }
+  void add_point(std::uint64_t number, const Vec3& point, std::int64_t tag) {
+    if (!keeps_point(number)) return;
+    mesh.points.push_back(point);
+    point_refs.push_back(index_of_tag(tag));
+  }
+
+  template <class Element>
+  void reserve(std::uint64_t count, std::vector<Element>& elements, std::vector<std::uint32_t>& entities) const {
+    if (filter != nullptr) return;
+    reserve_more(elements, count);
+    reserve_more(entities, count);
+  }
+  template <class Element>
+  void add(const Element& element, std::int64_t tag, std::uint64_t number, std::vector<Element>& elements,
+           std::vector<std::uint32_t>& entities) const {
+    if (filter != nullptr && !(is_first_pass() ? filter->keeps_tet(number) : filter->keeps(element))) return;
+    elements.push_back(element);
+    entities.push_back(index_of_tag(tag));
+  }
 
   Mesh finish(const InputFile& file) {
     check_read_mesh(file, mesh);
@@ -26,6 +65,13 @@ struct MeditContent {
     }
     classify_points(mesh, corners);
     return std::move(mesh);
+  }
+
+  std::optional<FileSlice> finish_slice() {
+    std::vector<Corner> corners;
+    for (const std::uint32_t point : corner_points)
+      if (keeps_point(point)) corners.push_back({point, point_refs[filter->local_of(point)]});
+    return filter->finish(std::move(mesh), corners, false);
   }
 };
 
@@ -52,12 +98,12 @@ bool is_unsupported_element(std::string_view keyword) {
 
 class MeditText {
  public:
-  explicit MeditText(const InputFile& file) : file_(file), cursor_(file) {}
+  MeditText(const InputFile& file, MeditContent& content) : file_(file), cursor_(file), content_(content) {}
 
-  Mesh read() {
+  void read() {
     for (;;) {
       const std::string_view keyword = cursor_.next_keyword();
-      if (keyword == "End") return content_.finish(file_);
+      if (keyword == "End") return;
       read_section(keyword);
     }
   }
@@ -77,42 +123,39 @@ class MeditText {
     } else if (is_unsupported_element(keyword)) {
       if (cursor_.read_count(2) > 0) refuse_elements(file_, std::string(keyword));
     } else if (const std::optional<Block> block = block_of(keyword)) {
-      visit_block(content_.mesh, *block, [&](auto& elements, auto& entities) { read_elements(elements, entities); });
+      visit_block(content_.mesh, *block,
+                  [&](auto& elements, auto& entities) { read_elements(*block, elements, entities); });
     }
   }
 
   void read_vertices() {
     const auto count = cursor_.read_count(static_cast<std::size_t>(dimension_ + 1) * 2);
-    content_.mesh.points.clear();
-    content_.mesh.points.reserve(count);
-    content_.point_refs.clear();
+    if (!content_.begin_points(count)) return;
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
       Vec3 point;
       for (int axis = 0; axis < dimension_; ++axis) point[axis] = cursor_.parse<double>();
-      content_.mesh.points.push_back(point);
-      content_.point_refs.push_back(index_of_tag(cursor_.parse<std::int64_t>()));
+      content_.add_point(i, point, cursor_.parse<std::int64_t>());
     }
   }
 
   template <class Element>
-  void read_elements(std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
+  void read_elements(Block block, std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
     Element element;
     const auto count = cursor_.read_count(2 * (element.size() + 1));
-    reserve_more(elements, count);
-    reserve_more(entities, count);
+    if (!content_.wants(block, count)) return;
+    content_.reserve(count, elements, entities);
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
       for (std::uint32_t& v : element) v = stored_index(cursor_.parse<std::uint64_t>() - 1);
-      elements.push_back(element);
-      entities.push_back(index_of_tag(cursor_.parse<std::int64_t>()));
+      content_.add(element, cursor_.parse<std::int64_t>(), i, elements, entities);
     }
   }
 
   const InputFile& file_;
   MeditWords cursor_;
   int dimension_ = 3;
-  MeditContent content_;
+  MeditContent& content_;
 };
 
 /// Keywords of binary files that matter here.
@@ -138,12 +181,12 @@ constexpr std::array<MeditCode, 15> kMeditCodes{{{4, "Vertices"},
 
 class MeditBinary {
  public:
-  explicit MeditBinary(const InputFile& file) : file_(file), sections_(file) {}
+  MeditBinary(const InputFile& file, MeditContent& content) : file_(file), sections_(file), content_(content) {}
 
-  Mesh read() {
+  void read() {
     for (;;) {
       const std::int32_t code = sections_.next_section();
-      if (code == kMeditEnd) return content_.finish(file_);
+      if (code == kMeditEnd) return;
       if (code == kMeditDimension)
         dimension_ = sections_.read_dimension();
       else
@@ -175,45 +218,72 @@ class MeditBinary {
     } else if (is_unsupported_element(keyword)) {
       if (read_count(1, 0) > 0) refuse_elements(file_, std::string(keyword));
     } else if (const std::optional<Block> block = block_of(keyword)) {
-      visit_block(content_.mesh, *block, [&](auto& elements, auto& entities) { read_elements(elements, entities); });
+      visit_block(content_.mesh, *block,
+                  [&](auto& elements, auto& entities) { read_elements(*block, elements, entities); });
     }
   }
 
   void read_vertices() {
     const std::uint64_t count = read_count(1, static_cast<std::size_t>(dimension_));
-    content_.mesh.points.assign(count, {});
-    content_.point_refs.assign(count, 0);
+    if (!content_.begin_points(count)) return;
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
-      for (int axis = 0; axis < dimension_; ++axis) content_.mesh.points[i][axis] = sections_.read_real();
-      content_.point_refs[i] = index_of_tag(sections_.read_integer());
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
+      Vec3 point;
+      for (int axis = 0; axis < dimension_; ++axis) point[axis] = sections_.read_real();
+      content_.add_point(i, point, sections_.read_integer());
     }
   }
 
   template <class Element>
-  void read_elements(std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
+  void read_elements(Block block, std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
     Element element;
     const std::uint64_t count = read_count(element.size() + 1, 0);
-    reserve_more(elements, count);
-    reserve_more(entities, count);
+    if (!content_.wants(block, count)) return;
+    content_.reserve(count, elements, entities);
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
       for (std::uint32_t& v : element) v = read_index();
-      elements.push_back(element);
-      entities.push_back(index_of_tag(sections_.read_integer()));
+      content_.add(element, sections_.read_integer(), i, elements, entities);
     }
   }
 
   const InputFile& file_;
   MeditSections sections_;
   int dimension_ = 3;
-  MeditContent content_;
+  MeditContent& content_;
 };
+
+template <class Reader>
+Mesh read_whole(const InputFile& file) {
+  MeditContent content;
+  Reader(file, content).read();
+  return content.finish(file);
+}
+
+template <class Reader>
+std::optional<FileSlice> read_slice_of(const InputFile& file, SliceFilter& filter) {
+  MeditContent content;
+  content.filter = &filter;
+  Reader(file, content).read();
+  filter.begin_second_pass(content.mesh);
+  if (!filter.is_fit()) return {};
+  content.corner_points.clear();
+  Reader(file, content).read();
+  return content.finish_slice();
+}
 
 }  // namespace
 
-Mesh read_medit_text(const InputFile& file) { return MeditText(file).read(); }
+Mesh read_medit_text(const InputFile& file) { return read_whole<MeditText>(file); }
 
-Mesh read_medit_binary(const InputFile& file) { return MeditBinary(file).read(); }
+Mesh read_medit_binary(const InputFile& file) { return read_whole<MeditBinary>(file); }
+
+std::optional<FileSlice> read_medit_text_slice(const InputFile& file, SliceFilter& filter) {
+  return read_slice_of<MeditText>(file, filter);
+}
+
+std::optional<FileSlice> read_medit_binary_slice(const InputFile& file, SliceFilter& filter) {
+  return read_slice_of<MeditBinary>(file, filter);
+}
 
 }  // namespace tetloom::detail

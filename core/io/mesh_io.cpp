@@ -4,9 +4,12 @@
 #include <array>
 #include <cctype>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include "core/io/formats_detail.hpp"
+#include "core/io/mesh_slice.hpp"
+#include "core/io/slice_filter_detail.hpp"
 #include "core/io/solver/foam_writer.hpp"
 #include "core/io/solver/groups.hpp"
 #include "core/io/solver/mapbc.hpp"
@@ -23,6 +26,7 @@ struct Format {
   bool has_second_order = false;
   bool has_groups = false;  ///< under the names of solver_names
   bool has_mapbc = false;   ///< names stand in a .mapbc file beside it
+  std::optional<FileSlice> (*read_slice)(const detail::InputFile&, detail::SliceFilter&) = nullptr;
 };
 
 // Ascending, so that ".lb8.ugrid" comes before ".ugrid".
@@ -34,14 +38,15 @@ constexpr std::array<Format, 15> kFormats{
      {".inp", detail::write_inp, detail::read_inp, true, true},
      {".lb8.ugrid", detail::write_lb8_ugrid, detail::read_lb8_ugrid, false, true, true},
      {".med", detail::write_med, detail::read_med, true, true},
-     {".mesh", detail::write_medit_text, detail::read_medit_text},
-     {".meshb", detail::write_medit_binary, detail::read_medit_binary},
+     {".mesh", detail::write_medit_text, detail::read_medit_text, false, false, false, detail::read_medit_text_slice},
+     {".meshb", detail::write_medit_binary, detail::read_medit_binary, false, false, false,
+      detail::read_medit_binary_slice},
      {".msh", detail::write_msh, detail::read_msh, true},
      {".stl", detail::write_stl, detail::read_stl},
      {".su2", detail::write_su2, detail::read_su2, false, true},
      {".ugrid", detail::write_ugrid_text, detail::read_ugrid_text, false, true, true},
      {".vtkhdf", detail::write_vtkhdf, nullptr, true},
-     {".vtu", detail::write_vtu, detail::read_vtu, true}}};
+     {".vtu", detail::write_vtu, detail::read_vtu, true, false, false, detail::read_vtu_slice}}};
 
 const Format* find_format(const std::filesystem::path& path) {
   std::string name = path.filename().string();
@@ -178,6 +183,21 @@ MeshPiece read_mesh_piece(const std::filesystem::path& path, const CancelToken* 
   MeshPiece piece = detail::read_vtu_piece(file);
   if (!piece.mesh.points.empty()) detail::check_read_mesh(file, piece.mesh);
   return piece;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
+}
+
+bool has_slices(const std::filesystem::path& path) {
+  const Format* format = find_format(path);
+  return format != nullptr && format->read_slice != nullptr;
+}
+
+std::optional<FileSlice> read_slice(const std::filesystem::path& path, std::size_t index, std::size_t count,
+                                    const CancelToken* cancel) try {
+  const Format& format = format_of(path, true);
+  const detail::InputFile file(path, cancel, detail::FileAccess::Mapped);
+  detail::SliceFilter filter(index, count);
+  return format.read_slice(file, filter);
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
 }

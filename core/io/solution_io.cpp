@@ -60,7 +60,7 @@ class SolutionContent {
     }
     Points left = carrier.wanted ? *carrier.wanted : Points();
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled();
+      if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
       const bool is_wanted = !carrier.wanted || (!left.empty() && left.front() == i);
       for (std::size_t f = 0; f < components.size(); ++f) {
         for (int c = 0; c < components[f]; ++c) {
@@ -183,7 +183,8 @@ namespace {
 Solution read(const std::filesystem::path& path, const SolutionSize& size, const detail::Points* points,
               const CancelToken* cancel) try {
   const bool binary = detail::is_binary_solution(path);
-  const detail::InputFile file(path, cancel);
+  const detail::InputFile file(path, cancel,
+                               points == nullptr ? detail::FileAccess::InMemory : detail::FileAccess::Mapped);
   return binary ? detail::SolutionBinary(file, size, points).read() : detail::SolutionText(file, size, points).read();
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");

@@ -5,6 +5,7 @@
 
 #include "core/io/formats_detail.hpp"
 #include "core/io/mid_node_reader_detail.hpp"
+#include "core/io/slice_filter_detail.hpp"
 #include "core/io/vtu_detail.hpp"
 #include "core/mesh/mesh_access.hpp"
 
@@ -44,29 +45,37 @@ struct GrowingField {
   std::array<std::vector<double>, kCellKinds> values;  ///< those on points are all in the first
 };
 
+/// After so many cells or points a slice's reader lets go of what lies behind it.
+constexpr std::size_t kItemsBetweenReleases = std::size_t{1} << 17;
+
 class VtuReader {
  public:
   explicit VtuReader(const InputFile& file, std::vector<std::uint64_t>* global_ids = nullptr)
       : file_(file), document_(parse_xml(file)), decoder_(file, document_), global_ids_(global_ids) {}
 
   Mesh read() {
-    const XmlElement& root = document_.front();
-    if (root.name != "VTKFile") file_.fail(ErrorCode::InputUnreadable, "no VTK file: its root is not VTKFile");
-    if (root.attribute("type") != "UnstructuredGrid")
-      file_.fail(ErrorCode::InputUnsuitable, "a VTK file of the type '" + std::string(root.attribute("type")) +
-                                                 "'; only UnstructuredGrid is supported");
-    decoder_.check_tail();
-    const XmlElement* grid = child(root, "UnstructuredGrid");
-    if (grid == nullptr) file_.fail(ErrorCode::InputUnreadable, "no element UnstructuredGrid");
-    if (const XmlElement* fields = child(*grid, "FieldData")) read_attributes(*fields);
-    for (const std::size_t index : grid->children)
-      if (document_[index].name == "Piece") read_piece(document_[index]);
+    for (const XmlElement* piece : begin()) read_piece(*piece);
     finish_fields();
     if (global_ids_ != nullptr && mesh_.points.empty()) return std::move(mesh_);
     check_read_mesh(file_, mesh_);
     if (!points_are_classified_) classify_points(mesh_, corners_);
     mids_.finish(file_, mesh_, !points_are_classified_);
     return std::move(mesh_);
+  }
+
+  std::optional<FileSlice> read_slice(SliceFilter& filter) {
+    filter_ = &filter;
+    const std::vector<const XmlElement*> pieces = begin();
+    for (const XmlElement* piece : pieces) count_tets(*piece);
+    filter.set_points(first_point_);
+    first_point_ = 0;
+    for (const XmlElement* piece : pieces) read_piece(*piece);
+    filter.begin_second_pass(mesh_);
+    if (!filter.is_fit()) return {};
+    first_point_ = 0, first_tet_ = 0;
+    for (const XmlElement* piece : pieces) read_piece(*piece);
+    finish_fields();
+    return filter.finish(std::move(mesh_), corners_, points_are_classified_);
   }
 
  private:
@@ -76,7 +85,25 @@ class VtuReader {
     std::optional<VtuArray> tags;
     std::string_view tag_name;
     std::uint32_t first_point = 0;
+    std::size_t points = 0;
   };
+
+  /// The pieces of the grid, once all that stands before them is read.
+  std::vector<const XmlElement*> begin() {
+    const XmlElement& root = document_.front();
+    if (root.name != "VTKFile") file_.fail(ErrorCode::InputUnreadable, "no VTK file: its root is not VTKFile");
+    if (root.attribute("type") != "UnstructuredGrid")
+      file_.fail(ErrorCode::InputUnsuitable, "a VTK file of the type '" + std::string(root.attribute("type")) +
+                                                 "'; only UnstructuredGrid is supported");
+    decoder_.check_tail();
+    const XmlElement* grid = child(root, "UnstructuredGrid");
+    if (grid == nullptr) file_.fail(ErrorCode::InputUnreadable, "no element UnstructuredGrid");
+    if (const XmlElement* fields = child(*grid, "FieldData")) read_attributes(*fields);
+    std::vector<const XmlElement*> pieces;
+    for (const std::size_t index : grid->children)
+      if (document_[index].name == "Piece") pieces.push_back(&document_[index]);
+    return pieces;
+  }
 
   const XmlElement* child(const XmlElement& parent, std::string_view name) const {
     for (const std::size_t index : parent.children)
@@ -120,14 +147,47 @@ class VtuReader {
                                                  std::to_string(size));
   }
 
+  bool is_first_pass() const { return filter_ != nullptr && filter_->is_first_pass(); }
+  bool keeps_point(std::size_t point) const { return filter_ == nullptr || filter_->keeps_point(point); }
+
+  void let_go_at(std::size_t item) const {
+    if (filter_ != nullptr && item % kItemsBetweenReleases == 0) file_.let_go();
+  }
+
+  static std::array<std::size_t, 256> count_types(const VtuArray& types) {
+    std::array<std::size_t, 256> counts{};
+    for (std::size_t i = 0; i < types.size(); ++i) ++counts[static_cast<std::uint8_t>(types.integer(i))];
+    return counts;
+  }
+
+  void count_tets(const XmlElement& piece) {
+    first_point_ += declared(piece, "NumberOfPoints");
+    if (declared(piece, "NumberOfCells") > 0) expect_cells(count_types(need(child(piece, "Cells"), "types")));
+  }
+
+  void expect_cells(const std::array<std::size_t, 256>& counts) {
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      filter_->expect(static_cast<Block>(b), counts[kVtkTypes[b]]);
+      if (counts[kVtkTypes2[b]] > 0) filter_->set_unfit();
+    }
+  }
+
   void read_piece(const XmlElement& piece) {
-    const auto first_point = static_cast<std::uint32_t>(mesh_.points.size());
     const std::size_t points = declared(piece, "NumberOfPoints"), cells = declared(piece, "NumberOfCells");
     if (points == 0 && cells == 0) return;
-    read_points(piece, points);
+    const std::size_t first_point = first_point_;
+    if (points >= 0xffffffffu - first_point) file_.fail(ErrorCode::InputUnsuitable, "the file has too many points");
+    first_point_ += points;
+    if (!is_first_pass()) read_points(piece, first_point, points);
     if (cells == 0) return;
     const XmlElement* section = child(piece, "Cells");
-    Piece content{need(section, "types"), need(section, "offsets"), need(section, "connectivity"), {}, {}, first_point};
+    Piece content{need(section, "types"),
+                  need(section, "offsets"),
+                  need(section, "connectivity"),
+                  {},
+                  {},
+                  static_cast<std::uint32_t>(first_point),
+                  points};
     expect_size(content.types, cells, "cell types");
     expect_size(content.offsets, cells, "cell offsets");
     for (const std::string_view name : kTagNames) {
@@ -136,42 +196,60 @@ class VtuReader {
       content.tag_name = name;
     }
     add_cells(content, cells);
+    if (is_first_pass()) return;
     const XmlElement* data = child(piece, "CellData");
     if (!has_cell_fields_)
       begin_fields(data, false, content.tags ? content.tag_name : std::string_view(), cell_fields_);
     has_cell_fields_ = true;
+    const std::vector<bool> is_left_out = find_left_out(content);
     grow_fields(data, cells, cell_fields_, [&](std::size_t i) -> std::optional<std::size_t> {
       const std::optional<CellType> type = find_vtk_type(content.types.integer(i));
-      if (!type || dimension_of(type->block) < 3) return {};
+      if (!type || dimension_of(type->block) < 3 || (!is_left_out.empty() && is_left_out[i])) return {};
       return cell_kind_of(type->block);
     });
   }
 
-  void read_points(const XmlElement& piece, std::size_t count) {
+  /// Of the cells of a piece: whether they are not in the slice; empty without one, or without fields.
+  std::vector<bool> find_left_out(const Piece& piece) {
+    std::vector<bool> is_left_out;
+    if (filter_ == nullptr || cell_fields_.empty()) return is_left_out;
+    is_left_out.assign(piece.types.size(), true);
+    for (std::size_t i = 0; i < is_left_out.size(); ++i)
+      if (piece.types.integer(i) == kVtkTypes[static_cast<std::size_t>(Block::Tet)])
+        is_left_out[i] = !filter_->keeps_tet(first_tet_++);
+    return is_left_out;
+  }
+
+  void read_points(const XmlElement& piece, std::size_t first_point, std::size_t count) {
     const XmlElement* section = child(piece, "Points");
     if (section == nullptr || section->children.empty())
       file_.fail(ErrorCode::InputUnreadable, "a piece without points");
     const VtuArray numbers = decoder_.decode(document_[section->children.front()]);
-    if (count >= 0xffffffffu - mesh_.points.size())
-      file_.fail(ErrorCode::InputUnsuitable, "the file has too many points");
     expect_size(numbers, 3 * count, "points");
-    const std::size_t first_point = mesh_.points.size();
-    reserve_more(mesh_.points, count);
-    for (std::size_t i = 0; i < count; ++i)
-      mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
+    std::size_t at = mesh_.points.size();
+    if (filter_ == nullptr) reserve_more(mesh_.points, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      let_go_at(i);
+      if (keeps_point(first_point + i))
+        mesh_.points.push_back({numbers.real(3 * i), numbers.real(3 * i + 1), numbers.real(3 * i + 2)});
+    }
     mesh_.point_to_entity.resize(mesh_.points.size());
     const XmlElement* data = child(piece, "PointData");
     if (global_ids_ != nullptr) read_global_ids(data, count);
     if (first_point == 0) begin_fields(data, true, {}, point_fields_);
-    grow_fields(data, count, point_fields_, [](std::size_t) { return std::optional(std::size_t{0}); });
+    grow_fields(data, count, point_fields_, [&](std::size_t i) {
+      return keeps_point(first_point + i) ? std::optional(std::size_t{0}) : std::nullopt;
+    });
     const std::optional<VtuArray> dims = find_tags(data, kEntityDim, count), tags = find_tags(data, kEntityTag, count);
     if (!dims || !tags) return;
     points_are_classified_ = true;
     for (std::size_t i = 0; i < count; ++i) {
+      if (!keeps_point(first_point + i)) continue;
       const std::int64_t dim = dims->integer(i);
       const std::uint32_t index = index_of_tag(tags->integer(i));
       if (dim >= 0 && dim <= 3 && index != ModelFaceId::kNone)
-        mesh_.point_to_entity[first_point + i] = {static_cast<int>(dim), index};
+        mesh_.point_to_entity[at] = {static_cast<int>(dim), index};
+      ++at;
     }
   }
 
@@ -189,9 +267,11 @@ class VtuReader {
   }
 
   void add_cells(const Piece& piece, std::size_t cells) {
-    reserve_cells(piece, cells);
+    if (filter_ == nullptr) reserve_cells(piece);
+    if (filter_ != nullptr && !is_first_pass()) expect_cells(count_types(piece.types));
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < cells; ++i) {
+      let_go_at(i);
       const std::int64_t end = piece.offsets.integer(i);
       const std::int64_t type = piece.types.integer(i);
       const std::optional<CellType> of_cell = find_vtk_type(type);
@@ -203,19 +283,24 @@ class VtuReader {
         file_.fail(ErrorCode::InputUnreadable, "cell " + std::to_string(i) + " has the wrong number of points");
       const std::uint32_t index = piece.tags ? index_of_tag(piece.tags->integer(i)) : ModelFaceId::kNone;
       const auto at = static_cast<std::size_t>(begin);
+      begin = end;
+      if (is_first_pass() && !is_tet_of_slice(type)) continue;
+      if (filter_ != nullptr && of_cell && !filter_->wants(of_cell->block)) continue;
       if (of_cell)
         visit_block(mesh_, of_cell->block,
                     [&](auto& elements, auto& entities) { add(piece, at, *of_cell, index, elements, entities); });
       else
         corners_.push_back({vertex(piece, at), index});
-      begin = end;
     }
   }
 
+  bool is_tet_of_slice(std::int64_t type) {
+    return type == kVtkTypes[static_cast<std::size_t>(Block::Tet)] && filter_->keeps_tet(first_tet_++);
+  }
+
   /// Memory for the cells, once their number of each type is known.
-  void reserve_cells(const Piece& piece, std::size_t cells) {
-    std::array<std::size_t, 256> counts{};
-    for (std::size_t i = 0; i < cells; ++i) ++counts[static_cast<std::uint8_t>(piece.types.integer(i))];
+  void reserve_cells(const Piece& piece) {
+    const std::array<std::size_t, 256> counts = count_types(piece.types);
     for_each_block(mesh_, [&](Block block, auto& elements, auto& entities) {
       const auto b = static_cast<std::size_t>(block);
       const std::size_t count = counts[kVtkTypes[b]] + counts[kVtkTypes2[b]];
@@ -269,10 +354,12 @@ class VtuReader {
         file_.fail(ErrorCode::InputUnreadable, "the pieces do not agree on the array '" + field.name + "'");
       const VtuArray numbers = decoder_.decode(*array);
       expect_size(numbers, tuples * field.components, ("the field '" + field.name + "'").c_str());
-      for (std::size_t i = 0; i < tuples; ++i)
+      for (std::size_t i = 0; i < tuples; ++i) {
+        let_go_at(i);
         if (const std::optional<std::size_t> place = place_of(i))
           for (std::size_t c = 0; c < field.components; ++c)
             field.values[*place].push_back(numbers.real(i * field.components + c));
+      }
     }
   }
 
@@ -291,10 +378,9 @@ class VtuReader {
 
   std::uint32_t vertex(const Piece& piece, std::size_t at) const {
     const std::int64_t local = piece.connectivity.integer(at);
-    const std::size_t count = mesh_.points.size() - piece.first_point;
-    if (local < 0 || static_cast<std::uint64_t>(local) >= count)
-      file_.fail(ErrorCode::InputUnreadable,
-                 "a cell refers to the point " + std::to_string(local) + ", but there are " + std::to_string(count));
+    if (local < 0 || static_cast<std::uint64_t>(local) >= piece.points)
+      file_.fail(ErrorCode::InputUnreadable, "a cell refers to the point " + std::to_string(local) +
+                                                 ", but there are " + std::to_string(piece.points));
     return piece.first_point + static_cast<std::uint32_t>(local);
   }
 
@@ -303,6 +389,7 @@ class VtuReader {
            std::vector<std::uint32_t>& entities) {
     Element element;
     for (std::size_t i = 0; i < element.size(); ++i) element[i] = vertex(piece, at + i);
+    if (filter_ != nullptr && !is_first_pass() && !filter_->keeps(element)) return;
     if (type.is_second_order) {
       std::array<std::uint32_t, kMostNodes> mids;
       const std::size_t count = type.nodes() - element.size();
@@ -364,6 +451,9 @@ class VtuReader {
   std::vector<XmlElement> document_;
   VtuDecoder decoder_;
   std::vector<std::uint64_t>* global_ids_;  // null: they are not asked for
+  SliceFilter* filter_ = nullptr;           // null: all is read
+  std::size_t first_point_ = 0;             // of the next piece
+  std::uint64_t first_tet_ = 0;             // of the slice, the next one
   Mesh mesh_;
   std::vector<Corner> corners_;
   MidNodeReader mids_;
@@ -374,6 +464,10 @@ class VtuReader {
 }  // namespace
 
 Mesh read_vtu(const InputFile& file) { return VtuReader(file).read(); }
+
+std::optional<FileSlice> read_vtu_slice(const InputFile& file, SliceFilter& filter) {
+  return VtuReader(file).read_slice(filter);
+}
 
 MeshPiece read_vtu_piece(const InputFile& file) {
   MeshPiece piece;

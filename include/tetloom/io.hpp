@@ -153,8 +153,8 @@ bool is_solution_extension(const std::filesystem::path& path);
 Solution read_solution(const std::filesystem::path& path, const SolutionSize& size,
                        const CancelToken* cancel = nullptr);
 /// The same for a process that has some of the mesh: values at the points with these numbers alone, ascending and below
-/// `size.points`, in their order, and none at tets. The file is read as a whole. Errors: also InvalidArgument for other
-/// numbers.
+/// `size.points`, in their order, and none at tets. A few megabytes of the file are in memory at once; it must not
+/// become shorter meanwhile. Errors: also InvalidArgument for other numbers.
 Solution read_solution_at(std::span<const std::uint64_t> points, const std::filesystem::path& path,
                           const SolutionSize& size, const CancelToken* cancel = nullptr);
 

@@ -271,6 +271,21 @@ struct PartsAsTheyAre {
 PartsAsTheyAre read_parts_as_they_are(const std::filesystem::path& path, Communicator& communicator,
                                       const TaskRunner& runner, const CancelToken* cancel = nullptr);
 
+/// A mesh of one file, and how many points the file has.
+struct SlicedMesh {
+  PartitionedMesh mesh;
+  std::uint64_t points = 0;
+};
+
+/// The mesh of tets of one file, .vtu, .mesh or .meshb, in a part of consecutive tets for each rank, which has no more
+/// of it while it reads: see read_mesh for what it is. Global ids are numbers of points in the file. Nothing, on all
+/// ranks, for files of other names, for a mesh that read_mesh or make_part would refuse, and for one that has other
+/// cells, quadrilaterals or mid nodes, or fewer tets than there are ranks. In a .vtu, arrays that are text, compressed
+/// or in base64 are decoded as a whole, up to three at once. The file must not become shorter meanwhile.
+/// A collective call. Errors, the same on all ranks: InputUnreadable, OutOfMemory, Cancelled.
+std::optional<SlicedMesh> read_slices(const std::filesystem::path& path, Communicator& communicator,
+                                      const TaskRunner& runner, const CancelToken* cancel = nullptr);
+
 // A geometric model for several ranks.
 
 /// The document that `read` gives, which is called on the first rank alone where the model can be stored

@@ -3,16 +3,19 @@
 #include "tetloom/tasks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <optional>
 
 #include "core/io/mesh_piece.hpp"
 #include "core/mesh/mesh_access.hpp"
 #include "tests/core/file_size_limit.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tests/support/simulated_ranks.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tetloom/check.hpp"
@@ -133,6 +136,62 @@ TEST_CASE("parts that are written again are the same, byte for byte") {
   for (int part = 0; part < 5; ++part) {
     const std::string name = "/a_" + std::to_string(part) + ".vtu";
     CHECK(test::file_content(folder / ("1" + name)) == test::file_content(folder / ("3" + name)));
+  }
+}
+
+TEST_CASE("a file with one mesh of tets is read by slices, a part for each rank") {
+  const TemporaryFolder folder;
+  Mesh whole = make_case(false);
+  for (const char* name : {"box.vtu", "box.meshb"}) {
+    write_mesh(whole, folder / name);
+    whole.point_fields.clear(), whole.cell_fields.clear();  // which the second format has no room for
+    const Mesh read = read_mesh(folder / name);
+    for (const int ranks : {1, 2, 3, 5}) {
+      CAPTURE(name, ranks);
+      bool fits = false;
+      Mesh gathered;
+      std::uint64_t points = 0;
+      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+        const TaskRunner runner(1);
+        std::optional<SlicedMesh> sliced = read_slices(folder / name, communicator, runner);
+        if (!sliced) throw Error(ErrorCode::Internal, "no slices");
+        const bool valid = validate_parts(sliced->mesh, runner).valid();
+        Mesh all = gather_mesh(sliced->mesh, runner);
+        if (communicator.rank() != 0) return;
+        fits = valid, gathered = std::move(all), points = sliced->points;
+      });
+      CHECK(fits);
+      CHECK(points == read.points.size());
+      CHECK(gathered.points == read.points);
+      CHECK(gathered.tet_to_vert == read.tet_to_vert);
+      CHECK(mesh_digest(gathered) == mesh_digest(read));
+      CHECK(field_digest(gathered) == field_digest(read));
+      CHECK(names_of(gathered) == names_of(read));
+    }
+  }
+}
+
+TEST_CASE("a file that cannot be read by slices is left to others on all ranks, or refused on all") {
+  const TemporaryFolder folder;
+  Mesh lost = make_case(false);
+  lost.point_fields.clear(), lost.cell_fields.clear();
+  const auto last = static_cast<std::uint32_t>(lost.points.size() - 1);
+  lost.tri_to_vert.push_back({0, 1, last}), lost.tri_to_entity.push_back(0);
+  write_mesh(lost, folder / "lost.meshb");
+  write_mesh(test::make_mixed_box(4, 3, 5, 7, true), folder / "mixed.vtu");
+  write_mesh(make_case(false), folder / "box.msh");
+  for (const char* name : {"lost.meshb", "mixed.vtu", "box.msh", "missing.vtu"}) {
+    CAPTURE(name);
+    std::array<int, 3> outcomes{};  // by rank: 1 nothing, 2 unreadable
+    test::on_simulated_ranks(3, [&](Communicator& communicator) {
+      int& outcome = outcomes[static_cast<std::size_t>(communicator.rank())];
+      try {
+        outcome = read_slices(folder / name, communicator, TaskRunner(1)) ? 3 : 1;
+      } catch (const Error& error) {
+        outcome = error.code() == ErrorCode::InputUnreadable ? 2 : 4;
+      }
+    });
+    CHECK(outcomes == (std::string(name) == "missing.vtu" ? std::array{2, 2, 2} : std::array{1, 1, 1}));
   }
 }
 

@@ -9,9 +9,9 @@
 #include "core/mesh/mesh_access.hpp"
 #include "core/mesh/quality_values.hpp"
 #include "core/mesh/quantile.hpp"
-#include "core/part/adjacency.hpp"
 #include "threading/comm/collectives.hpp"
 #include "threading/parts/edge_owners.hpp"
+#include "threading/parts/owned_elements.hpp"
 
 namespace tetloom {
 namespace {
@@ -21,7 +21,7 @@ constexpr double kPercentile = 0.01;
 // A part as a mesh in one piece, without fields and without the boundary elements that others own.
 class OwnedMesh {
  public:
-  OwnedMesh(const Part& part, PartId self) : part_(part), self_(self), finder_(part.mesh) {
+  OwnedMesh(const Part& part, PartId self) : part_(part), owned_(part, self) {
     const PartMesh& own = part.mesh;
     mesh.points.assign(own.points.begin(), own.points.end());
     for (const PackedEntity entity : own.vert_to_entity) mesh.point_to_entity.push_back(entity.unpack());
@@ -30,7 +30,10 @@ class OwnedMesh {
       take_all(block.to_vert.span(), cells);
       regions.assign(block.to_region.begin(), block.to_region.end());
     });
-    mark_vertices();
+    counts.assign(mesh.points.size(), 1);
+    const auto& shared = part.boundary.vertices;
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      counts[shared.entities[i]] = owner_of(shared.copies_of(i), self) == self ? 1 : 0;
     take_owned(BoundaryKind::Edge, mesh.edge_to_vert, mesh.edge_to_entity);
     take_owned(BoundaryKind::Triangle, mesh.tri_to_vert, mesh.tri_to_entity);
     take_owned(BoundaryKind::Quad, mesh.quad_to_vert, mesh.quad_to_entity);
@@ -40,15 +43,6 @@ class OwnedMesh {
   std::vector<std::uint8_t> counts;  ///< of each point: this part owns it
 
  private:
-  void mark_vertices() {
-    const auto& shared = part_.boundary.vertices;
-    counts.assign(mesh.points.size(), 1), is_shared_.assign(mesh.points.size(), 0);
-    for (std::size_t i = 0; i < shared.size(); ++i) {
-      is_shared_[shared.entities[i]] = 1;
-      counts[shared.entities[i]] = owner_of(shared.copies_of(i), self_) == self_ ? 1 : 0;
-    }
-  }
-
   template <std::size_t N>
   static void take_all(std::span<const std::uint32_t> verts, std::vector<std::array<std::uint32_t, N>>& elements) {
     elements.resize(verts.size() / N);
@@ -62,33 +56,13 @@ class OwnedMesh {
     for (std::size_t i = 0; i < block.size(); ++i) {
       std::array<std::uint32_t, N> verts;
       std::copy_n(&block.to_vert[i * N], N, verts.begin());
-      if (!is_owned(verts)) continue;
+      if (!owned_.has(verts)) continue;
       elements.push_back(verts), entities.push_back(block.to_entity[i]);
     }
   }
 
-  template <std::size_t N>
-  bool is_owned(std::array<std::uint32_t, N> verts) {
-    if (!std::ranges::all_of(verts, [&](std::uint32_t v) { return is_shared_[v] != 0; })) return true;
-    if constexpr (N == 2) {
-      std::ranges::sort(verts);
-      return owns(part_.boundary.edges, verts);
-    } else {
-      return owns(part_.boundary.faces, finder_.find_face(verts));
-    }
-  }
-
-  template <class Entity>
-  bool owns(const SharedEntities<Entity>& shared, const Entity& entity) const {
-    const auto at = std::lower_bound(shared.entities.begin(), shared.entities.end(), entity);
-    if (at == shared.entities.end() || *at != entity) return true;
-    return owner_of(shared.copies_of(static_cast<std::size_t>(at - shared.entities.begin())), self_) == self_;
-  }
-
   const Part& part_;
-  const PartId self_;
-  BallFinder finder_;
-  std::vector<std::uint8_t> is_shared_;
+  OwnedElements owned_;
 };
 
 // What one part gives.
