@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/io/file_slice.hpp"
 #include "core/io/formats_detail.hpp"
-#include "core/io/mesh_slice.hpp"
 #include "core/io/slice_filter_detail.hpp"
 #include "core/io/solver/foam_writer.hpp"
 #include "core/io/solver/groups.hpp"

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/io/file_slice.hpp"
 #include "core/io/formats_detail.hpp"
-#include "core/io/mesh_slice.hpp"
 
 namespace tetloom::detail {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/io/mesh_slice.hpp"
+#include "core/io/file_slice.hpp"
 #include "core/part/convert.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/partition.hpp"

@@ -1,5 +1,5 @@
 // Files that hold one mesh of tets are read by slices, which have together what the file has.
-#include "core/io/mesh_slice.hpp"
+#include "core/io/file_slice.hpp"
 
 #include <algorithm>
 #include <array>
