@@ -1,9 +1,11 @@
 #include "mesher/surface/surface_mesher.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "core/base/lists.hpp"
+#include "core/geometry/bad_geometry.hpp"
 #include "core/sizing/size_change.hpp"
 #include "mesher/surface/coincident_faces.hpp"
 #include "mesher/surface/copied_surface.hpp"
@@ -275,23 +277,49 @@ class SurfaceMesher::State {
                                   place,
                                   {}});
     }
-    for (std::uint32_t r = 0; r < topology_.region_count(); ++r) report_flat_region(ModelRegionId(r), cancelled);
+    report_flat_regions(cancelled);
     return cancelled;
   }
 
-  void report_flat_region(ModelRegionId region, const std::vector<bool>& cancelled) {
-    std::vector<NamedEntity> entities{model_.named(region)};
-    for (const ModelFaceId face : topology_.region_to_faces[region.value]) {
-      if (!cancelled[face.value] &&
-          !(faces_[face.value].verdict == FaceVerdict::Ok && faces_[face.value].tri_to_vert.empty()))
-        return;
-      entities.push_back(model_.named(face));
+  // Solids without any triangle. Where the model itself gives one no volume the others do without it.
+  void report_flat_regions(const std::vector<bool>& cancelled) {
+    std::vector<ModelRegionId> flat;
+    for (std::uint32_t r = 0; r < topology_.region_count(); ++r)
+      if (is_flat(ModelRegionId(r), cancelled)) flat.push_back(ModelRegionId(r));
+    for (const ModelRegionId region : flat) {
+      std::vector<NamedEntity> entities{model_.named(region)};
+      for (const ModelFaceId face : topology_.region_to_faces[region.value]) entities.push_back(model_.named(face));
+      if (flat.size() < topology_.region_count() && has_no_volume(region)) {
+        result_.warnings.push_back({ErrorCode::InputUnsuitable,
+                                    "the solid has no volume, as its faces lie on each other, and is left out",
+                                    std::move(entities),
+                                    {},
+                                    {}});
+      } else {
+        result_.errors.push_back({ErrorCode::VolumeFailed,
+                                  "the solid encloses no volume: its faces lie on each other",
+                                  std::move(entities),
+                                  {},
+                                  {}});
+      }
     }
-    result_.errors.push_back({ErrorCode::VolumeFailed,
-                              "the solid encloses no volume: its faces lie on each other",
-                              std::move(entities),
-                              {},
-                              {}});
+  }
+
+  bool is_flat(ModelRegionId region, const std::vector<bool>& cancelled) const {
+    return std::ranges::all_of(topology_.region_to_faces[region.value], [&](ModelFaceId face) {
+      const FaceMesh& mesh = faces_[face.value];
+      return cancelled[face.value] || (mesh.verdict == FaceVerdict::Ok && mesh.tri_to_vert.empty());
+    });
+  }
+
+  // Whether it is thinner, by its faces, than so many of the model's diagonal: nothing but rounding.
+  bool has_no_volume(ModelRegionId region) const {
+    constexpr double kNoThickness = 1e-8;
+    double area = 0;
+    for (const ModelFaceId face : topology_.region_to_faces[region.value])
+      tolerate_bad_geometry([&] { area += model_.area(face); });
+    const Box3 box = model_.bounding_box();
+    return std::abs(model_.volume(region)) <= kNoThickness * norm(box.hi - box.lo) * area;
   }
 
   void add_edges(const RimNodes& rim) {

@@ -211,13 +211,13 @@ TopoDS_Shape box_with_hole(double depth) {
   return solid_of(faces);
 }
 
-TopoDS_Shape flat_solid_and_box() {
+TopoDS_Shape flat_solid() {
   const Handle(Geom_Surface) plane = ground();
   const TopoDS_Vertex corners[] = {vertex_at(20, 0), vertex_at(30, 0), vertex_at(30, 10), vertex_at(20, 10)};
   std::vector<TopoDS_Shape> edges;
   for (int i = 0; i < 4; ++i) edges.push_back(line(corners[i], corners[(i + 1) % 4]));
   const TopoDS_Face up = face_of(plane, {wire_of(edges)}), down = face_of(plane, {wire_of(edges)});
-  return compound({solid_of({up, down.Reversed()}), box_at(0, 0, 0, 10)});
+  return solid_of({up, down.Reversed()});
 }
 
 TopoDS_Shape make_faulty(Fault fault) {
@@ -237,7 +237,8 @@ TopoDS_Shape make_faulty(Fault fault) {
     case Fault::FloorBeyondOuterFace: return compound({box_with_hole(12), box_at(20, 0, 0, 10)});
     case Fault::FloorInOuterFace: return box_with_hole(10);
     case Fault::FloorWithoutThickness: return box_with_hole(10 - 1e-11);
-    case Fault::FlatSolidAndBox: return flat_solid_and_box();
+    case Fault::FlatSolid: return flat_solid();
+    case Fault::FlatSolidAndBox: return compound({flat_solid(), box_at(0, 0, 0, 10)});
     case Fault::OverlappingBoxes: return compound({box_at(0, 0, 0, 10), box_at(5, 5, 5, 10)});
     case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 10).Shape();
   }

@@ -19,7 +19,8 @@ enum class Fault {
   FloorBeyondOuterFace,   ///< a box of 10 with a hole of radius 2 that is 12 deep, its floor outside; and another box
   FloorInOuterFace,       ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
   FloorWithoutThickness,  ///< the same with a floor 1e-11 thick
-  FlatSolidAndBox,        ///< a solid of two faces that lie on each other, beside a box of 10
+  FlatSolid,              ///< of two faces that lie on each other
+  FlatSolidAndBox,        ///< the same beside a box of 10
   OverlappingBoxes,       ///< two boxes of edge 10, one shifted by (5, 5, 5)
   ThinRod                 ///< radius 0.1, length 10
 };

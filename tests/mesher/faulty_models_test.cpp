@@ -203,8 +203,20 @@ TEST_CASE("loose faces without area are left out, and said to be") {
   }));
 }
 
-TEST_CASE("a solid of two faces on each other is refused by name") {
+TEST_CASE("a solid of two faces on each other is left out beside others, and said to be") {
   const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2);
+  require_valid(meshed);
+  CHECK(volume_of(meshed) == Approx(1000));
+  const auto& warnings = meshed.result.warnings;
+  const auto told = std::ranges::find_if(
+      warnings, [](const Diagnostic& warning) { return warning.message.find("has no volume") != std::string::npos; });
+  REQUIRE(told != warnings.end());
+  REQUIRE(told->entities.size() == 3);
+  CHECK(told->entities.front().entity == ModelEntity(ModelRegionId(0)));
+}
+
+TEST_CASE("a solid of two faces on each other alone is refused by name") {
+  const Meshed meshed = mesh_faulty(Fault::FlatSolid, 2);
   CHECK(meshed.result.status == MeshStatus::Failed);
   REQUIRE(meshed.result.errors.size() == 1);
   CHECK(meshed.result.errors.front().message.find("encloses no volume") != std::string::npos);
@@ -227,11 +239,11 @@ TEST_CASE("the halves of a sphere have one surface and one rim, and do not lie o
 }
 
 TEST_CASE("beside a solid that is refused the others are meshed where the host wants to keep going") {
-  const Meshed meshed = mesh_faulty(Fault::FlatSolidAndBox, 2, 0, true);
+  const Meshed meshed = mesh_faulty(Fault::FloorBeyondOuterFace, 2, 0, true);
   CHECK(meshed.result.status == MeshStatus::Failed);
   CHECK(meshed.result.is_partial);
-  REQUIRE(meshed.result.errors.size() == 1);
-  CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
+  REQUIRE_FALSE(meshed.result.errors.empty());
+  CHECK(meshed.result.errors.front().code == ErrorCode::SelfIntersection);
   CHECK(validate_mesh(meshed.result.mesh).problems.empty());
   CHECK(volume_of(meshed) == Approx(1000));
   CHECK(meshed.result.model_volume == Approx(1000));
