@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <compare>
+#include <utility>
 
 #include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
@@ -59,6 +60,102 @@ class Pairs {
 };
 
 using PairList = std::vector<Pairs::Pair>;
+using Verts = std::array<std::uint32_t, 3>;
+
+// Finds what each part knows.
+class SurfaceDealer {
+ public:
+  SurfaceDealer(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
+                double reach, const TaskRunner& runner)
+      : complex_(complex), decomposition_(decomposition), all_(decomposition.part_count(), runner) {
+    margins_.resize(complex.points.size());
+    runner.for_blocks(margins_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) margins_[i] = reach * sizes.size_at(complex.points[i]);
+    });
+  }
+
+  std::vector<PartId> owners;                                 ///< of points
+  std::vector<std::vector<std::uint32_t>> points, triangles;  ///< of parts
+
+  void run() {
+    owners.resize(complex_.points.size()), is_deep_.resize(complex_.points.size());
+    all_.collect(complex_.points.size(), [&](std::uint32_t point, PairList& pairs) { add_near(point, pairs); });
+    all_.collect(complex_.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
+      add_points_of(complex_.tri_to_vert[triangle], pairs);
+    });
+    points = all_.deal();
+    all_.collect(complex_.tri_to_vert.size(),
+                 [&](std::uint32_t triangle, PairList& pairs) { add_triangle(triangle, pairs); });
+    triangles = all_.deal();
+  }
+
+ private:
+  template <class Visit>
+  void for_each_near(std::uint32_t point, const Visit& visit) const {
+    const Vec3& x = complex_.points[point];
+    const Vec3 around{margins_[point], margins_[point], margins_[point]};
+    decomposition_.for_each_in({x - around, x + around}, visit);
+  }
+
+  // A triangle with an edge longer than a margin may run through the box of a part that all its points are far from.
+  bool is_large(const Verts& verts) const {
+    const auto& [a, b, c] = verts;
+    const Vec3 &x = complex_.points[a], &y = complex_.points[b], &z = complex_.points[c];
+    const double margin = std::min({margins_[a], margins_[b], margins_[c]});
+    return std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin;
+  }
+
+  template <class Visit>
+  void for_each_met(const Verts& verts, const Visit& visit) const {
+    Box3 box;
+    for (const std::uint32_t v : verts) box.add(complex_.points[v]);
+    decomposition_.for_each_in(box, visit);
+  }
+
+  void add_near(std::uint32_t point, PairList& pairs) {
+    const Vec3& x = complex_.points[point];
+    const PartId owner = decomposition_.owner_of(x);
+    owners[point] = owner;
+    is_deep_[point] = depth_inside(x, decomposition_.box(owner)) > margins_[point] * (1 + 1e-9);
+    if (is_deep_[point]) return pairs.push_back({owner, point});
+    for_each_near(point, [&](PartId part) { pairs.push_back({part, point}); });
+  }
+
+  void add_points_of(const Verts& verts, PairList& pairs) const {
+    if (is_large(verts))
+      for_each_met(verts, [&](PartId part) {
+        for (const std::uint32_t v : verts) pairs.push_back({part, v});
+      });
+    for (const std::uint32_t v : verts)
+      for (const std::uint32_t other : verts)
+        if (owners[other] != owners[v]) pairs.push_back({owners[v], other});
+  }
+
+  void add_triangle(std::uint32_t triangle, PairList& pairs) const {
+    const Verts& verts = complex_.tri_to_vert[triangle];
+    const auto& [a, b, c] = verts;
+    if (is_large(verts)) for_each_met(verts, [&](PartId part) { pairs.push_back({part, triangle}); });
+    if (is_deep_[a] && owners[b] == owners[a] && owners[c] == owners[a]) return pairs.push_back({owners[a], triangle});
+    const auto add = [&](PartId part) {
+      const std::vector<std::uint32_t>& known = points[part.value];
+      if (std::ranges::all_of(verts, [&](std::uint32_t v) { return std::ranges::binary_search(known, v); }))
+        pairs.push_back({part, triangle});
+    };
+    bool added_b = false, added_c = false;
+    for_each_near(a, [&](PartId part) {
+      add(part);
+      added_b |= part == owners[verts[1]], added_c |= part == owners[verts[2]];
+    });
+    if (!added_b) add(owners[b]);  // where that of the first is farther away
+    if (!added_c) add(owners[c]);
+  }
+
+  const volume::Complex& complex_;
+  const Decomposition& decomposition_;
+  Pairs all_;
+  std::vector<double> margins_;  // of points: how far from a part's box it knows them
+  std::vector<char> is_deep_;    // no part but its own is within reach
+};
 
 }  // namespace
 
@@ -68,70 +165,10 @@ std::size_t PartSurface::pieces(const volume::Complex& complex) {
 
 PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
                          double reach, const TaskRunner& runner) {
-  Pairs all(decomposition.part_count(), runner);
-  std::vector<double> margins(complex.points.size());
-  runner.for_blocks(margins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) margins[i] = reach * sizes.size_at(complex.points[i]);
-  });
-  const auto find_parts = [&](std::uint32_t point, auto&& visit) {
-    const Vec3& x = complex.points[point];
-    const double margin = margins[point];
-    const Vec3 around{margin, margin, margin};
-    decomposition.for_each_in({x - around, x + around}, visit);
-  };
-  point_to_owner_.resize(complex.points.size());
-  std::vector<char> is_deep(complex.points.size());  // no part but its own is within reach
-  all.collect(complex.points.size(), [&](std::uint32_t point, PairList& pairs) {
-    const Vec3& x = complex.points[point];
-    const PartId owner = decomposition.owner_of(x);
-    point_to_owner_[point] = owner;
-    is_deep[point] = depth_inside(x, decomposition.box(owner)) > margins[point] * (1 + 1e-9);
-    if (is_deep[point]) return pairs.push_back({owner, point});
-    find_parts(point, [&](PartId part) { pairs.push_back({part, point}); });
-  });
-  // A triangle with an edge longer than a margin may run through the box of a part that all its points are far from.
-  const auto is_large = [&](const std::array<std::uint32_t, 3>& verts) {
-    const auto& [a, b, c] = verts;
-    const Vec3 &x = complex.points[a], &y = complex.points[b], &z = complex.points[c];
-    const double margin = std::min({margins[a], margins[b], margins[c]});
-    return std::max({norm2(x - y), norm2(y - z), norm2(z - x)}) > margin * margin;
-  };
-  const auto find_met = [&](const std::array<std::uint32_t, 3>& verts, auto&& visit) {
-    Box3 box;
-    for (const std::uint32_t v : verts) box.add(complex.points[v]);
-    decomposition.for_each_in(box, visit);
-  };
-  all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
-    const auto& verts = complex.tri_to_vert[triangle];
-    if (is_large(verts))
-      find_met(verts, [&](PartId part) {
-        for (const std::uint32_t v : verts) pairs.push_back({part, v});
-      });
-    for (const std::uint32_t v : verts)
-      for (const std::uint32_t other : verts)
-        if (owner_of(other) != owner_of(v)) pairs.push_back({owner_of(v), other});
-  });
-  part_to_points_ = all.deal();
-  all.collect(complex.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
-    const auto& [a, b, c] = complex.tri_to_vert[triangle];
-    if (is_large({a, b, c})) find_met({a, b, c}, [&](PartId part) { pairs.push_back({part, triangle}); });
-    if (is_deep[a] && owner_of(b) == owner_of(a) && owner_of(c) == owner_of(a))
-      return pairs.push_back({owner_of(a), triangle});
-    const auto add = [&](PartId part) {
-      const auto known = points_of(part);
-      for (const std::uint32_t v : {a, b, c})
-        if (!std::binary_search(known.begin(), known.end(), v)) return;
-      pairs.push_back({part, triangle});
-    };
-    bool added_b = false, added_c = false;
-    find_parts(a, [&](PartId part) {
-      add(part);
-      added_b |= part == owner_of(b), added_c |= part == owner_of(c);
-    });
-    if (!added_b) add(owner_of(b));  // where that of the first is farther away
-    if (!added_c) add(owner_of(c));
-  });
-  part_to_triangles_ = all.deal();
+  SurfaceDealer dealer(complex, sizes, decomposition, reach, runner);
+  dealer.run();
+  point_to_owner_ = std::move(dealer.owners);
+  part_to_points_ = std::move(dealer.points), part_to_triangles_ = std::move(dealer.triangles);
 }
 
 }  // namespace tetloom::parts
