@@ -58,7 +58,7 @@ bool add_shell_points(const SharedInput& input, PartShell& shell, std::span<cons
 /// What core and shell have become.
 struct JoinedShell {
   PartTets tets;
-  std::vector<tets::FaceCode> open_faces;     ///< of the core, still
+  std::vector<tets::FaceCode> open_faces;     ///< of the core, that are open still
   std::size_t core_tets = 0, shell_tets = 0;  ///< the core's first
   std::size_t seen_sides = 0;                 ///< of surface triangles
 };
