@@ -81,20 +81,16 @@ void SliceFilter::expect(Block block, std::uint64_t count) {
 void SliceFilter::begin_second_pass(const Mesh& mesh) {
   is_first_pass_ = false;
   if (file_.tets < count_) set_unfit();
-  has_point_.assign(file_.points, false);
-  for (const auto& tet : mesh.tet_to_vert) {
-    for (const std::uint32_t v : tet) {
-      if (v >= has_point_.size()) return set_unfit();
-      has_point_[v] = true;
-    }
-  }
-  for (std::uint64_t v = 0; v < has_point_.size(); ++v)
-    if (has_point_[v]) points_.push_back(v);
+  points_.reserve(mesh.tet_to_vert.size() * 4);
+  for (const auto& tet : mesh.tet_to_vert) points_.insert(points_.end(), tet.begin(), tet.end());
+  sort_unique(points_);
+  if (!points_.empty() && points_.back() >= file_.points) set_unfit();
 }
 
 std::uint32_t SliceFilter::local_of(std::uint64_t point) const {
-  if (!keeps_point(point)) return static_cast<std::uint32_t>(points_.size());
-  return static_cast<std::uint32_t>(std::ranges::lower_bound(points_, point) - points_.begin());
+  const auto at = std::ranges::lower_bound(points_, point);
+  const bool is_there = at != points_.end() && *at == point;
+  return static_cast<std::uint32_t>((is_there ? at : points_.end()) - points_.begin());
 }
 
 // Points of other slices are all one behind the slice's own.

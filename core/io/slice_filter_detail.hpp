@@ -36,7 +36,7 @@ class SliceFilter {
   /// Whether a tet of the file is one of the slice.
   bool keeps_tet(std::uint64_t number) const { return number >= first_tet_ && number < last_tet_; }
   /// Whether the point is one of those of the slice's tets; in the second pass.
-  bool keeps_point(std::uint64_t point) const { return point < has_point_.size() && has_point_[point]; }
+  bool keeps_point(std::uint64_t point) const { return std::ranges::binary_search(points_, point); }
   /// Whether an element has such a point.
   template <std::size_t N>
   bool keeps(const std::array<std::uint32_t, N>& element) const {
@@ -59,7 +59,6 @@ class SliceFilter {
   bool is_first_pass_ = true, is_fit_ = true;
   FileCounts file_;
   std::uint64_t first_tet_ = 0, last_tet_ = 0;
-  std::vector<bool> has_point_;
   std::vector<std::uint64_t> points_;  // of the slice, ascending
 };
 

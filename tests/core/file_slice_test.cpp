@@ -160,6 +160,17 @@ TEST_CASE("a VTU file of several pieces, as text, is read by slices") {
   CHECK(mesh.cell_fields[0].values == std::vector<double>{4});
 }
 
+TEST_CASE("a slice takes no memory for points that a file only claims") {
+  const TemporaryFolder folder;
+  test::write_file(folder / "claims.vtu", R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
+      <Piece NumberOfPoints="4000000000" NumberOfCells="1"><Points><DataArray type="Float64" NumberOfComponents="3"
+      format="ascii">0 0 0  1 0 0  0 1 0  0 0 1</DataArray></Points><Cells>
+      <DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3999999999</DataArray>
+      <DataArray type="Int32" Name="offsets" format="ascii">4</DataArray>
+      <DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>)");
+  CHECK(error_of([&] { read_slice(folder / "claims.vtu", 0, 1); }).code == ErrorCode::InputUnreadable);
+}
+
 TEST_CASE("what is no mesh of tets is not read by slices") {
   const TemporaryFolder folder;
   for (const std::string& extension : kSlicedFormats) {
