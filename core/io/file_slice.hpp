@@ -26,10 +26,10 @@ struct FileSlice {
 bool has_slices(const std::filesystem::path& path);
 
 /// The tets from n · index / count to n · (index + 1) / count of a file with n of them, with fields as read_mesh reads
-/// them. Nothing for what read_mesh would refuse, and for files with other cells, quadrilaterals, mid nodes or fewer
-/// tets than `count`. The file must not become shorter meanwhile. It takes no more memory than the slice;
-/// in a .vtu with arrays that are text, compressed or in base64, three of these as well. Pre: index < count,
-/// has_slices(path). Errors: InputUnreadable, Cancelled, OutOfMemory.
+/// them. Nothing for files with other cells, quadrilaterals, mid nodes or fewer tets than `count`. The file must not
+/// become shorter meanwhile. It takes no more memory than the slice; in a .vtu with arrays that are text, compressed or
+/// in base64, three of these as well. Pre: index < count, has_slices(path). Errors: those of read_mesh, as far as the
+/// slice shows them.
 std::optional<FileSlice> read_slice(const std::filesystem::path& path, std::size_t index, std::size_t count,
                                     const CancelToken* cancel = nullptr);
 

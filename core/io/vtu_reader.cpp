@@ -267,8 +267,11 @@ class VtuReader {
   }
 
   void add_cells(const Piece& piece, std::size_t cells) {
-    if (filter_ == nullptr) reserve_cells(piece);
-    if (filter_ != nullptr && !is_first_pass()) expect_cells(count_types(piece.types));
+    if (filter_ == nullptr) {
+      reserve_cells(piece);
+    } else if (!is_first_pass()) {
+      expect_cells(count_types(piece.types));
+    }
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < cells; ++i) {
       let_go_at(i);
