@@ -9,17 +9,6 @@ namespace tetloom::detail {
 
 namespace {
 
-// Elements of which the slice has some points alone have this one for the others, for a while.
-template <class Elements>
-void drop_elements_at(std::uint32_t vert, Elements& elements, std::vector<std::uint32_t>& entities) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (std::ranges::find(elements[i], vert) != elements[i].end()) continue;
-    elements[kept] = elements[i], entities[kept++] = entities[i];
-  }
-  elements.resize(kept), entities.resize(kept);
-}
-
 // Leaves those elements that are sides of tets: their edges, or their faces.
 template <std::size_t N, class ForEachSide>
 void keep_sides(std::vector<std::array<std::uint32_t, N>>& elements, std::vector<std::uint32_t>& entities,
@@ -30,7 +19,7 @@ void keep_sides(std::vector<std::array<std::uint32_t, N>>& elements, std::vector
     return side;
   };
   std::vector<Side> keys;
-  std::vector<bool> is_used(points, false);
+  std::vector<bool> is_used(points + 1, false);  // the last: points of other slices
   for (const Side& element : elements) {
     keys.push_back(key_of(element));
     for (const std::uint32_t v : element) is_used[v] = true;
@@ -103,7 +92,6 @@ void SliceFilter::renumber(Mesh& mesh) const {
 
 std::optional<FileSlice> SliceFilter::finish(Mesh&& mesh, std::span<const Corner> corners, bool points_are_classified) {
   if (!is_fit() || mesh.points.size() != points_.size()) return {};
-  const auto others = static_cast<std::uint32_t>(points_.size());
   renumber(mesh);
   if (!points_are_classified) {
     std::vector<Corner> own;
@@ -113,8 +101,6 @@ std::optional<FileSlice> SliceFilter::finish(Mesh&& mesh, std::span<const Corner
     classify_points(mesh, own);
     mesh.points.pop_back(), mesh.point_to_entity.pop_back();
   }
-  drop_elements_at(others, mesh.tri_to_vert, mesh.tri_to_entity);
-  drop_elements_at(others, mesh.edge_to_vert, mesh.edge_to_entity);
   keep_sides_of_tets(mesh);
   return FileSlice{{std::move(mesh), std::move(points_)}, file_};
 }

@@ -129,7 +129,7 @@ TEST_CASE("parts mend thousands of missing triangles of a thin wall") {
   for (auto& triangle : hole.tri_to_vert) std::swap(triangle[1], triangle[2]);
   one.surface.append(hole);
   const VolumeMesh mesh = fill_case(one);
-  CHECK(mesh.figures.missing_triangles > (test::kSanitized ? 1000 : 3000));
+  CHECK(mesh.figures.missing_triangles > 3000);
   check_whole(one, mesh, fill_case(one, kOnePart, TaskRunner(2)));
 }
 
