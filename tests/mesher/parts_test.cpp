@@ -3,7 +3,6 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/parts_fixtures.hpp"
 #include "tests/support/analytic_model.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
@@ -116,15 +115,13 @@ TEST_CASE("triangles that are missing between parts are recovered") {
 
 // Two rough balls, one in the other, nearer to each other than their triangles are wide.
 TEST_CASE("parts mend thousands of missing triangles of a thin wall") {
-  const int levels = test::kSanitized ? 5 : 6;
-  const double gap = test::kSanitized ? 4e-3 : 1e-3;  // facets of one level less are four times as far from the ball
   std::mt19937 random(5);
   const auto rough = [&](double radius) {
-    return ball_surface(levels, {0, 0, 0}, 0,
-                        [&, radius](const Vec3&) { return radius + 0.8 * gap * double(random()) * 0x1p-32; });
+    return ball_surface(6, {0, 0, 0}, 0,
+                        [&, radius](const Vec3&) { return radius + 8e-4 * double(random()) * 0x1p-32; });
   };
   PartsCase one{"thin", rough(1), SizeField::uniform(0.05), 4e3};
-  Surface hole = rough(1 - gap);
+  Surface hole = rough(0.999);
   for (Vec3& p : hole.points) p = {0.96 * p.x - 0.28 * p.y, 0.28 * p.x + 0.96 * p.y, p.z};
   for (auto& triangle : hole.tri_to_vert) std::swap(triangle[1], triangle[2]);
   one.surface.append(hole);
