@@ -99,6 +99,7 @@ class Passes {
   bool is_flat_enough(const Cavity& cavity, std::uint32_t p) const;
   bool lies_in_planes(const Cavity& cavity) const;
   bool pinches(std::uint32_t p);
+  bool has_surface_edge(std::uint32_t v, std::span<const std::uint32_t> ends);
   std::vector<Vec3> normals_of(const Cavity& cavity) const;
   bool turns_no_normal(const Cavity& cavity, const std::vector<Vec3>& normals) const;
 

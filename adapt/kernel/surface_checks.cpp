@@ -81,7 +81,8 @@ bool Passes::lies_in_planes(const Cavity& cavity) const {
   return true;
 }
 
-// Whether an edge from p would be on the surface twice. Pre: cavity_ is that of the core. Uses scratch_.
+// Whether an edge from p would be on the surface twice, or may be, where other parts have both of its ends. Pre: cavity_
+// is that of the core. Uses scratch_.
 bool Passes::pinches(std::uint32_t p) {
   std::vector<std::uint32_t> near, beside;
   for (const FaceCode face : cavity_.surface) {
@@ -90,12 +91,22 @@ bool Passes::pinches(std::uint32_t p) {
       if (v != p && !cavity_.is_core(v)) (has(verts, p) ? beside : near).push_back(v);
   }
   std::erase_if(near, [&](std::uint32_t v) { return std::find(beside.begin(), beside.end(), v) != beside.end(); });
-  if (!mesh_.collect(std::span(&p, 1), mesh_.vert_to_tet[p], scratch_)) return true;
+  if (mesh_.to_frozen[p] == 0) return has_surface_edge(p, near);
+  // The part has all tets of v alone.
+  return std::ranges::any_of(near, [&](std::uint32_t v) {
+    return mesh_.to_frozen[v] != 0 || has_surface_edge(v, std::span(&p, 1));
+  });
+}
+
+// Whether v has an edge of the surface to one of `ends`, beside triangles with the core. Pre: the part has all tets of
+// v. Uses scratch_.
+bool Passes::has_surface_edge(std::uint32_t v, std::span<const std::uint32_t> ends) {
+  if (!mesh_.collect(std::span(&v, 1), mesh_.vert_to_tet[v], scratch_)) return true;
   for (const FaceCode face : scratch_.surface) {
     const Triangle verts = verts_of(mesh_.mesh, face);
-    if (std::any_of(verts.begin(), verts.end(), [&](std::uint32_t v) { return cavity_.is_core(v); })) continue;
-    for (const std::uint32_t v : verts)
-      if (v != p && std::find(near.begin(), near.end(), v) != near.end()) return true;
+    if (std::any_of(verts.begin(), verts.end(), [&](std::uint32_t u) { return cavity_.is_core(u); })) continue;
+    for (const std::uint32_t u : verts)
+      if (u != v && std::find(ends.begin(), ends.end(), u) != ends.end()) return true;
   }
   return false;
 }

@@ -1,7 +1,9 @@
 // What is refused has changed nothing, in parts with frozen sides and any metric.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "tests/adapt/one_round.hpp"
 #include "tests/adapt/random_tensors.hpp"
@@ -96,7 +98,46 @@ Refused check_refusals(double aspect, std::size_t part_count) {
   return refused;
 }
 
+using SurfaceEdges = std::set<std::array<std::uint32_t, 2>>;
+
+/// Edges of the surface between vertices that other parts have as well.
+SurfaceEdges shared_surface_edges(const CavityMesh& part) {
+  SurfaceEdges edges;
+  part.surface.for_each_triangle([&](const SurfaceTriangle& triangle) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = triangle.verts[i], b = triangle.verts[(i + 1) % 3];
+      if (part.to_frozen[a] != 0 && part.to_frozen[b] != 0) edges.insert({std::min(a, b), std::max(a, b)});
+    }
+  });
+  return edges;
+}
+
 }  // namespace
+
+TEST_CASE("a part makes no edge of the surface between vertices that other parts have", "[short]") {
+  // Another part may have it, or make it as well, where nothing but the vertices is shared: then the surface would
+  // touch itself there.
+  test::BoxSpec spec{10, 10, 3, false, 1};
+  spec.h = 0.25;
+  const Mesh box = test::make_tet_box(spec);
+  RandomTensors random(7);
+  MetricField metric;
+  for (std::size_t v = 0; v < box.points.size(); ++v)
+    metric.logs.push_back(log(compose(random.metric(random.uniform(0.2, 1), 5))));
+  std::size_t operations = 0, shared = 0;
+  const auto check = [&](CavityMesh& part, Passes& passes) {
+    const SurfaceEdges before = shared_surface_edges(part);
+    shared += before.size();
+    for (int i = 0; i < 5; ++i) {
+      ask_for_all(part);
+      operations += passes.collapse_edges(0.7, 1.45) + passes.swap(0.9) + passes.split_edges(1.5) + passes.smooth(0.9);
+    }
+    CHECK(std::ranges::includes(before, shared_surface_edges(part)));
+  };
+  test::in_one_round(box, metric, {}, 6, check);
+  CHECK(shared > 10);
+  CHECK(operations > 100);
+}
 
 TEST_CASE("what passes refuse leaves a part as it was, bit by bit", "[short]") {
   Refused all{};
