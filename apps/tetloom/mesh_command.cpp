@@ -70,22 +70,20 @@ void check(const MeshResult& result, const TaskRunner& runner, Run& run) {
 
 using SolidLists = std::vector<std::vector<ModelRegionId>>;
 
-// The document with solids made anew, those of one list after those of the other; none where that cannot be done.
-std::optional<ModelDocument> rebuild(const ModelDocument& document, std::span<const std::vector<ModelRegionId>> lists,
-                                     const CancelToken& cancel, const TaskRunner& runner) {
-  std::optional<ModelDocument> rebuilt = rebuild_solids(document, lists.front(), &cancel, runner);
-  return rebuilt && lists.size() > 1 ? rebuild(*rebuilt, lists.subspan(1), cancel, runner) : std::move(rebuilt);
-}
-
-// The same for the ranks of a run that hold the shapes they need: the first one reads the file again.
-std::optional<ModelDocument> rebuild_stored(const MeshCommand& command, const SolidLists& lists,
-                                            Communicator& communicator, const CancelToken& cancel) {
+// The model of the file with solids made anew, for the ranks of a run that hold the shapes they need: the first one
+// reads the file again. None where the last of the solids cannot be made anew.
+std::optional<ModelDocument> rebuild_stored(const MeshCommand& command, SolidLists lists, Communicator& communicator,
+                                            const CancelToken& cancel) {
   std::uint64_t is_rebuilt = 0;
   const TaskRunner runner(command.options.threads, {{}, &cancel});
+  const std::vector<ModelRegionId> last = std::move(lists.back());
+  lists.pop_back();
+  ReadOptions options = command.read;
+  options.rebuilt = std::move(lists);
   ModelDocument document = read_model_on_ranks(
       [&] {
-        ModelDocument given = read_model(command.input, command.read, &cancel, runner);
-        std::optional<ModelDocument> rebuilt = rebuild(given, lists, cancel, runner);
+        ModelDocument given = read_model(command.input, options, &cancel, runner);
+        std::optional<ModelDocument> rebuilt = rebuild_solids(given, last, &cancel, runner);
         is_rebuilt = rebuilt.has_value();
         return rebuilt ? std::move(*rebuilt) : std::move(given);
       },
@@ -105,11 +103,11 @@ bool repair(const MeshCommand& command, const SolidLists& lists, Sized& sized, C
       return;
     }
     const TaskRunner runner(command.options.threads, {{}, &run.cancel()});
-    run_on_all(communicator, [&] { rebuilt = rebuild(sized.document, {&lists.back(), 1}, run.cancel(), runner); });
+    run_on_all(communicator, [&] { rebuilt = rebuild_solids(sized.document, lists.back(), &run.cancel(), runner); });
   });
   if (!rebuilt) return false;
   run_on_all(communicator, [&] { sized = with_sizes(command, std::move(*rebuilt), run); });
-  note_rebuilt(lists.back(), run.report());
+  note_rebuilt(lists, run.report());
   return true;
 }
 
@@ -128,7 +126,8 @@ MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator
   constexpr int kMostRepairs = 2;
   StageSeconds seconds;
   std::vector<ModelRegionId> repaired;
-  SolidLists lists;
+  SolidLists lists = command.read.rebuilt;
+  if (!lists.empty()) note_rebuilt(lists, run.report());
   bool may_repair = command.read.heal && command.far_field == 0;
   for (int attempt = 0;; ++attempt) {
     MeshOptions options = sized.options;

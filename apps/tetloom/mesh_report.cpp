@@ -168,12 +168,20 @@ void note_run(const MeshResult& result, const GeometricModel& model, const MeshO
   for (const Diagnostic& error : result.errors) add_failure(report, error);
 }
 
-void note_rebuilt(const std::vector<ModelRegionId>& solids, RunReport& report) {
-  auto& lists = report.extra["rebuilt"];
-  if (lists.is_null()) lists = nlohmann::ordered_json::array();
-  nlohmann::ordered_json tags = nlohmann::ordered_json::array();
-  for (const ModelRegionId solid : solids) tags.push_back(ModelEntity(solid).tag());
-  lists.push_back(std::move(tags));
+void note_rebuilt(std::span<const std::vector<ModelRegionId>> lists, RunReport& report) {
+  nlohmann::ordered_json& all = report.extra["rebuilt"] = nlohmann::ordered_json::array();
+  Diagnostic warning{ErrorCode::InputUnsuitable, "solids were made anew from the space that they enclose; to adapt this "
+                     "mesh to its model:", {}, {}, {}};
+  for (const std::vector<ModelRegionId>& solids : lists) {
+    nlohmann::ordered_json& tags = all.emplace_back(nlohmann::ordered_json::array());
+    std::string text;
+    for (const ModelRegionId solid : solids) {
+      tags.push_back(ModelEntity(solid).tag());
+      text += (text.empty() ? "" : ",") + std::to_string(ModelEntity(solid).tag());
+    }
+    warning.message += " --rebuild " + text;
+  }
+  report.warnings.push_back(std::move(warning));
 }
 
 void note_filling(const FillingFigures& figures, const QualityGoals& goals, RunReport& report) {

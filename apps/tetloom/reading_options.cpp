@@ -1,6 +1,9 @@
 #include "apps/tetloom/reading_options.hpp"
 
+#include <charconv>
+#include <cstdint>
 #include <numbers>
+#include <system_error>
 
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
@@ -13,6 +16,23 @@ double angle_from_degrees(std::optional<double> degrees) {
   require(*degrees > 0 && *degrees <= 180,
           "--feature-angle must lie between 0 and 180 degrees, not be " + format_number(*degrees));
   return *degrees * std::numbers::pi / 180;
+}
+
+// From the tags of solids, separated by commas.
+std::vector<ModelRegionId> solids_from(const std::string& tags) {
+  std::vector<ModelRegionId> solids;
+  const char* at = tags.data();
+  const char* const end = at + tags.size();
+  for (bool more = true; more;) {
+    std::uint32_t tag = 0;
+    const auto [behind, error] = std::from_chars(at, end, tag);
+    require(error == std::errc() && tag > 0 && (behind == end || *behind == ','),
+            "--rebuild takes tags of solids, separated by commas, not '" + tags + "'");
+    solids.push_back(ModelRegionId(tag - 1));
+    more = behind != end;
+    at = behind + 1;
+  }
+  return solids;
 }
 
 }  // namespace
@@ -29,11 +49,20 @@ void add_reading_options(CLI::App& command, RawReading& raw) {
   command.add_option("--fill-holes", raw.fill_holes, "STL and OBJ: close holes up to W wide; default: 0, none")
       ->type_name("W")
       ->group(group);
+  command
+      .add_option("--rebuild", raw.rebuild,
+                  "Make these solids anew from the space that they enclose, as mesh does where solids cross themselves; "
+                  "may be repeated, in the order of the report")
+      ->type_name("TAG,...")
+      ->allow_extra_args(false)
+      ->group(group);
 }
 
 ReadOptions make_read_options(const RawReading& raw) {
-  return {!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle),
-          not_negative("--fill-holes", raw.fill_holes, 0)};
+  ReadOptions options{!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle),
+                      not_negative("--fill-holes", raw.fill_holes, 0), {}};
+  for (const std::string& tags : raw.rebuild) options.rebuilt.push_back(solids_from(tags));
+  return options;
 }
 
 }  // namespace tetloom::app

@@ -90,6 +90,12 @@ ModelDocument read_cad(const std::filesystem::path& path, cad::CadFormat format,
   });
 }
 
+std::string cannot_rebuild(const std::filesystem::path& path, const std::vector<ModelRegionId>& solids) {
+  std::string message = "of '" + path.string() + "' no solid can be made anew that is one of these:";
+  for (const ModelRegionId solid : solids) message += " " + std::to_string(ModelEntity(solid).tag());
+  return message;
+}
+
 }  // namespace
 
 ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options, const CancelToken* cancel,
@@ -106,6 +112,11 @@ ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& o
     case Format::Obj: document = read_discrete_model(path, options, cancel); break;
   }
   document.format = extension.name;
+  for (const std::vector<ModelRegionId>& solids : options.rebuilt) {
+    std::optional<ModelDocument> again = rebuild_solids(document, solids, cancel, loop);
+    if (!again) throw Error(ErrorCode::InputUnsuitable, cannot_rebuild(path, solids));
+    document = std::move(*again);
+  }
   return document;
 }
 

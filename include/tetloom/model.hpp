@@ -212,6 +212,9 @@ struct ReadOptions {
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
   double feature_angle = 0.6981317007977318;  ///< radians; discrete models are cut into faces where facets turn by more
   double fill_holes = 0;                      ///< model length; of discrete models, holes at most as wide are closed
+  /// Solids that are made anew in the end, as rebuild_solids does, those of one list after those of the other: regions
+  /// of the model as it is before. So a mesh of such a model meets the same model again.
+  std::vector<std::vector<ModelRegionId>> rebuilt;
 };
 
 /// One thing that was repaired, with how often.
@@ -229,8 +232,8 @@ struct ModelDocument {
 
 /// Reads the model in `path`; the format follows from the file's extension (.step .stp .iges .igs .brep .stl .obj,
 /// any case) and must agree with its content.
-/// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape),
-/// Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside. Checks and
+/// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape, solids
+/// that cannot be made anew), Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside. Checks and
 /// measurements run on the threads of `loop`; the model does not depend on it.
 ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options = {},
                          const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());

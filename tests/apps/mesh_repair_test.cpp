@@ -1,4 +1,5 @@
 // Solids that cross themselves: the command makes them anew and meshes again.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -58,4 +59,38 @@ TEST_CASE("the seconds of a run that repaired its model are those of all attempt
   for (const char* stage : {"read", "size_field", "surface", "volume", "check", "write"})
     sum += seconds[stage].get<double>();
   CHECK(sum > 0.5 * total);
+}
+
+TEST_CASE("a mesh of solids that were made anew is adapted to the same model") {
+  const Repaired run(Fault::FloorBeyondOuterFace, "2");
+  const nlohmann::json& warnings = run.report["warnings"];
+  const bool is_told = std::ranges::any_of(warnings, [](const nlohmann::json& warning) {
+    return warning["message"].get<std::string>().find("--rebuild 1") != std::string::npos;
+  });
+  CHECK(is_told);
+  Mesh mesh = read_mesh(run.folder / "mesh.vtu");
+  mesh.point_fields = {{"size", 1, std::vector<double>(mesh.points.size(), 3.0)}};
+  write_mesh(mesh, run.folder / "sized.vtu");
+
+  const std::vector<std::string> adapt{"adapt", run.folder / "sized.vtu", "-o", run.folder / "adapted.vtu",
+                                       "--metric-field", "size", "--model", run.folder / "model.brep"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tetloom(arguments).status;
+  };
+  CHECK(with(adapt, {}) == 3);
+  CHECK(with(adapt, {"--rebuild", "1"}) == 0);
+  CHECK(with(adapt, {"--rebuild", "7"}) == 3);
+  for (const char* bad : {"", "0", "-1", "1,", "1;2", "x", "99999999999"}) {
+    CAPTURE(bad);
+    CHECK(with(adapt, {std::string("--rebuild=") + bad}) == 2);
+  }
+
+  // What is asked for is not found out again.
+  CHECK(with({"mesh", run.folder / "model.brep", "-o", run.folder / "again.vtu", "--report", run.folder / "again.json",
+              "--size", "2", "--curvature", "24", "--threads", "1"},
+             {"--rebuild", "1"}) == 0);
+  const nlohmann::json again = read_json(run.folder / "again.json");
+  CHECK(again["digest"] == run.report["digest"]);
+  CHECK(again["rebuilt"] == run.report["rebuilt"]);
 }
