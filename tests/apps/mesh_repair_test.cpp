@@ -72,8 +72,9 @@ TEST_CASE("a mesh of solids that were made anew is adapted to the same model") {
   mesh.point_fields = {{"size", 1, std::vector<double>(mesh.points.size(), 3.0)}};
   write_mesh(mesh, run.folder / "sized.vtu");
 
-  const std::vector<std::string> adapt{"adapt", run.folder / "sized.vtu", "-o", run.folder / "adapted.vtu",
-                                       "--metric-field", "size", "--model", run.folder / "model.brep"};
+  const std::vector<std::string> adapt{
+      "adapt",   run.folder / "sized.vtu", "-o", run.folder / "adapted.vtu", "--metric-field", "size",
+      "--model", run.folder / "model.brep"};
   const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_tetloom(arguments).status;
