@@ -232,9 +232,9 @@ struct ModelDocument {
 
 /// Reads the model in `path`; the format follows from the file's extension (.step .stp .iges .igs .brep .stl .obj,
 /// any case) and must agree with its content.
-/// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape, solids
-/// that cannot be made anew), Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are serialised inside. Checks and
-/// measurements run on the threads of `loop`; the model does not depend on it.
+/// Errors: InvalidArgument (unknown extension, options out of range), InputUnreadable, InputUnsuitable (no shape,
+/// solids that cannot be made anew), Cancelled, OutOfMemory. Thread safety: may be called from any thread; calls are
+/// serialised inside. Checks and measurements run on the threads of `loop`; the model does not depend on it.
 ModelDocument read_model(const std::filesystem::path& path, const ReadOptions& options = {},
                          const CancelToken* cancel = nullptr, const BlockLoop& loop = serial_loop());
 
