@@ -95,3 +95,9 @@ TEST_CASE("a mesh of solids that were made anew is adapted to the same model") {
   CHECK(again["digest"] == run.report["digest"]);
   CHECK(again["rebuilt"] == run.report["rebuilt"]);
 }
+
+TEST_CASE("solids of the shape of one that crosses itself are made anew with it") {
+  const Repaired run(Fault::FloorsBeyondOuterFaces, "4");
+  CHECK(run.report["rebuilt"] == nlohmann::json::parse("[[2, 3, 4, 5, 6, 7]]"));
+  CHECK(run.report["counts"]["regions"] == 7);
+}

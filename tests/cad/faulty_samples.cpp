@@ -9,6 +9,7 @@
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
@@ -220,6 +221,17 @@ TopoDS_Shape flat_solid() {
   return solid_of({up, down.Reversed()});
 }
 
+// Apart from each other, and each a shape of its own.
+TopoDS_Shape row_of_boxes_with_holes() {
+  std::vector<TopoDS_Shape> solids{box_at(0, 20, 0, 10)};
+  for (int i = 0; i < 6; ++i) {
+    gp_Trsf shift;
+    shift.SetTranslation(gp_Vec(20.0 * i, 0, 0));
+    solids.push_back(BRepBuilderAPI_Transform(box_with_hole(12), shift, true).Shape());
+  }
+  return compound(solids);
+}
+
 TopoDS_Shape make_faulty(Fault fault) {
   switch (fault) {
     case Fault::TouchingLoops: return touching_loops();
@@ -235,6 +247,7 @@ TopoDS_Shape make_faulty(Fault fault) {
     case Fault::NestedShells: return compound(loose_faces_of(box_at(0, 0, 0, 10)) + loose_faces_of(box_at(3, 3, 3, 4)));
     case Fault::CollapsedFaces: return collapsed_faces();
     case Fault::FloorBeyondOuterFace: return compound({box_with_hole(12), box_at(20, 0, 0, 10)});
+    case Fault::FloorsBeyondOuterFaces: return row_of_boxes_with_holes();
     case Fault::FloorInOuterFace: return box_with_hole(10);
     case Fault::FloorWithoutThickness: return box_with_hole(10 - 1e-11);
     case Fault::FlatSolid: return flat_solid();

@@ -16,13 +16,14 @@ enum class Fault {
                    ///< inside
   NestedShells,    ///< the loose faces of two boxes of edge 10 and 4, one inside the other
   CollapsedFaces,  ///< the loose faces of a box, one without area on each of two sides, and one that is a point
-  FloorBeyondOuterFace,   ///< a box of 10 with a hole of radius 2 that is 12 deep, its floor outside; and another box
-  FloorInOuterFace,       ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
-  FloorWithoutThickness,  ///< the same with a floor 1e-11 thick
-  FlatSolid,              ///< of two faces that lie on each other
-  FlatSolidAndBox,        ///< the same beside a box of 10
-  OverlappingBoxes,       ///< two boxes of edge 10, one shifted by (5, 5, 5)
-  ThinRod                 ///< radius 0.1, length 10
+  FloorBeyondOuterFace,    ///< a box of 10 with a hole of radius 2 that is 12 deep, its floor outside; and another box
+  FloorsBeyondOuterFaces,  ///< six such boxes with holes, in a row, and the other box
+  FloorInOuterFace,        ///< a box of 10 with a hole of radius 2 whose floor lies in the opposite face
+  FloorWithoutThickness,   ///< the same with a floor 1e-11 thick
+  FlatSolid,               ///< of two faces that lie on each other
+  FlatSolidAndBox,         ///< the same beside a box of 10
+  OverlappingBoxes,        ///< two boxes of edge 10, one shifted by (5, 5, 5)
+  ThinRod                  ///< radius 0.1, length 10
 };
 
 /// Writes a BREP file. Throws std::runtime_error when it fails.
