@@ -170,8 +170,12 @@ void note_run(const MeshResult& result, const GeometricModel& model, const MeshO
 
 void note_rebuilt(std::span<const std::vector<ModelRegionId>> lists, RunReport& report) {
   nlohmann::ordered_json& all = report.extra["rebuilt"] = nlohmann::ordered_json::array();
-  Diagnostic warning{ErrorCode::InputUnsuitable, "solids were made anew from the space that they enclose; to adapt this "
-                     "mesh to its model:", {}, {}, {}};
+  Diagnostic warning{ErrorCode::InputUnsuitable,
+                     "solids were made anew from the space that they enclose; to adapt this "
+                     "mesh to its model:",
+                     {},
+                     {},
+                     {}};
   for (const std::vector<ModelRegionId>& solids : lists) {
     nlohmann::ordered_json& tags = all.emplace_back(nlohmann::ordered_json::array());
     std::string text;

@@ -9,8 +9,8 @@ namespace tetloom::app {
 /// How the run went; and what it was asked for.
 void note_run(const MeshResult& result, const GeometricModel& model, const MeshOptions& options, RunReport& report);
 
-/// That solids were made anew before the model was meshed, with a warning; lists of them follow each other, each numbered
-/// in the model that the last one left.
+/// That solids were made anew before the model was meshed, with a warning; lists of them follow each other, each
+/// numbered in the model that the last one left.
 void note_rebuilt(std::span<const std::vector<ModelRegionId>> lists, RunReport& report);
 
 /// How the volume was filled.
