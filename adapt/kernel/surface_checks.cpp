@@ -81,8 +81,8 @@ bool Passes::lies_in_planes(const Cavity& cavity) const {
   return true;
 }
 
-// Whether an edge from p would be on the surface twice, or may be, where other parts have both of its ends. Pre: cavity_
-// is that of the core. Uses scratch_.
+// Whether an edge from p would be on the surface twice, or may be, where other parts have both of its ends. Pre:
+// cavity_ is that of the core. Uses scratch_.
 bool Passes::pinches(std::uint32_t p) {
   std::vector<std::uint32_t> near, beside;
   for (const FaceCode face : cavity_.surface) {
@@ -93,9 +93,8 @@ bool Passes::pinches(std::uint32_t p) {
   std::erase_if(near, [&](std::uint32_t v) { return std::find(beside.begin(), beside.end(), v) != beside.end(); });
   if (mesh_.to_frozen[p] == 0) return has_surface_edge(p, near);
   // The part has all tets of v alone.
-  return std::ranges::any_of(near, [&](std::uint32_t v) {
-    return mesh_.to_frozen[v] != 0 || has_surface_edge(v, std::span(&p, 1));
-  });
+  return std::ranges::any_of(
+      near, [&](std::uint32_t v) { return mesh_.to_frozen[v] != 0 || has_surface_edge(v, std::span(&p, 1)); });
 }
 
 // Whether v has an edge of the surface to one of `ends`, beside triangles with the core. Pre: the part has all tets of
