@@ -108,11 +108,20 @@ class FaceMesher {
     return pieces * mesh.tri_to_vert.size() <= kMost;
   }
 
-  // Has the face no area, between edges that lie on each other?
+  // Has the face no area, between edges that lie on each other, or is it no wider than these are exact?
   bool bounds_nothing() const {
     const std::optional<double> length = length_of_cancelled_rim(model_.topology(), face_, rim_);
+    if (!length) return false;
     constexpr double kNoArea = 0.01;  // of the squared length; a sphere along its seam has 0.3
-    return length && model_.area(face_) <= kNoArea * *length * *length;
+    const double area = model_.area(face_), mean_width = 2 * area / *length;
+    return area <= kNoArea * *length * *length || mean_width <= tolerance_of_rim();
+  }
+
+  double tolerance_of_rim() const {
+    double tolerance = 0;
+    for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
+      for (const EdgeUse& use : loop) tolerance = std::max(tolerance, model_.attributes(use.edge).tolerance);
+    return tolerance;
   }
 
   static const char* why_not(FacetPatchVerdict verdict) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -253,6 +254,10 @@ TopoDS_Shape make_faulty(Fault fault) {
     case Fault::FlatSolid: return flat_solid();
     case Fault::FlatSolidAndBox: return compound({flat_solid(), box_at(0, 0, 0, 10)});
     case Fault::OverlappingBoxes: return compound({box_at(0, 0, 0, 10), box_at(5, 5, 5, 10)});
+    case Fault::NarrowStep:
+      return BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(10, 20).Shape(),
+                             BRepPrimAPI_MakeBox(gp_Pnt(-49, -20, 10), 40, 40, 40).Shape())
+          .Shape();
     case Fault::ThinRod: return BRepPrimAPI_MakeCylinder(0.1, 10).Shape();
   }
   throw std::runtime_error("unknown fault");

@@ -23,7 +23,9 @@ enum class Fault {
   FlatSolid,               ///< of two faces that lie on each other
   FlatSolidAndBox,         ///< the same beside a box of 10
   OverlappingBoxes,        ///< two boxes of edge 10, one shifted by (5, 5, 5)
-  ThinRod                  ///< radius 0.1, length 10
+  NarrowStep,  ///< a cylinder of radius 10 and height 20 with a flat 1 deep in its upper half: the step below
+               ///< lies between an arc and its chord
+  ThinRod      ///< radius 0.1, length 10
 };
 
 /// Writes a BREP file. Throws std::runtime_error when it fails.

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/faulty_samples.hpp"
@@ -38,6 +40,25 @@ Meshed read_faulty(Fault fault) {
   test::write_faulty(fault, folder / "model.brep");
   return {read_model(folder / "model.brep"), {}};
 }
+
+/// A model whose edges are known to be no more exact than a tolerance.
+class InexactModel final : public GeometricModel {
+ public:
+  InexactModel(std::unique_ptr<GeometricModel> model, double tolerance) : model_(std::move(model)) {
+    topology_ = model_->topology();
+    bounding_box_ = model_->bounding_box();
+    for (int dim = 0; dim < 4; ++dim) attributes_[static_cast<std::size_t>(dim)].resize(topology_.count(dim));
+    for (EntityAttributes& edge : attributes_[1]) edge.tolerance = tolerance;
+  }
+  Vec3 vertex_point(ModelVertexId id) const override { return model_->vertex_point(id); }
+  std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override { return model_->edge_geometry(id); }
+  std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override { return model_->face_geometry(id); }
+  double area(ModelFaceId id) const override { return model_->area(id); }
+  double volume(ModelRegionId id) const override { return model_->volume(id); }
+
+ private:
+  std::unique_ptr<GeometricModel> model_;
+};
 
 void mesh(Meshed& meshed, double size, double curvature = 0, bool keep_going = false) {
   MeshOptions options = options_for(size, curvature);
@@ -281,4 +302,23 @@ TEST_CASE("solids that only touch do not overlap") {
   REQUIRE(result.status == MeshStatus::Ok);
   REQUIRE(document.model->topology().region_count() == 2);
   for (const Diagnostic& warning : result.warnings) CHECK(warning.code != ErrorCode::RegionsOverlap);
+}
+
+TEST_CASE("a face no wider than its edges are exact is left out") {
+  Meshed meshed = read_faulty(Fault::NarrowStep);
+  const double volume = meshed.document.model->volume(ModelRegionId(0));
+  SECTION("exact") {
+    mesh(meshed, 8);
+    require_valid(meshed);
+    const auto& faces = meshed.result.mesh.tri_to_entity;
+    CHECK(std::set(faces.begin(), faces.end()).size() == meshed.document.model->topology().face_count());
+  }
+  SECTION("its arc is known to 1.2, and 1 from its chord") {
+    meshed.document.model = std::make_unique<InexactModel>(std::move(meshed.document.model), 1.2);
+    mesh(meshed, 8);
+    require_valid(meshed);
+    const auto& faces = meshed.result.mesh.tri_to_entity;
+    CHECK(std::set(faces.begin(), faces.end()).size() + 1 == meshed.document.model->topology().face_count());
+    CHECK(volume_of(meshed) == Approx(volume).epsilon(0.1));
+  }
 }
