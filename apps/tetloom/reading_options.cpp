@@ -50,17 +50,21 @@ void add_reading_options(CLI::App& command, RawReading& raw) {
       ->type_name("W")
       ->group(group);
   command
-      .add_option("--rebuild", raw.rebuild,
-                  "Make these solids anew from the space that they enclose, as mesh does where solids cross themselves; "
-                  "may be repeated, in the order of the report")
+      .add_option(
+          "--rebuild", raw.rebuild,
+          "Make these solids anew from the space that they enclose, as mesh does where solids cross themselves; "
+          "may be repeated, in the order of the report")
       ->type_name("TAG,...")
       ->allow_extra_args(false)
       ->group(group);
 }
 
 ReadOptions make_read_options(const RawReading& raw) {
-  ReadOptions options{!raw.no_heal, raw.imprint, angle_from_degrees(raw.feature_angle),
-                      not_negative("--fill-holes", raw.fill_holes, 0), {}};
+  ReadOptions options{!raw.no_heal,
+                      raw.imprint,
+                      angle_from_degrees(raw.feature_angle),
+                      not_negative("--fill-holes", raw.fill_holes, 0),
+                      {}};
   for (const std::string& tags : raw.rebuild) options.rebuilt.push_back(solids_from(tags));
   return options;
 }
