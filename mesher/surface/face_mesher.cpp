@@ -99,13 +99,13 @@ class FaceMesher {
  private:
   static bool is_sound(const FaceMesh& mesh) { return mesh.verdict == FaceVerdict::Ok && mesh.inverted == 0; }
 
-  // Every point over the fitted plane asks the whole rim.
+  // Every point over the fitted plane asks the whole rim, and so do the points of the rim.
   bool is_affordable(const FaceMesh& mesh) const {
-    constexpr std::size_t kMost = 5'000'000;
+    constexpr std::size_t kMost = 5'000'000, kLongestRim = 10'000;
     std::size_t pieces = 0;
     for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
       for (const EdgeUse& use : loop) pieces += rim_.mesh(use.edge).points.size();
-    return pieces * mesh.tri_to_vert.size() <= kMost;
+    return pieces <= kLongestRim && pieces * mesh.tri_to_vert.size() <= kMost;
   }
 
   // Has the face no area, between edges that lie on each other, or is it no wider than these are exact?
