@@ -101,7 +101,7 @@ class FaceMesher {
 
   // Every point over the fitted plane asks the whole rim, and so do the points of the rim.
   bool is_affordable(const FaceMesh& mesh) const {
-    constexpr std::size_t kMost = 5'000'000, kLongestRim = 10'000;
+    constexpr std::size_t kMost = 5'000'000, kLongestRim = 2000;
     std::size_t pieces = 0;
     for (const ModelLoop& loop : model_.topology().face_to_loops[face_.value])
       for (const EdgeUse& use : loop) pieces += rim_.mesh(use.edge).points.size();
