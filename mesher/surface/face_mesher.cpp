@@ -113,8 +113,8 @@ class FaceMesher {
     const std::optional<double> length = length_of_cancelled_rim(model_.topology(), face_, rim_);
     if (!length) return false;
     constexpr double kNoArea = 0.01;  // of the squared length; a sphere along its seam has 0.3
-    const double area = model_.area(face_), mean_width = 2 * area / *length;
-    return area <= kNoArea * *length * *length || mean_width <= tolerance_of_rim();
+    const double area = model_.area(face_), width = 2 * area / *length;
+    return area <= kNoArea * *length * *length || width <= tolerance_of_rim();
   }
 
   double tolerance_of_rim() const {
