@@ -92,9 +92,9 @@ bool Passes::pinches(std::uint32_t p) {
   }
   std::erase_if(near, [&](std::uint32_t v) { return std::find(beside.begin(), beside.end(), v) != beside.end(); });
   if (mesh_.to_frozen[p] == 0) return has_surface_edge(p, near);
-  // The part has all tets of v alone.
-  return std::ranges::any_of(
-      near, [&](std::uint32_t v) { return mesh_.to_frozen[v] != 0 || has_surface_edge(v, std::span(&p, 1)); });
+  if (std::ranges::any_of(near, [&](std::uint32_t v) { return mesh_.to_frozen[v] != 0; })) return true;
+  // The part has all tets of the others.
+  return std::ranges::any_of(near, [&](std::uint32_t v) { return has_surface_edge(v, std::span(&p, 1)); });
 }
 
 // Whether v has an edge of the surface to one of `ends`, beside triangles with the core. Pre: the part has all tets of

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <numbers>
 
 #include "apps/tetloom/json_entry.hpp"
+#include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/text_table.hpp"
 
 namespace tetloom::app {
@@ -18,13 +18,6 @@ constexpr std::array<const char*, 4> kKinds{"vertices", "edges", "faces", "regio
 std::optional<int> dim_of_kind(const std::string& kind) {
   const auto* found = std::ranges::find(kKinds, kind);
   return found == kKinds.end() ? std::nullopt : std::optional(static_cast<int>(found - kKinds.begin()));
-}
-
-std::optional<std::uint32_t> tag_of(std::string_view text) {
-  std::uint32_t tag = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), tag);
-  const bool is_tag = error == std::errc() && end == text.data() + text.size() && tag > 0 && tag < kNone;
-  return is_tag ? std::optional(tag) : std::nullopt;
 }
 
 std::optional<Vec3> axis_of(const std::string& text) {
@@ -159,11 +152,8 @@ GroupWish parse_group(const std::string& text) {
   const std::optional<int> dim = dim_of_kind(kind);
   if (!dim) refuse_json(place + ": '" + kind + "' must be regions, faces, edges or vertices");
   GroupWish wish{text.substr(0, equals), *dim, {}};
-  for (std::size_t begin = colon + 1; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    wish.items.push_back(parse_group_item(text.substr(begin, end - begin), *dim, place));
-    begin = end + 1;
-  }
+  for (const std::string& item : items_of(text.substr(colon + 1)))
+    wish.items.push_back(parse_group_item(item, *dim, place));
   return wish;
 }
 

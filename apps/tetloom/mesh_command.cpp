@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -15,9 +14,8 @@
 #include "apps/tetloom/parts_whole.hpp"
 #include "apps/tetloom/rank_figures.hpp"
 #include "apps/tetloom/run.hpp"
+#include "apps/tetloom/solid_copies.hpp"
 #include "core/base/free_memory.hpp"
-#include "core/base/lists.hpp"
-#include "core/geometry/bad_geometry.hpp"
 #include "tetloom/io.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/partition.hpp"
@@ -122,45 +120,11 @@ void add(const StageSeconds& more, StageSeconds& seconds) {
   seconds.second_order += more.second_order;
 }
 
-// What solids of one shape have alike.
-struct SolidMeasures {
-  std::size_t faces = 0;
-  double volume = 0, area = 0;
-
-  SolidMeasures(const GeometricModel& model, ModelRegionId region)
-      : faces(model.topology().region_to_faces[region.value].size()), volume(model.volume(region)) {
-    for (const ModelFaceId face : model.topology().region_to_faces[region.value]) area += model.area(face);
-  }
-  bool is_like(const SolidMeasures& other) const {
-    constexpr double kAlike = 1e-6;
-    const auto alike = [](double a, double b) {
-      return std::abs(a - b) <= kAlike * std::max(std::abs(a), std::abs(b));
-    };
-    return faces == other.faces && alike(volume, other.volume) && alike(area, other.area);
-  }
-};
-
-// With other solids of the same shape: an assembly has many of each screw and each pin.
-std::vector<ModelRegionId> with_copies(const std::vector<ModelRegionId>& solids, const GeometricModel& model) {
-  std::vector<ModelRegionId> all = solids;
-  tolerate_bad_geometry([&] {
-    std::vector<SolidMeasures> wanted;
-    for (const ModelRegionId solid : solids) wanted.emplace_back(model, solid);
-    for (std::uint32_t r = 0; r < model.topology().region_count(); ++r) {
-      const SolidMeasures measures(model, ModelRegionId(r));
-      if (std::ranges::any_of(wanted, [&](const SolidMeasures& other) { return measures.is_like(other); }))
-        all.push_back(ModelRegionId(r));
-    }
-  });
-  sort_unique(all);
-  return all;
-}
-
 // Solids whose boundary crosses itself are made anew, and the model is meshed again; the seconds are those of all
 // attempts, which end early where it is sure that solids cross. The next one may find that others cross as well, but a
 // solid is made anew only once.
 MeshResult make_or_repair(const MeshCommand& command, Sized& sized, Communicator& communicator, Run& run) {
-  constexpr int kMostRepairs = 4;
+  constexpr int kMostRepairs = 2;
   StageSeconds seconds;
   std::vector<ModelRegionId> repaired;
   SolidLists lists = command.read.rebuilt;

@@ -1,6 +1,9 @@
 #include "apps/tetloom/option_values.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <system_error>
 
 #include "apps/tetloom/quantities.hpp"
 #include "tetloom/partition.hpp"
@@ -30,6 +33,23 @@ int count_between(const char* option, std::optional<int> value, int most) {
   require(*value >= 1 && *value <= most, std::string(option) + " must lie between 1 and " + std::to_string(most) +
                                              ", not be " + std::to_string(*value));
   return *value;
+}
+
+std::vector<std::string> items_of(const std::string& list) {
+  std::vector<std::string> items;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    items.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return items;
+}
+
+std::optional<std::uint32_t> tag_of(std::string_view text) {
+  std::uint32_t tag = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), tag);
+  const bool is_tag = error == std::errc() && end == text.data() + text.size() && tag > 0 && tag < kNone;
+  return is_tag ? std::optional(tag) : std::nullopt;
 }
 
 std::string lower_extension(const std::filesystem::path& path) {

@@ -1,8 +1,11 @@
 #pragma once
 // Values from the command line, judged one by one. All functions throw UsageError, which names the option.
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "apps/tetloom/options.hpp"
 
@@ -18,6 +21,11 @@ double positive(const char* option, std::optional<double> value, double otherwis
 double not_negative(const char* option, std::optional<double> value, double otherwise);
 /// Between 1 and `most`; 0 where there is none.
 int count_between(const char* option, std::optional<int> value, int most);
+
+/// The items between commas; a single empty one of an empty text.
+std::vector<std::string> items_of(const std::string& list);
+/// A tag of a model entity; nothing for other texts.
+std::optional<std::uint32_t> tag_of(std::string_view text);
 
 std::string lower_extension(const std::filesystem::path& path);
 /// Whether both name the same file, which need not be there. Two empty paths do not.

@@ -1,9 +1,7 @@
 #include "apps/tetloom/reading_options.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <numbers>
-#include <system_error>
 
 #include "apps/tetloom/option_values.hpp"
 #include "apps/tetloom/quantities.hpp"
@@ -18,19 +16,12 @@ double angle_from_degrees(std::optional<double> degrees) {
   return *degrees * std::numbers::pi / 180;
 }
 
-// From the tags of solids, separated by commas.
-std::vector<ModelRegionId> solids_from(const std::string& tags) {
+std::vector<ModelRegionId> solids_from(const std::string& list) {
   std::vector<ModelRegionId> solids;
-  const char* at = tags.data();
-  const char* const end = at + tags.size();
-  for (bool more = true; more;) {
-    std::uint32_t tag = 0;
-    const auto [behind, error] = std::from_chars(at, end, tag);
-    require(error == std::errc() && tag > 0 && (behind == end || *behind == ','),
-            "--rebuild takes tags of solids, separated by commas, not '" + tags + "'");
-    solids.push_back(ModelRegionId(tag - 1));
-    more = behind != end;
-    at = behind + 1;
+  for (const std::string& item : items_of(list)) {
+    const std::optional<std::uint32_t> tag = tag_of(item);
+    require(tag.has_value(), "--rebuild takes tags of solids, separated by commas, not '" + list + "'");
+    solids.push_back(ModelRegionId(*tag - 1));
   }
   return solids;
 }

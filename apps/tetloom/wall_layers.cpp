@@ -5,6 +5,7 @@
 #include <map>
 
 #include "apps/tetloom/json_entry.hpp"
+#include "apps/tetloom/option_values.hpp"
 
 namespace tetloom::app {
 namespace {
@@ -117,11 +118,7 @@ LayersWish parse_layers(const std::string& text, const WallLayers& common) {
   const std::string place = "--layers '" + text + "'";
   WallWish wish;
   wish.layers = common;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    add_item(text.substr(begin, end - begin), place, wish);
-    begin = end + 1;
-  }
+  for (const std::string& item : items_of(text)) add_item(item, place, wish);
   if (wish.faces.empty()) refuse_json(place + " names no face");
   LayersWish layers;
   layers.walls.push_back(std::move(wish));

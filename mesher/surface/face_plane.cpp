@@ -118,13 +118,14 @@ FaceOverPlane::RimHeight FaceOverPlane::rim_height(const Vec2& uv) const {
 }
 
 // Between the rim, without the surface; the slope by differences.
-SurfaceDerivatives FaceOverPlane::spanned_at(const Vec2& uv, const Vec3& place) const {
+SurfaceDerivatives FaceOverPlane::spanned_at(const Vec2& uv, double height) const {
   const double step = 1e-5 * reach_;
   const auto slope = [&](const Vec2& aside) {
     const double rise = (rim_height(uv + aside).height - rim_height(uv - aside).height) / (2 * step);
     return std::isfinite(rise) ? rise : 0;
   };
-  return {place, plane_.first + slope({step, 0}) * plane_.normal, plane_.second + slope({0, step}) * plane_.normal};
+  return {plane_.origin + uv.u * plane_.first + uv.v * plane_.second + height * plane_.normal,
+          plane_.first + slope({step, 0}) * plane_.normal, plane_.second + slope({0, step}) * plane_.normal};
 }
 
 // The foot of the closest point moves along the normal until it stands over the point of the plane.
@@ -150,32 +151,15 @@ std::optional<SurfaceDerivatives> FaceOverPlane::surface_above(const Vec3& base)
   return {};
 }
 
-// On the surface; nothing where the height of the rim is to be taken.
-std::optional<SurfaceDerivatives> FaceOverPlane::followed_at(const Vec2& uv, const RimHeight& rim) {
-  if (!follow_) return {};
-  const Vec3 base = place_at(uv, rim);
-  constexpr double kCliff = 2;
-  const auto found = surface_above(base);
-  return found && std::abs(dot(found->point - base, plane_.normal)) <= kCliff * rim.distance ? found : std::nullopt;
-}
-
-Vec3 FaceOverPlane::place_at(const Vec2& uv, const RimHeight& rim) const {
-  const double height = std::isfinite(rim.height) ? rim.height : 0;
-  return plane_.origin + uv.u * plane_.first + uv.v * plane_.second + height * plane_.normal;
-}
-
-Vec3 FaceOverPlane::evaluate(const Vec2& uv) {
-  const RimHeight rim = rim_height(uv);
-  const auto found = followed_at(uv, rim);
-  return found ? found->point : place_at(uv, rim);
-}
-
 SurfaceDerivatives FaceOverPlane::derivatives(const Vec2& uv) {
-  if (last_ && last_->uv == uv) return last_->found;
   const RimHeight rim = rim_height(uv);
-  const auto found = followed_at(uv, rim);
-  last_ = {uv, found ? *found : spanned_at(uv, place_at(uv, rim))};
-  return last_->found;
+  const double height = std::isfinite(rim.height) ? rim.height : 0;
+  if (!follow_) return spanned_at(uv, height);
+  const Vec3 base = plane_.origin + uv.u * plane_.first + uv.v * plane_.second + height * plane_.normal;
+  constexpr double kCliff = 2;
+  if (const auto found = surface_above(base))
+    if (std::abs(dot(found->point - base, plane_.normal)) <= kCliff * rim.distance) return *found;
+  return spanned_at(uv, height);
 }
 
 Vec3 FaceOverPlane::normal(const Vec2& uv) {

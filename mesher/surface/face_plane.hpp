@@ -38,7 +38,7 @@ class FaceOverPlane : public FaceGeometry {
   Parametrization parametrization() override { return Parametrization::Smooth; }
   ParameterBox parameter_box() override { return box_; }
   Vec2 period() override { return {}; }
-  Vec3 evaluate(const Vec2& uv) override;
+  Vec3 evaluate(const Vec2& uv) override { return derivatives(uv).point; }
   SurfaceDerivatives derivatives(const Vec2& uv) override;
   Vec3 normal(const Vec2& uv) override;
   PrincipalCurvatures curvature(const Vec2&) override { return {}; }
@@ -59,9 +59,7 @@ class FaceOverPlane : public FaceGeometry {
     double height, distance;  // of the rim around a point, and of the nearest rim node from it
   };
   RimHeight rim_height(const Vec2& uv) const;
-  Vec3 place_at(const Vec2& uv, const RimHeight& rim) const;
-  SurfaceDerivatives spanned_at(const Vec2& uv, const Vec3& place) const;
-  std::optional<SurfaceDerivatives> followed_at(const Vec2& uv, const RimHeight& rim);
+  SurfaceDerivatives spanned_at(const Vec2& uv, double height) const;
   std::optional<SurfaceDerivatives> surface_above(const Vec3& base);
 
   FaceGeometry& face_;
@@ -71,11 +69,6 @@ class FaceOverPlane : public FaceGeometry {
   bool follow_;
   double reach_ = 0;           // the extent of the rim
   std::optional<Vec2> guess_;  // of the last point found
-  struct Answer {
-    Vec2 uv;
-    SurfaceDerivatives found;
-  };
-  std::optional<Answer> last_;  // to what was asked for derivatives last
 };
 
 }  // namespace tetloom

@@ -72,6 +72,15 @@ std::size_t check_idle_pass(CavityMesh& part, Passes& passes, Verdicts PassCount
   return 0;
 }
 
+/// Everywhere another metric, of sizes between two.
+MetricField random_metric(const Mesh& mesh, unsigned seed, double least, double most, double aspect) {
+  RandomTensors random(seed);
+  MetricField metric;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v)
+    metric.logs.push_back(log(compose(random.metric(random.uniform(least, most), aspect))));
+  return metric;
+}
+
 /// How often splits, collapses, swaps and moves were refused.
 using Refused = std::array<std::size_t, 4>;
 
@@ -80,10 +89,7 @@ Refused check_refusals(double aspect, std::size_t part_count) {
   test::BoxSpec spec{4, 4, 4, true, 1};
   spec.h = 0.25;
   const Mesh box = test::make_tet_box(spec);
-  RandomTensors random(5);
-  MetricField metric;
-  for (std::size_t v = 0; v < box.points.size(); ++v)
-    metric.logs.push_back(log(compose(random.metric(random.uniform(0.3, 1.5) / std::sqrt(aspect), aspect))));
+  MetricField metric = random_metric(box, 5, 0.3 / std::sqrt(aspect), 1.5 / std::sqrt(aspect), aspect);
   scale_to_complexity(metric, {box.points, box.tet_to_vert}, 50);
   const SurfaceProjector no_model;
   Refused refused{};
@@ -120,10 +126,7 @@ TEST_CASE("a part makes no edge of the surface between vertices that other parts
   test::BoxSpec spec{10, 10, 3, false, 1};
   spec.h = 0.25;
   const Mesh box = test::make_tet_box(spec);
-  RandomTensors random(7);
-  MetricField metric;
-  for (std::size_t v = 0; v < box.points.size(); ++v)
-    metric.logs.push_back(log(compose(random.metric(random.uniform(0.2, 1), 5))));
+  const MetricField metric = random_metric(box, 7, 0.2, 1, 5);
   std::size_t operations = 0, shared = 0;
   const auto check = [&](CavityMesh& part, Passes& passes) {
     const SurfaceEdges before = shared_surface_edges(part);

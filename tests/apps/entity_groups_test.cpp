@@ -4,10 +4,12 @@
 #include "apps/tetloom/entity_groups.hpp"
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/with_attributes.hpp"
 
 using namespace tetloom;
 using namespace tetloom::app;
 using test::error_of;
+using test_models::WithAttributes;
 
 namespace {
 
@@ -18,25 +20,6 @@ std::vector<std::uint32_t> tags_of(const std::vector<std::string>& groups, const
   for (const GroupMember& member : find_members(wishes, model)) tags.push_back(member.entity.tag());
   return tags;
 }
-
-/// A model with the shape of another and attributes of its own.
-class WithAttributes : public GeometricModel {
- public:
-  explicit WithAttributes(std::unique_ptr<GeometricModel> model) : model_(std::move(model)) {
-    topology_ = model_->topology();
-    for (int dim = 0; dim < 4; ++dim) attributes_[static_cast<std::size_t>(dim)].resize(topology_.count(dim));
-    bounding_box_ = model_->bounding_box();
-  }
-  EntityAttributes& change(int dim, std::size_t index) { return attributes_[static_cast<std::size_t>(dim)][index]; }
-  Vec3 vertex_point(ModelVertexId id) const override { return model_->vertex_point(id); }
-  std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override { return model_->edge_geometry(id); }
-  std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override { return model_->face_geometry(id); }
-  double area(ModelFaceId id) const override { return model_->area(id); }
-  double volume(ModelRegionId id) const override { return model_->volume(id); }
-
- private:
-  std::unique_ptr<GeometricModel> model_;
-};
 
 WithAttributes named_box() {
   WithAttributes model(test_models::make_box({0, 0, 0}, {1, 2, 3}));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/tetloom/solid_copies.hpp"
 #include "bench/support/surface_distance.hpp"
 #include "tests/apps/command_process.hpp"
 #include "tests/cad/faulty_samples.hpp"
@@ -97,6 +98,15 @@ TEST_CASE("a mesh of solids that were made anew is adapted to the same model") {
 }
 
 TEST_CASE("solids of the shape of one that crosses itself are made anew with it") {
+  TestFolder folder;
+  write_faulty(Fault::FloorsBeyondOuterFaces, folder / "model.brep");
+  const ModelDocument document = read_model(folder / "model.brep");
+  const auto solid = [](std::uint32_t tag) { return ModelRegionId(tag - 1); };
+  const std::vector<ModelRegionId> boxes_with_holes{solid(2), solid(3), solid(4), solid(5), solid(6), solid(7)};
+  CHECK(app::with_copies({solid(3)}, *document.model) == boxes_with_holes);
+  CHECK(app::with_copies({solid(1)}, *document.model) == std::vector{solid(1)});
+  CHECK(app::with_copies({}, *document.model).empty());
+
   const Repaired run(Fault::FloorsBeyondOuterFaces, "4");
   CHECK(run.report["rebuilt"] == nlohmann::json::parse("[[2, 3, 4, 5, 6, 7]]"));
   CHECK(run.report["counts"]["regions"] == 7);

@@ -11,6 +11,7 @@
 #include "tests/cad/cad_samples.hpp"
 #include "tests/cad/faulty_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/with_attributes.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/mesh.hpp"
 #include "tetloom/model.hpp"
@@ -41,24 +42,12 @@ Meshed read_faulty(Fault fault) {
   return {read_model(folder / "model.brep"), {}};
 }
 
-/// A model whose edges are known to be no more exact than a tolerance.
-class InexactModel final : public GeometricModel {
- public:
-  InexactModel(std::unique_ptr<GeometricModel> model, double tolerance) : model_(std::move(model)) {
-    topology_ = model_->topology();
-    bounding_box_ = model_->bounding_box();
-    for (int dim = 0; dim < 4; ++dim) attributes_[static_cast<std::size_t>(dim)].resize(topology_.count(dim));
-    for (EntityAttributes& edge : attributes_[1]) edge.tolerance = tolerance;
-  }
-  Vec3 vertex_point(ModelVertexId id) const override { return model_->vertex_point(id); }
-  std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override { return model_->edge_geometry(id); }
-  std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override { return model_->face_geometry(id); }
-  double area(ModelFaceId id) const override { return model_->area(id); }
-  double volume(ModelRegionId id) const override { return model_->volume(id); }
-
- private:
-  std::unique_ptr<GeometricModel> model_;
-};
+/// The model with edges that are known to be no more exact than a tolerance.
+std::unique_ptr<GeometricModel> inexact(std::unique_ptr<GeometricModel> model, double tolerance) {
+  auto changed = std::make_unique<test_models::WithAttributes>(std::move(model));
+  for (std::size_t e = 0; e < changed->topology().edge_count(); ++e) changed->change(1, e).tolerance = tolerance;
+  return changed;
+}
 
 void mesh(Meshed& meshed, double size, double curvature = 0, bool keep_going = false) {
   MeshOptions options = options_for(size, curvature);
@@ -314,7 +303,7 @@ TEST_CASE("a face no wider than its edges are exact is left out") {
     CHECK(std::set(faces.begin(), faces.end()).size() == meshed.document.model->topology().face_count());
   }
   SECTION("its arc is known to 1.2, and 1 from its chord") {
-    meshed.document.model = std::make_unique<InexactModel>(std::move(meshed.document.model), 1.2);
+    meshed.document.model = inexact(std::move(meshed.document.model), 1.2);
     mesh(meshed, 8);
     require_valid(meshed);
     const auto& faces = meshed.result.mesh.tri_to_entity;
