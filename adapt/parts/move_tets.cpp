@@ -154,7 +154,7 @@ class Unpacker {
     packets_.number_verts(runner_, [&](std::uint64_t number, std::uint32_t p, std::uint32_t i, bool is_new) {
       if (!is_new) return;
       share_.to_number.push_back(number);
-      mesh.points.push_back(packets_.all()[p].points[i]);
+      mesh.points.push_back(packets_.all()[p].verts.points[i]);
       mesh.to_metric.push_back(beside_[p].to_metric[i]), mesh.to_entity.push_back(beside_[p].to_entity[i]);
       mesh.to_hint.push_back(beside_[p].to_hint[i]), mesh.to_state.push_back(beside_[p].to_state[i]);
     });

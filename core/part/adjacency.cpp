@@ -206,6 +206,13 @@ FaceKey key_of_face(const PartMesh& part, CellPlace face) {
   return key;
 }
 
+FaceKey key_of_verts(std::span<const std::uint32_t> verts) {
+  FaceKey key{kNone, kNone, kNone, kNone};
+  std::ranges::copy(verts, key.begin());
+  std::ranges::sort(key);
+  return key;
+}
+
 void connect_cells(PartMesh& part) {
   check_limits(part);
   match_faces(part);
@@ -244,9 +251,7 @@ std::span<const CellId> BallFinder::find_shell(std::uint32_t a, std::uint32_t b)
 }
 
 CellPlace BallFinder::find_face(std::span<const std::uint32_t> verts) {
-  FaceKey wanted{kNone, kNone, kNone, kNone};
-  std::copy(verts.begin(), verts.end(), wanted.begin());
-  std::sort(wanted.begin(), wanted.end());
+  const FaceKey wanted = key_of_verts(verts);
   CellPlace found;
   for (const CellPlace corner : find_ball(wanted[0])) {
     for (std::uint32_t f = 0; f < shape_of(corner.kind()).face_count; ++f) {

@@ -55,6 +55,8 @@ inline CellPlace neighbor_of(const PartMesh& part, CellPlace face) {
 /// Vertices of a face, counter-clockwise seen from outside its cell; the fourth is kNone for a triangle.
 std::array<std::uint32_t, 4> vertices_of_face(const PartMesh& part, CellPlace face);
 FaceKey key_of_face(const PartMesh& part, CellPlace face);
+/// The same of a face, an edge or a boundary element, by its 2 to 4 vertices in any order.
+FaceKey key_of_verts(std::span<const std::uint32_t> verts);
 
 /// Computes everything that is derived from `to_vert` of the cells: neighbours, and the corners that vertices name.
 /// Linear but for vertices with very many cells; needs no memory beside the result (unmatched faces are chained through

@@ -112,7 +112,7 @@ KeyedTets unpack_strip(std::vector<Bytes>&& pieces, const TaskRunner& runner) {
     }
     strip.surface_count += is_of_surface(key);
     strip.keys.push_back(key);
-    strip.mesh.points.push_back(packets.all()[packet].points[place]);
+    strip.mesh.points.push_back(packets.all()[packet].verts.points[place]);
     strip.waits.push_back(waits[packet][place]);
   });
   packets.move_linked_tets_into(strip.mesh, runner, [](const TetPacket& packet, FaceCode link) {

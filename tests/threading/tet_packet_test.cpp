@@ -50,10 +50,10 @@ Joined join(std::vector<Bytes> messages) {
   }
   const TaskRunner runner(2);
   packets.number_verts(runner, [&](std::uint64_t key, std::uint32_t p, std::uint32_t i, bool is_new) {
-    REQUIRE(packets.all()[p].keys[i] == key);
+    REQUIRE(packets.all()[p].verts.keys[i] == key);
     if (!is_new) return;
     joined.keys.push_back(key);
-    joined.mesh.points.push_back(packets.all()[p].points[i]);
+    joined.mesh.points.push_back(packets.all()[p].verts.points[i]);
   });
   packets.move_linked_tets_into(joined.mesh, runner, [&](const TetPacket& packet, FaceCode link) {
     if ((link.tet() & kByNumber) == 0) return link.of_tet(packet.first_tet + link.tet());

@@ -4,6 +4,7 @@
 
 #include "core/base/codec.hpp"
 #include "core/part/adjacency.hpp"
+#include "threading/parts/cell_packet.hpp"
 #include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
@@ -11,11 +12,10 @@ namespace {
 
 // A packet's arrays where they lie.
 struct PacketView {
-  std::array<std::span<const std::uint32_t>, kCellKinds> cell_verts, cell_regions;
+  std::array<PacketCells, kCellKinds> cells;
   std::array<std::vector<std::span<const double>>, kCellKinds> cell_values;
-  std::span<const Vec3> points;
+  PacketVerts verts;
   std::span<const PackedEntity> vert_entities;
-  std::span<const std::uint64_t> globals;
   std::span<const std::uint8_t> shared;
   std::vector<std::span<const double>> vert_values;
   std::array<std::span<const std::uint32_t>, 3> boundary_verts, boundary_entities;
@@ -25,14 +25,12 @@ struct PacketView {
 PacketView view_packet(MessageReader& reader, const PartitionedMesh& mesh) {
   PacketView view;
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
-    view.cell_verts[kind] = reader.get_view<std::uint32_t>();
-    view.cell_regions[kind] = reader.get_view<std::uint32_t>();
+    view.cells[kind] = PacketCells(reader);
     for (std::size_t f = 0; f < mesh.cell_fields.size(); ++f)
       view.cell_values[kind].push_back(reader.get_view<double>());
   }
-  view.points = reader.get_view<Vec3>();
+  view.verts = PacketVerts(reader);
   view.vert_entities = reader.get_view<PackedEntity>();
-  view.globals = reader.get_view<std::uint64_t>();
   view.shared = reader.get_view<std::uint8_t>();
   for (std::size_t f = 0; f < mesh.vertex_fields.size(); ++f) view.vert_values.push_back(reader.get_view<double>());
   for (std::size_t kind = 0; kind < 3; ++kind) {
@@ -74,8 +72,8 @@ class PartBuilder {
     std::size_t verts = 0;
     std::array<std::size_t, kCellKinds> cells{};
     for (const PacketView& packet : packets) {
-      verts += packet.points.size();
-      for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] += packet.cell_regions[kind].size();
+      verts += packet.verts.size();
+      for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] += packet.cells[kind].size();
     }
     part_.points.reserve(verts);
     part_.vert_to_entity.reserve(verts);
@@ -123,19 +121,19 @@ class PartBuilder {
   }
 
   void add_vertices(const PacketView& packet) {
-    local_.resize(packet.points.size());
+    local_.resize(packet.verts.size());
     for (std::size_t i = 0; i < local_.size(); ++i) {
       if (may_be_known(packet, i)) {
         const auto next = static_cast<std::uint32_t>(part_.vertex_count());
-        const auto [it, is_new] = shared_.try_emplace(packet.globals[i], next);
+        const auto [it, is_new] = shared_.try_emplace(packet.verts.keys[i], next);
         local_[i] = it->second;
         if (!is_new) continue;
       } else {
         local_[i] = static_cast<std::uint32_t>(part_.vertex_count());
       }
-      part_.points.push_back(packet.points[i]);
+      part_.points.push_back(packet.verts.points[i]);
       part_.vert_to_entity.push_back(packet.vert_entities[i]);
-      part_.vert_to_global.push_back(packet.globals[i]);
+      part_.vert_to_global.push_back(packet.verts.keys[i]);
       for (std::size_t f = 0; f < part_.vertex_fields.size(); ++f) {
         VertexField& field = part_.vertex_fields[f];
         const auto n = static_cast<std::size_t>(field.components);
@@ -146,11 +144,11 @@ class PartBuilder {
 
   void add_cells(const PacketView& packet, std::size_t kind) {
     CellBlock& block = part_.cells[kind];
+    const PacketCells& cells = packet.cells[kind];
     const std::size_t before = block.to_vert.size();
-    block.to_vert.resize_for_overwrite(before + packet.cell_verts[kind].size());
-    std::uint32_t* out = block.to_vert.data() + before;
-    for (const std::uint32_t v : packet.cell_verts[kind]) *out++ = local_[v];
-    block.to_region.append(packet.cell_regions[kind]);
+    block.to_vert.resize_for_overwrite(before + cells.to_place.size());
+    cells.put_verts(local_, 0, cells.size(), block.to_vert.data() + before);
+    block.to_region.append(cells.to_region);
     for (std::size_t f = 0; f < part_.cell_fields.size(); ++f)
       part_.cell_fields[f].values[kind].append(packet.cell_values[kind][f]);
   }
@@ -172,12 +170,7 @@ class PartBuilder {
     }
   }
 
-  bool is_new_element(std::span<const std::uint32_t> verts) {
-    FaceKey key{kNone, kNone, kNone, kNone};
-    std::copy(verts.begin(), verts.end(), key.begin());
-    std::sort(key.begin(), key.end());
-    return elements_.insert(key).second;
-  }
+  bool is_new_element(std::span<const std::uint32_t> verts) { return elements_.insert(key_of_verts(verts)).second; }
 
   const Merge merge_;
   PartMesh part_;
@@ -242,7 +235,7 @@ PartMesh extend_part(const Part& part, std::span<Message> messages, const Partit
     const PacketView packet = view_packet(reader, mesh);
     builder.add(packet);
     std::array<std::size_t, kCellKinds> cells{};
-    for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] = packet.cell_regions[kind].size();
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) cells[kind] = packet.cells[kind].size();
     visit({message.from, cells, builder.locals(), reader});
     message.bytes = Bytes();
   }

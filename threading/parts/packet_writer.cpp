@@ -4,6 +4,7 @@
 #include "core/base/codec.hpp"
 #include "core/base/lists.hpp"
 #include "core/part/adjacency.hpp"
+#include "threading/parts/cell_packet.hpp"
 #include "threading/parts/packet_detail.hpp"
 
 namespace tetloom::detail {
@@ -66,21 +67,14 @@ struct CellPacker::BoundaryIndex {
     for_each_element([&](std::uint32_t number, std::span<const std::uint32_t> verts) {
       const std::uint32_t at = filled[*std::min_element(verts.begin(), verts.end())]++;
       numbers[at] = number;
-      keys[at] = key_of(verts);
+      keys[at] = key_of_verts(verts);
     });
-  }
-
-  static FaceKey key_of(std::span<const std::uint32_t> verts) {
-    FaceKey key{kNone, kNone, kNone, kNone};
-    std::copy(verts.begin(), verts.end(), key.begin());
-    std::sort(key.begin(), key.end());
-    return key;
   }
 
   // Calls visit(number) for the elements with exactly these vertices.
   template <class Visit>
   void find(std::span<const std::uint32_t> verts, const Visit& visit) const {
-    const FaceKey key = key_of(verts);
+    const FaceKey key = key_of_verts(verts);
     for (std::uint32_t i = first[key[0]]; i < first[key[0] + 1]; ++i)
       if (keys[i] == key) visit(numbers[i]);
   }
@@ -179,17 +173,12 @@ class CellPacker::PacketWriter {
   void put_cells(CellKind kind, std::uint32_t begin, std::span<const std::uint32_t> cells) {
     const CellBlock& block = part_.block(kind);
     const CellShape& shape = shape_of(kind);
-    std::uint32_t* out = writer_.put_room<std::uint32_t>(cells.size() * shape.vertex_count).data();
+    put_packet_cells(writer_, block, shape.vertex_count, cells, begin,
+                     [&](std::uint32_t v) { return scratch_.verts.add(v); });
     for (const std::uint32_t cell : cells) {
-      const std::uint32_t* verts = block.to_vert.data() + std::size_t{cell - begin} * shape.vertex_count;
-      for (std::uint32_t i = 0; i < shape.vertex_count; ++i) *out++ = scratch_.verts.add(verts[i]);
-      for_each_boundary_element_of(index_, shape, verts,
+      for_each_boundary_element_of(index_, shape, block.to_vert.data() + std::size_t{cell - begin} * shape.vertex_count,
                                    [&](std::uint32_t element) { scratch_.elements.add(element); });
-    }
-    const std::span<std::uint32_t> regions = writer_.put_room<std::uint32_t>(cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      regions[i] = block.to_region[cells[i] - begin];
-      entities_.add(pack_entity(3, regions[i]));
+      entities_.add(pack_entity(3, block.to_region[cell - begin]));
     }
     for (const CellField& field : part_.cell_fields) {
       const auto n = static_cast<std::size_t>(field.components);
@@ -200,24 +189,16 @@ class CellPacker::PacketWriter {
   }
 
   void put_vertices() {
-    gather(part_.points);
-    gather(part_.vert_to_entity);
-    gather(part_.vert_to_global);
-    std::uint8_t* shared = writer_.put_room<std::uint8_t>(scratch_.verts.size()).data();
-    for (const std::uint32_t v : scratch_.verts.items()) {
-      *shared++ = shared_[v];
-      entities_.add(part_.vert_to_entity[v]);
-    }
+    const std::span<const std::uint32_t> verts = scratch_.verts.items();
+    put_packet_verts(writer_, verts, part_.points, [&](std::uint32_t v) { return part_.vert_to_global[v]; });
+    writer_.put_each(verts, [&](std::uint32_t v) { return part_.vert_to_entity[v]; });
+    writer_.put_each(verts, [&](std::uint32_t v) { return std::uint8_t{shared_[v]}; });
+    for (const std::uint32_t v : verts) entities_.add(part_.vert_to_entity[v]);
     for (const VertexField& field : part_.vertex_fields) {
       const auto n = static_cast<std::size_t>(field.components);
-      double* room = writer_.put_room<double>(scratch_.verts.size() * n).data();
-      for (const std::uint32_t v : scratch_.verts.items()) room = std::copy_n(field.values.data() + v * n, n, room);
+      double* room = writer_.put_room<double>(verts.size() * n).data();
+      for (const std::uint32_t v : verts) room = std::copy_n(field.values.data() + v * n, n, room);
     }
-  }
-
-  template <class T>
-  void gather(const GrowingArray<T>& values) {
-    writer_.put_each(scratch_.verts.items(), [&](std::uint32_t v) { return values[v]; });
   }
 
   void put_boundary() {

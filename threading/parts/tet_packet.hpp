@@ -1,6 +1,6 @@
 #pragma once
-// Tets on their way from one part to another: the vertices that they use, each once and under the key by which all
-// parts know it, the tets by the places of these vertices, and, where they are linked through their faces, these links.
+// Tets on their way from one part to another, where parts have nothing else, and, where they are linked through their
+// faces, these links.
 //
 // Any mesh of tets will do that has the arrays `points`, `to_vert` and `to_region` of tets::TetMesh, and `to_neighbor`
 // for links. What else is known of vertices and tets follows in the message, as arrays in the same order.
@@ -14,6 +14,7 @@
 #include "core/base/local_numbers.hpp"
 #include "core/tets/tet_mesh.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/parts/cell_packet.hpp"
 #include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom {
@@ -41,11 +42,8 @@ class TetPacker {
   /// Puts the packet. `key(vert)` has 64 bits.
   template <class Key>
   void put(MessageWriter& writer, const Key& key) const {
-    writer.put_each(verts(), [&](std::uint32_t v) { return std::uint64_t{key(v)}; });
-    writer.put_each(verts(), [&](std::uint32_t v) { return mesh_.points[v]; });
-    const auto place = [&](tets::FaceCode face) { return verts_[mesh_.apex(face)]; };
-    writer.put_each(tets_, [&](std::uint32_t tet) { return tets::of_faces(tet, place); });
-    writer.put_each(tets_, [&](std::uint32_t tet) { return mesh_.to_region[tet]; });
+    put_packet_cells(writer, mesh_, 4, tets_, 0, [&](std::uint32_t v) { return verts_[v]; });
+    put_packet_verts(writer, verts(), mesh_.points, key);
   }
   /// After the packet. `link(face)` says what is behind a face: the same face by the place of its tet in the packet, or
   /// by a name that the receiver knows.
@@ -62,19 +60,14 @@ class TetPacker {
 
 /// What one message holds, where it lies.
 struct TetPacket {
-  explicit TetPacket(const Bytes& bytes) : rest(bytes) {
-    keys = rest.get_view<std::uint64_t>(), points = rest.get_view<Vec3>();
-    to_vert = rest.get_view<std::array<std::uint32_t, 4>>(), to_region = rest.get_view<std::uint32_t>();
-  }
+  explicit TetPacket(const Bytes& bytes) : rest(bytes), tets(rest), verts(rest) {}
   /// Where links follow.
   void take_links() { to_neighbor = rest.get_view<std::array<tets::FaceCode, 4>>(); }
 
-  std::span<const std::uint64_t> keys;
-  std::span<const Vec3> points;
-  std::span<const std::array<std::uint32_t, 4>> to_vert;
-  std::span<const std::uint32_t> to_region;
+  MessageReader rest;  ///< what follows in the message
+  PacketCells tets;
+  PacketVerts verts;
   std::span<const std::array<tets::FaceCode, 4>> to_neighbor;
-  MessageReader rest;                   ///< what follows in the message
   std::uint32_t first_tet = 0;          ///< place of its first tet among those of all packets
   std::vector<std::uint32_t> to_local;  ///< of its vertices, once they are numbered
 };
@@ -86,7 +79,7 @@ class TetPackets {
     for (const Bytes& bytes : messages_) {
       TetPacket& packet = packets_.emplace_back(bytes);
       packet.first_tet = static_cast<std::uint32_t>(tet_count_);
-      tet_count_ += packet.to_vert.size();
+      tet_count_ += packet.tets.size();
     }
   }
   std::span<TetPacket> all() { return packets_; }
@@ -134,13 +127,10 @@ class TetPackets {
     mesh.to_vert.resize_for_overwrite(tet_count_ * 4), mesh.to_region.reserve(tet_count_);
     for (std::size_t p = 0; p < packets_.size(); ++p) {
       const TetPacket& packet = packets_[p];
-      mesh.to_region.append(packet.to_region);
-      runner.for_blocks(packet.to_vert.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t tet = begin; tet < end; ++tet) {
-          for (std::size_t i = 0; i < 4; ++i)
-            mesh.to_vert[(packet.first_tet + tet) * 4 + i] = packet.to_local[packet.to_vert[tet][i]];
-          more(packet, tet);
-        }
+      mesh.to_region.append(packet.tets.to_region);
+      runner.for_blocks(packet.tets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        packet.tets.put_verts(packet.to_local, begin, end, mesh.to_vert.data() + std::size_t{packet.first_tet} * 4);
+        for (std::size_t tet = begin; tet < end; ++tet) more(packet, tet);
       });
       packets_[p].to_local = {}, messages_[p] = Bytes();
     }
@@ -155,8 +145,9 @@ class TetPackets {
   std::vector<KeyedVert> keyed_verts() {
     std::vector<KeyedVert> verts;
     for (std::uint32_t p = 0; p < packets_.size(); ++p) {
-      packets_[p].to_local.resize(packets_[p].keys.size());
-      for (std::uint32_t i = 0; i < packets_[p].keys.size(); ++i) verts.push_back({packets_[p].keys[i], p, i});
+      const std::span<const std::uint64_t> keys = packets_[p].verts.keys;
+      packets_[p].to_local.resize(keys.size());
+      for (std::uint32_t i = 0; i < keys.size(); ++i) verts.push_back({keys[i], p, i});
     }
     return verts;
   }

@@ -162,12 +162,8 @@ class PartValidator {
     for (const BoundaryKind kind : {BoundaryKind::Triangle, BoundaryKind::Quad}) {
       const BoundaryBlock& block = mesh_.block(kind);
       const std::size_t n = kBoundaryVertexCount[static_cast<std::size_t>(kind)];
-      for (std::size_t i = 0; i < block.size(); ++i) {
-        FaceKey key{kNone, kNone, kNone, kNone};
-        std::copy_n(block.to_vert.data() + i * n, n, key.begin());
-        std::sort(key.begin(), key.end());
-        elements.push_back(key);
-      }
+      for (std::size_t i = 0; i < block.size(); ++i)
+        elements.push_back(key_of_verts(block.to_vert.span().subspan(i * n, n)));
     }
     std::sort(elements.begin(), elements.end());
     for_each_open_face(mesh_, [&](CellPlace face) {
