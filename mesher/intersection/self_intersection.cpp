@@ -1,6 +1,7 @@
 #include "mesher/intersection/self_intersection.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -17,7 +18,7 @@ namespace tetloom {
 namespace {
 
 constexpr std::size_t kLeafSize = intersection::TriangleTree::kLeafSize;
-constexpr std::size_t kLeavesPerBlock = 256;
+constexpr std::size_t kLeavesPerBlock = 256, kTrianglesPerBlock = 1 << 14;
 
 bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) {
   return std::pair(a.first, a.second) < std::pair(b.first, b.second);
@@ -31,7 +32,7 @@ class Searcher {
         runner_(runner),
         degenerate_(search.tri_to_vert.size()),
         boxes_(search.tri_to_vert.size()) {
-    runner.for_blocks(degenerate_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    runner.for_blocks(degenerate_.size(), kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
         degenerate_[i] = intersection::is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
@@ -156,6 +157,51 @@ Diagnostic describe_group(std::span<const TriangleIntersection* const> group, co
   return diagnostic;
 }
 
+// Whether only few triangles are new: what is far from them need not be in the tree.
+bool is_local(const IntersectionSearch& search) {
+  constexpr std::ptrdiff_t kFew = 8;  // one in so many
+  return !search.tri_is_new.empty() && !search.tells_progress &&
+         std::ssize(search.tri_is_new) - std::ranges::count(search.tri_is_new, 0) <=
+             std::ssize(search.tri_is_new) / kFew;
+}
+
+// New triangles, and those whose boxes nearly meet one of them; ascending.
+std::vector<std::uint32_t> triangles_near_new(const IntersectionSearch& search, const TaskRunner& runner) {
+  std::vector<std::array<std::uint32_t, 3>> all_new;
+  for (std::size_t t = 0; t < search.tri_is_new.size(); ++t)
+    if (search.tri_is_new[t]) all_new.push_back(search.tri_to_vert[t]);
+  const intersection::TriangleTree tree(search.points, all_new, runner);
+  std::vector<std::uint8_t> is_near(search.tri_is_new.begin(), search.tri_is_new.end());
+  runner.for_blocks(is_near.size(), kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      Box3 box;
+      for (const std::uint32_t v : search.tri_to_vert[t]) box.add(search.points[v]);
+      is_near[t] = is_near[t] || tree.may_meet(box);
+    }
+  });
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t t = 0; t < is_near.size(); ++t)
+    if (is_near[t]) near.push_back(t);
+  return near;
+}
+
+std::vector<TriangleIntersection> find_near_new(const IntersectionSearch& search, const TaskRunner& runner) {
+  if (std::ranges::count(search.tri_is_new, 0) == std::ssize(search.tri_is_new)) return {};
+  const std::vector<std::uint32_t> near = triangles_near_new(search, runner);
+  std::vector<std::array<std::uint32_t, 3>> verts;
+  std::vector<std::uint32_t> groups;
+  std::vector<std::uint8_t> is_new;
+  for (const std::uint32_t t : near) {
+    verts.push_back(search.tri_to_vert[t]), is_new.push_back(search.tri_is_new[t]);
+    if (!search.tri_to_group.empty()) groups.push_back(search.tri_to_group[t]);
+  }
+  const intersection::TriangleTree tree(search.points, verts, runner);
+  std::vector<TriangleIntersection> found =
+      find_self_intersections({search.points, verts, groups, search.most, false, is_new}, tree, runner);
+  for (TriangleIntersection& one : found) one.first = near[one.first], one.second = near[one.second];
+  return found;
+}
+
 }  // namespace
 
 double longest_edge(const Mesh& surface, const TriangleIntersection& crossing) {
@@ -169,6 +215,7 @@ double longest_edge(const Mesh& surface, const TriangleIntersection& crossing) {
 }
 
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search, const TaskRunner& runner) {
+  if (is_local(search)) return find_near_new(search, runner);
   return find_self_intersections(search, intersection::TriangleTree(search.points, search.tri_to_vert, runner), runner);
 }
 

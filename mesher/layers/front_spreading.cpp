@@ -63,17 +63,17 @@ std::vector<Vec3> FrontSpreading::find_shifts(const ChangingFront& front, const 
   const std::size_t count = feet_.size();
   std::vector<Vec3> shifts(count);
   std::vector<std::uint8_t> is_changing(count, 0);
-  const auto for_each_curve = [&](const auto& body) {
-    runner.for_blocks(count, kStarGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c) body(static_cast<std::uint32_t>(c));
-    });
-  };
-  for_each_curve([&](std::uint32_t c) { is_changing[c] = changes_at(front, c); });
-  if (std::ranges::count(is_changing, 1) == 0) return shifts;
+  runner.for_blocks(count, kStarGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) is_changing[c] = changes_at(front, static_cast<std::uint32_t>(c));
+  });
+  std::vector<std::uint32_t> changing;
+  for (std::uint32_t c = 0; c < count; ++c)
+    if (is_changing[c]) changing.push_back(c);
+  if (changing.empty()) return shifts;
   std::vector<Vec3> next = shifts;
   for (int sweep = 0; sweep < kSpreadingSweeps; ++sweep) {
-    for_each_curve([&](std::uint32_t c) {
-      if (is_changing[c]) next[c] = shift_at(front, shifts, c);
+    runner.for_blocks(changing.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) next[changing[i]] = shift_at(front, shifts, changing[i]);
     });
     shifts.swap(next);
   }

@@ -74,13 +74,15 @@ std::vector<std::uint32_t> LayerGrowth::grow(int tries) {
       make_paths({mesh_, face_to_sides, walls_, *sides_}, runner_, {before_ ? &before_->paths : nullptr, kept});
   if (!paths.fans_without_room.empty()) {
     std::vector<std::uint32_t> failed = paths.fans_without_room;
-    if (!before_) before_ = {walls_, std::move(paths), {}};
+    if (!before_) before_ = {walls_, std::move(paths), {}, {}};
     return failed;
   }
   counts_.emplace(walls_, *sides_, paths, runner_, kept_counts(kept));
-  std::vector<std::uint32_t> failed = settle(tries);
+  surface_ = LayeredSurface();
+  std::vector<std::uint32_t> failed = settle(tries, kept);
   if (failed.empty()) return failed;
-  before_ = {walls_, std::move(paths), {}};
+  before_ = {walls_, std::move(paths), {}, {}};
+  if (!surface_.curve_to_top.empty()) before_->tops = tops();
   for (std::uint32_t c = 0; c < walls_.curve_count(); ++c)
     before_->counts.push_back({counts_->count(c), counts_->limit(c)});
   return failed;
@@ -93,12 +95,22 @@ std::vector<KeptCount> LayerGrowth::kept_counts(std::span<const std::uint32_t> k
   return counts;
 }
 
-std::vector<std::uint32_t> LayerGrowth::settle(int tries) {
+// Curves that are as high as before, when nothing crossed.
+std::vector<std::uint8_t> LayerGrowth::is_proven(std::span<const std::uint32_t> kept) const {
+  if (!before_ || before_->tops.empty()) return {};
+  std::vector<std::uint8_t> is_proven(kept.size(), 0);
+  for (std::uint32_t c = 0; c < kept.size(); ++c)
+    is_proven[c] = kept[c] != kNone && before_->counts[kept[c]].count == counts_->count(c) &&
+                   before_->tops[kept[c]].point == counts_->top(c);
+  return is_proven;
+}
+
+std::vector<std::uint32_t> LayerGrowth::settle(int tries, std::span<const std::uint32_t> kept) {
   counts_->settle(runner_);
   if (tries < kMostTries)
     if (std::vector<std::uint32_t> thin = thin_fans(); !thin.empty()) return thin;
   counts_->mend_shapes(runner_);
-  make_surface();
+  make_surface(is_proven(kept));
   return tries < kMostTries ? thin_fans() : std::vector<std::uint32_t>{};
 }
 
@@ -121,13 +133,15 @@ std::vector<CurveTop> LayerGrowth::tops() const {
   return tops;
 }
 
-// Counts only fall, so this ends.
-void LayerGrowth::make_surface() {
+// Counts only fall, so this ends. Between curves that are proven nothing crosses as they are.
+void LayerGrowth::make_surface(std::span<const std::uint8_t> is_proven) {
   std::vector<int> hits(walls_.curve_count(), 0);
   std::vector<std::uint8_t> unseen(walls_.curve_count(), 1);  // changed since it was asked whether room lacks
   for (;;) {
     counts_->settle(runner_);
     std::vector<std::uint8_t> changed = counts_->take_changes();
+    for (std::size_t c = 0; c < is_proven.size(); ++c) changed[c] = changed[c] && !is_proven[c];
+    is_proven = {};
     make_side_meshes(changed, hits);
     for (std::size_t c = 0; c < changed.size(); ++c) unseen[c] |= changed[c];
     std::vector<SideMesh> meshes;
@@ -147,7 +161,7 @@ void LayerGrowth::make_side_meshes(std::vector<std::uint8_t>& changed, std::vect
     const std::span<const SideFace> sides = sides_->sides();
     runner_.for_each(sides.size(), [&](std::size_t s) {
       const auto& curves = sides[s].curves;
-      if (std::ranges::none_of(curves, [&](std::uint32_t c) { return is_new[c] != 0; })) return;
+      if (side_meshes_[s] && std::ranges::none_of(curves, [&](std::uint32_t c) { return is_new[c] != 0; })) return;
       side_meshes_[s].reset();
       if (std::ranges::none_of(curves, [&](std::uint32_t c) { return all_tops[c].grows; })) return;
       side_meshes_[s] = mesh_rest(*sides_, s, all_tops, sizes_, [&] { return !runner_.cancelled(); });

@@ -43,13 +43,15 @@ class LayerGrowth {
     Walls walls;
     GrowthPaths paths;
     std::vector<KeptCount> counts;  // per curve; empty: no layers were counted
+    std::vector<CurveTop> tops;     // per curve, if nothing crossed between them; else empty
   };
 
   std::vector<std::uint32_t> grow(int tries);
-  std::vector<std::uint32_t> settle(int tries);
+  std::vector<std::uint32_t> settle(int tries, std::span<const std::uint32_t> kept);
   std::vector<KeptCount> kept_counts(std::span<const std::uint32_t> kept) const;
   std::vector<std::uint32_t> thin_fans() const;
-  void make_surface();
+  std::vector<std::uint8_t> is_proven(std::span<const std::uint32_t> kept) const;
+  void make_surface(std::span<const std::uint8_t> is_proven = {});
   void make_side_meshes(std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_at_crossings(const std::vector<std::uint8_t>& changed, std::vector<int>& hits);
   bool lower_where_room_lacks(std::vector<std::uint8_t>& unseen);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "core/base/grain.hpp"
 #include "mesher/layers/front_spreading.hpp"
@@ -47,6 +49,8 @@ class Marching {
         front_(feet(start.mesh, walls_)),
         spreading_(walls_, front_) {
     for (std::uint32_t c = 0; c < walls_.curve_count(); ++c) (is_replayed(c) ? replayed_ : active_).push_back(c);
+    open_walls_.resize(walls_.triangles.size()), normals_.resize(walls_.triangles.size());
+    std::iota(open_walls_.begin(), open_walls_.end(), 0u);
     paths_.reached.assign(walls_.curve_count(), 0);
     paths_.stretch.assign(walls_.curve_count(), 1);
     paths_.limits.assign(walls_.curve_count(), LayerLimit::None);
@@ -63,6 +67,7 @@ class Marching {
     find_fans_without_room();
     if (!paths_.fans_without_room.empty()) return std::move(paths_);
     for (int i = 0; i < kMostSteps && go_on(); ++i) {
+      leave_out_ended();
       look_ahead();
       find_directions(false);
     }
@@ -121,25 +126,61 @@ class Marching {
 
   // Neighbours go on at about one speed, or the front would tilt without a reason; but no slower than ends in time.
   void even_out_pace() {
-    constexpr double kInTime = 0.5;
-    std::vector<double> next = pace_;
-    for (int sweep = 0; sweep < kPaceSweeps; ++sweep) {
-      for_each_curve([&](std::uint32_t c) {
-        const double least = std::min(pace_[c], wanted_[c] / (kInTime * kMostSteps * kStep));
-        for (const std::uint32_t w : walls_.triangles_at(c))
-          for (const std::uint32_t other : walls_.triangles[w].curves)
-            next[c] = std::min(next[c], pace_[other] + kPaceSlope * distance(front_[c], front_[other]));
-        next[c] = std::max(next[c], least);
-      });
-      if (next == pace_) break;
-      pace_ = next;
+    std::vector<std::uint32_t> asked = active_;  // those around what the last sweep has changed
+    std::vector<double> next;
+    for (int sweep = 0; sweep < kPaceSweeps && !asked.empty(); ++sweep) {
+      next.resize(asked.size());
+      for_each_of(asked, [&](std::size_t i) { next[i] = pace_beside_others(asked[i]); });
+      std::vector<std::uint32_t> changed;
+      for (std::size_t i = 0; i < asked.size(); ++i) {
+        if (next[i] == pace_[asked[i]]) continue;
+        pace_[asked[i]] = next[i];
+        changed.push_back(asked[i]);
+      }
+      asked = active_around(changed);
     }
   }
 
+  double pace_beside_others(std::uint32_t curve) const {
+    constexpr double kInTime = 0.5;
+    double pace = pace_[curve];
+    const double least = std::min(pace, wanted_[curve] / (kInTime * kMostSteps * kStep));
+    for (const std::uint32_t w : walls_.triangles_at(curve))
+      for (const std::uint32_t other : walls_.triangles[w].curves)
+        pace = std::min(pace, pace_[other] + kPaceSlope * distance(front_[curve], front_[other]));
+    return std::max(pace, least);
+  }
+
+  // The active ones of the curves and of their neighbours, each once.
+  std::vector<std::uint32_t> active_around(std::span<const std::uint32_t> curves) const {
+    std::vector<std::uint8_t> is_near(walls_.curve_count(), 0);
+    for (const std::uint32_t c : curves)
+      for (const std::uint32_t w : walls_.triangles_at(c))
+        for (const std::uint32_t other : walls_.triangles[w].curves) is_near[other] = 1;
+    std::vector<std::uint32_t> near;
+    std::ranges::copy_if(active_, std::back_inserter(near), [&](std::uint32_t c) { return is_near[c] != 0; });
+    return near;
+  }
+
+  // Calls body(place) for the places of the list.
+  template <class Body>
+  void for_each_of(std::span<const std::uint32_t> list, const Body& body) const {
+    runner_.for_blocks(list.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+  }
   template <class Body>
   void for_each_curve(const Body& body) const {
-    runner_.for_blocks(active_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) body(active_[i]);
+    for_each_of(active_, [&](std::size_t i) { body(active_[i]); });
+  }
+
+  // Curves that have ended stay as they are, and what lies between such curves with them.
+  void leave_out_ended() {
+    std::erase_if(active_, [&](std::uint32_t c) { return !is_growing(c); });
+    std::vector<std::uint8_t> is_active(walls_.curve_count(), 0);
+    for (const std::uint32_t c : active_) is_active[c] = 1;
+    std::erase_if(open_walls_, [&](std::uint32_t w) {
+      return std::ranges::none_of(walls_.triangles[w].curves, [&](std::uint32_t c) { return is_active[c] != 0; });
     });
   }
 
@@ -156,10 +197,7 @@ class Marching {
   bool is_growing(std::uint32_t curve) const { return paths_.reached[curve] < wanted_[curve]; }
 
   void find_directions(bool is_first) {
-    normals_.resize(walls_.triangles.size());
-    runner_.for_blocks(normals_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t w = begin; w < end; ++w) normals_[w] = normal_of(static_cast<std::uint32_t>(w));
-    });
+    for_each_of(open_walls_, [&](std::size_t i) { normals_[open_walls_[i]] = normal_of(open_walls_[i]); });
     visibility_.assign(walls_.curve_count(), 0);
     for_each_curve([&](std::uint32_t c) {
       if (!is_first && !is_growing(c)) return;
@@ -367,15 +405,15 @@ class Marching {
     const auto is_concerned = [&](const WallTriangle& wall) {
       return std::ranges::any_of(wall.curves, [&](std::uint32_t c) { return is_new[c] != 0; });
     };
-    std::vector<std::uint8_t> wall_is_bad(walls_.triangles.size(), 0);
-    runner_.for_blocks(wall_is_bad.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t w = begin; w < end; ++w)
-        wall_is_bad[w] = is_concerned(walls_.triangles[w]) && !is_sound(w, is_moving, next);
+    std::vector<std::uint8_t> wall_is_bad(open_walls_.size(), 0);
+    for_each_of(open_walls_, [&](std::size_t i) {
+      const std::uint32_t w = open_walls_[i];
+      wall_is_bad[i] = is_concerned(walls_.triangles[w]) && !is_sound(w, is_moving, next);
     });
     std::vector<std::uint8_t> is_bad(walls_.curve_count(), 0);
-    for (std::size_t w = 0; w < wall_is_bad.size(); ++w)
-      for (const std::uint32_t c : walls_.triangles[w].curves)
-        if (wall_is_bad[w] && is_moving[c] && !is_replayed(c)) is_bad[c] = 1;
+    for (std::size_t i = 0; i < open_walls_.size(); ++i)
+      for (const std::uint32_t c : walls_.triangles[open_walls_[i]].curves)
+        if (wall_is_bad[i] && is_moving[c] && !is_replayed(c)) is_bad[c] = 1;
     return is_bad;
   }
 
@@ -401,7 +439,8 @@ class Marching {
   const TaskRunner& runner_;
   const KeptPaths& kept_;
   const bool replays_;                            // rather than only keeping how high curves may become
-  std::vector<std::uint32_t> active_, replayed_;  // all curves
+  std::vector<std::uint32_t> active_, replayed_;  // all curves, without those of the active ones that have ended
+  std::vector<std::uint32_t> open_walls_;         // wall triangles with curves that are active
   std::vector<double> pace_;                      // widths, varying little from curve to curve
   std::vector<double> wanted_, step_, stretch_;   // heights, and lengths over heights
   std::vector<FrontFreedom> freedom_;             // within the front

@@ -167,33 +167,47 @@ void LayerCounts::settle(const TaskRunner& runner) {
     const bool skewed = lower_at_skewed_faces(runner);
     if (!lower_at_bad_cells(runner) && !skewed) break;
   }
-  std::ranges::fill(unsettled_, 0);
 }
 
-// From the counts as they are, all curves at once. True when one has changed.
+// Beside those that have changed since, from the counts as they are, all curves at once. True when one has changed.
 bool LayerCounts::limit_slopes(const TaskRunner& runner) {
-  std::vector<int> lowered = counts_;
-  std::vector<LayerLimit> limits = limits_;
-  runner.for_blocks(counts_.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto c = static_cast<std::uint32_t>(i);
-      for (const std::uint32_t w : walls_.triangles_at(c))
-        for (const std::uint32_t other : walls_.triangles[w].curves) {
-          if (other == c || !unsettled_[other]) continue;
-          if (lowered[c] <= counts_[other] + 1) continue;
-          const double most = thickness(other) + kSlope * distance(feet_[c], feet_[other]);
-          if (thickness_of(c, lowered[c]) <= most) continue;
-          lowered[c] = std::max(count_within(c, most), counts_[other] + 1);
-          limits[c] = limits_[other];
-        }
-    }
+  const std::vector<std::uint32_t> asked = beside_unsettled();
+  std::vector<KeptCount> lowered(asked.size());
+  runner.for_blocks(asked.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) lowered[i] = limited_beside_unsettled(asked[i]);
   });
+  std::ranges::fill(unsettled_, 0);
   bool any = false;
-  for (std::uint32_t c = 0; c < counts_.size(); ++c) {
-    any = any || lowered[c] < counts_[c];
-    lower(c, lowered[c], limits[c]);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    any = any || lowered[i].count < counts_[asked[i]];
+    lower(asked[i], lowered[i].count, lowered[i].limit);
   }
   return any;
+}
+
+std::vector<std::uint32_t> LayerCounts::beside_unsettled() const {
+  std::vector<std::uint8_t> is_beside(counts_.size(), 0);
+  for (std::uint32_t c = 0; c < counts_.size(); ++c) {
+    if (!unsettled_[c]) continue;
+    for (const std::uint32_t w : walls_.triangles_at(c))
+      for (const std::uint32_t other : walls_.triangles[w].curves) is_beside[other] = 1;
+  }
+  std::vector<std::uint32_t> beside;
+  for (std::uint32_t c = 0; c < counts_.size(); ++c)
+    if (is_beside[c]) beside.push_back(c);
+  return beside;
+}
+
+KeptCount LayerCounts::limited_beside_unsettled(std::uint32_t curve) const {
+  KeptCount lowered{counts_[curve], limits_[curve]};
+  for (const std::uint32_t w : walls_.triangles_at(curve))
+    for (const std::uint32_t other : walls_.triangles[w].curves) {
+      if (other == curve || !unsettled_[other] || lowered.count <= counts_[other] + 1) continue;
+      const double most = thickness(other) + kSlope * distance(feet_[curve], feet_[other]);
+      if (thickness_of(curve, lowered.count) <= most) continue;
+      lowered = {std::max(count_within(curve, most), counts_[other] + 1), limits_[other]};
+    }
+  return lowered;
 }
 
 // Below and above the cells of a layer. Late curves have no first layer beside others.
@@ -298,49 +312,59 @@ bool LayerCounts::lower_to(std::span<const int> levels) {
   return any;
 }
 
-LayerCounts::PoorCells LayerCounts::find_poor_cells(const TaskRunner& runner) const {
+LayerCounts::StackShape LayerCounts::judge_shape(std::uint32_t stack) const {
   const auto count_of = [&](std::uint32_t curve) { return counts_[curve]; };
-  const auto judge = [&](std::uint32_t stack, PoorCells& cells) {
-    double first = 1;  // scaled Jacobian of the first layer
-    for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
-      std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
-      for (std::size_t i = 0; i < x.size(); ++i)
-        x[i] = cell[i].is_apex() ? apex(walls_.fan(stack)) : point(cell[i].curve, cell[i].level);
-      ++cells.all;
-      const double jacobian = scaled_jacobian(x);
-      if (layer == 1) first = std::min(first, jacobian);
-      if (jacobian >= kPoor) return;
-      if (sound_.may_be_flat(stack, layer, x.size()) || jacobian >= SoundStacks::least_above(kPoor, first)) {
-        ++cells.fixed;
-      } else {
-        cells.above.push_back(static_cast<float>(jacobian));
-      }
-    });
-  };
-  const auto judge_block = [&](std::size_t begin, std::size_t end, PoorCells& cells) {
-    for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) judge(s, cells);
-  };
-  PoorCells sum;
-  for (const PoorCells& some : map_blocks<PoorCells>(runner, walls_.stack_count(), kStarGrain, {}, judge_block)) {
-    sum.all += some.all, sum.fixed += some.fixed;
-    sum.above.insert(sum.above.end(), some.above.begin(), some.above.end());
-  }
-  return sum;
+  StackShape shape;
+  double first = 1;  // scaled Jacobian of the first layer
+  for_each_cell_on(walls_, stack, count_of, [&](const auto& cell, int layer) {
+    std::array<Vec3, std::tuple_size_v<std::decay_t<decltype(cell)>>> x;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] = cell[i].is_apex() ? apex(walls_.fan(stack)) : point(cell[i].curve, cell[i].level);
+    ++shape.cells;
+    const double jacobian = scaled_jacobian(x);
+    if (layer == 1) first = std::min(first, jacobian);
+    if (jacobian >= kPoor) return;
+    shape.least = std::min(shape.least, static_cast<float>(jacobian));
+    if (sound_.may_be_flat(stack, layer, x.size()) || jacobian >= SoundStacks::least_above(kPoor, first)) {
+      ++shape.fixed;
+    } else {
+      shape.above.push_back(static_cast<float>(jacobian));
+    }
+  });
+  return shape;
 }
 
 // From round to round there are new steps between counts beside those that were lowered, and other poor cells there.
 void LayerCounts::mend_shapes(const TaskRunner& runner) {
+  constexpr double kSingle = 1 + 1e-6;  // rounding of scaled Jacobians in single precision
+  std::vector<StackShape> shapes(walls_.stack_count());
+  std::vector<int> judged;  // counts at which they were
+  const auto for_each_stack = [&](const auto& body) {
+    runner.for_blocks(shapes.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
+      for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) body(s);
+    });
+  };
   for (int round = 0; round < kMostRounds; ++round) {
-    PoorCells poor = find_poor_cells(runner);
-    const std::size_t most = poor.all / kOneIn;
-    if (poor.fixed > most || poor.fixed + poor.above.size() <= most) return;
-    const std::size_t left = most - poor.fixed;  // of those above that may stay as they are
-    const auto last = poor.above.end() - static_cast<std::ptrdiff_t>(left) - 1;
-    std::ranges::nth_element(poor.above, last);
-    const double least = std::min(kPoor, *last * (1 + 1e-6));
-    std::vector<int> sound(walls_.stack_count());
-    runner.for_blocks(sound.size(), kStarGrain, [&](std::size_t begin, std::size_t end) {
-      for (auto s = static_cast<std::uint32_t>(begin); s < end; ++s) sound[s] = sound_levels(s, least);
+    for_each_stack([&](std::uint32_t s) {
+      const auto has_changed = [&](std::uint32_t c) { return judged[c] != counts_[c]; };
+      if (judged.empty() || std::ranges::any_of(walls_.curves_of(s), has_changed)) shapes[s] = judge_shape(s);
+    });
+    judged = counts_;
+    std::size_t all = 0, fixed = 0;
+    std::vector<float> above;
+    for (const StackShape& shape : shapes) {
+      all += shape.cells, fixed += shape.fixed;
+      above.insert(above.end(), shape.above.begin(), shape.above.end());
+    }
+    const std::size_t most = all / kOneIn;
+    if (fixed > most || fixed + above.size() <= most) return;
+    const std::size_t left = most - fixed;  // of those above that may stay as they are
+    const auto last = above.end() - static_cast<std::ptrdiff_t>(left) - 1;
+    std::ranges::nth_element(above, last);
+    const double least = std::min(kPoor, *last * kSingle);
+    std::vector<int> sound(shapes.size(), std::numeric_limits<int>::max());
+    for_each_stack([&](std::uint32_t s) {
+      if (shapes[s].least < least * kSingle) sound[s] = sound_levels(s, least);
     });
     if (!lower_to(sound)) return;
     settle(runner);

@@ -54,9 +54,11 @@ class LayerCounts {
   std::vector<std::uint8_t> take_changes();
 
  private:
-  struct PoorCells {
-    std::size_t all = 0, fixed = 0;  // cells; poor ones that may be flat, or are as good as their first layer allows
-    std::vector<float> above;        // scaled Jacobians of the other poor ones
+  // Of the cells of a stack.
+  struct StackShape {
+    std::uint32_t cells = 0, fixed = 0;  // all; poor ones that may be flat, or are as good as their first layer allows
+    float least = 1;                     // scaled Jacobian of all poor ones
+    std::vector<float> above;            // those of the poor ones that are not fixed
   };
 
   void take(std::span<const KeptCount> kept);
@@ -67,10 +69,12 @@ class LayerCounts {
   int count_within(std::uint32_t curve, double thickness) const;
   std::vector<std::uint8_t> with_neighbours(const std::vector<std::uint8_t>& curves) const;
   bool limit_slopes(const TaskRunner& runner);
+  std::vector<std::uint32_t> beside_unsettled() const;
+  KeptCount limited_beside_unsettled(std::uint32_t curve) const;
   bool lower_at_bad_cells(const TaskRunner& runner);
   int sound_levels(std::uint32_t stack, double least) const;
   bool lower_to(std::span<const int> levels);
-  PoorCells find_poor_cells(const TaskRunner& runner) const;
+  StackShape judge_shape(std::uint32_t stack) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
   std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
   Vec3 middle_of_cell(std::uint32_t wall, int layer) const;
@@ -85,7 +89,7 @@ class LayerCounts {
   std::vector<Vec3> points_;
   std::vector<int> counts_;
   std::vector<LayerLimit> limits_;
-  std::vector<std::uint8_t> changed_, unsettled_;
+  std::vector<std::uint8_t> changed_, unsettled_;  // unsettled: slopes beside it were not limited since
   // Neither cells nor faces between them have been judged since the count was lowered.
   std::vector<std::uint8_t> unchecked_, unmeasured_;
 };

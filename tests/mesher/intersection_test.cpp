@@ -292,12 +292,15 @@ TEST_CASE("where some triangles are new, the crossings that they have a part in 
     search.tri_is_new = is_new;
     CHECK(pairs(find_self_intersections(search, runner)) == pairs(all));
   }
-  std::vector<std::uint8_t> one(both.triangles.size(), 0);
-  one[all[3].second] = 1;
-  search.tri_is_new = one;
-  auto expected = all;
-  std::erase_if(expected, [&](const TriangleIntersection& hit) { return !one[hit.first] && !one[hit.second]; });
-  CHECK(pairs(find_self_intersections(search, runner)) == pairs(expected));
+  // From none to so many that all triangles are searched: those that cross, and some that do not.
+  std::vector<std::uint8_t> some(both.triangles.size(), 0);
+  for (std::size_t count = 0; count < all.size(); ++count) {
+    search.tri_is_new = some;
+    auto expected = all;
+    std::erase_if(expected, [&](const TriangleIntersection& hit) { return !some[hit.first] && !some[hit.second]; });
+    CHECK(pairs(find_self_intersections(search, runner)) == pairs(expected));
+    some[count % 2 == 0 ? all[count].second : all[count].first] = some[5 * count] = 1;
+  }
 }
 
 TEST_CASE("the crossings above a point balance for rays through edges and vertices of a closed surface") {
