@@ -15,6 +15,7 @@ struct SurfaceRound {
   bool fits() const { return crossings == 0 && misfits == 0 && !takes_back; }
 };
 
+/// What follows a round of surface meshing.
 enum class NextStep {
   Accept,        ///< the surface is as wished
   AcceptBefore,  ///< this one crosses itself; the last one that did not is better

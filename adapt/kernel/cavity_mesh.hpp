@@ -86,6 +86,7 @@ struct Cavity {
 /// Cubed qualities of what an operation would make, in the order tet · core vertex; 2 for what vanishes.
 using MadeQualities = std::vector<float>;
 
+/// The tets of a part that adaptation changes, with what it has to know of them and of their vertices.
 class CavityMesh {
  public:
   TetMesh mesh;

@@ -18,6 +18,7 @@
 
 namespace tetloom::adapt {
 
+/// What an operation may do.
 struct PassOptions {
   double floor = 0.1;           ///< mean ratio that no operation may go below, unless it was below before
   double collapsible = 0.2;     ///< mean ratio from which on a collapse may make tets worse than those it replaces
@@ -25,6 +26,7 @@ struct PassOptions {
   double size_weight = 1;       ///< of lengths near 1 against shapes, where vertices move; see find_newton_step
 };
 
+/// The passes of one round over a part: splits, collapses, swaps and moves.
 class Passes {
  public:
   Passes(CavityMesh& mesh, const MetricStage& source, const SurfaceProjector& project, const PassOptions& options,

@@ -9,6 +9,7 @@
 
 namespace tetloom::adapt {
 
+/// Which edges between parts are split, and what their tets may become.
 struct SideSplitOptions {
   double longest = HUGE_VAL;    ///< edges that are longer are split; none where infinite
   double floor = 0.1;           ///< mean ratio, as in PassOptions

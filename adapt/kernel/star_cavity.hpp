@@ -11,6 +11,7 @@
 
 namespace tetloom::adapt {
 
+/// A collapse as the star of the vertex that stays, in what is left of the ball of the one that goes.
 class StarCavity {
  public:
   explicit StarCavity(CavityMesh& mesh) : mesh_(mesh) {}

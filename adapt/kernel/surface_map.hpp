@@ -24,6 +24,7 @@ struct SurfaceTriangle {
   std::uint32_t face = kNone;  ///< model face
 };
 
+/// The triangles of the surface by their vertices.
 class SurfaceMap {
  public:
   void add(const SurfaceTriangle& triangle) { triangles_.emplace(key_of(triangle.verts), triangle); }

@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "core/base/grain.hpp"
-#include "core/tets/face_groups.hpp"
+#include "core/tets/pair_faces.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::adapt {
@@ -155,13 +155,14 @@ class PartCutter {
     const std::size_t count = tets_of(p).size();
     part.to_neighbor.reserve(count * 5), part.to_fixed.reserve(count * 5 / 4);
     part.to_neighbor.resize(count * 4), part.to_fixed.resize(count, 0);
-    tets::for_each_face_group(part.to_vert.span(), parts_[p].to_whole.size(), runner_, [&](auto faces, const auto&) {
-      if (faces.size() == 2) tets::link_sides(part, faces[0], faces[1]);
-    });
-    runner_.for_blocks(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
-      for (const FaceCode face : tets::FaceRange(begin, end))
-        if (!part.behind(face).valid()) tets::fix_side(part, face);
-    });
+    const auto link_of = [&](FaceCode face) -> FaceCode& { return part.behind(face); };
+    GrowingArray<FaceCode> heads;
+    heads.resize(parts_[p].to_whole.size());
+    tets::pair_faces(
+        part.to_vert.span(), heads.span(), FaceCode::at, [](FaceCode face) { return face.index(); }, link_of);
+    tets::empty_chains(heads.span(), link_of);
+    for (const FaceCode face : tets::FaceRange(0, count))
+      if (!part.behind(face).valid()) tets::fix_side(part, face);
   }
 
   void take_triangles(std::size_t p) {

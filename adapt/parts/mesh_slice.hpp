@@ -43,6 +43,7 @@ MeshSlice slice_of(const Mesh& mesh, const MetricField& metric, const std::vecto
 MeshSlice slice_of(PartitionedMesh&& mesh, PerPart<MetricField>&& metric, const std::vector<std::string>& fields,
                    const SharedWork& work);
 
+/// A mesh, and the sizes asked for at its points.
 struct MeshWithMetric {
   Mesh mesh;
   MetricField metric;

@@ -12,6 +12,7 @@
 
 namespace tetloom::adapt {
 
+/// What a rank knows of the vertices of its share as the mesh was given.
 struct ShareVerts {
   std::vector<Number> to_given;  ///< in the mesh that was given; those that umbrellas made of one have the same
   bool has_metric = false;       ///< the same on all ranks

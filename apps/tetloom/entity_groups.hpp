@@ -33,6 +33,7 @@ struct GroupItem {
   NormalWish normal;  ///< with a direction of length 1
 };
 
+/// A group that files are to have, as the command was asked for it.
 struct GroupWish {
   std::string name;
   int dim = 2;

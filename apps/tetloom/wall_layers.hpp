@@ -36,6 +36,7 @@ struct WallWish {
   std::optional<WallUnits> units;
 };
 
+/// Layers as the command was asked for them.
 struct LayersWish {
   std::vector<WallWish> walls;  ///< empty: none
   bool all_tets = false;

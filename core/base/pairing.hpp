@@ -5,6 +5,7 @@
 
 namespace tetloom {
 
+/// Which number is whose partner, of numbers that are told in pairs.
 class Pairing {
  public:
   /// Pairs two numbers; false where one of them has another partner.

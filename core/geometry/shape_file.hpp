@@ -12,6 +12,7 @@
 
 namespace tetloom {
 
+/// Writes shapes to one file, one after the other.
 class ShapeFileWriter {
  public:
   /// Errors: OutputFailed, of every member.

@@ -43,6 +43,7 @@ constexpr std::size_t vertices_of(Block block) {
   return counts[static_cast<std::size_t>(block)];
 }
 
+/// The nodes of one element.
 class NodeList {
  public:
   std::size_t size() const { return count_; }
@@ -56,6 +57,7 @@ class NodeList {
   std::size_t count_ = 0;
 };
 
+/// The nodes of elements of first or second order.
 class ElementNodes {
  public:
   /// `mesh` outlives the object.

@@ -49,6 +49,7 @@ std::string xml_escaped(std::string_view text);
 std::string xml_unescaped(std::string_view text);
 /// What the arrays with the attributes of model entities start with.
 
+/// One element, where its text lies in the file.
 struct XmlElement {
   std::string_view name;
   std::vector<std::pair<std::string_view, std::string_view>> attributes;

@@ -8,6 +8,7 @@
 
 namespace tetloom::detail {
 
+/// 128 bits, which are added so that order does not count.
 struct Hash128 {
   std::uint64_t low = 0, high = 0;
   /// Addition modulo 2^128.
@@ -18,6 +19,7 @@ struct Hash128 {
   }
 };
 
+/// The state of SipHash with two keys.
 class SipState {
  public:
   SipState(std::uint64_t key0, std::uint64_t key1)

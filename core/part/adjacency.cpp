@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/tets/pair_faces.hpp"
 #include "tetloom/error.hpp"
 
 namespace tetloom {
@@ -21,26 +22,6 @@ void check_limits(const PartMesh& part) {
   }
 }
 
-// Faces that have not met their other side yet are chained by their lowest vertex: the heads stand in vert_to_place,
-// the links in to_neighbor of the chained faces themselves. `face` is paired with the face in its chain that
-// is_same(other) accepts, or else chained.
-template <class Neighbor, class IsSame>
-void pair_or_chain(CellPlace& head, CellPlace face, const Neighbor& neighbor, const IsSame& is_same) {
-  CellPlace* link = &head;
-  for (CellPlace other = head; other.valid(); other = *link) {
-    CellPlace& next = neighbor(other);
-    if (is_same(other)) {
-      *link = next;
-      next = face;
-      neighbor(face) = other;
-      return;
-    }
-    link = &next;
-  }
-  neighbor(face) = head;
-  head = face;
-}
-
 void match_mixed(PartMesh& part) {
   for (const CellKind kind : kAllCellKinds) {
     const std::uint32_t faces = shape_of(kind).face_count;
@@ -48,7 +29,7 @@ void match_mixed(PartMesh& part) {
       for (std::uint32_t i = 0; i < faces; ++i) {
         const CellPlace face(kind, cell, i);
         const FaceKey key = key_of_face(part, face);
-        pair_or_chain(
+        tets::pair_or_chain(
             part.vert_to_place[key[0]], face, [&](CellPlace of) -> CellPlace& { return neighbor(part, of); },
             [&](CellPlace other) { return key_of_face(part, other) == key; });
       }
@@ -56,35 +37,14 @@ void match_mixed(PartMesh& part) {
   }
 }
 
-// Without building keys: among faces of the same lowest vertex, the sum of the vertices and the highest one decide.
 void match_tets(PartMesh& part) {
-  const std::uint32_t* verts = part.block(CellKind::Tet).to_vert.data();
   CellPlace* neighbors = part.block(CellKind::Tet).to_neighbor.data();
-  const auto neighbor_at = [neighbors](CellPlace of) -> CellPlace& {
-    return neighbors[std::size_t{of.cell()} * 4 + of.place()];
+  const auto face_at = [](std::size_t index) {
+    return CellPlace(CellKind::Tet, static_cast<std::uint32_t>(index / 4), static_cast<std::uint32_t>(index % 4));
   };
-  const auto sum_of = [](const std::uint32_t* v) { return std::uint64_t{v[0]} + v[1] + v[2] + v[3]; };
-  for (std::uint32_t tet = 0; tet < part.block(CellKind::Tet).size(); ++tet) {
-    const std::uint32_t* v = verts + std::size_t{tet} * 4;
-    const auto [low01, high01] = std::minmax(v[0], v[1]);
-    const auto [low23, high23] = std::minmax(v[2], v[3]);
-    const std::uint32_t low = std::min(low01, low23), high = std::max(high01, high23);
-    const auto [second, third] = std::minmax(std::max(low01, low23), std::min(high01, high23));
-    for (std::uint32_t face = 0; face < 4; ++face) {
-      const std::uint64_t sum = sum_of(v) - v[face];
-      const std::uint32_t face_high = v[face] == high ? third : high;
-      const auto is_same = [&](CellPlace other) {
-        const std::uint32_t* w = verts + std::size_t{other.cell()} * 4;
-        const std::uint32_t left_out = other.place();
-        if (sum_of(w) - w[left_out] != sum) return false;
-        std::uint32_t other_high = 0;
-        for (std::uint32_t i = 0; i < 4; ++i) other_high = i == left_out ? other_high : std::max(other_high, w[i]);
-        return other_high == face_high;
-      };
-      pair_or_chain(part.vert_to_place[v[face] == low ? second : low], CellPlace(CellKind::Tet, tet, face), neighbor_at,
-                    is_same);
-    }
-  }
+  const auto index_of = [](CellPlace face) { return std::size_t{face.cell()} * 4 + face.place(); };
+  tets::pair_faces(part.block(CellKind::Tet).to_vert.span(), part.vert_to_place.span(), face_at, index_of,
+                   [&](CellPlace face) -> CellPlace& { return neighbors[index_of(face)]; });
 }
 
 void match_faces(PartMesh& part) {
@@ -94,9 +54,7 @@ void match_faces(PartMesh& part) {
     part.block(kind).to_neighbor.resize_for_overwrite(part.block(kind).size() * shape_of(kind).face_count);
   const bool tets_alone = part.block(CellKind::Tet).size() == part.cell_count();
   tets_alone ? match_tets(part) : match_mixed(part);
-  // What is still chained has nothing behind it.
-  for (CellPlace& head : part.vert_to_place)
-    while (head.valid()) head = std::exchange(neighbor(part, head), CellPlace());
+  tets::empty_chains(part.vert_to_place.span(), [&](CellPlace face) -> CellPlace& { return neighbor(part, face); });
 }
 
 // Names the lowest corner at each vertex.

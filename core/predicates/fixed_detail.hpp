@@ -11,6 +11,7 @@
 
 namespace tetloom::detail {
 
+/// A whole number of W words, in two's complement.
 template <std::size_t W>
 struct Fixed {
   std::array<std::uint64_t, W> words{};

@@ -8,6 +8,7 @@
 
 namespace tetloom::tets {
 
+/// A point inside of a star, and how far from its faces.
 struct DeepPoint {
   Vec3 point;  ///< measured from where the star was measured
   double depth =

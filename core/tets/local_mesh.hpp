@@ -16,6 +16,7 @@ namespace tetloom::tets {
 using Tet = std::array<std::uint32_t, 4>;
 using TetList = std::vector<std::uint32_t>;
 
+/// A mesh that is changed in one place after the other.
 class LocalMesh {
  public:
   /// Linear in the mesh.

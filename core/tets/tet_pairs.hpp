@@ -16,6 +16,7 @@ inline double sum(Pair a) { return a[0] + a[1]; }
 inline Pair max(Pair a, Pair b) { return a > b ? a : b; }
 inline Pair min(Pair a, Pair b) { return a < b ? a : b; }
 
+/// Two vectors, side by side for vector instructions.
 struct PairVec {
   Pair x, y, z;
 };

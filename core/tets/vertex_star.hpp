@@ -18,6 +18,7 @@ struct VertexStar {
   std::span<const FaceCode> tets() const { return {codes.data(), count}; }
 };
 
+/// Whether the tets around a vertex could be listed.
 enum class StarVerdict {
   Found,
   OnSurface,  ///< the vertex is one of the given surface, or on a face that has to stay

@@ -40,6 +40,7 @@ std::string_view to_string(Verdict verdict);
 /// How many attempts had each outcome.
 using Verdicts = std::array<std::size_t, static_cast<std::size_t>(Verdict::Count)>;
 
+/// What became of the operations that were tried.
 struct PassCounts {
   Verdicts splits{}, collapses{}, swaps{}, moves{};
   std::size_t unsnapped = 0;  ///< times that a vertex of the surface was not moved all the way to the model
@@ -94,6 +95,7 @@ namespace tetloom {
 
 class Trace;
 
+/// How a mesh is adapted.
 struct AdaptOptions {
   double quality_floor = 0.1;  ///< mean ratio in the metric; no collapse, swap or motion makes a tet worse than this,
                                ///< unless it replaces worse ones
@@ -132,6 +134,7 @@ struct AdaptSeconds {
   double result = 0;   ///< the mesh handed back, its fields and figures
 };
 
+/// What an adaptation has done, and how well the mesh fits the metric before and after.
 struct AdaptReport {
   MetricConformity before, after;
   adapt::TurningResult turning;  ///< of a metric given at points; `before` and `after` are by what is followed
@@ -147,6 +150,7 @@ struct AdaptReport {
 
 enum class AdaptStatus { Ok, Failed, Cancelled };
 
+/// The adapted mesh, or why there is none.
 struct AdaptResult {
   AdaptStatus status = AdaptStatus::Failed;
   Mesh mesh;  ///< empty unless Ok
@@ -204,6 +208,7 @@ AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const std::function<adap
 AdaptResult adapt_mesh_on_ranks(PartitionedMesh&& mesh, const adapt::SolutionMetric& metric,
                                 const AdaptOptions& options, const Host& host = {});
 
+/// The adapted mesh in parts, or why there is none.
 struct AdaptInPartsResult {
   AdaptResult run;                      ///< as of adapt_mesh_on_ranks, without the mesh
   std::optional<PartitionedMesh> mesh;  ///< when the run's status is Ok

@@ -59,6 +59,7 @@ struct MeshProblem {
   std::optional<Vec3> point;            ///< on the first of them
 };
 
+/// What is wrong with a mesh.
 struct ValidationReport {
   std::vector<MeshProblem> problems;
 
@@ -100,6 +101,7 @@ struct EdgeConformity {
   double in_band = 0;            ///< share of edges with length / size in [0.707106781, 1.41421356]
 };
 
+/// Of the cells of one model region.
 struct RegionQuality {
   std::uint32_t region = 0;  ///< index of the model region; Id::kNone for unclassified cells
   std::size_t tets = 0;
@@ -119,6 +121,7 @@ struct CellQuality {
   std::vector<RegionQuality> regions;  ///< ascending by region
 };
 
+/// Of all tets.
 struct TetQuality {
   std::size_t count = 0;
   std::size_t inverted = 0;     ///< tets whose exact volume is not positive
@@ -133,6 +136,7 @@ struct TetQuality {
   EdgeConformity edges;
 };
 
+/// Of the triangles on one model face.
 struct FaceQuality {
   std::uint32_t face = 0;  ///< index of the model face; Id::kNone for unclassified triangles
   std::size_t triangles = 0;
@@ -140,6 +144,7 @@ struct FaceQuality {
   double min_angle_deg = 0;
 };
 
+/// Of all triangles.
 struct TriangleQuality {
   std::size_t count = 0;
   double shape_min = 0;  ///< 4 sqrt(3) A / sum of squared edges; 1 equilateral, 0 flat

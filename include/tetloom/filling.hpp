@@ -24,6 +24,7 @@ struct QualityGoals {
   int rounds = 2;  ///< 0 to 100: at most so many inside, and four times as many with the surface or above layers
 };
 
+/// Why a tet has a small dihedral angle.
 enum class AngleCause : std::uint8_t {
   NotForced,        ///< nothing that was looked for
   SurfaceAngle,     ///< the angle lies between two triangles of the surface that meet at less than what was asked for
@@ -32,6 +33,7 @@ enum class AngleCause : std::uint8_t {
   NarrowRegion  ///< a point of the surface, of it or of a tet beside it, is that near to a triangle that others have
 };
 
+/// A tet with a small dihedral angle, and why.
 struct AcuteTet {
   double angle = 0;  ///< degrees, the smallest of its dihedral angles
   Vec3 point;        ///< its centre
@@ -51,6 +53,7 @@ struct AcuteTet {
 
 namespace tetloom::tets {
 
+/// What the optimiser of a volume has done, and what it left.
 struct OptimizeReport {
   std::size_t edges_removed = 0;
   std::size_t vertices_moved = 0;  ///< moves, not vertices

@@ -14,6 +14,7 @@
 
 namespace tetloom {
 
+/// What a run is at; the order is that of a run.
 enum class Stage {
   Read,
   SizeField,

@@ -129,6 +129,7 @@ Mesh read_mesh(const std::filesystem::path& path, const CancelToken* cancel = nu
 // mesh of three dimensions: 1 a scalar, 3 a vector, 6 a symmetric tensor in the order xx xy yy xz yz zz (not the order
 // that VTK has), 9 a matrix row by row. Values may be infinite or NaN.
 
+/// Fields on a mesh.
 struct Solution {
   std::vector<MeshField> point_fields;  ///< one tuple per point
   std::vector<MeshField> tet_fields;    ///< one tuple per tet

@@ -67,6 +67,7 @@ struct SizeOptions {
 /// The share of the size asked for below which a feature of the model is small.
 inline constexpr double kSmallFeature = 0.1;
 
+/// How a model is meshed.
 struct MeshOptions {
   SizeOptions sizes;
   bool surface_only = false;
@@ -107,6 +108,7 @@ struct MeshOptions {
 
 enum class MeshStatus { Ok, Failed, Cancelled };
 
+/// Wall time of the stages of a run.
 struct StageSeconds {
   double size_field = 0, surface = 0, layers = 0, volume = 0, second_order = 0;
 };
@@ -179,6 +181,7 @@ MeshResult make_mesh_on_ranks(const GeometricModel& model, const MeshOptions& op
 
 // From a geometric model to a mesh in parts, which is nowhere put together.
 
+/// The mesh in parts, or why there is none.
 struct MeshInPartsResult {
   MeshResult run;  ///< as of make_mesh, but its mesh is the surface alone, as it was before the volume was filled
   std::optional<PartitionedMesh> mesh;  ///< when the run's status is Ok

@@ -250,6 +250,7 @@ inline double expected_tets(double complexity) { return 6 * std::sqrt(2.0) * com
 double scale_to_complexity(MetricField& metric, const TetView& mesh, double target, const MetricBounds& bounds = {},
                            const BlockLoop& loop = serial_loop());
 
+/// What limiting the gradation has done.
 struct GradationResult {
   std::size_t changed = 0;  ///< vertices whose metric was made larger
   std::size_t rounds = 0;
@@ -264,6 +265,7 @@ struct GradationResult {
 GradationResult limit_gradation(MetricField& metric, std::span<const Vec3> points, const VertexGraph& graph,
                                 double growth, const BlockLoop& loop = serial_loop());
 
+/// What limiting the turning has done.
 struct TurningResult {
   bool turns = false;              ///< too fast; otherwise the metric is as it was
   double asked = 0, followed = 0;  ///< complexities where it does, with no size larger than the mesh
@@ -290,6 +292,7 @@ TurningResult limit_turning(MetricField& metric, const TetView& mesh, const Bloc
 std::vector<Tensor> recover_hessian(std::span<const double> values, const TetView& mesh, const VertexGraph& graph,
                                     const BlockLoop& loop = serial_loop());
 
+/// How a metric is made of a field.
 struct HessianOptions {
   double complexity = 0;  ///< of the metric, > 0; expected_tets(complexity) tells the tets
   double norm = 2;        ///< the error is small in the Lᵖ norm with this p, >= 1, may be infinite: 1 and 2 resolve
@@ -298,6 +301,7 @@ struct HessianOptions {
   double gradation = 0;   ///< see limit_gradation; 0 for none
 };
 
+/// A metric that was made of a field.
 struct HessianMetric {
   MetricField metric;
   double complexity = 0;  ///< reached; off from what was asked for where bounds do not allow it
@@ -325,6 +329,7 @@ struct SolutionMetric {
 
 // Sizes on curved surfaces, limited so that the mesh follows them whatever the metric asks for.
 
+/// What curved faces and edges ask of a metric.
 struct CurvatureLimits {
   double edges_per_turn = 24;  ///< as of the mesher's option: at least so many around a circle; > 0
   double h_min = 0;            ///< sharper curvature asks for no smaller size than this; model length

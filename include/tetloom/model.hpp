@@ -26,6 +26,7 @@
 
 namespace tetloom {
 
+/// RGB.
 struct Color {
   float red = 0, green = 0, blue = 0;  ///< linear, 0 … 1
   friend constexpr bool operator==(const Color&, const Color&) = default;
@@ -57,6 +58,7 @@ struct FaceSides {
   ModelRegionId back;   ///< the region out of which it points
 };
 
+/// The ends of a model edge.
 struct ModelEdgeTopology {
   std::array<ModelVertexId, 2> vertices;  ///< at the start and the end of the edge's range; equal when closed
   bool degenerate = false;                ///< a point in space, such as the pole of a sphere
@@ -80,6 +82,7 @@ struct ParameterRange {
   double lo = 0, hi = 0;
 };
 
+/// A point of a curve, and its parameter.
 struct CurvePoint {
   double t = 0;
   Vec3 point;
@@ -114,18 +117,22 @@ enum class Parametrization {
              ///< each other, but nearby points may have unrelated (u,v)
 };
 
+/// The parameters of a face lie in it.
 struct ParameterBox {
   Vec2 lo, hi;
 };
 
+/// A point of a surface, and the first derivatives there.
 struct SurfaceDerivatives {
   Vec3 point, du, dv;
 };
 
+/// At a point of a surface.
 struct PrincipalCurvatures {
   double largest = 0, smallest = 0;  ///< by absolute value; signs relative to the normal
 };
 
+/// A point of a surface, and its parameters.
 struct SurfacePoint {
   Vec2 uv;
   Vec3 point;
@@ -207,6 +214,7 @@ class GeometricModel {
 
 // Reading a geometric model from a file: STEP, IGES and BREP through OpenCASCADE, STL and OBJ as discrete models.
 
+/// How a model file is read.
 struct ReadOptions {
   bool heal = true;      ///< repair what OpenCASCADE can repair (wires, small edges, tolerances, orientation)
   bool imprint = false;  ///< fuse touching solids so that they share faces (General Fuse)
@@ -223,6 +231,7 @@ struct HealingStep {
   std::size_t count = 0;
 };
 
+/// A model, and what was done to it and noticed when it was read.
 struct ModelDocument {
   std::unique_ptr<GeometricModel> model;
   std::vector<HealingStep> healing;

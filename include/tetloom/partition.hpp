@@ -48,6 +48,7 @@ inline PartId owner_of(std::span<const Copy> copies, PartId self) {
   return copies.empty() ? self : std::min(self, copies.front().part);
 }
 
+/// What a part shares with others.
 struct PartBoundary {
   SharedEntities<std::uint32_t> vertices;              ///< local vertices
   SharedEntities<std::array<std::uint32_t, 2>> edges;  ///< local vertices, ascending
@@ -61,6 +62,7 @@ struct Part {
   PartBoundary boundary;
 };
 
+/// A field that all parts have.
 struct FieldInfo {
   std::string name;
   int components = 1;
@@ -110,6 +112,7 @@ Mesh gather_mesh(const PartitionedMesh& mesh, const TaskRunner& runner);
 /// Where each cell of a part goes: tets, then pyramids, prisms and hexahedra, in the order of their blocks.
 using Destinations = std::vector<std::uint32_t>;
 
+/// What a migration has sent.
 struct MigrationFigures {
   std::uint64_t cells_sent = 0;  ///< to another part, on all ranks
   std::uint64_t bytes_sent = 0;  ///< of all packets, on all ranks
@@ -133,6 +136,7 @@ MigrationFigures migrate(PartitionedMesh& mesh, PerPart<Destinations> destinatio
 
 // Where the cells of a partitioned mesh should go.
 
+/// How cells are dealt to parts.
 enum class PartitionMethod {
   Multilevel,  ///< by the graph of tets, through clusters (multilevel.hpp), where a part of tets is cut on its own;
                ///< otherwise, and for small parts, as Rcb
@@ -147,6 +151,7 @@ std::string_view to_string(PartitionMethod method);
 /// the same for all cells above one wall triangle; 0 for none.
 inline constexpr std::string_view kStackField = "stack";
 
+/// How many parts, and how equal they are to be.
 struct BalanceOptions {
   std::size_t part_count = 1;
   PartitionMethod method = PartitionMethod::Multilevel;
@@ -205,6 +210,7 @@ struct PartProblem {
   std::optional<Vec3> point;  ///< at the first of them
 };
 
+/// What is wrong with a mesh in parts.
 struct PartsReport {
   std::vector<PartProblem> problems;  ///< of the parts of this rank, ascending by part
   std::uint64_t total = 0;            ///< problems on all ranks

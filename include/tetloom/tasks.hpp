@@ -18,6 +18,7 @@
 
 namespace tetloom {
 
+/// What a recorded task was.
 enum class TaskKind {
   Step,      ///< of a part, in a run of a schedule
   Serial,    ///< work outside of schedules, on one thread
@@ -27,6 +28,7 @@ enum class TaskKind {
 /// "step", "serial" or "divisible".
 const char* to_string(TaskKind kind);
 
+/// The receiver and the size of a message.
 struct SentMessage {
   PartId to;
   std::uint64_t bytes = 0;
@@ -244,6 +246,7 @@ Links neighbour_links(std::function<std::span<const PartId>(PartId)> neighbours)
 /// Links from receivers alone; a collective call that finds the senders. `receivers` must outlive the result.
 Links directed_links(Communicator& communicator, const PerPart<std::vector<PartId>>& receivers);
 
+/// What every part does once in a run of a schedule.
 struct Step {
   std::string name;  ///< for traces
   std::function<void(PartTask&)> body;

@@ -9,6 +9,7 @@
 
 namespace tetloom::features {
 
+/// A zone, and what was changed in it.
 struct KnownZone {
   Zone zone;
   ZoneChange change;

@@ -8,6 +8,7 @@
 
 namespace tetloom::layers {
 
+/// The plane of a flat side face, with a frame.
 struct SidePlane {
   Vec3 origin, first, second, normal;  ///< an orthonormal frame, right-handed
 

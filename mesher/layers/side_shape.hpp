@@ -19,6 +19,7 @@ enum class SideKind : std::uint8_t {
   Upright      ///< a plane over which it stands, where its (u,v) are of no use
 };
 
+/// How points are put on a side face.
 struct SideShape {
   SideKind kind = SideKind::Flat;
   SidePlane plane;  ///< unless parametric

@@ -19,6 +19,7 @@
 
 namespace tetloom::parts {
 
+/// What filling a volume will make and take.
 struct VolumeEstimate {
   double tets = 0;  ///< within some ten percent
   double work = 0;  ///< microseconds of one thread

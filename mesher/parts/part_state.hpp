@@ -30,6 +30,7 @@ struct OpenBall {
   double radius = 0;  ///< infinite where it has no finite number
 };
 
+/// A triangle of the surface that the optimiser has given other vertices.
 struct ChangedTriangle {
   std::uint32_t triangle = 0;  ///< of the complex; its face and its sides are as before
   std::array<std::uint32_t, 3> verts{};
@@ -82,11 +83,13 @@ struct PartTets : KeyedTets {
   bool has_dead = false;                 ///< tets, once optimised
 };
 
+/// A vertex on the border of a part.
 struct BorderVert {
   std::uint32_t vert;
   tets::FaceCode face;  ///< the first open one that has it
 };
 
+/// A vertex that other parts are told of.
 struct ToldVert {
   std::uint32_t vert;
   double reach;  ///< parts farther away are not told of it

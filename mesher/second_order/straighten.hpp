@@ -12,6 +12,7 @@
 
 namespace tetloom::second_order {
 
+/// What became of curved mid nodes.
 struct Straightening {
   std::vector<std::uint32_t> moved;   ///< mid nodes inside of regions that are not in the middle, ascending
   std::vector<CurvedNode> off_model;  ///< those of `curved` that had to leave the model, ascending

@@ -23,6 +23,7 @@ namespace tetloom::tets {
 class WorkingMesh;
 struct TetMesh;
 
+/// The smallest dihedral angles of a mesh.
 struct DihedralSummary {
   double least = 0;                                   ///< radians; at most `known_least`
   std::size_t below = 0;                              ///< tets with a smaller angle than asked for

@@ -15,6 +15,7 @@ struct Duplicate {
   std::uint32_t vert, kept;
 };
 
+/// Beside the tets: what surrounds them, and points that coincide.
 struct DelaunayResult {
   /// Vertices of the tetrahedron around everything: first_outer … first_outer + 3, appended to the points.
   std::uint32_t first_outer = 0;

@@ -11,6 +11,7 @@
 
 namespace tetloom::tets {
 
+/// What became of an edge that was to be removed.
 enum class EdgeVerdict {
   Removed,
   OnSurface,    ///< a fixed face or nothing lies at the edge

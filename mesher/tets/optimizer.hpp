@@ -25,6 +25,7 @@
 
 namespace tetloom::tets {
 
+/// What stays, and how long the optimiser works.
 struct OptimizeOptions {
   std::uint32_t fixed_points = 0;  ///< points before this one lie on the given surface: they stay, where they are
   std::uint32_t lattice_tets = 0;  ///< the first so many are of undisturbed lattices: alike, alive, without fixed faces

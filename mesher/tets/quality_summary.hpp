@@ -5,6 +5,7 @@
 
 namespace tetloom::tets {
 
+/// Mean ratios of all tets.
 struct QualitySummary {
   double least = 1, mean = 0;
   std::size_t below = 0;

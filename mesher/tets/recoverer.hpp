@@ -8,6 +8,7 @@
 
 namespace tetloom::tets {
 
+/// Makes one missing edge or triangle of a surface after the other an edge or a face of a mesh.
 class Recoverer {
  public:
   Recoverer(LocalMesh& mesh, const EdgeSet& kept, const RecoverOptions& options, RecoveryReport& report,

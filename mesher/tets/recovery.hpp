@@ -13,6 +13,7 @@
 
 namespace tetloom::tets {
 
+/// How much is searched for a missing triangle.
 struct RecoverOptions {
   std::uint32_t cavity_points = 40;           ///< of a small polyhedron, at most
   std::uint64_t search_steps = 400'000;       ///< intersection tests in one search for its tetrahedra
@@ -44,6 +45,7 @@ enum class RecoveryFault : std::uint8_t {
   NotRecovered,  ///< the search ended
 };
 
+/// A triangle that is no face, and why.
 struct UnrecoveredTriangle {
   std::uint32_t triangle;
   RecoveryFault fault;
@@ -51,6 +53,7 @@ struct UnrecoveredTriangle {
   std::uint32_t other = kNone;  ///< the triangle that it crosses or repeats, where it is known
 };
 
+/// What the recovery has done and left.
 struct RecoveryReport {
   std::size_t missing_triangles = 0;             ///< before
   std::size_t missing_edges = 0;                 ///< of these triangles, before

@@ -22,6 +22,7 @@ class EdgeSet {
   std::unordered_set<std::uint64_t> keys_;
 };
 
+/// Tets that are to be replaced, and their outside as a small polyhedron.
 struct RecoveryCavity {
   TetList tets;
   std::vector<std::uint32_t> to_vert;  ///< ascending

@@ -16,6 +16,7 @@ struct SmallPolyhedron {
   std::vector<std::array<std::uint8_t, 2>> edges;  ///< not on faces
 };
 
+/// The tets of a small polyhedron, if it has any.
 struct SmallFilling {
   enum Outcome : std::uint8_t { Found, Impossible, GivenUp } outcome = Impossible;
   std::vector<std::array<std::uint8_t, 4>> tets;  ///< of positive volume

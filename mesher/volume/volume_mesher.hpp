@@ -31,6 +31,7 @@ struct VolumeInput {
   std::span<const std::array<std::uint32_t, 2>> edge_to_vert = {};  ///< pieces of model edges: they stay edges
 };
 
+/// How volumes are filled.
 struct VolumeOptions {
   std::string worker;        ///< path of tetloom-tetgen; empty: beside the executable, then in PATH, or none
   bool worker_only = false;  ///< fill by TetGen alone, to compare

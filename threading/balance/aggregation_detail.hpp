@@ -24,6 +24,7 @@ struct Chunks {
 /// scratch, one per point.
 Chunks find_chunks(std::vector<Point3f> points, std::span<std::uint32_t> chunk_of, const TaskRunner& runner);
 
+/// How large clusters become.
 struct ClusterSize {
   std::uint32_t nodes = 12;  ///< about this many
   std::int64_t weight = 0;   ///< at most, unless a single node is heavier

@@ -17,6 +17,7 @@ struct TargetedTets {
   static constexpr std::uint32_t kNoNeighbour = 0xffffffff;
 };
 
+/// How part boundaries are smoothed.
 struct SmoothingOptions {
   double imbalance = 0.03;  ///< bound on a target's weight: (1 + imbalance) times the mean
   int layers = 3;           ///< tets this many faces away from a boundary may still cross it

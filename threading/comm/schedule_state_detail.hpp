@@ -45,6 +45,7 @@ class FirstError {
 
 }  // namespace detail
 
+/// A schedule with what its runs share.
 struct Schedule::State {
   class Run;
 

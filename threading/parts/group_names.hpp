@@ -5,6 +5,7 @@
 
 namespace tetloom::detail {
 
+/// The groups and the entities of a whole mesh.
 struct GroupNames {
   Groups groups;  ///< without elements
   EntityTable entities;

@@ -16,6 +16,7 @@ struct MessageCosts {
   double seconds(std::uint64_t bytes) const { return latency + static_cast<double>(bytes) / bandwidth; }
 };
 
+/// The times of a replayed trace.
 struct Replay {
   double seconds = 0;  ///< from the first start to the last end
   double work = 0;     ///< of all tasks, on one thread

@@ -8,6 +8,7 @@
 
 namespace tetloom::cad {
 
+/// A curve of OpenCASCADE's as the model's edge.
 class CadEdge final : public EdgeGeometry {
  public:
   /// `edge` runs forward, is not degenerate and has a 3D curve. Errors: EdgeFailed.

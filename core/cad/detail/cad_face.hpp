@@ -14,6 +14,7 @@ namespace tetloom::cad {
 /// of the face's size.
 inline constexpr double kCollapsed = 1e-9;
 
+/// A trimmed surface of OpenCASCADE's as the model's face.
 class CadFace final : public FaceGeometry {
  public:
   /// `topology` belongs to the model and outlives this. Errors: FaceFailed.

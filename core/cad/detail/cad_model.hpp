@@ -30,6 +30,7 @@ class LazyValues {
   mutable std::vector<Value> values_;
 };
 
+/// A document's shapes as a model.
 class CadModel final : public GeometricModel {
  public:
   /// Takes over the shapes of a document and their tables. Errors: InputUnsuitable.

@@ -13,6 +13,7 @@
 
 namespace tetloom::cad {
 
+/// What a CAD file was read into.
 struct Document {
   TopoDS_Compound root;  ///< the parts, each in its place
   AttributeMap attributes;

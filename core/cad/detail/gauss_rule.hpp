@@ -4,6 +4,7 @@
 
 namespace tetloom::cad {
 
+/// A place and its weight on [-1, 1].
 struct GaussNode {
   double x, weight;
 };

@@ -14,6 +14,7 @@ struct LoopPiece {
   Vec2 tangent_start, tangent_end;  ///< in the same scale, along the traversal; any length
 };
 
+/// Pieces of edges in closed loops.
 struct ChainedLoops {
   std::vector<ModelLoop> loops;
   std::vector<LoopPiece> open;  ///< pieces that close no loop

@@ -44,6 +44,7 @@ class SplineAxis {
   std::size_t last_ = 0;  ///< the span of the previous call; the next point is mostly near
 };
 
+/// A B-spline surface, evaluated piece by piece in the power basis.
 class SplineSurface final : public SurfaceEvaluator {
  public:
   /// Highest degree for which the power basis keeps about eleven digits.

@@ -19,6 +19,7 @@ struct SurfaceJet {
   Vec3 point, du, dv, duu, duv, dvv;
 };
 
+/// The surface of a face, with its derivatives.
 class SurfaceEvaluator {
  public:
   virtual ~SurfaceEvaluator() = default;

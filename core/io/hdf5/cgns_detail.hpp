@@ -9,6 +9,7 @@
 
 namespace tetloom::detail {
 
+/// A kind of elements as CGNS has it.
 struct CgnsKind {
   const char* name;          ///< behind the name of a section
   std::int32_t type;         ///< ElementType_t

@@ -15,6 +15,7 @@
 
 namespace tetloom::detail {
 
+/// Of the elements of a dataset or an attribute.
 struct Hdf5Datatype {
   Hdf5Class kind = Hdf5Class::Other;
   std::uint32_t bytes = 0;
@@ -25,17 +26,20 @@ struct Hdf5Datatype {
 /// None: the space holds nothing.
 using Hdf5Shape = std::optional<std::vector<std::uint64_t>>;
 
+/// An attribute as it lies in the file.
 struct Hdf5AttributeValue {
   Hdf5Datatype type;
   Hdf5Shape shape;
   std::string_view data;  ///< at most what the file has of it
 };
 
+/// What the chunks of a dataset went through.
 struct Hdf5Filter {
   std::uint16_t id;
   bool is_optional;
 };
 
+/// A dataset as it lies in the file.
 struct Hdf5Array {
   enum class Layout { None, Compact, Contiguous, Chunked, Other };
   Layout layout = Layout::None;
@@ -46,6 +50,7 @@ struct Hdf5Array {
   bool is_external = false;
 };
 
+/// A group or a dataset.
 struct Hdf5Object {
   struct Member {
     std::uint64_t address = 0;
@@ -58,6 +63,7 @@ struct Hdf5Object {
   Hdf5Array array;
 };
 
+/// The objects of an HDF5 file, by address.
 class Hdf5Objects {
  public:
   /// Throws Error(InputUnreadable) where the file is no HDF5 file, Error(InputUnsuitable) for user blocks and numbers

@@ -26,6 +26,7 @@ void put_big_endian(AtomicFile& file, std::size_t count, const ValueOf& value, c
       count, [&](std::size_t i) { return byte_swapped(value(i)); }, loop);
 }
 
+/// Writes the dimensions, variables and attributes of a netCDF file.
 class NetcdfWriter {
  public:
   using Fill = std::function<void(AtomicFile&)>;

@@ -16,6 +16,7 @@ struct FoamSharedFace {
   std::uint32_t part = 0;   ///< the other one
 };
 
+/// Consecutive faces.
 struct FoamRange {
   std::size_t first = 0, count = 0;
 };
