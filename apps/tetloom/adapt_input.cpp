@@ -47,13 +47,17 @@ void require_fields(const Mesh& mesh, const std::vector<std::string>& names) {
 }
 
 // The file of that name in text or in binary, whichever there is.
-void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const CancelToken& cancel) {
+std::filesystem::path find_fields_beside(const std::filesystem::path& path) {
   std::filesystem::path file = fields_beside(path);
   if (!std::filesystem::exists(file)) file.replace_extension(file.extension() == ".sol" ? ".solb" : ".sol");
   if (!std::filesystem::exists(file))
     throw Error(ErrorCode::InputUnsuitable, "fields of '" + path.string() + "' are asked for, but '" +
                                                 fields_beside(path).string() + "' is not there");
-  Solution solution = read_solution(file, solution_size(mesh), &cancel);
+  return file;
+}
+
+void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const CancelToken& cancel) {
+  Solution solution = read_solution(find_fields_beside(path), solution_size(mesh), &cancel);
   mesh.point_fields = std::move(solution.point_fields);
   if (cell_count(mesh) == mesh.tet_to_vert.size()) mesh.cell_fields = std::move(solution.tet_fields);
 }
@@ -94,16 +98,41 @@ PointsOfRank number_points(const PartitionedMesh& parts, const SharedWork& work)
   return points;
 }
 
-// Where one file has all that is asked for.
+// Of what was read for all parts of this rank, the values at the points of one.
+template <class Values>
+void take_values(const PartMesh& part, const PointsOfRank& points, const MeshField& read, Values& values) {
+  for (const std::uint64_t id : part.vert_to_global) {
+    const auto at = std::ranges::lower_bound(points.ids, id) - points.ids.begin();
+    const auto first = static_cast<std::size_t>(at) * static_cast<std::size_t>(read.components);
+    for (std::size_t i = first; i < first + static_cast<std::size_t>(read.components); ++i)
+      values.push_back(read.values[i]);
+  }
+}
+
+void read_point_fields_beside(const std::filesystem::path& path, const CancelToken& cancel, AdaptInput& input) {
+  const Solution solution =
+      read_solution_at(input.points.numbers, find_fields_beside(path), input.points.whole, &cancel);
+  for (const MeshField& field : solution.point_fields) {
+    input.parts->vertex_fields.push_back({field.name, field.components});
+    for (const PartId id : input.parts->local()) {
+      PartMesh& part = input.parts->parts.at(id).mesh;
+      take_values(part, input.points, field, part.vertex_fields.emplace_back(field.name, field.components).values);
+    }
+  }
+}
+
+// Where each rank can have some of all that is asked for: fields on tets beside a mesh are read as a whole.
 void read_slices_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel, AdaptInput& input) {
   if (work.rank_count() == 1) return;
-  if (has_fields_beside(command.input) && needs_fields(command)) return;
+  const bool wants_beside = has_fields_beside(command.input) && needs_fields(command);
+  if (wants_beside && !command.options.transfer.empty()) return;
   std::optional<SlicedMesh> sliced = read_slices(command.input, work.ranks(), work.runner(), &cancel);
   if (!sliced) return;
   input.parts = std::move(sliced->mesh);
-  if (command.metric_file.empty()) return;
+  if (command.metric_file.empty() && !wants_beside) return;
   input.points = number_points(*input.parts, work);
   input.points.numbers = input.points.ids, input.points.whole.points = sliced->points;
+  if (wants_beside) work.each([&] { read_point_fields_beside(command.input, cancel, input); });
 }
 
 // Of the values that were read for all parts of this rank, or of a field of the part.
@@ -113,11 +142,7 @@ MeshField metric_at(const PartMesh& part, const AdaptCommand& command, const Ada
     return {field->name, field->components, {field->values.begin(), field->values.end()}};
   }
   MeshField values{input.metric.name, input.metric.components, {}};
-  for (const std::uint64_t id : part.vert_to_global) {
-    const auto at = std::ranges::lower_bound(input.points.ids, id) - input.points.ids.begin();
-    const auto first = input.metric.values.begin() + at * input.metric.components;
-    values.values.insert(values.values.end(), first, first + input.metric.components);
-  }
+  take_values(part, input.points, input.metric, values.values);
   return values;
 }
 
@@ -152,7 +177,7 @@ AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, c
 void read_adapt_input(const AdaptCommand& command, const CancelToken& cancel, AdaptInput& input) {
   if (!input.parts && !input.mesh) input.mesh = read_mesh(command.input, &cancel);
   if (has_fields_beside(command.input)) {
-    if (needs_fields(command)) read_fields_beside(command.input, *input.mesh, cancel);
+    if (needs_fields(command) && input.mesh) read_fields_beside(command.input, *input.mesh, cancel);
     input.order = adapt::TensorOrder::Medit;
   }
   const Mesh fields = input.parts ? fields_of(*input.parts) : Mesh();

@@ -22,11 +22,12 @@ struct FileSlice {
   FileCounts file;
 };
 
-/// Whether files of this name are read by slices: .vtu, .mesh and .meshb.
+/// Whether files of this name are read by slices: .vtu, .msh, .mesh and .meshb.
 bool has_slices(const std::filesystem::path& path);
 
 /// The tets from n · index / count to n · (index + 1) / count of a file with n of them, with fields as read_mesh reads
-/// them. Nothing for files with other cells, quadrilaterals, mid nodes or fewer tets than `count`. The file must not
+/// them. Nothing for files with other cells, quadrilaterals, mid nodes or fewer tets than `count`, and for a .msh in
+/// which the tags of nodes or tets have gaps, or which is in parts. The file must not
 /// become shorter meanwhile. It takes no more memory than the slice; in a .vtu with arrays that are text, compressed or
 /// in base64, three of these as well. Pre: index < count, has_slices(path). Errors: those of read_mesh, as far as the
 /// slice shows them.

@@ -41,7 +41,7 @@ constexpr std::array<Format, 15> kFormats{
      {".mesh", detail::write_medit_text, detail::read_medit_text, false, false, false, detail::read_medit_text_slice},
      {".meshb", detail::write_medit_binary, detail::read_medit_binary, false, false, false,
       detail::read_medit_binary_slice},
-     {".msh", detail::write_msh, detail::read_msh, true},
+     {".msh", detail::write_msh, detail::read_msh, true, false, false, detail::read_msh_slice},
      {".stl", detail::write_stl, detail::read_stl},
      {".su2", detail::write_su2, detail::read_su2, false, true},
      {".ugrid", detail::write_ugrid_text, detail::read_ugrid_text, false, true, true},

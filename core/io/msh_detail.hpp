@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -130,6 +132,15 @@ struct MshView {
   Cursor numbers;
 };
 
+/// What the tags of views mean.
+struct MshCarriers {
+  const std::array<std::vector<std::uint64_t>, kBlocks>& element_tags;  ///< by Block
+  /// The point of a node, one past the last where another slice has it; nothing where the file has no such node.
+  std::function<std::optional<std::size_t>(std::uint64_t)> find_point;
+  /// Of a tag that is not among those of elements: whether another slice has a cell of it.
+  std::function<bool(std::uint64_t)> is_cell_elsewhere;
+};
+
 /// The sections NodeData and ElementData, whose tags have a meaning only once all the rest has been read.
 class MshViews {
  public:
@@ -140,9 +151,8 @@ class MshViews {
 
   /// Makes fields of the sections, in their order: one for each name, from the first of its time steps, NaN where the
   /// file has no value. Element data are fields where there is one for a cell at all. Throws InputUnreadable for
-  /// unknown nodes, and where a small file asks for fields of an enormous size. `element_tags` are by Block.
-  void add_fields(Mesh& mesh, const NodeTags& nodes,
-                  const std::array<std::vector<std::uint64_t>, kBlocks>& element_tags) const;
+  /// unknown nodes, and where a small file asks for fields of an enormous size.
+  void add_fields(Mesh& mesh, const MshCarriers& carriers) const;
 
  private:
   const InputFile& file_;

@@ -10,6 +10,7 @@
 #include "core/io/formats_detail.hpp"
 #include "core/io/mid_node_reader_detail.hpp"
 #include "core/io/msh_detail.hpp"
+#include "core/io/slice_filter_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -45,11 +46,65 @@ std::optional<MshType> find_type(std::int32_t type) {
   return {};
 }
 
+/// Numbers that have no gaps, if none is there twice.
+struct TagRange {
+  std::uint64_t first = 0, last = 0, count = 0;
+
+  void add(std::uint64_t tag) {
+    first = count == 0 ? tag : std::min(first, tag), last = std::max(last, tag);
+    ++count;
+  }
+  bool has_no_gaps() const { return count > 0 && last - first == count - 1; }
+  bool has(std::uint64_t tag) const { return tag - first < count; }
+};
+
+/// What a reader of a slice knows of a file whose nodes and tets have tags without gaps. Sections are read three times:
+/// to count, for the tets, and for what these have.
+struct MshSlice {
+  SliceFilter& filter;
+  bool counts = true;  ///< the first time
+  TagRange nodes, tets;
+  const char *nodes_at = nullptr, *elements_at = nullptr;
+
+  /// After the first time.
+  void end_counts() {
+    counts = false;
+    if (!nodes.has_no_gaps() || !tets.has_no_gaps()) filter.set_unfit();
+    filter.set_points(nodes.count), filter.expect(Block::Tet, tets.count);
+  }
+};
+
 class MshReader {
  public:
   explicit MshReader(const InputFile& file) : file_(file), cursor_(file, file.bytes()) {}
 
   Mesh read() {
+    read_sections();
+    return finish();
+  }
+
+  /// Instead of `read`.
+  std::optional<FileSlice> read_slice(SliceFilter& filter) {
+    slice_.emplace(MshSlice{filter});
+    read_sections();
+    slice_->end_counts();
+    if (!partitions_.empty()) filter.set_unfit();
+    if (!filter.is_fit()) return {};
+    read_elements_at(slice_->elements_at);
+    filter.begin_second_pass(mesh_);
+    if (!filter.is_fit()) return {};
+    read_nodes_at(slice_->nodes_at), read_elements_at(slice_->elements_at);
+    return finish_slice();
+  }
+
+  /// After `read`.
+  MeshParts take_parts() {
+    if (lacks_parts_) file_.fail(ErrorCode::InputUnsuitable, "only some of the cells belong to partitions");
+    return std::move(parts_);
+  }
+
+ private:
+  void read_sections() {
     std::string_view section = next_section();
     while (section == "Comments") end_section(section), section = next_section();
     if (section != "MeshFormat")
@@ -65,22 +120,31 @@ class MshReader {
         MshNumbers numbers(cursor_, binary_);
         partitions_.read_section(file_, numbers);
       }
-      if (section == "Nodes") old_ ? read_old_nodes() : read_nodes();
-      if (section == "Elements") old_ ? read_old_elements() : read_elements();
+      if (section == "Nodes") read_nodes_at(cursor_.at());
+      if (section == "Elements") read_elements_at(cursor_.at());
       if (section == "NodeData" || section == "ElementData") views_.read_section(cursor_, binary_, section);
       end_section(section);
     }
     if (!has_elements_) file_.fail_at_line("the file ends without elements", cursor_.at());
-    return finish();
   }
 
-  /// After `read`.
-  MeshParts take_parts() {
-    if (lacks_parts_) file_.fail(ErrorCode::InputUnsuitable, "only some of the cells belong to partitions");
-    return std::move(parts_);
+  bool is_counting() const { return slice_ && slice_->counts; }
+
+  void read_nodes_at(const char* place) {
+    cursor_.jump(place);
+    if (is_counting() && slice_->nodes_at != nullptr) slice_->filter.set_unfit();
+    if (slice_) slice_->nodes_at = place;
+    old_ ? read_old_nodes() : read_nodes();
   }
 
- private:
+  void read_elements_at(const char* place) {
+    cursor_.jump(place);
+    if (is_counting() && slice_->elements_at != nullptr) slice_->filter.set_unfit();
+    if (slice_) slice_->elements_at = place;
+    old_ ? read_old_elements() : read_elements();
+    has_elements_ = true;
+  }
+
   /// The name of the next section, empty at the end of the file.
   std::string_view next_section() {
     cursor_.skip_space();
@@ -173,10 +237,12 @@ class MshReader {
       const std::int32_t parameters = numbers.integer() != 0 ? dim : 0;
       const std::uint64_t count = numbers.count(0, 4 + static_cast<std::size_t>(parameters));
       const ModelEntity entity = entity_of(dim, tag);
-      for (std::uint64_t i = 0; i < count; ++i) tags_.push_back(numbers.size());
+      Cursor tags_at = cursor_;
+      MshNumbers tags(tags_at, binary_);
+      for (std::uint64_t i = 0; i < count; ++i) add_tag(numbers.size());
       for (std::uint64_t i = 0; i < count; ++i) {
-        mesh_.points.push_back(numbers.point());
-        mesh_.point_to_entity.push_back(entity);
+        add_point(slice_ ? tags.size() : 0, numbers.point(), entity);
+        look_up(i);
         for (std::int32_t p = 0; p < parameters; ++p) numbers.real();
       }
     }
@@ -190,7 +256,27 @@ class MshReader {
     return index == ModelFaceId::kNone || dim < 0 || dim > 3 ? ModelEntity{} : ModelEntity(dim, index);
   }
 
+  void add_tag(std::uint64_t tag) {
+    if (!slice_) tags_.push_back(tag);
+    if (is_counting()) slice_->nodes.add(tag);
+  }
+  /// `tag` is looked at for slices alone.
+  void add_point(std::uint64_t tag, const Vec3& point, ModelEntity entity) {
+    if (slice_) {
+      if (slice_->counts || !slice_->filter.keeps_point(tag - slice_->nodes.first)) return;
+      tags_.push_back(tag);
+    }
+    mesh_.points.push_back(point);
+    mesh_.point_to_entity.push_back(entity);
+  }
+  void look_up(std::uint64_t item) const {
+    if (item % kItemsBetweenLooks != 0) return;
+    file_.check_cancelled();
+    if (slice_) file_.let_go();
+  }
+
   void reserve_nodes(std::uint64_t count) {
+    if (slice_) return;
     if (!mesh_.points.empty()) file_.fail("a second section of nodes", cursor_.at());
     mesh_.points.reserve(count);
     mesh_.point_to_entity.reserve(count);
@@ -205,25 +291,49 @@ class MshReader {
   template <class Element>
   void read_block(MshNumbers& numbers, std::uint64_t count, MshType type, std::uint32_t index,
                   std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
-    Element element;
-    std::vector<std::uint64_t>& tags = element_tags_[static_cast<std::size_t>(type.block)];
-    numbers.expect(count, 0, element.size() + type.mid_nodes + 1);
-    reserve_more(elements, count);
-    entities.resize(entities.size() + count, index);
+    numbers.expect(count, 0, Element().size() + type.mid_nodes + 1);
+    if (!slice_) reserve_more(elements, count), reserve_more(entities, count);
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
-      tags.push_back(numbers.size());
-      elements.push_back(read_nodes_of<Element>(numbers, type));
+      look_up(i);
+      const std::uint64_t tag = numbers.size();
+      add_element(tag, read_nodes_of<Element>(numbers, type), type.block, index, elements, entities);
     }
+  }
+
+  template <class Element>
+  void add_element(std::uint64_t tag, const Element& element, Block block, std::uint32_t index,
+                   std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
+    if (slice_ && !is_kept(tag, element, block)) return;
+    element_tags_[static_cast<std::size_t>(block)].push_back(tag);
+    elements.push_back(element);
+    entities.push_back(index);
+  }
+
+  /// Counts it where it is time for that.
+  template <class Element>
+  bool is_kept(std::uint64_t tag, const Element& element, Block block) {
+    SliceFilter& filter = slice_->filter;
+    if (slice_->counts && block == Block::Tet) slice_->tets.add(tag);
+    if (slice_->counts || !filter.wants(block)) return false;
+    if (block == Block::Tet) return filter.keeps_tet(tag - slice_->tets.first);
+    filter.expect(block, 1);
+    return filter.keeps(element);
+  }
+
+  std::uint32_t find_node(std::uint64_t tag) const {
+    if (!slice_) return nodes_.find(tag);
+    return slice_->nodes.has(tag) ? static_cast<std::uint32_t>(tag - slice_->nodes.first) : kNone;
   }
 
   template <class Element>
   Element read_nodes_of(MshNumbers& numbers, MshType type) {
     Element element;
-    for (std::uint32_t& v : element) v = nodes_.find(number_of(numbers));
+    for (std::uint32_t& v : element) v = find_node(number_of(numbers));
     std::array<std::uint32_t, kMostNodes> mids;
-    for (std::size_t i = 0; i < type.mid_nodes; ++i) mids[i] = nodes_.find(number_of(numbers));
-    if (type.mid_nodes > 0) mids_.add(element, msh_edges_of(type.block), std::span(mids).first(type.mid_nodes));
+    for (std::size_t i = 0; i < type.mid_nodes; ++i) mids[i] = find_node(number_of(numbers));
+    if (slice_ && type.mid_nodes > 0) slice_->filter.set_unfit();
+    if (!slice_ && type.mid_nodes > 0)
+      mids_.add(element, msh_edges_of(type.block), std::span(mids).first(type.mid_nodes));
     return element;
   }
 
@@ -250,7 +360,6 @@ class MshReader {
       else
         refuse_elements(file_, describe_type(type));
     }
-    has_elements_ = true;
   }
 
   /// Elements between parts, inside of a model entity of a higher dimension.
@@ -277,11 +386,11 @@ class MshReader {
     numbers.expect(count, 1, 3);
     reserve_nodes(count);
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (i % kItemsBetweenLooks == 0) file_.check_cancelled();
-      tags_.push_back(number_of(numbers));
-      mesh_.points.push_back(numbers.point());
+      const std::uint64_t tag = number_of(numbers);
+      add_tag(tag);
+      add_point(tag, numbers.point(), {});
+      look_up(i);
     }
-    mesh_.point_to_entity.resize(mesh_.points.size());
     finish_nodes();
   }
 
@@ -291,9 +400,9 @@ class MshReader {
     numbers.expect(count, binary_ ? 2 : 4, 0);
     for (std::uint64_t done = 0; done < count;) {
       file_.check_cancelled();
+      if (slice_) file_.let_go();
       done += binary_ ? read_old_block(numbers, count - done) : read_old_lines(numbers, count - done);
     }
-    has_elements_ = true;
   }
 
   /// Lines of id, type, number-of-tags, physical, geometrical, …, nodes; at most kItemsBetweenLooks of them.
@@ -329,16 +438,15 @@ class MshReader {
     const std::optional<MshType> of_type = find_type(type);
     const auto add = [&](auto& elements, auto& entities) {
       using Element = typename std::remove_reference_t<decltype(elements)>::value_type;
-      elements.push_back(read_nodes_of<Element>(numbers, *of_type));
-      entities.push_back(index_of_tag(tag));
-      element_tags_[static_cast<std::size_t>(of_type->block)].push_back(id);
+      add_element(id, read_nodes_of<Element>(numbers, *of_type), of_type->block, index_of_tag(tag), elements, entities);
       const int dim = dimension_of(of_type->block);
       add_to_group(dim, tag, group);
       largest_tag_[dim] = std::max(largest_tag_[dim], tag);
     };
     if (of_type) return visit_block(mesh_, of_type->block, add);
     if (type != kMshPoint) refuse_elements(file_, describe_type(type));
-    corners_.push_back({nodes_.find(number_of(numbers)), index_of_tag(tag)});
+    const std::uint32_t node = find_node(number_of(numbers));
+    if (!slice_ || slice_->counts) corners_.push_back({node, index_of_tag(tag)});
     add_to_group(0, tag, group);
     largest_tag_[0] = std::max(largest_tag_[0], tag);
   }
@@ -395,11 +503,30 @@ class MshReader {
       restore_order(elements, entities, element_tags_[static_cast<std::size_t>(block)]);
     });
     if (!partitions_.empty()) replace_partitioned();
-    views_.add_fields(mesh_, nodes_, element_tags_);
+    views_.add_fields(mesh_, carriers());
     mids_.finish(file_, mesh_, old_);
     set_names();
     set_sides();
     return std::move(mesh_);
+  }
+
+  std::optional<FileSlice> finish_slice() {
+    restore_order(mesh_.tet_to_vert, mesh_.tet_to_entity, element_tags_[static_cast<std::size_t>(Block::Tet)]);
+    views_.add_fields(mesh_, carriers());
+    set_names();
+    set_sides();
+    return slice_->filter.finish(std::move(mesh_), corners_, !old_);
+  }
+
+  MshCarriers carriers() const {
+    return {element_tags_, [this](std::uint64_t tag) { return find_carrier(tag); },
+            [this](std::uint64_t tag) { return slice_ && slice_->tets.has(tag); }};
+  }
+
+  std::optional<std::size_t> find_carrier(std::uint64_t tag) const {
+    const std::uint32_t node = find_node(tag);
+    if (node == kNone || (!slice_ && node >= mesh_.points.size())) return {};
+    return slice_ ? slice_->filter.local_of(node) : node;
   }
 
   const InputFile& file_;
@@ -411,6 +538,7 @@ class MshReader {
   bool lacks_parts_ = false;
   NodeTags nodes_;
   std::vector<std::uint64_t> tags_;
+  std::optional<MshSlice> slice_;
   std::array<std::vector<std::uint64_t>, kBlocks> element_tags_;
   MshViews views_{file_};
   std::vector<Corner> corners_;
@@ -423,6 +551,10 @@ class MshReader {
 }  // namespace
 
 Mesh read_msh(const InputFile& file) { return MshReader(file).read(); }
+
+std::optional<FileSlice> read_msh_slice(const InputFile& file, SliceFilter& filter) {
+  return MshReader(file).read_slice(filter);
+}
 
 Mesh read_partitioned_msh(const InputFile& file, MeshParts& parts) {
   MshReader reader(file);

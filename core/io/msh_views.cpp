@@ -72,7 +72,7 @@ struct FieldSpace {
 };
 
 /// Puts the values of a view where `find` finds the carriers of its tags, into the field that another part of the view
-/// has made or a new one.
+/// has made or a new one. Those beyond the last carrier belong to other slices.
 template <class Find>
 void fill(const MshView& view, FieldSpace& space, std::vector<MeshField>& fields, std::size_t carriers,
           const Find& find) {
@@ -89,7 +89,7 @@ void fill(const MshView& view, FieldSpace& space, std::vector<MeshField>& fields
     }
     for (std::size_t c = 0; c < view.components; ++c) {
       const double value = numbers.real();
-      if (carrier) field->values[*carrier * view.components + c] = value;
+      if (carrier && *carrier < carriers) field->values[*carrier * view.components + c] = value;
     }
   }
 }
@@ -114,10 +114,9 @@ void MshViews::read_section(Cursor& cursor, bool binary, std::string_view sectio
   if (binary) cursor.jump(cursor.at() + static_cast<std::size_t>(count) * (4 + 8 * numbers));
 }
 
-void MshViews::add_fields(Mesh& mesh, const NodeTags& nodes,
-                          const std::array<std::vector<std::uint64_t>, kBlocks>& element_tags) const {
+void MshViews::add_fields(Mesh& mesh, const MshCarriers& carriers) const {
   const bool has_element_data = std::any_of(views_.begin(), views_.end(), [](const MshView& v) { return !v.on_nodes; });
-  const CellTags cells(has_element_data ? element_tags : std::array<std::vector<std::uint64_t>, kBlocks>{});
+  const CellTags cells(has_element_data ? carriers.element_tags : std::array<std::vector<std::uint64_t>, kBlocks>{});
   std::map<std::pair<bool, std::string>, std::int64_t> first_step;
   FieldSpace space{file_};
   for (const MshView& view : views_) {
@@ -125,14 +124,17 @@ void MshViews::add_fields(Mesh& mesh, const NodeTags& nodes,
     if (first_step.try_emplace({view.on_nodes, view.name}, view.step).first->second != view.step) continue;
     if (view.on_nodes)
       fill(view, space, mesh.point_fields, mesh.points.size(), [&](std::uint64_t tag) {
-        const std::size_t node = nodes.find(tag);
-        if (node >= mesh.points.size())
+        const std::optional<std::size_t> point = carriers.find_point(tag);
+        if (!point)
           file_.fail(ErrorCode::InputUnreadable, "the view '" + view.name + "' has a value on node " +
                                                      std::to_string(tag) + ", which is not there");
-        return std::optional(node);
+        return point;
       });
     else
-      fill(view, space, mesh.cell_fields, cell_count(mesh), [&](std::uint64_t tag) { return cells.find(tag); });
+      fill(view, space, mesh.cell_fields, cell_count(mesh), [&](std::uint64_t tag) {
+        const std::optional<std::size_t> cell = cells.find(tag);
+        return cell || !carriers.is_cell_elsewhere(tag) ? cell : std::optional(cell_count(mesh));
+      });
   }
 }
 

@@ -64,6 +64,7 @@ class SliceFilter {
 
 /// What a slice of the file has; `filter` is new. Errors: InputUnreadable, Cancelled.
 std::optional<FileSlice> read_vtu_slice(const InputFile& file, SliceFilter& filter);
+std::optional<FileSlice> read_msh_slice(const InputFile& file, SliceFilter& filter);
 std::optional<FileSlice> read_medit_text_slice(const InputFile& file, SliceFilter& filter);
 std::optional<FileSlice> read_medit_binary_slice(const InputFile& file, SliceFilter& filter);
 

@@ -111,11 +111,15 @@ solution="--hessian solution_1 --complexity 400 --gradation 1.5 --model model.st
 solution="$solution --tets-per-part 1500 --quiet --report report.json"
 same_on_ranks pieces.pvtu "$solution"
 # One file is read by slices, with its fields; a metric in another file belongs to its points.
-# shellcheck disable=SC2086
-"$tetloom" adapt mesh.mesh -o given.vtu $field
+for given in given.vtu given.msh; do
+    # shellcheck disable=SC2086
+    "$tetloom" adapt mesh.mesh -o "$given" $field
+done
 same_on_ranks given.vtu "$solution"
-same_on_ranks given.vtu "--tets-per-part 1500 $field"
+same_on_ranks given.msh "--tets-per-part 1500 $field"
 same_on_ranks mesh.mesh "$file"
+# So are fields on points in a file beside it.
+same_on_ranks mesh.mesh "$solution"
 cp -r pieces pieces.whole
 for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 #include <utility>
 
 #include "tests/core/mesh_io_support.hpp"
 #include "tests/support/mixed_mesh.hpp"
+#include "tests/support/second_order_mesh.hpp"
 
 using namespace tetloom;
 using tetloom::test::error_of;
@@ -16,7 +18,7 @@ using tetloom::test::TemporaryFolder;
 
 namespace {
 
-const std::vector<std::string> kSlicedFormats{".vtu", ".mesh", ".meshb"};
+const std::vector<std::string> kSlicedFormats{".vtu", ".msh", ".mesh", ".meshb"};
 
 /// Two regions, with a point that no tet has and, for formats that have them, fields.
 Mesh make_sliced_case(const std::string& extension) {
@@ -28,7 +30,7 @@ Mesh make_sliced_case(const std::string& extension) {
       for (std::uint32_t& v : element) v += v >= 7 ? 1 : 0;
   };
   shift(mesh.tet_to_vert), shift(mesh.tri_to_vert), shift(mesh.edge_to_vert);
-  if (extension != ".vtu") return mesh;
+  if (extension != ".vtu" && extension != ".msh") return mesh;
   MeshField places{"places", 3, {}}, numbers{"numbers", 1, {}};
   for (const Vec3& p : mesh.points) places.values.insert(places.values.end(), {p.x, p.y, p.z});
   for (std::size_t i = 0; i < mesh.tet_to_vert.size(); ++i) numbers.values.push_back(static_cast<double>(i));
@@ -160,6 +162,62 @@ TEST_CASE("a VTU file of several pieces, as text, is read by slices") {
   CHECK(mesh.cell_fields[0].values == std::vector<double>{4});
 }
 
+// Two tets on a triangle, with a corner, nodes in any order from `first_node` on, and values on some of them.
+std::string old_msh(int first_node, const std::string& last_tet, const std::string& view) {
+  const auto node = [&](int i) { return std::to_string(first_node + i); };
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n" + node(3) + " 0 0 1\n" + node(0) + " 0 0 0\n" + node(2) +
+         " 0 1 0\n" + node(1) + " 1 0 0\n" + node(4) + " 0 0 -1\n$EndNodes\n$Elements\n4\n1 15 2 0 3 " + node(0) +
+         "\n2 2 2 0 4 " + node(0) + " " + node(1) + " " + node(2) + "\n3 4 2 0 1 " + node(0) + " " + node(1) + " " +
+         node(2) + " " + node(3) + "\n" + last_tet + " 4 2 0 2 " + node(0) + " " + node(2) + " " + node(1) + " " +
+         node(4) + "\n$EndElements\n" + view;
+}
+
+std::string msh_view(const std::string& section, const std::string& values) {
+  return "$" + section + "\n1\n\"heat\"\n1\n0\n3\n0\n1\n2\n" + values + "$End" + section + "\n";
+}
+
+TEST_CASE("an MSH file of version 2.2, with views of some nodes and elements, is read by slices") {
+  const TemporaryFolder folder;
+  test::write_file(folder / "two.msh",
+                   old_msh(7, "4", msh_view("NodeData", "7 70\n11 11\n") + msh_view("ElementData", "2 5\n3 30\n")));
+  const Mesh whole = read_mesh(folder / "two.msh");
+  for (const std::size_t index : {0, 1}) {
+    const std::optional<FileSlice> slice = read_slice(folder / "two.msh", index, 2);
+    REQUIRE(slice);
+    const auto& [mesh, ids] = slice->piece;
+    CHECK(ids == (index == 0 ? std::vector<std::uint64_t>{0, 1, 2, 3} : std::vector<std::uint64_t>{0, 1, 2, 4}));
+    for (std::size_t v = 0; v < 4; ++v) CHECK(mesh.points[v] == whole.points[ids[v]]);
+    CHECK(mesh.point_to_entity[0] == ModelEntity(0, 2));
+    CHECK(mesh.tet_to_entity == std::vector<std::uint32_t>{static_cast<std::uint32_t>(index)});
+    CHECK(mesh.tri_to_entity == std::vector<std::uint32_t>{3});
+    CHECK((slice->file.points == 5 && slice->file.tets == 2 && slice->file.triangles == 1));
+    // All slices have all fields, and no number where the file has none.
+    REQUIRE((mesh.point_fields.size() == 1 && mesh.cell_fields.size() == 1));
+    CHECK(mesh.point_fields[0].values[0] == 70);
+    CHECK((index == 1 ? mesh.point_fields[0].values[3] == 11 : std::isnan(mesh.point_fields[0].values[3])));
+    CHECK((index == 0 ? mesh.cell_fields[0].values[0] == 30 : std::isnan(mesh.cell_fields[0].values[0])));
+  }
+  CHECK(whole.cell_fields[0].values[0] == 30);
+}
+
+TEST_CASE("an MSH file whose tags have gaps, or stand twice, is not read by slices") {
+  const TemporaryFolder folder;
+  const auto path = folder / "mesh.msh";
+  test::write_file(path, old_msh(7, "9", ""));
+  CHECK_FALSE(read_slice(path, 0, 2));
+  CHECK(read_mesh(path).tet_to_vert.size() == 2);
+  std::string twice = old_msh(1, "4", "");
+  twice.replace(twice.find("\n4 0 0 1"), 2, "\n5");  // tags 1, 2, 3, 5, 5
+  test::write_file(path, twice);
+  CHECK(error_of([&] { read_mesh(path); }).code == ErrorCode::InputUnreadable);
+  CHECK(error_of([&] { read_slice(path, 1, 2); }).code == ErrorCode::InputUnreadable);
+  std::string unknown = old_msh(1, "4", msh_view("NodeData", "1 1\n6 6\n"));
+  test::write_file(path, unknown);
+  CHECK(error_of([&] { read_slice(path, 0, 2); }).code == ErrorCode::InputUnreadable);
+  write_mesh(test::with_mid_nodes(test::make_tet_box(2, 2, 2)), path);
+  CHECK_FALSE(read_slice(path, 0, 2));
+}
+
 TEST_CASE("a slice takes no memory for points that a file only claims") {
   const TemporaryFolder folder;
   test::write_file(folder / "claims.vtu", R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
@@ -186,7 +244,6 @@ TEST_CASE("what is no mesh of tets is not read by slices") {
   CHECK_FALSE(read_slice(folder / "beyond.mesh", 0, 1));
   test::write_file(folder / "twice.mesh", points + "Tetrahedra\n1\n1 2 3 4 1\nTetrahedra\n1\n1 3 2 4 1\nEnd\n");
   CHECK_FALSE(read_slice(folder / "twice.mesh", 0, 2));
-  CHECK_FALSE(has_slices("mesh.msh"));
   CHECK_FALSE(has_slices("mesh.pvtu"));
 }
 
