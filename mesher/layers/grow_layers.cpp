@@ -98,11 +98,11 @@ std::vector<KeptCount> LayerGrowth::kept_counts(std::span<const std::uint32_t> k
 // Curves that are as high as before, when nothing crossed.
 std::vector<std::uint8_t> LayerGrowth::is_proven(std::span<const std::uint32_t> kept) const {
   if (!before_ || before_->tops.empty()) return {};
-  std::vector<std::uint8_t> is_proven(kept.size(), 0);
+  std::vector<std::uint8_t> proven(kept.size(), 0);
   for (std::uint32_t c = 0; c < kept.size(); ++c)
-    is_proven[c] = kept[c] != kNone && before_->counts[kept[c]].count == counts_->count(c) &&
-                   before_->tops[kept[c]].point == counts_->top(c);
-  return is_proven;
+    proven[c] = kept[c] != kNone && before_->counts[kept[c]].count == counts_->count(c) &&
+                before_->tops[kept[c]].point == counts_->top(c);
+  return proven;
 }
 
 std::vector<std::uint32_t> LayerGrowth::settle(int tries, std::span<const std::uint32_t> kept) {
