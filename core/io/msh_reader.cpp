@@ -10,7 +10,7 @@
 #include "core/io/formats_detail.hpp"
 #include "core/io/mid_node_reader_detail.hpp"
 #include "core/io/msh_detail.hpp"
-#include "core/io/slice_filter_detail.hpp"
+#include "core/io/msh_slice_detail.hpp"
 
 namespace tetloom::detail {
 namespace {
@@ -45,34 +45,6 @@ std::optional<MshType> find_type(std::int32_t type) {
   }
   return {};
 }
-
-/// Numbers that have no gaps, if none is there twice.
-struct TagRange {
-  std::uint64_t first = 0, last = 0, count = 0;
-
-  void add(std::uint64_t tag) {
-    first = count == 0 ? tag : std::min(first, tag), last = std::max(last, tag);
-    ++count;
-  }
-  bool has_no_gaps() const { return count > 0 && last - first == count - 1; }
-  bool has(std::uint64_t tag) const { return tag - first < count; }
-};
-
-/// What a reader of a slice knows of a file whose nodes and tets have tags without gaps. Sections are read three times:
-/// to count, for the tets, and for what these have.
-struct MshSlice {
-  SliceFilter& filter;
-  bool counts = true;  ///< the first time
-  TagRange nodes, tets;
-  const char *nodes_at = nullptr, *elements_at = nullptr;
-
-  /// After the first time.
-  void end_counts() {
-    counts = false;
-    if (!nodes.has_no_gaps() || !tets.has_no_gaps()) filter.set_unfit();
-    filter.set_points(nodes.count), filter.expect(Block::Tet, tets.count);
-  }
-};
 
 class MshReader {
  public:
@@ -263,7 +235,7 @@ class MshReader {
   /// `tag` is looked at for slices alone.
   void add_point(std::uint64_t tag, const Vec3& point, ModelEntity entity) {
     if (slice_) {
-      if (slice_->counts || !slice_->filter.keeps_point(tag - slice_->nodes.first)) return;
+      if (!slice_->keeps_node(tag)) return;
       tags_.push_back(tag);
     }
     mesh_.points.push_back(point);
@@ -303,26 +275,15 @@ class MshReader {
   template <class Element>
   void add_element(std::uint64_t tag, const Element& element, Block block, std::uint32_t index,
                    std::vector<Element>& elements, std::vector<std::uint32_t>& entities) {
-    if (slice_ && !is_kept(tag, element, block)) return;
+    if (slice_ && !slice_->keeps(tag, element, block)) return;
     element_tags_[static_cast<std::size_t>(block)].push_back(tag);
     elements.push_back(element);
     entities.push_back(index);
   }
 
-  /// Counts it where it is time for that.
-  template <class Element>
-  bool is_kept(std::uint64_t tag, const Element& element, Block block) {
-    SliceFilter& filter = slice_->filter;
-    if (slice_->counts && block == Block::Tet) slice_->tets.add(tag);
-    if (slice_->counts || !filter.wants(block)) return false;
-    if (block == Block::Tet) return filter.keeps_tet(tag - slice_->tets.first);
-    filter.expect(block, 1);
-    return filter.keeps(element);
-  }
-
   std::uint32_t find_node(std::uint64_t tag) const {
     if (!slice_) return nodes_.find(tag);
-    return slice_->nodes.has(tag) ? static_cast<std::uint32_t>(tag - slice_->nodes.first) : kNone;
+    return slice_->number_of(tag);
   }
 
   template <class Element>
