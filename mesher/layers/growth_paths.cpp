@@ -154,9 +154,7 @@ class Marching {
   // The active ones of the curves and of their neighbours, each once.
   std::vector<std::uint32_t> active_around(std::span<const std::uint32_t> curves) const {
     std::vector<std::uint8_t> is_near(walls_.curve_count(), 0);
-    for (const std::uint32_t c : curves)
-      for (const std::uint32_t w : walls_.triangles_at(c))
-        for (const std::uint32_t other : walls_.triangles[w].curves) is_near[other] = 1;
+    for (const std::uint32_t c : curves) walls_.mark_around(c, is_near);
     std::vector<std::uint32_t> near;
     std::ranges::copy_if(active_, std::back_inserter(near), [&](std::uint32_t c) { return is_near[c] != 0; });
     return near;

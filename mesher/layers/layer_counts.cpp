@@ -187,11 +187,8 @@ bool LayerCounts::limit_slopes(const TaskRunner& runner) {
 
 std::vector<std::uint32_t> LayerCounts::beside_unsettled() const {
   std::vector<std::uint8_t> is_beside(counts_.size(), 0);
-  for (std::uint32_t c = 0; c < counts_.size(); ++c) {
-    if (!unsettled_[c]) continue;
-    for (const std::uint32_t w : walls_.triangles_at(c))
-      for (const std::uint32_t other : walls_.triangles[w].curves) is_beside[other] = 1;
-  }
+  for (std::uint32_t c = 0; c < counts_.size(); ++c)
+    if (unsettled_[c]) walls_.mark_around(c, is_beside);
   std::vector<std::uint32_t> beside;
   for (std::uint32_t c = 0; c < counts_.size(); ++c)
     if (is_beside[c]) beside.push_back(c);

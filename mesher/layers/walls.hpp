@@ -100,6 +100,11 @@ struct Walls {
   std::span<const std::uint32_t> triangles_at(std::uint32_t curve) const {
     return std::span(curve_triangles).subspan(curve_begin[curve], curve_begin[curve + 1] - curve_begin[curve]);
   }
+  /// Marks all curves that share a wall triangle with this one; it as well, but for those of fans alone.
+  void mark_around(std::uint32_t curve, std::vector<std::uint8_t>& is_marked) const {
+    for (const std::uint32_t w : triangles_at(curve))
+      for (const std::uint32_t other : triangles[w].curves) is_marked[other] = 1;
+  }
 };
 
 /// The walls that `options` ask for on the surface mesh of a model. Faces without regions on the asked sides have none.
