@@ -52,6 +52,14 @@ std::string verdict_of(const LayerRun& run) {
   return run.verdict.by_check_mesh->is_fine ? "valid, OK" : "valid, COMPLAINS";
 }
 
+// Of the walls, without a layer for another reason than a gap.
+double uncovered_share(const LayerRun& run) {
+  double area = 0;
+  for (const auto& place : run.layers.value("limited", nlohmann::json::array()))
+    if (place["reason"] != "gap") area += place["uncovered"].get<double>();
+  return area / run.figure("wall_area");
+}
+
 void print_line(const Case& one) {
   const LayerRun& run = one.run;
   const FoamCheck foam = run.verdict.by_check_mesh.value_or(FoamCheck{});
@@ -96,6 +104,10 @@ void print_summary(const std::vector<Case>& cases) {
             [](const LayerRun& run) { return run.figure("scaled_jacobian_p1") >= 0.4; });
   print_row("first height within 10 % on 95 % of the covered area", cases, meshes,
             [](const LayerRun& run) { return run.figure("first_height_within_10pct") >= 0.95; });
+  print_row("at least one layer on 99.5 % of the walls", cases, meshes,
+            [](const LayerRun& run) { return run.figure("at_least_one") >= 0.995; });
+  print_row("the same where no wall is too near on the other side", cases, meshes,
+            [](const LayerRun& run) { return uncovered_share(run) <= 0.005; });
   print_row("layers take at most 30 % of the run", cases, meshes,
             [](const LayerRun& run) { return run.layer_seconds <= 0.3 * run.seconds; });
   for (const LayerSetting& setting : layer_settings()) {

@@ -140,6 +140,7 @@ nlohmann::ordered_json layers_json(const LayerFigures& figures, const GeometricM
     if (limited.size() == kMostLimited) break;
     limited.push_back({{"reason", to_string(place.reason)},
                        {"area", place.area},
+                       {"uncovered", place.uncovered},
                        {"point", {place.point.x, place.point.y, place.point.z}},
                        {"entities", {entity_json(place.face, model)}}});
   }

@@ -57,8 +57,9 @@ std::string_view to_string(LayerLimit limit);
 struct LimitedLayers {
   LayerLimit reason = LayerLimit::None;
   ModelFaceId face;
-  double area = 0;  ///< of the triangles concerned; model length²
-  Vec3 point;       ///< where fewest of the layers are left
+  double area = 0;       ///< of the triangles concerned; model length²
+  double uncovered = 0;  ///< of those without any layer of prisms
+  Vec3 point;            ///< where fewest of the layers are left
 };
 
 /// What became of the layers on some area of walls. Shares are of that area, from 0 to 1.

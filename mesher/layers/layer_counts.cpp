@@ -14,19 +14,8 @@ constexpr double kRounding = 1e-9;
 constexpr double kPoor = 0.4;        // scaled Jacobian
 constexpr std::size_t kOneIn = 102;  // cells may be poor, so that one in a hundred is in the end
 constexpr int kMostRounds = 12;
-constexpr double kMostSkewness = 3.8;  // of faces between cells of one layer, about; checkMesh complains of 4
-
-// Of a quadrilateral, or a triangle with one corner twice: as OpenFOAM has it, of the triangles about the mean.
-Vec3 centre_of(const std::array<Vec3, 4>& face, const Vec3& mean) {
-  Vec3 sum;
-  double areas = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 &a = face[i], &b = face[(i + 1) % 4];
-    const double area = norm(cross(b - a, mean - a));
-    sum += area / 3 * (a + b + mean), areas += area;
-  }
-  return areas > 0 ? sum / areas : mean;
-}
+constexpr double kMostSkewness = 3.9;  // of faces between cells of one layer; checkMesh complains of 4
+constexpr double kMayBeSkewed = 2;     // with rough centres
 
 }  // namespace
 
@@ -213,40 +202,28 @@ std::array<int, 2> LayerCounts::levels_at(std::uint32_t curve, int layer) const 
   return {low, layer == 1 && walls_.curve_is_late[curve] ? low : std::min(layer, counts_[curve])};
 }
 
-// The centroid of the cell of a layer, about.
-Vec3 LayerCounts::middle_of_cell(std::uint32_t wall, int layer) const {
-  const auto& curves = walls_.triangles[wall].curves;
-  std::size_t growing = 0;
-  for (const std::uint32_t c : curves) growing += levels_at(c, layer)[0] < levels_at(c, layer)[1];
-  constexpr std::array<double, 4> kLow{1.0 / 3, 0.25, 0.25, 1.0 / 6}, kGrowing{0, 0.25, 3.0 / 16, 1.0 / 6};
-  Vec3 sum;
-  for (const std::uint32_t c : curves) {
-    const auto [low, high] = levels_at(c, layer);
-    sum += low == high ? kLow[growing] * point(c, low) : kGrowing[growing] * (point(c, low) + point(c, high));
+FrontCell LayerCounts::cell_of(std::uint32_t wall, int layer) const {
+  FrontCell cell;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t curve = walls_.triangles[wall].curves[i];
+    const auto [low, high] = levels_at(curve, layer);
+    cell.low[i] = point(curve, low), cell.high[i] = point(curve, high);
   }
-  return sum;
+  return cell;
 }
 
-// Whether the line between the middles of the two cells of a layer beside an edge misses the face between them by far,
-// as OpenFOAM measures it.
+// The face between the two cells of a layer beside an edge.
 bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner, int layer) const {
   const auto& curves = walls_.triangles[wall].curves;
-  const std::uint32_t c = curves[corner], d = curves[(corner + 1) % 3];
-  const auto [low_c, high_c] = levels_at(c, layer);
-  const auto [low_d, high_d] = levels_at(d, layer);
-  const int grows_c = high_c - low_c, grows_d = high_d - low_d;
-  if (grows_c + grows_d == 0) return false;
-  const std::array face{point(c, low_c), point(d, low_d), point(d, high_d), point(c, high_c)};
-  const Vec3 middle =
-      centre_of(face, (face[0] + face[1] + grows_d * face[2] + grows_c * face[3]) / (2 + grows_c + grows_d));
-  const Vec3 normal = cross(face[2] - face[0], face[3] - face[1]), from = middle_of_cell(wall, layer);
-  return std::ranges::any_of(walls_.triangles_at(c), [&](std::uint32_t other) {
-    if (other <= wall || std::ranges::count(walls_.triangles[other].curves, d) == 0) return false;
-    const Vec3 way = middle_of_cell(other, layer) - from;
-    const Vec3 off = middle - from - dot(normal, middle - from) / dot(normal, way) * way;
-    double extent = 0.2 * norm(way);
-    for (const Vec3& x : face) extent = std::max(extent, std::abs(dot(normalized(off), x - middle)));
-    return norm(off) > kMostSkewness * extent;
+  const std::size_t next = (corner + 1) % 3;
+  const FrontCell cell = cell_of(wall, layer);
+  const std::array face{cell.low[corner], cell.low[next], cell.high[next], cell.high[corner]};
+  if (face[0] == face[3] && face[1] == face[2]) return false;
+  return std::ranges::any_of(walls_.triangles_at(curves[corner]), [&](std::uint32_t w) {
+    if (w <= wall || std::ranges::count(walls_.triangles[w].curves, curves[next]) == 0) return false;
+    const FrontCell other = cell_of(w, layer);
+    return skewness(face, rough_centre_of(cell), rough_centre_of(other)) > kMayBeSkewed &&
+           skewness(face, centre_of(cell), centre_of(other)) > kMostSkewness;
   });
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mesher/layers/face_skewness.hpp"
 #include "mesher/layers/growth_paths.hpp"
 #include "mesher/layers/sound_stacks.hpp"
 #include "mesher/layers/walls.hpp"
@@ -77,7 +78,7 @@ class LayerCounts {
   StackShape judge_shape(std::uint32_t stack) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
   std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
-  Vec3 middle_of_cell(std::uint32_t wall, int layer) const;
+  FrontCell cell_of(std::uint32_t wall, int layer) const;
   bool is_skewed(std::uint32_t wall, std::size_t corner, int layer) const;
   int straight_levels(std::uint32_t wall, std::size_t corner) const;
 

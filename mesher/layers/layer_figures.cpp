@@ -183,6 +183,7 @@ class Measuring {
     limited.figure.reason = reason;
     limited.figure.face = ModelFaceId(face);
     limited.figure.area += area;
+    if (std::ranges::min(counts_of(wall)) == 0) limited.figure.uncovered += area;
     if (left >= limited.left) return;
     limited.left = left;
     limited.figure.point = given_.points[walls_.curve_to_vert[curve]];

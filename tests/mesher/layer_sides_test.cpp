@@ -96,6 +96,9 @@ TEST_CASE("where a side face turns away from the wall, no layers stand on it, an
     const MeshResult result = meshed(*model, options);
     CHECK(result.layers.coverage.at_least_one > 0.3);
     CHECK(result.layers.coverage.at_least_one < 0.9);
+    double uncovered = 0;
+    for (const LimitedLayers& limited : result.layers.limited) uncovered += limited.uncovered;
+    CHECK(uncovered / result.layers.coverage.area == Approx(1 - result.layers.coverage.at_least_one));
     CHECK(result.mesh.quad_to_vert.empty());
     CHECK(std::ranges::any_of(result.layers.limited,
                               [](const LimitedLayers& limited) { return limited.reason == LayerLimit::SideAngle; }));

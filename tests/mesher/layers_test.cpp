@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "mesher/layers/face_skewness.hpp"
 #include "mesher/layers/front_spreading.hpp"
 #include "mesher/layers/growth_direction.hpp"
 #include "mesher/layers/layer_cells.hpp"
@@ -95,6 +96,32 @@ TEST_CASE("a cell that a split would turn over is not positive") {
   CHECK_FALSE(is_positive(prism));
   prism[5] = {0, 1, -0.1};
   CHECK_FALSE(is_positive(prism));
+}
+
+TEST_CASE("centres of cells between fronts are centroids, whether all corners grow or not") {
+  const std::array<Vec3, 3> foot{Vec3{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
+  const auto above = [&](double share, double height) {
+    std::array<Vec3, 3> front;
+    for (std::size_t i = 0; i < 3; ++i) front[i] = share * foot[i] + Vec3{1 - share, 1 - share, height};
+    return front;
+  };
+  CHECK(distance(centre_of({foot, above(1, 2)}), {1, 1, 1}) < 1e-12);
+  // Of a frustum whose top has half of the width (Archimedes): (1 + 2/2 + 3/4) / (1 + 1/2 + 1/4) / 4 of the height.
+  CHECK(distance(centre_of({foot, above(0.5, 2)}), {1, 1, 11.0 / 14}) < 1e-12);
+  CHECK(distance(rough_centre_of({foot, above(0.5, 2)}), {1, 1, 1}) < 1e-12);
+  const std::array<Vec3, 3> top = above(1, 2);
+  for (const auto& cell : {FrontCell{foot, {top[0], foot[1], foot[2]}}, FrontCell{foot, {foot[0], top[1], top[2]}}})
+    CHECK(distance(centre_of(cell), rough_centre_of(cell)) < 1e-12);
+}
+
+TEST_CASE("a face is skewed by how far the line between two centres misses it") {
+  const std::array<Vec3, 4> square{Vec3{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  CHECK(skewness(square, {0, 0, -1}, {0, 0, 1}) == Approx(0).margin(1e-12));
+  CHECK(skewness(square, {3, 0, -1}, {3, 0, 1}) == Approx(3));
+  CHECK(skewness(square, {3, 3, -1}, {3, 3, 1}) == Approx(3));
+  CHECK(skewness(square, {0, 0, -1}, {0, 12, 2}) == Approx(4 / (0.2 * std::sqrt(153))));  // the way counts
+  const std::array<Vec3, 4> triangle{Vec3{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 3, 0}};
+  CHECK(skewness(triangle, {1, 1, -1}, {1, 1, 1}) == Approx(0).margin(1e-12));
 }
 
 TEST_CASE("the most normal direction is the middle of the smallest cone") {

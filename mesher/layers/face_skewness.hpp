@@ -1,0 +1,25 @@
+#pragma once
+// Skewness of the faces between cells of one layer, as OpenFOAM's checkMesh measures it.
+#include <array>
+
+#include "tetloom/vec.hpp"
+
+namespace tetloom::layers {
+
+/// The cell above a wall triangle between two fronts, where corners that do not grow are the same point in both: a
+/// prism, a pyramid or a tet.
+struct FrontCell {
+  std::array<Vec3, 3> low, high;
+};
+
+/// The centre as OpenFOAM has it: of the pyramids that the faces make with the mean of the faces' centres.
+Vec3 centre_of(const FrontCell& cell);
+/// The centroid, if opposite edges were parallel.
+Vec3 rough_centre_of(const FrontCell& cell);
+
+/// How far the line between the centres of two cells misses the centre of the face between them, over how far the face
+/// extends in that direction (at least a fifth of the way between the centres). A quadrilateral, or a triangle with one
+/// corner twice in a row. checkMesh complains of 4.
+double skewness(const std::array<Vec3, 4>& face, const Vec3& centre, const Vec3& other);
+
+}  // namespace tetloom::layers
