@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "apps/tetloom/option_values.hpp"
 #include "core/base/lists.hpp"
@@ -63,7 +64,7 @@ void read_fields_beside(const std::filesystem::path& path, Mesh& mesh, const Can
 }
 
 MeshField read_metric_file(const std::filesystem::path& path, const AdaptInput& input, const CancelToken& cancel) {
-  Solution solution = input.parts ? read_solution_at(input.points.numbers, path, input.points.whole, &cancel)
+  Solution solution = input.parts ? read_solution_at({input.points.numbers, 0, 0}, path, input.points.whole, &cancel)
                                   : read_solution(path, solution_size(*input.mesh), &cancel);
   if (solution.point_fields.size() != 1)
     throw Error(ErrorCode::InputUnsuitable, "'" + path.string() + "' must hold one metric at the points, but holds " +
@@ -109,30 +110,42 @@ void take_values(const PartMesh& part, const PointsOfRank& points, const MeshFie
   }
 }
 
-void read_point_fields_beside(const std::filesystem::path& path, const CancelToken& cancel, AdaptInput& input) {
-  const Solution solution =
-      read_solution_at(input.points.numbers, find_fields_beside(path), input.points.whole, &cancel);
-  for (const MeshField& field : solution.point_fields) {
-    input.parts->vertex_fields.push_back({field.name, field.components});
-    for (const PartId id : input.parts->local()) {
-      PartMesh& part = input.parts->parts.at(id).mesh;
+// Of slices: a part for each rank, its tets as in the file.
+void read_fields_at_slice(const std::filesystem::path& path, const CancelToken& cancel, const SharedWork& work,
+                          AdaptInput& input) {
+  const PartId id(static_cast<std::size_t>(work.rank()));
+  PartMesh& part = input.parts->parts.at(id).mesh;
+  std::vector<std::int64_t> tets(static_cast<std::size_t>(work.rank_count()), 0);
+  tets[id.value] = static_cast<std::int64_t>(part.block(CellKind::Tet).size());
+  work.sum(tets);
+  const auto mine = tets.begin() + static_cast<std::ptrdiff_t>(id.value);
+  const SolutionShare share{input.points.numbers, static_cast<std::uint64_t>(std::reduce(tets.begin(), mine)),
+                            static_cast<std::uint64_t>(*mine)};
+  work.each([&] {
+    const Solution solution = read_solution_at(share, find_fields_beside(path), input.points.whole, &cancel);
+    for (const MeshField& field : solution.point_fields) {
+      input.parts->vertex_fields.push_back({field.name, field.components});
       take_values(part, input.points, field, part.vertex_fields.emplace_back(field.name, field.components).values);
     }
-  }
+    for (const MeshField& field : solution.tet_fields) {
+      input.parts->cell_fields.push_back({field.name, field.components});
+      part.cell_fields.push_back({field.name, field.components, {}});
+      part.cell_fields.back().values[static_cast<std::size_t>(CellKind::Tet)].append(field.values);
+    }
+  });
 }
 
-// Where each rank can have some of all that is asked for: fields on tets beside a mesh are read as a whole.
+// Where each rank can have some of all that is asked for.
 void read_slices_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel, AdaptInput& input) {
   if (work.rank_count() == 1) return;
   const bool wants_beside = has_fields_beside(command.input) && needs_fields(command);
-  if (wants_beside && !command.options.transfer.empty()) return;
   std::optional<SlicedMesh> sliced = read_slices(command.input, work.ranks(), work.runner(), &cancel);
   if (!sliced) return;
   input.parts = std::move(sliced->mesh);
   if (command.metric_file.empty() && !wants_beside) return;
   input.points = number_points(*input.parts, work);
   input.points.numbers = input.points.ids, input.points.whole.points = sliced->points;
-  if (wants_beside) work.each([&] { read_point_fields_beside(command.input, cancel, input); });
+  if (wants_beside) read_fields_at_slice(command.input, cancel, work, input);
 }
 
 // Of the values that were read for all parts of this rank, or of a field of the part.

@@ -79,10 +79,11 @@ bool bounds_region(const GeometricModel& model, std::uint32_t face) {
 
 constexpr std::uint32_t kFacesOfBox = 6;  // the last ones
 
-// "*" is every face of the boundary, with a name or without.
+// "*" is every face of the boundary, with a name or without; of a model without regions every face, which is refused
+// with its place.
 bool means_face(const GroupItem& item, std::uint32_t face, const GeometricModel& model, bool has_far_field) {
   const std::size_t end = model.topology().face_count() - (has_far_field ? kFacesOfBox : 0);
-  if (item.pattern == "*") return face < end && bounds_region(model, face);
+  if (item.pattern == "*") return face < end && (bounds_region(model, face) || model.topology().region_count() == 0);
   return is_meant(item, ModelFaceId(face), model);
 }
 

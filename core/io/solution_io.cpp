@@ -11,15 +11,33 @@ namespace tetloom {
 namespace detail {
 namespace {
 
-/// Numbers of points, ascending.
-using Points = std::span<const std::uint64_t>;
+/// Items of a mesh whose values are wanted, in ascending order: some by number, or a range.
+class WantedItems {
+ public:
+  explicit WantedItems(std::span<const std::uint64_t> numbers) : left_(numbers), count_(numbers.size()) {}
+  WantedItems(std::uint64_t first, std::uint64_t count) : first_(first), count_(count) {}
+
+  std::size_t count() const { return count_; }
+  /// Whether `item` is one of them; to be asked for all items in turn.
+  bool take(std::uint64_t item) {
+    if (left_.empty()) return item >= first_ && item - first_ < count_;
+    if (left_.front() != item) return false;
+    left_ = left_.subspan(1);
+    if (left_.empty()) count_ = 0;
+    return true;
+  }
+
+ private:
+  std::span<const std::uint64_t> left_;
+  std::uint64_t first_ = 0, count_;
+};
 
 /// What is there for one carrier: its fields, how many items the mesh has, and which of them are wanted.
 struct Carrier {
   const char* items;
   std::size_t expected;
   std::vector<MeshField>& fields;
-  const Points* wanted;  ///< null: all
+  WantedItems wanted;
 };
 
 /// MEDIT's kinds of values: 1 scalar, 2 vector, 3 symmetric tensor, 4 matrix.
@@ -38,60 +56,60 @@ int components_of(const InputFile& file, std::int64_t kind, int dimension) {
 
 class SolutionContent {
  public:
-  /// `points`: those wanted; null: all, and tets too.
-  SolutionContent(const InputFile& file, const SolutionSize& size, const Points* points)
-      : file_(file), size_(size), points_(points) {}
+  /// `share`: what is wanted; null: all.
+  SolutionContent(const InputFile& file, const SolutionSize& size, const SolutionShare* share)
+      : file_(file), size_(size), share_(share) {}
 
-  Carrier points() { return {"vertices", size_.points, solution_.point_fields, points_}; }
-  Carrier tets() { return {"tetrahedra", size_.tets, solution_.tet_fields, points_ ? &kNone : nullptr}; }
+  Carrier points() {
+    return {"vertices", size_.points, solution_.point_fields,
+            share_ ? WantedItems(share_->points) : WantedItems(0, size_.points)};
+  }
+  Carrier tets() {
+    return {"tetrahedra", size_.tets, solution_.tet_fields,
+            share_ ? WantedItems(share_->first_tet, share_->tets) : WantedItems(0, size_.tets)};
+  }
 
   /// Adds fields of those components for `count` items, whose values are next(), item by item.
   template <class Next>
-  void add(const Carrier& carrier, std::uint64_t count, const std::vector<int>& components, const Next& next) {
+  void add(Carrier carrier, std::uint64_t count, const std::vector<int>& components, const Next& next) {
     if (count != carrier.expected)
       file_.fail(ErrorCode::InputUnsuitable, "the file has values at " + std::to_string(count) + " " + carrier.items +
                                                  ", but the mesh has " + std::to_string(carrier.expected));
     const std::size_t first = carrier.fields.size();
     for (const int each : components) {
       MeshField field{"solution_" + std::to_string(carrier.fields.size() + 1), each, {}};
-      const std::size_t kept = carrier.wanted ? carrier.wanted->size() : count;
-      field.values.reserve(kept * static_cast<std::size_t>(each));
+      field.values.reserve(carrier.wanted.count() * static_cast<std::size_t>(each));
       carrier.fields.push_back(std::move(field));
     }
-    Points left = carrier.wanted ? *carrier.wanted : Points();
     for (std::uint64_t i = 0; i < count; ++i) {
       if (i % kRecordsBetweenLooks == 0) file_.check_cancelled(), file_.let_go();
-      const bool is_wanted = !carrier.wanted || (!left.empty() && left.front() == i);
+      const bool is_wanted = carrier.wanted.take(i);
       for (std::size_t f = 0; f < components.size(); ++f) {
         for (int c = 0; c < components[f]; ++c) {
           const double value = next();
           if (is_wanted) carrier.fields[first + f].values.push_back(value);
         }
       }
-      if (is_wanted && carrier.wanted) left = left.subspan(1);
     }
   }
 
   Solution finish() {
     if (solution_.point_fields.empty() && solution_.tet_fields.empty())
       file_.fail(ErrorCode::InputUnsuitable, "the file has no values at vertices or tetrahedra");
-    if (points_) solution_.tet_fields.clear();
     return std::move(solution_);
   }
 
  private:
-  static constexpr Points kNone{};
-
   const InputFile& file_;
   SolutionSize size_;
-  const Points* points_;
+  const SolutionShare* share_;
   Solution solution_;
 };
 
 class SolutionText {
  public:
-  SolutionText(const InputFile& file, const SolutionSize& size, const Points* points)
-      : file_(file), words_(file), content_(file, size, points) {}
+  SolutionText(const InputFile& file, const SolutionSize& size, const SolutionShare* share)
+      : file_(file), words_(file), content_(file, size, share) {}
 
   Solution read() {
     for (;;) {
@@ -127,8 +145,8 @@ class SolutionText {
 
 class SolutionBinary {
  public:
-  SolutionBinary(const InputFile& file, const SolutionSize& size, const Points* points)
-      : file_(file), sections_(file), content_(file, size, points) {}
+  SolutionBinary(const InputFile& file, const SolutionSize& size, const SolutionShare* share)
+      : file_(file), sections_(file), content_(file, size, share) {}
 
   Solution read() {
     for (;;) {
@@ -180,12 +198,12 @@ bool is_solution_extension(const std::filesystem::path& path) {
 
 namespace {
 
-Solution read(const std::filesystem::path& path, const SolutionSize& size, const detail::Points* points,
+Solution read(const std::filesystem::path& path, const SolutionSize& size, const SolutionShare* share,
               const CancelToken* cancel) try {
   const bool binary = detail::is_binary_solution(path);
   const detail::InputFile file(path, cancel,
-                               points == nullptr ? detail::FileAccess::InMemory : detail::FileAccess::Mapped);
-  return binary ? detail::SolutionBinary(file, size, points).read() : detail::SolutionText(file, size, points).read();
+                               share == nullptr ? detail::FileAccess::InMemory : detail::FileAccess::Mapped);
+  return binary ? detail::SolutionBinary(file, size, share).read() : detail::SolutionText(file, size, share).read();
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::OutOfMemory, "not enough memory to read '" + path.string() + "'");
 }
@@ -196,12 +214,15 @@ Solution read_solution(const std::filesystem::path& path, const SolutionSize& si
   return read(path, size, nullptr, cancel);
 }
 
-Solution read_solution_at(std::span<const std::uint64_t> points, const std::filesystem::path& path,
-                          const SolutionSize& size, const CancelToken* cancel) {
+Solution read_solution_at(const SolutionShare& share, const std::filesystem::path& path, const SolutionSize& size,
+                          const CancelToken* cancel) {
+  const auto& points = share.points;
   if (std::ranges::adjacent_find(points, std::greater_equal()) != points.end() ||
       (!points.empty() && points.back() >= size.points))
     throw Error(ErrorCode::InvalidArgument, "the numbers of points must ascend, and be below the number of points");
-  return read(path, size, &points, cancel);
+  if (share.first_tet > size.tets || share.tets > size.tets - share.first_tet)
+    throw Error(ErrorCode::InvalidArgument, "the mesh does not have so many tets");
+  return read(path, size, &share, cancel);
 }
 
 }  // namespace tetloom

@@ -153,11 +153,16 @@ bool is_solution_extension(const std::filesystem::path& path);
 /// count in the file that the size of the file does not back. Thread safety: may be called from any thread.
 Solution read_solution(const std::filesystem::path& path, const SolutionSize& size,
                        const CancelToken* cancel = nullptr);
-/// The same for a process that has some of the mesh: values at the points with these numbers alone, ascending and below
-/// `size.points`, in their order, and none at tets. A few megabytes of the file are in memory at once; it must not
-/// become shorter meanwhile. Errors: also InvalidArgument for other numbers.
-Solution read_solution_at(std::span<const std::uint64_t> points, const std::filesystem::path& path,
-                          const SolutionSize& size, const CancelToken* cancel = nullptr);
+/// What a process has of the items of a mesh.
+struct SolutionShare {
+  std::span<const std::uint64_t> points;  ///< numbers of points, ascending
+  std::uint64_t first_tet = 0, tets = 0;  ///< tets with consecutive numbers
+};
+/// The same for a process that has some of the mesh: values at its points and tets alone, in their order. A few
+/// megabytes of the file are in memory at once; it must not become shorter meanwhile. Errors: also InvalidArgument for
+/// items that the mesh does not have.
+Solution read_solution_at(const SolutionShare& share, const std::filesystem::path& path, const SolutionSize& size,
+                          const CancelToken* cancel = nullptr);
 
 /// Writes `solution` to `path`, completely or not at all (see AtomicFile); `read_solution` reads back the same values,
 /// bit for bit. Errors: InvalidArgument (unknown extension; nothing to write; values of another length than `size`

@@ -118,8 +118,9 @@ done
 same_on_ranks given.vtu "$solution"
 same_on_ranks given.msh "--tets-per-part 1500 $field"
 same_on_ranks mesh.mesh "$file"
-# So are fields on points in a file beside it.
+# So are fields on points and on tets in a file beside it.
 same_on_ranks mesh.mesh "$solution"
+same_on_ranks mesh.mesh "--tets-per-part 1500 $field"
 cp -r pieces pieces.whole
 for wrong in missing foreign truncated; do
     rm pieces/pieces_2.vtu

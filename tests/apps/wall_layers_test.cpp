@@ -6,6 +6,7 @@
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tetloom/mesh.hpp"
 
 using namespace tetloom;
 using namespace tetloom::app;
@@ -40,6 +41,17 @@ TEST_CASE("walls are named by tags, ranges, everything, and everything but some"
   CHECK(error_of([] { tags_of("!1"); }).code == ErrorCode::InvalidArgument);
   CHECK(error_of([] { tags_of(""); }).code == ErrorCode::InvalidArgument);
   CHECK(error_of([] { tags_of("1,,2"); }).code == ErrorCode::InvalidArgument);
+}
+
+TEST_CASE("walls of a model without regions are refused with a face and a place") {
+  const auto plate = test_models::make_plate(1, 1);
+  REQUIRE(plate->topology().region_count() == 0);
+  MeshOptions options;
+  options.layers = find_wall_layers(parse_layers("*", common()), *plate);
+  const Diagnostic error = error_of([&] { static_cast<void>(make_mesh(*plate, options)); });
+  CHECK(error.code == ErrorCode::InvalidArgument);
+  CHECK_FALSE(error.entities.empty());
+  CHECK(error.point);
 }
 
 TEST_CASE("a file of walls has settings for each entry, the last one of a face holds") {

@@ -137,29 +137,41 @@ TEST_CASE("text solutions of others are read", "[solution_io]") {
   CHECK(read_solution(plane, {1, 0}).point_fields[1].components == 3);
 }
 
-TEST_CASE("values are read at some points alone", "[solution_io]") {
+// The fields' values at these items of them all, and no others.
+void check_values_at(const std::vector<std::uint64_t>& items, const std::vector<MeshField>& all,
+                     const std::vector<MeshField>& some) {
+  REQUIRE(some.size() == all.size());
+  for (std::size_t f = 0; f < some.size(); ++f) {
+    const auto n = static_cast<std::size_t>(all[f].components);
+    REQUIRE(some[f].values.size() == items.size() * n);
+    for (std::size_t i = 0; i < items.size() * n; ++i) {
+      const double value = all[f].values[items[i / n] * n + i % n], read = some[f].values[i];
+      CHECK((read == value || (std::isnan(read) && std::isnan(value))));
+    }
+  }
+}
+
+TEST_CASE("values are read at some points and tets alone", "[solution_io]") {
   const TemporaryFolder folder;
   const Solution solution = make_solution();
   for (const char* name : {"a.sol", "a.solb"}) {
     INFO(name);
     write_solution(solution, kSize, folder / name);
     const std::vector<std::uint64_t> points{1, kSize.points - 1};
-    const Solution some = read_solution_at(points, folder / name, kSize);
-    CHECK(some.tet_fields.empty());
-    REQUIRE(some.point_fields.size() == solution.point_fields.size());
-    for (std::size_t f = 0; f < some.point_fields.size(); ++f) {
-      const MeshField& all = solution.point_fields[f];
-      const auto n = static_cast<std::size_t>(all.components);
-      REQUIRE(some.point_fields[f].values.size() == points.size() * n);
-      for (std::size_t i = 0; i < points.size() * n; ++i) {
-        const double value = all.values[points[i / n] * n + i % n], read = some.point_fields[f].values[i];
-        CHECK((read == value || (std::isnan(read) && std::isnan(value))));
-      }
-    }
-    CHECK(read_solution_at({}, folder / name, kSize).point_fields[0].values.empty());
+    const Solution some = read_solution_at({points, kSize.tets - 1, 1}, folder / name, kSize);
+    check_values_at(points, solution.point_fields, some.point_fields);
+    check_values_at({kSize.tets - 1}, solution.tet_fields, some.tet_fields);
+    const Solution none = read_solution_at({}, folder / name, kSize);
+    check_values_at({}, solution.point_fields, none.point_fields);
+    check_values_at({}, solution.tet_fields, none.tet_fields);
+    const auto refused = [&](const SolutionShare& share) {
+      return error_of([&] { static_cast<void>(read_solution_at(share, folder / name, kSize)); }).code ==
+             ErrorCode::InvalidArgument;
+    };
     for (const std::vector<std::uint64_t>& wrong : {std::vector<std::uint64_t>{1, 1}, {2, 1}, {kSize.points}})
-      CHECK(error_of([&] { static_cast<void>(read_solution_at(wrong, folder / name, kSize)); }).code ==
-            ErrorCode::InvalidArgument);
+      CHECK(refused({wrong, 0, 0}));
+    CHECK(refused({points, 1, kSize.tets}));
+    CHECK(refused({points, kSize.tets + 1, 0}));
   }
 }
 
