@@ -245,7 +245,7 @@ bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
         if (concerned[walls_.triangles[w].curves[i]]) straight[3 * w + i] = straight_levels(w, i);
   });
   std::ranges::fill(unmeasured_, 0);
-  bool any = false;
+  bool any = lower_at_skewed_fans(concerned);
   for (std::size_t e = 0; e < straight.size(); ++e) {
     const auto& curves = walls_.triangles[e / 3].curves;
     for (const std::uint32_t c : {curves[e % 3], curves[(e % 3 + 1) % 3]}) {
@@ -254,6 +254,59 @@ bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
     }
   }
   return any;
+}
+
+// The same of faces between cells at fans, of which one may have the fan's edge for its wall.
+bool LayerCounts::lower_at_skewed_fans(const std::vector<std::uint8_t>& concerned) {
+  const auto is_at_fan = [&](std::uint32_t c) { return walls_.curve_to_fan_vertex[c] != kNone; };
+  std::vector<SideOfCell> sides;
+  for (std::size_t s = 0; s < walls_.stack_count(); ++s) {
+    const auto curves = walls_.curves_of(s);
+    if (std::ranges::none_of(curves, is_at_fan) ||
+        std::ranges::none_of(curves, [&](std::uint32_t c) { return concerned[c] != 0; }))
+      continue;
+    for_each_cell_on(
+        walls_, s, [&](std::uint32_t c) { return counts_[c]; },
+        [&](const auto& cell, int) { add_sides_at_fans(cell, sides); });
+  }
+  std::ranges::sort(sides, {}, &SideOfCell::key);
+  bool any = false;
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    if (sides[i].key != sides[i + 1].key) continue;
+    if (skewness(sides[i].corners, sides[i].centre, sides[i + 1].centre) <= kMostSkewness) continue;
+    const int layer = sides[i].key.back().first;
+    for (const auto& [level, curve] : sides[i].key) {
+      any = any || counts_[curve] >= layer;
+      lower(curve, layer - 1, LayerLimit::Fan);
+    }
+  }
+  return any;
+}
+
+// Those that have a point of a fan, but none at an apex.
+template <std::size_t N>
+void LayerCounts::add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::vector<SideOfCell>& sides) const {
+  if (std::ranges::any_of(cell, &CurveLevel::is_apex)) return;
+  std::array<CellSide, 6> corners;
+  std::size_t count = 0;
+  const std::size_t first = sides.size();
+  for (const LocalFace& face : shape_of(kind_of_cell(N)).faces()) {
+    const auto verts = face.vertices();
+    SideOfCell side;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const CurveLevel& x = cell[verts[std::min(i, verts.size() - 1)]];
+      side.corners[i] = point(x.curve, x.level);
+      side.key[i] = {x.level, x.level == 0 ? walls_.first_at_foot(x.curve) : x.curve};
+    }
+    corners[count++] = side.corners;
+    std::ranges::sort(side.key);
+    const auto end = std::unique(side.key.begin(), side.key.end());
+    std::fill(end, side.key.end(), *(end - 1));
+    if (std::ranges::any_of(side.key, [&](const auto& x) { return walls_.curve_to_fan_vertex[x.second] != kNone; }))
+      sides.push_back(side);
+  }
+  const Vec3 centre = centre_of(std::span(corners).first(count));
+  for (std::size_t i = first; i < sides.size(); ++i) sides[i].centre = centre;
 }
 
 bool LayerCounts::lower_at_bad_cells(const TaskRunner& runner) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mesher/layers/face_skewness.hpp"
@@ -62,6 +63,12 @@ class LayerCounts {
     std::vector<float> above;            // those of the poor ones that are not fixed
   };
 
+  struct SideOfCell {
+    std::array<std::pair<int, std::uint32_t>, 4> key;  // level and curve of its corners, ascending; the last of three twice
+    CellSide corners;
+    Vec3 centre;  // of the cell
+  };
+
   void take(std::span<const KeptCount> kept);
   void even_out_fans();
   void put_on(const SideFaces& sides, const TaskRunner& runner);
@@ -78,6 +85,9 @@ class LayerCounts {
   StackShape judge_shape(std::uint32_t stack) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
   std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
+  bool lower_at_skewed_fans(const std::vector<std::uint8_t>& concerned);
+  template <std::size_t N>
+  void add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::vector<SideOfCell>& sides) const;
   FrontCell cell_of(std::uint32_t wall, int layer) const;
   bool is_skewed(std::uint32_t wall, std::size_t corner, int layer) const;
   int straight_levels(std::uint32_t wall, std::size_t corner) const;

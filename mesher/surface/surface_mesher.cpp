@@ -299,10 +299,20 @@ class SurfaceMesher::State {
         result_.errors.push_back({ErrorCode::VolumeFailed,
                                   "the solid encloses no volume: its faces lie on each other",
                                   std::move(entities),
-                                  {},
+                                  point_of(region),
                                   {}});
       }
     }
+  }
+
+  // A vertex; none where no edge has one.
+  std::optional<Vec3> point_of(ModelRegionId region) const {
+    for (const ModelFaceId face : topology_.region_to_faces[region.value])
+      for (const ModelLoop& loop : topology_.face_to_loops[face.value])
+        for (const EdgeUse& use : loop)
+          if (const ModelVertexId vertex = topology_.edges[use.edge.value].vertices[0]; vertex.valid())
+            return model_.vertex_point(vertex);
+    return {};
   }
 
   bool is_flat(ModelRegionId region, const std::vector<bool>& cancelled) const {

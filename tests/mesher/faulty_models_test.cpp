@@ -230,6 +230,7 @@ TEST_CASE("a solid of two faces on each other alone is refused by name") {
   CHECK(meshed.result.status == MeshStatus::Failed);
   REQUIRE(meshed.result.errors.size() == 1);
   CHECK(meshed.result.errors.front().message.find("encloses no volume") != std::string::npos);
+  CHECK(meshed.result.errors.front().point);
   REQUIRE(meshed.result.errors.front().entities.size() == 3);
   CHECK(meshed.result.errors.front().entities.front().entity == ModelEntity(ModelRegionId(0)));
 }

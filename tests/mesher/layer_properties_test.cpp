@@ -1,8 +1,10 @@
 // Layers on random walls of random models: valid, filling the model to the last bit of its volume, the same on any
 // number of threads.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -10,6 +12,7 @@
 #include "mesher/layers/room_above.hpp"
 #include "tests/mesher/layers_fixture.hpp"
 #include "tests/support/error_of.hpp"
+#include "tetloom/model.hpp"
 
 using namespace tetloom;
 using namespace tetloom::layers;
@@ -112,6 +115,15 @@ void add_faces(const Mesh& mesh, CellKind kind, std::span<const std::uint32_t> c
   for (const auto& [verts, face] : around) faces.try_emplace(verts, face).first->second.cells.push_back(sum / volume);
 }
 
+// A flat lens with a tip, its rim in the plane z = 0.
+std::shared_ptr<const GeometricModel> lens(double degrees_at_tip) {
+  const double half = 4 * std::tan(degrees_at_tip / 2 * std::numbers::pi / 180);
+  const std::array<Vec3, 5> points{Vec3{0, 0, 0}, {-half, -4, 0}, {half, -4, 0}, {0, -2.7, 0.3}, {0, -2.7, -0.3}};
+  const std::array<std::array<std::uint32_t, 3>, 6> facets{
+      {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}}};
+  return make_discrete_model(points, facets, 0.7);
+}
+
 // Of faces between two cells, as OpenFOAM measures it.
 double largest_skewness(const Mesh& mesh) {
   std::map<std::vector<std::uint32_t>, CellFace> faces;
@@ -200,6 +212,20 @@ TEST_CASE("no face between two layer cells is skewed by four or more, in no laye
     MeshOptions options = options_of_size(0.5);
     options.layers = on_faces(*wedge, heights(5e-5, 42));
     CHECK(largest_skewness(meshed(*wedge, options).mesh) < 4);
+  }
+}
+
+TEST_CASE("no face of a fan is skewed by four or more where its edge turns at a tip") {
+  for (const double degrees : {30.0, 52.0, 70.0}) {
+    INFO("a tip of " << degrees << " degrees");
+    const auto model = put_into_box(lens(degrees), 3);
+    MeshOptions options = options_of_size(0.4);
+    const auto faces = static_cast<std::uint32_t>(model->topology().face_count());
+    options.layers =
+        on_faces(*model, heights(0.02, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
+    const MeshResult result = meshed(*model, options);
+    CHECK(result.layers.fans > 0);
+    CHECK(largest_skewness(result.mesh) < 4);
   }
 }
 
