@@ -119,9 +119,8 @@ void add_faces(const Mesh& mesh, CellKind kind, std::span<const std::uint32_t> c
 std::shared_ptr<const GeometricModel> lens(double degrees_at_tip) {
   const double half = 4 * std::tan(degrees_at_tip / 2 * std::numbers::pi / 180);
   const std::array<Vec3, 5> points{Vec3{0, 0, 0}, {-half, -4, 0}, {half, -4, 0}, {0, -2.7, 0.3}, {0, -2.7, -0.3}};
-  const std::array<std::array<std::uint32_t, 3>, 6> facets{
-      {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}}};
-  return make_discrete_model(points, facets, 0.7);
+  const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}};
+  return make_polyhedron(points, faces);
 }
 
 // Of faces between two cells, as OpenFOAM measures it.
