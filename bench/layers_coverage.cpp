@@ -148,11 +148,14 @@ class Bench {
 
  private:
   void run_model(const fs::path& model) {
+    LayerTask task = options_.task;
+    task.model = model;
+    task.mean_edge = mean_edge_of(task, session_.folder() / "run");
     for (const bool outside : {false, true})
       for (const LayerSetting& setting : layer_settings()) {
         if (options_.settings.find(setting.name) == std::string::npos || (outside && options_.inside_only)) continue;
-        Case one{options_.task, {}};
-        one.task.model = model, one.task.setting = setting, one.task.outside = outside;
+        Case one{task, {}};
+        one.task.setting = setting, one.task.outside = outside;
         one.run = run_layers(one.task, session_.program(), session_.folder() / "run");
         print_line(one);
         cases_.push_back(std::move(one));
@@ -192,7 +195,7 @@ int run(int argc, char** argv) {
   line.add("--only", options.only, "only models whose names match this regular expression, in any case");
   line.add("--settings", options.settings, "of A, B and C");
   line.add_flag("--inside", options.inside_only, "leave the space around the models out");
-  line.add("--relative-size", options.task.relative_size, "mean edge, as a share of the model's diagonal").positive();
+  line.add("--relative-size", options.task.relative_size, "target edge, as a share of the model's diagonal").positive();
   line.add("--threads", options.task.threads).positive();
   line.add("--timeout", options.task.timeout, "seconds of a run");
   add_session_options(line, options.session);

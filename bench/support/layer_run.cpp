@@ -27,26 +27,30 @@ Json read_json(const fs::path& path) {
   return json.is_discarded() ? Json::object() : json;
 }
 
+Words command_of(const LayerTask& task, double edge, const fs::path& mesh) {
+  return {TETLOOM_COMMAND,
+          "mesh",
+          task.model,
+          "-o",
+          mesh,
+          "--size",
+          exact_text(edge),
+          "--curvature",
+          std::to_string(kEdgesPerTurn),
+          "--threads",
+          std::to_string(task.threads),
+          "--quiet"};
+}
+
 Words command_of(const LayerTask& task, const fs::path& mesh, const fs::path& report) {
   const double edge = edge_of(task.model, task.relative_size);
-  Words words{TETLOOM_COMMAND,
-              "mesh",
-              task.model,
-              "-o",
-              mesh,
-              "--size",
-              exact_text(edge),
-              "--curvature",
-              std::to_string(kEdgesPerTurn),
-              "--threads",
-              std::to_string(task.threads),
-              "--report",
-              report,
-              "--quiet"};
+  const double mean = task.mean_edge > 0 ? task.mean_edge : edge;
+  Words words = command_of(task, edge, mesh);
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  add({"--report", report});
   if (task.outside) add({"--far-field", exact_text(kBox)});
   if (task.with_layers)
-    add({"--layers", "*", "--first-height", exact_text(task.setting.first_height * edge), "--growth",
+    add({"--layers", "*", "--first-height", exact_text(task.setting.first_height * mean), "--growth",
          exact_text(kGrowth), "--layer-count", std::to_string(task.setting.count)});
   return words;
 }
@@ -105,6 +109,22 @@ double edge_of(const fs::path& model, double relative_size) {
     squares += side * side;
   }
   return relative_size * std::sqrt(squares);
+}
+
+double mean_edge_of(const LayerTask& task, const fs::path& folder) {
+  fs::create_directories(folder);
+  const double edge = edge_of(task.model, task.relative_size);
+  const fs::path path = folder / "surface.vtu";
+  Words words = command_of(task, edge, path);
+  words.emplace_back("--surface-only");
+  if (run_child(words, {task.timeout}).exit_status != 0) return edge;
+  const Mesh mesh = read_mesh(path);
+  fs::remove(path);
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.tri_to_vert)
+    sum += distance(mesh.points[a], mesh.points[b]) + distance(mesh.points[b], mesh.points[c]) +
+           distance(mesh.points[c], mesh.points[a]);
+  return mesh.tri_to_vert.empty() ? edge : sum / static_cast<double>(3 * mesh.tri_to_vert.size());
 }
 
 LayerRun run_layers(const LayerTask& task, const std::string& judge, const fs::path& folder) {

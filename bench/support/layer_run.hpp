@@ -26,6 +26,7 @@ struct LayerTask {
   LayerSetting setting;
   bool outside = false;         ///< the space around the model, in a box of three times its size
   double relative_size = 0.02;  ///< target edge, as a share of the model's diagonal
+  double mean_edge = 0;         ///< what heights are shares of, in the model's unit; 0: the target edge
   int threads = 2;
   double timeout = 600;       ///< seconds of a run
   bool with_layers = true;    ///< false: the same mesh without, to compare
@@ -60,6 +61,10 @@ nlohmann::json to_json(const LayerRun& run);
 
 /// Runs and judges; never throws for what the mesher does. `judge` is this bench, which judges in a process of its own.
 LayerRun run_layers(const LayerTask& task, const std::string& judge, const std::filesystem::path& folder);
+
+/// The mean edge of the surface mesh that a task starts from; the target edge where it has none. Edges are shorter than
+/// their target where curvature asks for it.
+double mean_edge_of(const LayerTask& task, const std::filesystem::path& folder);
 
 /// The target edge of a model in its own unit. Throws std::runtime_error for what is no model.
 double edge_of(const std::filesystem::path& model, double relative_size);

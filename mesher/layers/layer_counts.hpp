@@ -64,7 +64,8 @@ class LayerCounts {
   };
 
   struct SideOfCell {
-    std::array<std::pair<int, std::uint32_t>, 4> key;  // level and curve of its corners, ascending; the last of three twice
+    std::array<std::pair<int, std::uint32_t>, 4>
+        key;  // level and curve of its corners, ascending; the last of three twice
     CellSide corners;
     Vec3 centre;  // of the cell
   };
