@@ -39,8 +39,8 @@ bool has_fields_beside(const std::filesystem::path& mesh);
 std::filesystem::path fields_beside(const std::filesystem::path& mesh);
 
 /// The mesh, where it lies in pieces: each rank reads some of them; a single one has the whole in the end. Or a slice
-/// of one file for each rank, with its values of a file of fields beside it. Nothing, where every rank
-/// has to read all of it. In SharedWork::together. Errors: those of read_parts, read_slices and read_solution_at.
+/// of one file for each rank, with its values of a file of fields beside it. Nothing, where every rank has to read all
+/// of it. In SharedWork::together. Errors: those of read_parts, read_slices and read_solution_at.
 AdaptInput read_pieces_of(const AdaptCommand& command, const SharedWork& work, const CancelToken& cancel);
 
 /// Reads what the command names, but for the model and a mesh that is there. Errors: as those of the readers;

@@ -272,9 +272,10 @@ bool LayerCounts::lower_at_skewed_fans(const std::vector<std::uint8_t>& concerne
   std::ranges::sort(sides, {}, &SideOfCell::key);
   bool any = false;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    if (sides[i].key != sides[i + 1].key) continue;
-    if (skewness(sides[i].corners, sides[i].centre, sides[i + 1].centre) <= kMostSkewness) continue;
     const int layer = sides[i].key.back().first;
+    if (layer == 0 || sides[i].key != sides[i + 1].key ||
+        !(skewness(sides[i].corners, sides[i].centre, sides[i + 1].centre) > kMostSkewness))
+      continue;
     for (const auto& [level, curve] : sides[i].key) {
       any = any || counts_[curve] >= layer;
       lower(curve, layer - 1, LayerLimit::Fan);
