@@ -63,9 +63,9 @@ class LayerCounts {
     std::vector<float> above;            // those of the poor ones that are not fixed
   };
 
+  // Of a cell at a fan. Its key are level and curve of the corners, ascending; a triangle has the last one twice.
   struct SideOfCell {
-    std::array<std::pair<int, std::uint32_t>, 4>
-        key;  // level and curve of its corners, ascending; the last of three twice
+    std::array<std::pair<int, std::uint32_t>, 4> key;
     CellSide corners;
     Vec3 centre;  // of the cell
   };
