@@ -108,6 +108,10 @@ void print_summary(const std::vector<Case>& cases) {
             [](const LayerRun& run) { return run.figure("at_least_one") >= 0.995; });
   print_row("the same where no wall is too near on the other side", cases, meshes,
             [](const LayerRun& run) { return uncovered_share(run) <= 0.005; });
+  print_row("first cells within 15 degrees of the normal, 99th percentile", cases, meshes,
+            [](const LayerRun& run) { return run.figure("first_angle_p99_deg") <= 15; });
+  print_row("growth of straight stacks to 1e-6", cases, meshes,
+            [](const LayerRun& run) { return run.figure("growth_error") <= 1e-6; });
   print_row("layers take at most 30 % of the run", cases, meshes,
             [](const LayerRun& run) { return run.layer_seconds <= 0.3 * run.seconds; });
   for (const LayerSetting& setting : layer_settings()) {

@@ -23,7 +23,9 @@ constexpr double kPaceSlope = 0.01;                           // of the widths t
 constexpr int kPaceSweeps = 60;
 constexpr int kMostSteps = 60;
 constexpr int kSweeps = 8;
-constexpr double kKeptAtFoot = 0.966;  // cos 15°: of the best visibility, for the first step
+constexpr double kKeptAtFoot = 0.966;   // cos 15°: of the best visibility, for the first step
+constexpr double kRidge = 0.9397;       // cos 20°: a best visibility below is that of an edge
+constexpr double kNearNormal = 0.9703;  // cos 14°: away from edges the first step leans no more, where it need not
 constexpr double kKeptAbove = 0.8;
 constexpr double kMostShift = 1.5;  // of the step
 constexpr double kRoomAtFan = 0.4;  // of the width: a fan needs layers as thick as that
@@ -210,7 +212,7 @@ class Marching {
       visibility_[c] = visibility_of(direction_[c], normals);
       if (is_first) judge(c);
     });
-    smooth(is_first ? kKeptAtFoot : kKeptAbove, is_first);
+    smooth(is_first);
     for_each_curve([&](std::uint32_t c) {
       if (!is_first && !is_growing(c)) return;
       thread_local std::vector<Vec3> normals;
@@ -238,7 +240,7 @@ class Marching {
   }
 
   // Each sweep takes the directions of the last one.
-  void smooth(double kept, bool is_first) {
+  void smooth(bool is_first) {
     std::vector<Vec3> smoothed = direction_;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for_each_curve([&](std::uint32_t c) {
@@ -252,10 +254,16 @@ class Marching {
         gather_normals(c, normals);
         const Vec3 tried =
             constrain(c, normalized(direction_[c] + 0.5 * freedom_[c].within(normalized(sum) - direction_[c])));
-        smoothed[c] = visibility_of(tried, normals) >= kept * visibility_[c] ? tried : direction_[c];
+        const double least = is_first ? least_at_foot(visibility_[c]) : kKeptAbove * visibility_[c];
+        smoothed[c] = visibility_of(tried, normals) >= least ? tried : direction_[c];
       });
       direction_ = smoothed;
     }
+  }
+
+  static double least_at_foot(double best) {
+    const double least = kKeptAtFoot * best;
+    return best > kRidge ? std::max(least, std::min(best, kNearNormal)) : least;
   }
 
   void find_lengths() {
