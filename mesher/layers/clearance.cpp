@@ -3,26 +3,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <tuple>
 
 #include "core/base/grain.hpp"
+#include "core/spatial/morton.hpp"
 
 namespace tetloom::layers {
 namespace {
 
-constexpr std::size_t kRays = 7;     // the axis and six around it
-constexpr double kConeDegrees = 25;  // 60 degrees lose a sixth of concave insides
-constexpr double kFacing = -0.3;     // cosine between the ray's curve and the normal of what faces it
+constexpr std::size_t kRays = 7;                   // the axis and six around it
+constexpr double kCosOfCone = 0.9063077870366499;  // of 25 degrees; 60 lose a sixth of concave insides
+constexpr double kSinOfCone = 0.42261826174069944, kSin60 = 0.8660254037844386;
+constexpr double kFacing = -0.3;  // cosine between the ray's curve and the normal of what faces it
+
+constexpr std::size_t kMostTogether = 16;  // looks that search as one
+constexpr double kSpreadTogether = 3;      // the box around them, over the largest of theirs
 
 std::array<Vec3, kRays> rays_about(const Vec3& axis) {
-  constexpr double kAngle = kConeDegrees * std::numbers::pi / 180;
+  constexpr std::array<std::array<double, 2>, kRays - 1> kTurns{
+      {{1, 0}, {.5, kSin60}, {-.5, kSin60}, {-1, 0}, {-.5, -kSin60}, {.5, -kSin60}}};
   const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 first = normalized(cross(axis, other)), second = cross(axis, first);
   std::array<Vec3, kRays> rays{axis};
-  for (std::size_t i = 1; i < kRays; ++i) {
-    const double turn = static_cast<double>(i - 1) * std::numbers::pi / 3;
-    rays[i] = std::cos(kAngle) * axis + std::sin(kAngle) * (std::cos(turn) * first + std::sin(turn) * second);
-  }
+  for (std::size_t i = 1; i < kRays; ++i)
+    rays[i] = kCosOfCone * axis + kSinOfCone * (kTurns[i - 1][0] * first + kTurns[i - 1][1] * second);
   return rays;
 }
 
@@ -37,14 +41,67 @@ double crossing(const std::array<Vec3, 3>& x, const Vec3& from, const Vec3& ray)
   return u >= 0 && v >= 0 && u + v <= 1 && at > 0 ? at : kMissed;
 }
 
-// Looks from one place after the other.
+Box3 box_around(const Vec3& point, std::span<const Vec3> rays, double reach) {
+  Box3 box;
+  box.add(point);
+  for (const Vec3& ray : rays) box.add(point + reach * ray);
+  return box;
+}
+
+// Directions within an angle of an axis.
+struct Cone {
+  Vec3 axis;
+  double cosine = 1, sine = 0;
+
+  explicit Cone(std::span<const LookAhead* const> looks) {
+    constexpr double kRounding = 1e-9;
+    Vec3 sum;
+    for (const LookAhead* look : looks) sum += look->direction;
+    axis = normalized(sum);
+    for (const LookAhead* look : looks) cosine = std::min(cosine, dot(axis, look->direction));
+    cosine = std::max(-1.0, cosine - kRounding);
+    sine = std::sqrt(1 - cosine * cosine);
+  }
+  // The least cosine between a direction of the cone and one of which the cosine to the axis is known.
+  double least_to(double at_axis) const {
+    if (at_axis <= -cosine) return -1;
+    return at_axis * cosine - std::sqrt(std::max(0.0, 1 - at_axis * at_axis)) * sine;
+  }
+};
+
+// Looks from places near to each other, in one region. What faces none of them is left out once for all: where there
+// are no walls opposite, that is everything.
 class WallSearch {
  public:
   explicit WallSearch(const OppositeSurface& surface) : surface_(surface) {}
 
+  // Pre: at most kMostTogether looks.
+  void gather(std::span<const LookAhead* const> looks, const Box3& box) {
+    leaves_.clear(), faced_.clear();
+    const Cone cone(looks);
+    const std::uint32_t region = looks[0]->region;
+    surface_.tree.for_each_leaf_in(box, 0, [&](std::size_t number) {
+      Leaf leaf{{}, faced_.size(), 0};
+      for (const std::uint32_t t : surface_.tree.leaf_triangles(number)) {
+        const std::array<Vec3, 3> corners = surface_.tree.corners_of(t);
+        const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]), normal = normalized(across);
+        const FaceSides& sides = surface_.tri_to_sides[t];
+        const double turned = dot(normal, cone.axis);
+        const bool shows_front = sides.front.value == region && cone.least_to(turned) < kFacing;
+        const bool shows_back = sides.back.value == region && cone.least_to(-turned) < kFacing;
+        if (!shows_front && !shows_back) continue;
+        faced_.push_back({corners, normal, t, shows_front, shows_back});
+        for (const Vec3& corner : corners) leaf.box.add(corner);
+      }
+      leaf.end = faced_.size();
+      if (leaf.end > leaf.begin) leaves_.push_back(leaf);
+    });
+  }
+
   Clearance from(std::size_t number, const LookAhead& look) {
-    const auto rays = rays_about(look.direction);
     Clearance nearest;
+    if (leaves_.empty()) return nearest;
+    const auto rays = rays_about(look.direction);
     // What the axis meets ends the others.
     follow(number, look, std::span(rays).first(1), nearest);
     follow(number, look, std::span(rays).subspan(1), nearest);
@@ -52,11 +109,20 @@ class WallSearch {
   }
 
  private:
-  // A triangle that rays may meet, and the side on which they do.
-  struct Opposite {
+  // A triangle that looks may face, and its sides on which they do.
+  struct Faced {
     std::array<Vec3, 3> corners;
     Vec3 normal;
     std::uint32_t triangle = 0;
+    bool shows_front = false, shows_back = false;
+  };
+  struct Leaf {
+    Box3 box;
+    std::size_t begin = 0, end = 0;  // in faced_
+  };
+  // A triangle that rays may meet, and the side on which they do.
+  struct Opposite {
+    const Faced* faced = nullptr;
     bool is_front = false;
   };
 
@@ -65,48 +131,94 @@ class WallSearch {
     if (opposite_.empty()) return;
     for (const Vec3& ray : rays) {
       const Vec3 along = std::min(look.reach, nearest.distance) * ray;
-      for (const Opposite& one : opposite_) {
-        const double met = crossing(one.corners, look.point, along) * norm(along);
-        if (met >= std::min(look.reach, nearest.distance) || (dot(one.normal, ray) < 0) != one.is_front) continue;
-        const double at = std::max(met, met * dot(one.normal, ray) / dot(one.normal, look.direction));
-        if (at < nearest.distance) nearest = {at, surface_.has_layers[2 * one.triangle + one.is_front] != 0};
+      for (const auto& [faced, is_front] : opposite_) {
+        const double met = crossing(faced->corners, look.point, along) * norm(along);
+        if (met >= std::min(look.reach, nearest.distance) || (dot(faced->normal, ray) < 0) != is_front) continue;
+        const double at = std::max(met, met * dot(faced->normal, ray) / dot(faced->normal, look.direction));
+        if (at < nearest.distance) nearest = {at, surface_.has_layers[2 * faced->triangle + is_front] != 0};
       }
     }
   }
 
-  // Most of what is near faces elsewhere.
   void find_opposite(std::size_t number, const LookAhead& look, std::span<const Vec3> rays, double reach) {
     opposite_.clear(), segments_.clear();
-    Box3 box;
-    box.add(look.point);
-    for (const Vec3& ray : rays) segments_.emplace_back(look.point, reach * ray), box.add(look.point + reach * ray);
-    surface_.tree.for_each_near(segments_, box, [&](std::uint32_t t) {
-      const std::array<Vec3, 3> corners = surface_.tree.corners_of(t);
-      const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
-      const bool is_front = dot(across, look.direction) < 0;
-      const FaceSides& sides = surface_.tri_to_sides[t];
-      if ((is_front ? sides.front : sides.back).value != look.region) return;
-      const Vec3 normal = normalized(across);
-      if ((is_front ? 1 : -1) * dot(normal, look.direction) < kFacing && !surface_.is_beside(number, t))
-        opposite_.push_back({corners, normal, t, is_front});
-    });
+    const Box3 box = box_around(look.point, rays, reach);
+    for (const Vec3& ray : rays) segments_.emplace_back(look.point, reach * ray);
+    for (const Leaf& leaf : leaves_) {
+      if (!leaf.box.overlaps(box)) continue;
+      if (std::ranges::none_of(segments_, [&](const auto& meets) { return meets(leaf.box); })) continue;
+      for (std::size_t i = leaf.begin; i < leaf.end; ++i) {
+        const Faced& one = faced_[i];
+        const double turned = dot(one.normal, look.direction);
+        const bool is_front = turned < 0;
+        if ((is_front ? one.shows_front : one.shows_back) && -std::abs(turned) < kFacing &&
+            !surface_.is_beside(number, one.triangle))
+          opposite_.push_back({&one, is_front});
+      }
+    }
   }
 
   const OppositeSurface& surface_;
-  // Of the rays at hand.
-  std::vector<intersection::SegmentBoxTest> segments_;
+  std::vector<Leaf> leaves_;  // of those that search together
+  std::vector<Faced> faced_;
+  std::vector<intersection::SegmentBoxTest> segments_;  // of the rays at hand
   std::vector<Opposite> opposite_;
 };
+
+// Those with a direction, region by region, neighbours in space after each other.
+std::vector<std::uint32_t> sorted_by_place(std::span<const LookAhead> looks) {
+  struct Key {
+    std::uint32_t region = 0, look = 0;
+    std::uint64_t code = 0;
+  };
+  constexpr double kMostCode = 2097151;
+  Box3 all;
+  for (const LookAhead& look : looks)
+    if (look.direction != Vec3{}) all.add(look.point);
+  const Vec3 extent = all.hi - all.lo;
+  const double scale = kMostCode / std::max({extent.x, extent.y, extent.z, 1e-300});
+  std::vector<Key> keys;
+  for (std::uint32_t i = 0; i < looks.size(); ++i) {
+    if (looks[i].direction == Vec3{}) continue;
+    const Vec3 at = scale * (looks[i].point - all.lo);
+    keys.push_back({looks[i].region, i,
+                    morton_encode({static_cast<std::uint32_t>(at.x), static_cast<std::uint32_t>(at.y),
+                                   static_cast<std::uint32_t>(at.z)})});
+  }
+  std::ranges::sort(keys, {}, [](const Key& key) { return std::tuple(key.region, key.code, key.look); });
+  std::vector<std::uint32_t> sorted;
+  for (const Key& key : keys) sorted.push_back(key.look);
+  return sorted;
+}
 
 }  // namespace
 
 std::vector<Clearance> find_clearances(const OppositeSurface& surface, std::span<const LookAhead> looks,
                                        const TaskRunner& runner) {
   std::vector<Clearance> clearances(looks.size());
-  runner.for_blocks(clearances.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
+  const std::vector<std::uint32_t> sorted = sorted_by_place(looks);
+  runner.for_blocks(sorted.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     WallSearch search(surface);
-    for (std::size_t i = begin; i < end; ++i)
-      if (looks[i].direction != Vec3{}) clearances[i] = search.from(i, looks[i]);
+    std::vector<const LookAhead*> together;
+    while (begin < end) {
+      together.clear();
+      Box3 box;
+      double largest = 0;
+      while (begin + together.size() < end && together.size() < kMostTogether) {
+        const LookAhead& look = looks[sorted[begin + together.size()]];
+        Box3 one = box_around(look.point, rays_about(look.direction), look.reach), both = box;
+        largest = std::max(largest, one.diagonal());
+        both.add(one);
+        if (!together.empty() && (look.region != together[0]->region || both.diagonal() > kSpreadTogether * largest))
+          break;
+        box = both;
+        together.push_back(&look);
+      }
+      search.gather(together, box);
+      for (std::size_t i = 0; i < together.size(); ++i)
+        clearances[sorted[begin + i]] = search.from(sorted[begin + i], *together[i]);
+      begin += together.size();
+    }
   });
   return clearances;
 }
