@@ -258,11 +258,10 @@ bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {
 
 // The same of faces between cells at fans, of which one may have the fan's edge for its wall.
 bool LayerCounts::lower_at_skewed_fans(const std::vector<std::uint8_t>& concerned) {
-  const auto is_at_fan = [&](std::uint32_t c) { return walls_.curve_to_fan_vertex[c] != kNone; };
   std::vector<SideOfCell> sides;
   for (std::size_t s = 0; s < walls_.stack_count(); ++s) {
     const auto curves = walls_.curves_of(s);
-    if (std::ranges::none_of(curves, is_at_fan) ||
+    if (std::ranges::none_of(curves, [&](std::uint32_t c) { return is_at_fan(c); }) ||
         std::ranges::none_of(curves, [&](std::uint32_t c) { return concerned[c] != 0; }))
       continue;
     for_each_cell_on(
@@ -284,6 +283,11 @@ bool LayerCounts::lower_at_skewed_fans(const std::vector<std::uint8_t>& concerne
   return any;
 }
 
+// One of a fan, or the only one where a fan ends.
+bool LayerCounts::is_at_fan(std::uint32_t curve) const {
+  return walls_.curve_to_fan_vertex[curve] != kNone || walls_.curve_is_late[curve] != 0;
+}
+
 // Those that have a point of a fan, but none at an apex.
 template <std::size_t N>
 void LayerCounts::add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::vector<SideOfCell>& sides) const {
@@ -303,8 +307,7 @@ void LayerCounts::add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::
     std::ranges::sort(side.key);
     const auto end = std::unique(side.key.begin(), side.key.end());
     std::fill(end, side.key.end(), *(end - 1));
-    if (std::ranges::any_of(side.key, [&](const auto& x) { return walls_.curve_to_fan_vertex[x.second] != kNone; }))
-      sides.push_back(side);
+    if (std::ranges::any_of(side.key, [&](const auto& x) { return is_at_fan(x.second); })) sides.push_back(side);
   }
   const Vec3 centre = centre_of(std::span(corners).first(count));
   for (std::size_t i = first; i < sides.size(); ++i) sides[i].centre = centre;

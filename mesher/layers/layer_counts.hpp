@@ -86,6 +86,7 @@ class LayerCounts {
   StackShape judge_shape(std::uint32_t stack) const;
   bool lower_at_skewed_faces(const TaskRunner& runner);
   std::array<int, 2> levels_at(std::uint32_t curve, int layer) const;
+  bool is_at_fan(std::uint32_t curve) const;
   bool lower_at_skewed_fans(const std::vector<std::uint8_t>& concerned);
   template <std::size_t N>
   void add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::vector<SideOfCell>& sides) const;

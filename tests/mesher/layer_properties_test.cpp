@@ -115,10 +115,11 @@ void add_faces(const Mesh& mesh, CellKind kind, std::span<const std::uint32_t> c
   for (const auto& [verts, face] : around) faces.try_emplace(verts, face).first->second.cells.push_back(sum / volume);
 }
 
-// A flat lens with a tip, its rim in the plane z = 0.
-std::shared_ptr<const GeometricModel> lens(double degrees_at_tip) {
+// A flat lens with a tip, its rim in the plane z = 0, thickest so far from the tip.
+std::shared_ptr<const GeometricModel> lens(double degrees_at_tip, double thickest = 2.7) {
   const double half = 4 * std::tan(degrees_at_tip / 2 * std::numbers::pi / 180);
-  const std::array<Vec3, 5> points{Vec3{0, 0, 0}, {-half, -4, 0}, {half, -4, 0}, {0, -2.7, 0.3}, {0, -2.7, -0.3}};
+  const std::array<Vec3, 5> points{
+      Vec3{0, 0, 0}, {-half, -4, 0}, {half, -4, 0}, {0, -thickest, 0.3}, {0, -thickest, -0.3}};
   const std::vector<std::vector<std::uint32_t>> faces{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}};
   return make_polyhedron(points, faces);
 }
@@ -222,6 +223,20 @@ TEST_CASE("no face of a fan is skewed by four or more where its edge turns at a 
     const auto faces = static_cast<std::uint32_t>(model->topology().face_count());
     options.layers =
         on_faces(*model, heights(0.02, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
+    const MeshResult result = meshed(*model, options);
+    CHECK(result.layers.fans > 0);
+    CHECK(largest_skewness(result.mesh) < 4);
+  }
+}
+
+TEST_CASE("no face of a first layer is skewed by four or more where a fan ends") {
+  for (const double degrees : {30.0, 70.0}) {
+    INFO("a tip of " << degrees << " degrees");
+    const auto model = put_into_box(lens(degrees, 3.8), 3);  // its rim is blunt opposite to the tip
+    MeshOptions options = options_of_size(0.4);
+    const auto faces = static_cast<std::uint32_t>(model->topology().face_count());
+    options.layers =
+        on_faces(*model, heights(0.01, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
     const MeshResult result = meshed(*model, options);
     CHECK(result.layers.fans > 0);
     CHECK(largest_skewness(result.mesh) < 4);
