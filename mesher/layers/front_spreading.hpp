@@ -1,6 +1,5 @@
 #pragma once
 // Where the front of layers shrinks, as at concave edges, or grows, as at convex ones, its points are spread over it.
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,16 +29,24 @@ class FrontSpreading {
   /// keep a front as it is that shrinks evenly, as in a pipe. The result depends on the arguments alone.
   std::vector<Vec3> find_shifts(const ChangingFront& front, const TaskRunner& runner) const;
 
+  /// The other curves of the wall triangles at a curve, two for each triangle.
+  struct Neighbour {
+    std::uint32_t curve = 0;
+    float weight = 0;  ///< cotangent of the angle that is opposite in the triangle
+  };
+  std::span<const Neighbour> neighbours_of(std::uint32_t curve) const {
+    const std::size_t begin = walls_.curve_begin[curve], end = walls_.curve_begin[curve + 1];
+    return std::span(neighbours_).subspan(2 * begin, 2 * (end - begin));
+  }
+
  private:
-  template <class Visit>
-  void for_each_neighbour(std::uint32_t curve, const Visit& visit) const;
-  Vec3 way(const ChangingFront& front, std::uint32_t curve) const { return front.points[curve] - feet_[curve]; }
-  bool changes_at(const ChangingFront& front, std::uint32_t curve) const;
-  Vec3 shift_at(const ChangingFront& front, const std::vector<Vec3>& shifts, std::uint32_t curve) const;
+  bool changes_at(std::span<const Vec3> ways, std::uint32_t curve) const;
+  Vec3 shift_at(const ChangingFront& front, const std::vector<Vec3>& ways, const std::vector<Vec3>& shifted,
+                std::uint32_t curve) const;
 
   const Walls& walls_;
   std::vector<Vec3> feet_;
-  std::vector<std::array<float, 3>> weights_;  // per wall triangle and corner: cotangents of the angles
+  std::vector<Neighbour> neighbours_;  // of one curve after the other
 };
 
 }  // namespace tetloom::layers

@@ -194,6 +194,12 @@ class Marching {
     for (const std::uint32_t w : walls_.triangles_at(curve)) normals.push_back(normals_[w]);
   }
 
+  double visibility_at(std::uint32_t curve, const Vec3& direction) const {
+    double least = 1;
+    for (const std::uint32_t w : walls_.triangles_at(curve)) least = std::min(least, dot(direction, normals_[w]));
+    return least;
+  }
+
   bool is_growing(std::uint32_t curve) const { return paths_.reached[curve] < wanted_[curve]; }
 
   void find_directions(bool is_first) {
@@ -215,9 +221,7 @@ class Marching {
     smooth(is_first);
     for_each_curve([&](std::uint32_t c) {
       if (!is_first && !is_growing(c)) return;
-      thread_local std::vector<Vec3> normals;
-      gather_normals(c, normals);
-      const double stretch = std::clamp(1 / std::max(visibility_of(direction_[c], normals), kBlind), 1.0, kMostStretch);
+      const double stretch = std::clamp(1 / std::max(visibility_at(c, direction_[c]), kBlind), 1.0, kMostStretch);
       if (is_first || std::abs(stretch - stretch_[c]) > kTilt * stretch_[c]) stretch_[c] = stretch;
     });
     if (!is_first) return;
@@ -246,16 +250,12 @@ class Marching {
       for_each_curve([&](std::uint32_t c) {
         if (direction_[c] == Vec3{} || sides_.is_along_edge(c) || (!is_first && !is_growing(c))) return;
         Vec3 sum;
-        for (const std::uint32_t w : walls_.triangles_at(c))
-          for (const std::uint32_t other : walls_.triangles[w].curves)
-            if (other != c) sum += direction_[other];
+        for (const auto& other : spreading_.neighbours_of(c)) sum += direction_[other.curve];
         if (sum == Vec3{}) return;
-        thread_local std::vector<Vec3> normals;
-        gather_normals(c, normals);
         const Vec3 tried =
             constrain(c, normalized(direction_[c] + 0.5 * freedom_[c].within(normalized(sum) - direction_[c])));
         const double least = is_first ? least_at_foot(visibility_[c]) : kKeptAbove * visibility_[c];
-        smoothed[c] = visibility_of(tried, normals) >= least ? tried : direction_[c];
+        smoothed[c] = visibility_at(c, tried) >= least ? tried : direction_[c];
       });
       direction_ = smoothed;
     }
