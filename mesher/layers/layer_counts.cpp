@@ -16,6 +16,7 @@ constexpr std::size_t kOneIn = 102;  // cells may be poor, so that one in a hund
 constexpr int kMostRounds = 12;
 constexpr double kMostSkewness = 3.9;  // of faces between cells of one layer; checkMesh complains of 4
 constexpr double kMayBeSkewed = 2;     // with rough centres
+constexpr double kCalm = 1;            // the same in every fourth layer: no other one is skewed
 
 }  // namespace
 
@@ -212,28 +213,47 @@ FrontCell LayerCounts::cell_of(std::uint32_t wall, int layer) const {
   return cell;
 }
 
-// The face between the two cells of a layer beside an edge.
-bool LayerCounts::is_skewed(std::uint32_t wall, std::size_t corner, int layer) const {
-  const auto& curves = walls_.triangles[wall].curves;
-  const std::size_t next = (corner + 1) % 3;
-  const FrontCell cell = cell_of(wall, layer);
-  const std::array face{cell.low[corner], cell.low[next], cell.high[next], cell.high[corner]};
-  if (face[0] == face[3] && face[1] == face[2]) return false;
-  return std::ranges::any_of(walls_.triangles_at(curves[corner]), [&](std::uint32_t w) {
-    if (w <= wall || std::ranges::count(walls_.triangles[w].curves, curves[next]) == 0) return false;
-    const FrontCell other = cell_of(w, layer);
-    return skewness(face, rough_centre_of(cell), rough_centre_of(other)) > kMayBeSkewed &&
-           skewness(face, centre_of(cell), centre_of(other)) > kMostSkewness;
-  });
+LayerCounts::SharedFace LayerCounts::face_between(const WallEdge& edge, int layer) const {
+  SharedFace shared{cell_of(edge.wall, layer), cell_of(edge.other, layer), {}};
+  const std::size_t i = edge.corner, k = (i + 1) % 3;
+  shared.corners = {shared.cell.low[i], shared.cell.low[k], shared.cell.high[k], shared.cell.high[i]};
+  return shared;
 }
 
-// Below the first face at an edge that is skewed; all where none is.
+// 0 where there is no face. Above 2 it is not right.
+double LayerCounts::rough_skewness(const SharedFace& face) {
+  if (face.corners[0] == face.corners[3] && face.corners[1] == face.corners[2]) return 0;
+  return skewness(face.corners, rough_centre_of(face.cell), rough_centre_of(face.other));
+}
+
+bool LayerCounts::is_skewed(const SharedFace& face) {
+  return rough_skewness(face) > kMayBeSkewed &&
+         skewness(face.corners, centre_of(face.cell), centre_of(face.other)) > kMostSkewness;
+}
+
+// Below the first face at an edge that is skewed; `most` where none is. Layers of all six curves are much alike from
+// one to the next.
+int LayerCounts::straight_levels(const WallEdge& edge, int most) const {
+  constexpr int kStride = 4;
+  int all = most;
+  for (const std::uint32_t w : {edge.wall, edge.other})
+    for (const std::uint32_t c : walls_.triangles[w].curves) all = std::min(all, counts_[c]);
+  bool are_calm = true;
+  for (int layer = 1; are_calm && layer <= all; layer = layer < all ? std::min(layer + kStride, all) : all + 1)
+    are_calm = rough_skewness(face_between(edge, layer)) <= kCalm;
+  for (int layer = are_calm ? all + 1 : 1; layer <= most; ++layer)
+    if (is_skewed(face_between(edge, layer))) return layer - 1;
+  return most;
+}
+
 int LayerCounts::straight_levels(std::uint32_t wall, std::size_t corner) const {
   const auto& curves = walls_.triangles[wall].curves;
-  const int most = std::max(counts_[curves[corner]], counts_[curves[(corner + 1) % 3]]);
-  for (int layer = 1; layer <= most; ++layer)
-    if (is_skewed(wall, corner, layer)) return layer - 1;
-  return most;
+  const std::uint32_t next = curves[(corner + 1) % 3];
+  int straight = std::max(counts_[curves[corner]], counts_[next]);
+  for (const std::uint32_t w : walls_.triangles_at(curves[corner]))
+    if (w > wall && std::ranges::count(walls_.triangles[w].curves, next) > 0)
+      straight = straight_levels({wall, w, corner}, straight);
+  return straight;
 }
 
 bool LayerCounts::lower_at_skewed_faces(const TaskRunner& runner) {

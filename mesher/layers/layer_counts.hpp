@@ -70,6 +70,17 @@ class LayerCounts {
     Vec3 centre;  // of the cell
   };
 
+  // The edge of a wall triangle from a corner on, which another one shares.
+  struct WallEdge {
+    std::uint32_t wall = 0, other = 0;
+    std::size_t corner = 0;  // of `wall`
+  };
+  // Between two cells of a layer.
+  struct SharedFace {
+    FrontCell cell, other;
+    CellSide corners;
+  };
+
   void take(std::span<const KeptCount> kept);
   void even_out_fans();
   void put_on(const SideFaces& sides, const TaskRunner& runner);
@@ -91,7 +102,10 @@ class LayerCounts {
   template <std::size_t N>
   void add_sides_at_fans(const std::array<CurveLevel, N>& cell, std::vector<SideOfCell>& sides) const;
   FrontCell cell_of(std::uint32_t wall, int layer) const;
-  bool is_skewed(std::uint32_t wall, std::size_t corner, int layer) const;
+  SharedFace face_between(const WallEdge& edge, int layer) const;
+  static double rough_skewness(const SharedFace& face);
+  static bool is_skewed(const SharedFace& face);
+  int straight_levels(const WallEdge& edge, int most) const;
   int straight_levels(std::uint32_t wall, std::size_t corner) const;
 
   const Walls& walls_;
