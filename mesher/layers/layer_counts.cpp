@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/base/grain.hpp"
 
@@ -288,14 +289,18 @@ bool LayerCounts::lower_at_skewed_fans(const std::vector<std::uint8_t>& concerne
         walls_, s, [&](std::uint32_t c) { return counts_[c]; },
         [&](const auto& cell, int) { add_sides_at_fans(cell, sides); });
   }
-  std::ranges::sort(sides, {}, &SideOfCell::key);
+  std::vector<std::uint32_t> order(sides.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    return sides[a].key != sides[b].key ? sides[a].key < sides[b].key : a < b;
+  });
   bool any = false;
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const int layer = sides[i].key.back().first;
-    if (layer == 0 || sides[i].key != sides[i + 1].key ||
-        !(skewness(sides[i].corners, sides[i].centre, sides[i + 1].centre) > kMostSkewness))
+  for (std::size_t i = 0; i + 1 < order.size(); ++i) {
+    const SideOfCell &side = sides[order[i]], &other = sides[order[i + 1]];
+    const int layer = side.key.back().first;
+    if (layer == 0 || side.key != other.key || !(skewness(side.corners, side.centre, other.centre) > kMostSkewness))
       continue;
-    for (const auto& [level, curve] : sides[i].key) {
+    for (const auto& [level, curve] : side.key) {
       any = any || counts_[curve] >= layer;
       lower(curve, layer - 1, LayerLimit::Fan);
     }
