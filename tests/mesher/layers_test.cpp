@@ -470,3 +470,14 @@ TEST_CASE("figures of layers tell heights, growth and angles at the wall") {
   CHECK(round.first_angle_p99 > 0.5);
   CHECK(round.first_angle_p99 < 15);
 }
+
+TEST_CASE("first cells stay near the wall's normal beside edges") {
+  const auto pipe = make_cylinder(1, 2);  // its side bends by 20 degrees from triangle to triangle
+  for (const double size : {0.35, 0.4}) {
+    MeshOptions options = options_of_size(size);
+    options.layers = on_faces(*pipe, heights(0.015, 6));
+    const LayerFigures figures = meshed(*pipe, options).layers;
+    CHECK(figures.coverage.thickness > 0.99);
+    CHECK(figures.first_angle_p99 < 15);
+  }
+}
