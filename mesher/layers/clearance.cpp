@@ -49,11 +49,11 @@ Box3 box_around(const Vec3& point, std::span<const Vec3> rays, double reach) {
 }
 
 // Directions within an angle of an axis.
-struct Cone {
+struct LookCone {
   Vec3 axis;
   double cosine = 1, sine = 0;
 
-  explicit Cone(std::span<const LookAhead* const> looks) {
+  explicit LookCone(std::span<const LookAhead* const> looks) {
     constexpr double kRounding = 1e-9;
     Vec3 sum;
     for (const LookAhead* look : looks) sum += look->direction;
@@ -78,7 +78,7 @@ class WallSearch {
   // Pre: at most kMostTogether looks.
   void gather(std::span<const LookAhead* const> looks, const Box3& box) {
     leaves_.clear(), faced_.clear();
-    const Cone cone(looks);
+    const LookCone cone(looks);
     const std::uint32_t region = looks[0]->region;
     surface_.tree.for_each_leaf_in(box, 0, [&](std::size_t number) {
       Leaf leaf{{}, faced_.size(), 0};
