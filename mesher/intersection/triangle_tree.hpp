@@ -76,19 +76,6 @@ class TriangleTree {
               return true;
             });
   }
-  /// Calls visit(triangle), once, for every triangle of the leaves whose boxes some of the segments meet, in the tree's
-  /// own order. `box`: around all segments.
-  template <class Visit>
-  void for_each_near(std::span<const SegmentBoxTest> segments, const Box3& box, Visit&& visit) const {
-    descend(
-        [&](const Box3& node) {
-          return node.overlaps(box) && std::ranges::any_of(segments, [&](const auto& meets) { return meets(node); });
-        },
-        [&](std::uint32_t triangle) {
-          visit(triangle);
-          return true;
-        });
-  }
   /// The same of the triangles in some leaves, in their order.
   template <class Visit>
   void for_each_along(const Vec3& x, const Vec3& along, std::span<const std::size_t> leaves, Visit&& visit) const {
