@@ -1,7 +1,10 @@
 #pragma once
 // Morton codes: the bits of three coordinates interleaved, so that sorting by code walks an octree depth first.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+
+#include "tetloom/vec.hpp"
 
 namespace tetloom {
 
@@ -28,6 +31,17 @@ constexpr std::uint32_t gather_bits(std::uint64_t x) {
 /// Pre: coordinates below 2^21. Bit 0 of each octal digit is x, bit 1 is y, bit 2 is z.
 constexpr std::uint64_t morton_encode(const std::array<std::uint32_t, 3>& c) {
   return spread_bits(c[0]) | spread_bits(c[1]) << 1 | spread_bits(c[2]) << 2;
+}
+
+/// The largest coordinate.
+inline constexpr double kMostMorton = 2097151;
+
+/// Of the cell of `point` in a grid with `scale` cells per unit of length from `origin` on; the nearest one outside.
+inline std::uint64_t morton_of(const Vec3& point, const Vec3& origin, double scale) {
+  const auto cell = [&](double x, double lo) {
+    return static_cast<std::uint32_t>(std::clamp((x - lo) * scale, 0.0, kMostMorton));
+  };
+  return morton_encode({cell(point.x, origin.x), cell(point.y, origin.y), cell(point.z, origin.z)});
 }
 
 constexpr std::array<std::uint32_t, 3> morton_decode(std::uint64_t code) {

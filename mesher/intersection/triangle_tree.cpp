@@ -16,13 +16,6 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 14;
 
-std::uint64_t morton(const Vec3& p, const Vec3& origin, double scale) {
-  const auto cell = [&](double x, double lo) {
-    return static_cast<std::uint32_t>(std::clamp((x - lo) * scale, 0.0, 2097151.0));
-  };
-  return morton_encode({cell(p.x, origin.x), cell(p.y, origin.y), cell(p.z, origin.z)});
-}
-
 // Sign of orient2d in the (x,y) plane, with x moved by (e, e^2) for an infinitesimal e; 0 only where u and v coincide
 // in that plane.
 int perturbed_side(const Vec3& u, const Vec3& v, const Vec3& x) {
@@ -88,7 +81,7 @@ void TriangleTree::sort_triangles(const TaskRunner& runner) {
   runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto triangle = static_cast<std::uint32_t>(i);
-      keys[i] = {morton(box_of(triangle).center(), all.lo, 2097151.0 / extent), triangle};
+      keys[i] = {morton_of(box_of(triangle).center(), all.lo, kMostMorton / extent), triangle};
     }
   });
   parallel_sort(keys, runner);

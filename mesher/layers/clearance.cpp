@@ -171,24 +171,40 @@ std::vector<std::uint32_t> sorted_by_place(std::span<const LookAhead> looks) {
     std::uint32_t region = 0, look = 0;
     std::uint64_t code = 0;
   };
-  constexpr double kMostCode = 2097151;
   Box3 all;
   for (const LookAhead& look : looks)
     if (look.direction != Vec3{}) all.add(look.point);
   const Vec3 extent = all.hi - all.lo;
-  const double scale = kMostCode / std::max({extent.x, extent.y, extent.z, 1e-300});
+  const double scale = kMostMorton / std::max({extent.x, extent.y, extent.z, 1e-300});
   std::vector<Key> keys;
   for (std::uint32_t i = 0; i < looks.size(); ++i) {
     if (looks[i].direction == Vec3{}) continue;
-    const Vec3 at = scale * (looks[i].point - all.lo);
-    keys.push_back({looks[i].region, i,
-                    morton_encode({static_cast<std::uint32_t>(at.x), static_cast<std::uint32_t>(at.y),
-                                   static_cast<std::uint32_t>(at.z)})});
+    keys.push_back({looks[i].region, i, morton_of(looks[i].point, all.lo, scale)});
   }
   std::ranges::sort(keys, {}, [](const Key& key) { return std::tuple(key.region, key.code, key.look); });
   std::vector<std::uint32_t> sorted;
   for (const Key& key : keys) sorted.push_back(key.look);
   return sorted;
+}
+
+// The first of the looks that may search together, as many as there are; the box around them.
+Box3 take_together(std::span<const LookAhead> looks, std::span<const std::uint32_t> sorted,
+                   std::vector<const LookAhead*>& together) {
+  together.clear();
+  Box3 all;
+  double largest = 0;
+  for (const std::uint32_t number : sorted.first(std::min(sorted.size(), kMostTogether))) {
+    const LookAhead& look = looks[number];
+    Box3 box = box_around(look.point, rays_about(look.direction), look.reach);
+    largest = std::max(largest, box.diagonal());
+    box.add(all);
+    const bool fits =
+        together.empty() || (look.region == together[0]->region && box.diagonal() <= kSpreadTogether * largest);
+    if (!fits) break;
+    all = box;
+    together.push_back(&look);
+  }
+  return all;
 }
 
 }  // namespace
@@ -200,24 +216,11 @@ std::vector<Clearance> find_clearances(const OppositeSurface& surface, std::span
   runner.for_blocks(sorted.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     WallSearch search(surface);
     std::vector<const LookAhead*> together;
-    while (begin < end) {
-      together.clear();
-      Box3 box;
-      double largest = 0;
-      while (begin + together.size() < end && together.size() < kMostTogether) {
-        const LookAhead& look = looks[sorted[begin + together.size()]];
-        Box3 one = box_around(look.point, rays_about(look.direction), look.reach), both = box;
-        largest = std::max(largest, one.diagonal());
-        both.add(one);
-        if (!together.empty() && (look.region != together[0]->region || both.diagonal() > kSpreadTogether * largest))
-          break;
-        box = both;
-        together.push_back(&look);
-      }
+    for (; begin < end; begin += together.size()) {
+      const Box3 box = take_together(looks, std::span(sorted).subspan(begin, end - begin), together);
       search.gather(together, box);
       for (std::size_t i = 0; i < together.size(); ++i)
         clearances[sorted[begin + i]] = search.from(sorted[begin + i], *together[i]);
-      begin += together.size();
     }
   });
   return clearances;

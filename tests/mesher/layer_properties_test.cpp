@@ -124,6 +124,15 @@ std::shared_ptr<const GeometricModel> lens(double degrees_at_tip, double thickes
   return make_polyhedron(points, faces);
 }
 
+// On all faces but the six of the box, which come last.
+MeshResult layers_around(const GeometricModel& in_box, double first_height) {
+  MeshOptions options = options_of_size(0.4);
+  const auto faces = static_cast<std::uint32_t>(in_box.topology().face_count());
+  options.layers =
+      on_faces(in_box, heights(first_height, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
+  return meshed(in_box, options);
+}
+
 // Of faces between two cells, as OpenFOAM measures it.
 double largest_skewness(const Mesh& mesh) {
   std::map<std::vector<std::uint32_t>, CellFace> faces;
@@ -218,12 +227,7 @@ TEST_CASE("no face between two layer cells is skewed by four or more, in no laye
 TEST_CASE("no face of a fan is skewed by four or more where its edge turns at a tip") {
   for (const double degrees : {30.0, 52.0, 70.0}) {
     INFO("a tip of " << degrees << " degrees");
-    const auto model = put_into_box(lens(degrees), 3);
-    MeshOptions options = options_of_size(0.4);
-    const auto faces = static_cast<std::uint32_t>(model->topology().face_count());
-    options.layers =
-        on_faces(*model, heights(0.02, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
-    const MeshResult result = meshed(*model, options);
+    const MeshResult result = layers_around(*put_into_box(lens(degrees), 3), 0.02);
     CHECK(result.layers.fans > 0);
     CHECK(largest_skewness(result.mesh) < 4);
   }
@@ -232,12 +236,8 @@ TEST_CASE("no face of a fan is skewed by four or more where its edge turns at a 
 TEST_CASE("no face of a first layer is skewed by four or more where a fan ends") {
   for (const double degrees : {30.0, 70.0}) {
     INFO("a tip of " << degrees << " degrees");
-    const auto model = put_into_box(lens(degrees, 3.8), 3);  // its rim is blunt opposite to the tip
-    MeshOptions options = options_of_size(0.4);
-    const auto faces = static_cast<std::uint32_t>(model->topology().face_count());
-    options.layers =
-        on_faces(*model, heights(0.01, 8), {faces - 6, faces - 5, faces - 4, faces - 3, faces - 2, faces - 1});
-    const MeshResult result = meshed(*model, options);
+    const double thickest = 3.8;  // its rim is blunt opposite to the tip
+    const MeshResult result = layers_around(*put_into_box(lens(degrees, thickest), 3), 0.01);
     CHECK(result.layers.fans > 0);
     CHECK(largest_skewness(result.mesh) < 4);
   }
