@@ -38,11 +38,6 @@ void require_same(std::uint64_t own, const SharedWork& work) {
       throw Error(ErrorCode::InvalidArgument, "the ranks were not given the same mesh, metric and options");
 }
 
-// Many ranks on a machine have no room for what each of them might need again.
-void give_back_where_shared(const SharedWork& work) {
-  if (work.rank_count() > 1) give_back_free_memory();
-}
-
 // From a call to an adapter that is ready to run.
 class Start {
  public:
@@ -50,10 +45,10 @@ class Start {
       : call_(call), options_(call.options), work_(work), runner_(work.runner()), report_(report) {}
 
   Adapter& run() {
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
     work_.each([&] { check_options(options_); });
     call_.parts ? start_from_parts() : start_from_mesh();
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
     return *adapter_;
   }
 
@@ -132,7 +127,7 @@ class Start {
     slice.metric = metric_from_solution(slice, name, options, work_).metric;
     if (std::ranges::count(options_.transfer, name) == 0)
       std::erase_if(slice.mesh.point_fields, [&](const MeshField& field) { return field.name == name; });
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
   }
 
   PerPart<MetricField> metric_of_parts() const {
@@ -187,12 +182,12 @@ class Start {
         limit_gradation(metric, mesh.points, VertexGraph(view, runner_), options_.gradation, runner_);
       report_.turning = limit_turning(metric, view, runner_);
     });
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
     work_.each([&] {
       report_.before = measure_conformity(mesh, metric, runner_);
       check_load(load_of(mesh.tet_to_vert.size(), mesh));
     });
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
     work_.each([&] {
       if (split_touching(mesh, metric)) given_up = &refined_->mesh, metric = std::move(refined_->metric);
       AdapterInput input{refined_ ? refined_->mesh : mesh, given_up, std::move(metric)};
@@ -224,7 +219,7 @@ class Start {
     if (!call_.function) limit(slice);
     report_.before = conformity_of(slice, work_);
     work_.each([&] { check_load(load_of(slice.tet_count(), slice.mesh)); });
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
     if (touches_itself(slice)) split_together(slice);
     adapter_.emplace(share_of(std::move(slice), static_cast<bool>(call_.function), options_, work_), call_.function,
                      options_, work_);
@@ -235,7 +230,7 @@ class Start {
     if (options_.curvature) limit_by_curvature(slice, *options_.model, *options_.curvature, work_);
     if (options_.gradation > 0) limit_gradation(slice, options_.gradation, work_);
     report_.turning = limit_turning(slice.metric, view, slice.own_tets(work_), runner_);
-    give_back_where_shared(work_);
+    give_back_where_shared(work_.rank_count());
   }
 
   bool touches_itself(const MeshSlice& slice) const {

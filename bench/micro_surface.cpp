@@ -37,7 +37,10 @@ class SphereOctree {
     tree_.gradation = 0.3;
     add_block({0, 0, 0}, 1);
   }
-  SizeField build() && { return SizeField::from_octree(std::move(tree_)); }
+  SizeField build() && {
+    set_corner_ratios(tree_, leaf_to_ratios_);
+    return SizeField::from_octree(std::move(tree_));
+  }
 
  private:
   double size_at(const Vec3& x) const {
@@ -61,8 +64,8 @@ class SphereOctree {
   std::uint32_t add_leaf(const Vec3& corner, double width) {
     std::array<float, 8> ratios{};
     for (std::size_t i = 0; i < 8; ++i) ratios[i] = static_cast<float>(size_at(corner + width * offset(i)));
-    tree_.corner_ratios.push_back(ratios);
-    return SizeOctree::kLeafBit + static_cast<std::uint32_t>(tree_.corner_ratios.size() - 1);
+    leaf_to_ratios_.push_back(ratios);
+    return SizeOctree::kLeafBit + static_cast<std::uint32_t>(leaf_to_ratios_.size() - 1);
   }
 
   static Vec3 offset(std::size_t octant) {
@@ -71,6 +74,7 @@ class SphereOctree {
 
   int depth_;
   SizeOctree tree_;
+  std::vector<std::array<float, 8>> leaf_to_ratios_;
 };
 
 void look_up_size(benchmark::State& state) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/failure.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/base/stage_clock.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/check_solids.hpp"
@@ -55,6 +56,7 @@ class MeshRun {
     const bool fills = !options_.surface_only && model_.topology().region_count() > 0;
     measure_model();
     if (!SurfaceFitter(model_, options_, work_, failed_, result_).run()) return;
+    give_back_where_shared(work_.rank_count());
     if (fills) check_solids();
     if (fills && !mesh_volume()) return;
     if (options_.order == 2) make_second_order(fills);

@@ -20,7 +20,7 @@ SizeField SizeField::from_octree(SizeOctree octree) {
   if (const std::string wrong = validate_octree(octree); !wrong.empty())
     throw Error(ErrorCode::InvalidArgument, "invalid size octree: " + wrong);
   float smallest = 1;
-  for (const auto& ratios : octree.corner_ratios) smallest = std::min(smallest, *std::ranges::min_element(ratios));
+  for (const float ratio : octree.corner_ratios) smallest = std::min(smallest, ratio);
   SizeField field;
   field.largest_ = octree.size;
   field.gradation_ = octree.gradation;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/sizing/block_corners.hpp"
+
 namespace tetloom {
 namespace {
 
@@ -34,13 +36,15 @@ SizeField::Tree::Tree(SizeOctree octree) : octree_(std::move(octree)), scale_(kC
 void SizeField::Tree::fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner) {
   const std::uint32_t width = 1u << (top_depth_ - depth);
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
-    const std::uint32_t code = octree_.cells[8 * std::size_t{block} + octant];
+    const std::uint32_t cell = 8 * block + octant;
+    std::uint32_t code = octree_.cells[cell];
     const std::array<std::uint32_t, 3> lo{corner[0] + (octant & 1) * width, corner[1] + (octant >> 1 & 1) * width,
                                           corner[2] + (octant >> 2) * width};
     if (code < SizeOctree::kLeafBit && depth < top_depth_) {
       fill_top(code, depth + 1, lo);
       continue;
     }
+    if (is_sized_leaf(code)) code = SizeOctree::kLeafBit + cell;
     for (std::uint32_t z = lo[2]; z < lo[2] + width; ++z)
       for (std::uint32_t y = lo[1]; y < lo[1] + width; ++y)
         for (std::uint32_t x = lo[0]; x < lo[0] + width; ++x)
@@ -48,10 +52,14 @@ void SizeField::Tree::fill_top(std::uint32_t block, std::uint32_t depth, const s
   }
 }
 
-double SizeField::Tree::interpolate(std::uint32_t leaf, double x, double y, double z) const {
-  const std::array<float, 8>& r = octree_.corner_ratios[leaf];
-  const double lower = mix(mix(r[0], r[1], x), mix(r[2], r[3], x), y);
-  const double upper = mix(mix(r[4], r[5], x), mix(r[6], r[7], x), y);
+/// Of a leaf with sizes of its own, between its corners: shares of its width.
+double SizeField::Tree::interpolate(std::size_t cell, double x, double y, double z) const {
+  const std::size_t octant = cell % 8;
+  const float* of_block = octree_.corner_ratios.data() + (octree_.cells[cell] - SizeOctree::kLeafBit);
+  const std::array<std::uint8_t, 8>& places = stored_corners(octree_.cells.data() + (cell - octant)).places[octant];
+  const auto at = [&](std::size_t corner) { return static_cast<double>(of_block[places[corner]]); };
+  const double lower = mix(mix(at(0), at(1), x), mix(at(2), at(3), x), y);
+  const double upper = mix(mix(at(4), at(5), x), mix(at(6), at(7), x), y);
   return octree_.size * mix(lower, upper, z);
 }
 
@@ -66,15 +74,18 @@ double SizeField::Tree::size_at(const Vec3& x) const {
   const std::uint32_t top_shift = kMaxDepth - top_depth_;
   auto [code, depth] =
       top_[((cell[2] >> top_shift) << top_depth_ | cell[1] >> top_shift) << top_depth_ | cell[0] >> top_shift];
+  if (code == SizeOctree::kGlobalLeaf) return octree_.size;
+  std::size_t leaf = code - SizeOctree::kLeafBit;
   while (code < SizeOctree::kLeafBit) {
     const std::uint32_t shift = kMaxDepth - ++depth;
     const std::uint32_t octant = (cell[0] >> shift & 1) | (cell[1] >> shift & 1) << 1 | (cell[2] >> shift & 1) << 2;
-    code = octree_.cells[8 * std::size_t{code} + octant];
+    leaf = 8 * std::size_t{code} + octant;
+    code = octree_.cells[leaf];
+    if (code == SizeOctree::kGlobalLeaf) return octree_.size;
   }
-  if (code == SizeOctree::kGlobalLeaf) return octree_.size;
   const std::uint32_t mask = ~((1u << (kMaxDepth - depth)) - 1);
   const double to_unit = kInverseWidth[depth];
-  const double size = interpolate(code - SizeOctree::kLeafBit, (local.x - (cell[0] & mask)) * to_unit,
+  const double size = interpolate(leaf, (local.x - (cell[0] & mask)) * to_unit,
                                   (local.y - (cell[1] & mask)) * to_unit, (local.z - (cell[2] & mask)) * to_unit);
   if (inside == x) return size;
   const double beyond = distance(x, inside);
@@ -87,7 +98,8 @@ void SizeField::Tree::for_each_leaf(const Box3& box, const std::function<void(co
       const Vec3 lo = origin + width * Vec3{double(octant & 1), double(octant >> 1 & 1), double(octant >> 2)};
       const Box3 cell{lo, lo + Vec3{width, width, width}};
       if (!cell.overlaps(box)) continue;
-      const std::uint32_t code = octree_.cells[8 * std::size_t{block} + octant];
+      const std::size_t at_leaf = 8 * std::size_t{block} + octant;
+      const std::uint32_t code = octree_.cells[at_leaf];
       if (code < SizeOctree::kLeafBit) {
         self(self, code, lo, width / 2);
         continue;
@@ -99,7 +111,7 @@ void SizeField::Tree::for_each_leaf(const Box3& box, const std::function<void(co
       }
       if (code != SizeOctree::kGlobalLeaf) {
         const Vec3 at = (leaf.box.center() - cell.lo) / width;
-        leaf.size = interpolate(code - SizeOctree::kLeafBit, at.x, at.y, at.z);
+        leaf.size = interpolate(at_leaf, at.x, at.y, at.z);
       }
       visit(leaf);
     }

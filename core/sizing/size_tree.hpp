@@ -19,7 +19,6 @@ class SizeField::Tree {
   void for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const;
   std::size_t leaf_count() const;
   std::size_t memory() const;
-  const SizeOctree& octree() const { return octree_; }
 
  private:
   static constexpr int kMaxDepth = SizeOctree::kMaxDepth;
@@ -27,12 +26,12 @@ class SizeField::Tree {
 
   /// Where a descent starts: a node at top_depth_, or a leaf above it.
   struct TopCell {
-    std::uint32_t code = 0;
+    std::uint32_t code = 0;  ///< of a leaf with sizes kLeafBit + its cell
     std::uint32_t depth = 0;
   };
 
   void fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner);
-  double interpolate(std::uint32_t leaf, double x, double y, double z) const;
+  double interpolate(std::size_t cell, double x, double y, double z) const;
 
   SizeOctree octree_;
   std::uint32_t top_depth_ = 0;  ///< deep enough to save steps, not so deep that the table leaves the cache

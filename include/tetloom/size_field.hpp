@@ -19,13 +19,16 @@ namespace tetloom {
 /// 0: x, 1: y, 2: z) of block b, and block 0 holds the children of the root. What a cell is, its code says:
 ///
 ///     code < kLeafBit        the block of its children
-///     kLeafBit + i           a leaf whose corners have the sizes size * corner_ratios[i][o]
+///     kLeafBit + i           a leaf with sizes of its own at its corners; those of its block begin at corner_ratios[i]
 ///     kGlobalLeaf            a leaf on which the size is `size` throughout
 ///
+/// The sizes at the corners of a block's leaves, in shares of `size`, stand in corner_ratios once each, along x, then
+/// y, then z; blocks follow each other in their order. `set_corner_ratios` puts them there.
+///
 /// Invariants (`validate_octree`): blocks are in depth-first order, so a child block follows its parent and every block
-/// but the first has exactly one parent; corner_ratios are in Morton order, one per leaf that refers to them; ratios
-/// lie in (0, 1]; no cell lies deeper than kMaxDepth. Neighbours of a leaf are at most one level coarser when the
-/// builder balanced the tree, which is not required for reading it.
+/// but the first has exactly one parent; each block has the ratios of its leaves and no others; ratios lie in (0, 1];
+/// no cell lies deeper than kMaxDepth. Neighbours of a leaf are at most one level coarser when the builder balanced the
+/// tree, which is not required for reading it.
 struct SizeOctree {
   static constexpr int kMaxDepth = 20;
   static constexpr std::uint32_t kLeafBit = 0x80000000u;
@@ -37,8 +40,13 @@ struct SizeOctree {
   double size = 0;       ///< the largest size, model length
   double gradation = 0;  ///< growth of the size per unit of distance outside `domain`
   std::vector<std::uint32_t> cells;
-  std::vector<std::array<float, 8>> corner_ratios;
+  std::vector<float> corner_ratios;
 };
+
+/// Gives the leaves of a tree their sizes: those with the code kLeafBit + i have the ratios leaf_to_ratios[i] at their
+/// corners, in the order of octants, and get the codes that a SizeOctree has. Where two leaves of a block have
+/// different ones at a common corner the smaller holds. Throws Error(InvalidArgument) where a leaf has none.
+void set_corner_ratios(SizeOctree& tree, std::span<const std::array<float, 8>> leaf_to_ratios);
 
 /// What is wrong with a tree, in one sentence; empty when nothing is.
 std::string validate_octree(const SizeOctree& tree);

@@ -1,6 +1,7 @@
 #include "mesher/intersection/self_intersection.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -30,19 +31,11 @@ class Searcher {
       : search_(search),
         tree_(tree),
         runner_(runner),
-        degenerate_(search.tri_to_vert.size()),
-        boxes_(search.tri_to_vert.size()) {
+        degenerate_(search.tri_to_vert.size()) {
     runner.for_blocks(degenerate_.size(), kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
         degenerate_[i] = intersection::is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
-      }
-    });
-    constexpr std::size_t kLeaves = 1 << 12;
-    runner.for_blocks(tree.leaf_count(), kLeaves, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t leaf = begin; leaf < end; ++leaf) {
-        Box3* box = boxes_.data() + leaf * kLeafSize;
-        for (const std::uint32_t triangle : tree.leaf_triangles(leaf)) *box++ = tree.box_of(triangle);
       }
     });
   }
@@ -61,8 +54,10 @@ class Searcher {
       }
       // Of two leaves with new triangles the first compares them.
       const std::size_t first = search_.tri_is_new.empty() ? leaf : 0;
+      LeafBoxes boxes;
+      std::ranges::transform(tree_.leaf_triangles(leaf), boxes.begin(), [&](auto t) { return tree_.box_of(t); });
       tree_.for_each_leaf_in(tree_.leaf_box(leaf), first, [&](std::size_t other) {
-        if (other >= leaf || !has_new(other)) compare_leaves(leaf, other, found);
+        if (other >= leaf || !has_new(other)) compare_leaves(leaf, boxes, other, found);
       });
     }
     const std::size_t last = std::min(end * kLeafSize, search_.tri_to_vert.size());
@@ -71,16 +66,19 @@ class Searcher {
   }
 
  private:
+  using LeafBoxes = std::array<Box3, kLeafSize>;
+
   bool is_new(std::uint32_t triangle) const { return search_.tri_is_new.empty() || search_.tri_is_new[triangle] != 0; }
   bool has_new(std::size_t leaf) const {
     return std::ranges::any_of(tree_.leaf_triangles(leaf), [&](auto t) { return is_new(t); });
   }
 
-  void compare_leaves(std::size_t leaf, std::size_t other, std::vector<TriangleIntersection>& found) const {
+  // `boxes`: of the triangles of `leaf`.
+  void compare_leaves(std::size_t leaf, const LeafBoxes& boxes, std::size_t other,
+                      std::vector<TriangleIntersection>& found) const {
     const auto ours = tree_.leaf_triangles(leaf), theirs = tree_.leaf_triangles(other);
-    const Box3 *boxes = boxes_.data() + leaf * kLeafSize, *their_boxes = boxes_.data() + other * kLeafSize;
     for (std::size_t j = 0; j < theirs.size(); ++j) {
-      const Box3& box = their_boxes[j];
+      const Box3 box = tree_.box_of(theirs[j]);
       if (!box.overlaps(tree_.leaf_box(leaf))) continue;
       for (std::size_t i = 0; i < (leaf == other ? j : ours.size()); ++i) {
         if (box.overlaps(boxes[i])) compare(ours[i], theirs[j], found);
@@ -106,7 +104,6 @@ class Searcher {
   const intersection::TriangleTree& tree_;
   const TaskRunner& runner_;
   std::vector<char> degenerate_;
-  std::vector<Box3> boxes_;  // of the triangles, in the order of the leaves
 };
 
 std::string count_of(std::size_t count, const char* singular, const char* plural) {

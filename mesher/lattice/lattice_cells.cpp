@@ -57,6 +57,14 @@ LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runn
     throw Error(ErrorCode::OutOfMemory, "the size field asks for more than a thousand million points");
 }
 
+void LatticeCells::keep(std::span<const std::uint32_t> cells) {
+  if (cells.size() == cells_.size()) return;
+  std::vector<LatticeCell> kept;
+  kept.reserve(cells.size());
+  for (const std::uint32_t cell : cells) kept.push_back(cells_[cell]);
+  cells_ = std::move(kept);
+}
+
 const SiteLattice& LatticeCells::coarsest_of(const LatticeCell& cell) const {
   return lattices_[static_cast<std::size_t>(std::min(levels_.count() - 1, levels_.of(cell.hi) + 1))];
 }

@@ -17,7 +17,7 @@ struct LatticeCell {
   bool near_surface = false, meets_surface = false;
 };
 
-/// Immutable, so that any thread may ask it. Refers to the request.
+/// Any thread may ask it. Refers to the request.
 class LatticeCells {
  public:
   /// Pre: the box of the request is not empty. Errors: Cancelled; OutOfMemory when the field asks for more points than
@@ -27,6 +27,8 @@ class LatticeCells {
   static constexpr std::size_t kSubtrees = 256;
 
   const std::vector<LatticeCell>& cells() const { return cells_; }
+  /// Leaves all cells out but those with these indices, ascending.
+  void keep(std::span<const std::uint32_t> cells);
   const std::vector<SiteLattice>& lattices() const { return lattices_; }  ///< finest first
   std::size_t level_count() const { return lattices_.size(); }
   /// The region that the surface names around x; kNone outside.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
@@ -165,6 +166,22 @@ std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, 
   const std::uint32_t high = bisect(std::move(sides[1]), boxes[1], part_count - low_count);
   nodes_[index].low = low, nodes_[index].high = high;
   return index;
+}
+
+std::vector<std::uint32_t> Decomposition::keep_cells_of(std::span<const PartId> parts) {
+  std::vector<std::vector<std::uint32_t>> part_to_kept(part_count());
+  std::vector<std::uint32_t> all;
+  for (const PartId part : parts) {
+    std::vector<std::uint32_t>& kept = part_to_kept[part.value];
+    kept = std::move(part_to_cells_[part.value]);
+    all.insert(all.end(), kept.begin(), kept.end());
+  }
+  sort_unique(all);
+  for (std::vector<std::uint32_t>& kept : part_to_kept)
+    for (std::uint32_t& cell : kept)
+      cell = static_cast<std::uint32_t>(std::ranges::lower_bound(all, cell) - all.begin());
+  part_to_cells_ = std::move(part_to_kept);
+  return all;
 }
 
 PartId Decomposition::owner_of(const Vec3& x) const {

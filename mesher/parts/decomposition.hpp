@@ -45,6 +45,9 @@ class Decomposition {
   double work(PartId part) const { return work_[part.value]; }
   /// Indices of the cells that reach into the part's box, ascending.
   std::span<const std::uint32_t> cells_of(PartId part) const { return part_to_cells_[part.value]; }
+  /// Leaves the cells of all other parts out. Those that stay, of which it returns the indices, ascending, get the
+  /// numbers from 0 on.
+  std::vector<std::uint32_t> keep_cells_of(std::span<const PartId> parts);
   /// Parts with anything within kNeighborhood sizes, ascending; symmetric.
   std::span<const PartId> neighbors(PartId part) const { return part_to_neighbors_[part.value]; }
   /// Calls visit(part) for every part whose box overlaps `box`, ascending in the tree.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/codec.hpp"
+#include "core/base/free_memory.hpp"
 #include "core/base/stopwatch.hpp"
 #include "mesher/parts/ask_others.hpp"
 #include "mesher/parts/borders.hpp"
@@ -194,7 +195,8 @@ class Filler {
     figures.parts.parts = states_.part_count();
     figures.parts.asking_rounds = asked_.rounds;
     figures.parts.asked = asked_.tets;
-    result.tri_to_vert = input_.filling.complex.tri_to_vert;
+    const auto given = input_.filling.complex.tri_to_vert;
+    result.tri_to_vert.assign(given.begin(), given.end());
     std::size_t seen = 0, wanted = 0;
     const auto take = [&](MessageReader& reader) {
       while (!reader.at_end()) {
@@ -247,7 +249,9 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
       cells.emplace(lattice, runner);
     }
     const std::size_t parts = count_parts(estimate_volume(*cells), input.options.tets_per_part);
-    if (parts > 1) decomposition.emplace(*cells, parts, runner, trace);
+    if (parts <= 1) return;
+    decomposition.emplace(*cells, parts, runner, trace);
+    cells->keep(decomposition->keep_cells_of(communicator.parts_of_rank(parts)));
   });
   if (!decomposition) return std::nullopt;
   run_on_all(communicator, [&] {
@@ -258,6 +262,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
     const TraceSpan span(trace, "index of triangles");
     triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
   });
+  give_back_where_shared(communicator.rank_count());
   const SharedInput shared{
       input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
   return Filler(shared, communicator, runner, trace).run();

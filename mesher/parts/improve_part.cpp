@@ -64,17 +64,17 @@ class Improvement {
     for (const VertKey key : tets_.keys)
       if (is_of_surface(key)) points_.push_back(static_cast<std::uint32_t>(key));
     sort_unique(points_);
-    surface_.regions = complex.regions;
     for (const std::uint32_t point : points_) {
-      surface_.points.push_back(complex.points[point]);
-      surface_.to_input_vert.push_back(complex.to_input_vert[point]);
+      arrays_.points.push_back(complex.points[point]);
+      arrays_.to_input_vert.push_back(complex.to_input_vert[point]);
     }
     for (const std::uint32_t t : triangles_) {
       const auto& [a, b, c] = complex.tri_to_vert[t];
-      surface_.tri_to_vert.push_back({local(a), local(b), local(c)});
-      surface_.tri_to_sides.push_back(complex.tri_to_sides[t]);
-      surface_.to_input_tri.push_back(complex.to_input_tri[t]);
+      arrays_.tri_to_vert.push_back({local(a), local(b), local(c)});
+      arrays_.tri_to_sides.push_back(complex.tri_to_sides[t]);
+      arrays_.to_input_tri.push_back(complex.to_input_tri[t]);
     }
+    surface_ = arrays_.view(complex.regions);
   }
 
   TriangleVerts complex_verts(FaceCode face) const {
@@ -89,7 +89,7 @@ class Improvement {
 
   // Points of the surface first, as in surface_.
   void renumber() {
-    GrowingArray<Vec3> points{std::span<const Vec3>(surface_.points)};
+    GrowingArray<Vec3> points{surface_.points};
     GrowingArray<VertKey> keys;
     for (const std::uint32_t point : points_) keys.push_back(point);
     std::vector<std::uint32_t> to_new(tets_.keys.size());
@@ -152,7 +152,8 @@ class Improvement {
   const Box3& box_;
   PartId part_;
   std::vector<std::uint32_t> triangles_, points_;  // of the complex, ascending
-  Complex surface_;
+  volume::ComplexArrays arrays_;
+  Complex surface_;  // of these
   std::vector<char> is_frozen_;
 };
 

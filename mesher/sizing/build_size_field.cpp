@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/free_memory.hpp"
 #include "core/base/lists.hpp"
 #include "mesher/sizing/corner_values.hpp"
 #include "mesher/sizing/model_facets.hpp"
@@ -152,9 +153,9 @@ SizeField grow_tree(const Workpiece& piece, const ModelSources& sources, std::sp
   GrownTree tree{{refinements.begin(), refinements.end()}, before.frame, {}, {}};
   if (!continued) tree.frame = choose_frame(piece, sources, refined, field.width_at_source());
   OctreeBuilder builder(field, tree.frame, piece.model.bounding_box(), cell_limit(max_memory), work);
-  std::vector<OctreeLeaf> leaves;
-  SizeOctree octree = builder.build(before.levels, tree.levels, leaves);
-  tree.corners = fill_corner_ratios(octree, leaves, field, before.corners, work);
+  std::vector<OctreeBlock> blocks;
+  SizeOctree octree = builder.build(before.levels, tree.levels, blocks);
+  tree.corners = fill_corner_ratios(octree, blocks, field, before.corners, work);
   grown.add(std::move(tree), continued);
   return SizeField::from_octree(std::move(octree));
 }
@@ -205,7 +206,17 @@ struct SizeFieldBuilder::State {
     facet_model();
     const SizeField sizes =
         grow_tree({model, options, targets, facets, *tree}, *sources, refinements, max_memory, work, grown);
-    return {sizes, estimate_mesh(model, sizes, facets, *tree, work)};
+    SizedModel sized{sizes, estimate_mesh(model, sizes, facets, *tree, work)};
+    if (work.rank_count() > 1) forget_facets();
+    return sized;
+  }
+
+  // They are made again where they are asked for: with a surface beside them they would be most of what a rank has.
+  void forget_facets() {
+    facets = {};
+    tree.reset();
+    sources.reset();
+    give_back_free_memory();
   }
 
   const GeometricModel& model;

@@ -6,18 +6,27 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
+#include <utility>
 
+#include "core/base/lists.hpp"
+#include "core/sizing/block_corners.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom {
 namespace {
 
-constexpr std::size_t kLeavesAtOnce = 512;  // leaves whose corners fit in a core's cache
-constexpr std::uint32_t kDeepest = 1;       // the width of the leaves that are as deep as the tree goes
+constexpr std::size_t kBlocksAtOnce = 64;  // blocks whose corners fit in a core's cache
+constexpr std::uint32_t kDeepest = 1;      // the width of the leaves that are as deep as the tree goes
 
-using CornerIds = std::array<std::uint32_t, 8>;
+/// Of the stored corners of a block.
+using CornerIds = std::array<std::uint32_t, StoredCorners::kInBlock>;
+using Blocks = std::span<const OctreeBlock>;
+
+const StoredCorners& corners_of(const SizeOctree& tree, const OctreeBlock& block) {
+  return stored_corners(tree.cells.data() + block.first_cell);
+}
 
 /// Codes numbered in the order in which they come: open addressing with linear probing.
 class CodeNumbers {
@@ -46,14 +55,16 @@ class CodeNumbers {
   std::vector<std::uint64_t> codes_;
 };
 
-/// The corners of a block of leaves.
-class BlockCorners {
+/// The corners of some blocks.
+class CornersOfSome {
  public:
-  explicit BlockCorners(std::span<const OctreeLeaf> leaves) : ids_(leaves.size()) {
-    CodeNumbers numbers(8 * leaves.size());
-    for (std::size_t i = 0; i < leaves.size(); ++i)
-      for (std::uint32_t octant = 0; octant < 8; ++octant)
-        ids_[i][octant] = numbers.number(corner_code(leaves[i], octant));
+  CornersOfSome(const SizeOctree& tree, Blocks blocks) : ids_(blocks.size()) {
+    CodeNumbers numbers(StoredCorners::kInBlock * blocks.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const StoredCorners& stored = corners_of(tree, blocks[i]);
+      for (std::size_t k = 0; k < stored.count; ++k)
+        ids_[i][k] = numbers.number(corner_code(blocks[i], stored.in_block[k]));
+    }
     order_.resize(numbers.codes().size());
     std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, [&](std::uint32_t n) { return numbers.codes()[n]; });
@@ -61,7 +72,7 @@ class BlockCorners {
   }
 
   const std::vector<std::uint64_t>& codes() const { return codes_; }  ///< ascending
-  /// Of each leaf, as places in what `places_in` returns.
+  /// Of each block, as places in what `places_in` returns.
   const std::vector<CornerIds>& ids() const { return ids_; }
   /// The place of each corner in `all`, which ascends and has them all.
   std::vector<std::uint32_t> places_in(const std::vector<std::uint64_t>& all) const {
@@ -74,9 +85,10 @@ class BlockCorners {
     return places;
   }
 
-  static std::uint64_t corner_code(const OctreeLeaf& leaf, std::uint32_t octant) {
-    return morton_encode({leaf.corner[0] + (octant & 1) * leaf.width, leaf.corner[1] + (octant >> 1 & 1) * leaf.width,
-                          leaf.corner[2] + (octant >> 2) * leaf.width});
+  /// `corner`: of the 27.
+  static std::uint64_t corner_code(const OctreeBlock& block, std::uint32_t corner) {
+    return morton_encode({block.corner[0] + corner % 3 * block.width, block.corner[1] + corner / 3 % 3 * block.width,
+                          block.corner[2] + corner / 9 * block.width});
   }
 
  private:
@@ -85,35 +97,45 @@ class BlockCorners {
   std::vector<std::uint32_t> order_;  // of `codes_`, as `ids_` knows them
 };
 
-/// Every corner of the leaves, once, by its Morton code.
-std::vector<std::uint64_t> corner_codes(std::span<const OctreeLeaf> leaves, const TaskRunner& runner) {
-  std::vector<std::vector<std::uint64_t>> blocks((leaves.size() + kLeavesAtOnce - 1) / kLeavesAtOnce);
-  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
-    blocks[begin / kLeavesAtOnce] = BlockCorners(leaves.subspan(begin, end - begin)).codes();
+/// Every corner of the blocks' leaves, once, by its Morton code.
+std::vector<std::uint64_t> corner_codes(const SizeOctree& tree, Blocks blocks, const TaskRunner& runner) {
+  std::vector<std::vector<std::uint64_t>> lists((blocks.size() + kBlocksAtOnce - 1) / kBlocksAtOnce);
+  runner.for_blocks(blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    lists[begin / kBlocksAtOnce] = CornersOfSome(tree, blocks.subspan(begin, end - begin)).codes();
   });
-  std::vector<std::size_t> first{0};
-  for (const auto& block : blocks) first.push_back(first.back() + block.size());
-  std::vector<std::uint64_t> codes(first.back());
-  runner.for_each(blocks.size(), [&](std::size_t b) {
-    std::ranges::copy(blocks[b], codes.begin() + static_cast<std::ptrdiff_t>(first[b]));
-    blocks[b] = {};
+  // Lists ascend and nearly follow each other: range by range takes half the memory of sorting them all at once.
+  constexpr std::size_t kRanges = 64;
+  std::vector<std::uint64_t> bounds{0, ~std::uint64_t{0}};
+  for (std::size_t r = 1; r < kRanges && !lists.empty(); ++r)
+    bounds.push_back(lists[r * lists.size() / kRanges].front());
+  sort_unique(bounds);
+  std::vector<std::vector<std::uint64_t>> ranges(bounds.size() - 1);
+  runner.for_each(ranges.size(), [&](std::size_t r) {
+    std::vector<std::uint64_t>& range = ranges[r];
+    for (const std::vector<std::uint64_t>& list : lists) {
+      const auto first = std::ranges::lower_bound(list, bounds[r]);
+      range.insert(range.end(), first, std::lower_bound(first, list.end(), bounds[r + 1]));
+    }
+    sort_unique(range);
+    range.shrink_to_fit();
   });
-  parallel_sort_unique(codes, runner);
-  codes.shrink_to_fit();
-  return codes;
+  lists = {};
+  return joined(ranges);
 }
 
-/// The corners of every leaf, as places in `codes`.
-std::vector<CornerIds> corner_ids(std::span<const OctreeLeaf> leaves, const std::vector<std::uint64_t>& codes,
-                                  const TaskRunner& runner) {
-  std::vector<CornerIds> ids(leaves.size());
-  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
-    const BlockCorners corners(leaves.subspan(begin, end - begin));
+/// Calls visit(i, ids) for the blocks, side by side: `ids` are the places of block i's corners in `codes`.
+template <class Visit>
+void for_each_block(const SizeOctree& tree, Blocks blocks, const std::vector<std::uint64_t>& codes,
+                    const TaskRunner& runner, const Visit& visit) {
+  runner.for_blocks(blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    const CornersOfSome corners(tree, blocks.subspan(begin, end - begin));
     const std::vector<std::uint32_t> places = corners.places_in(codes);
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t octant = 0; octant < 8; ++octant) ids[i][octant] = places[corners.ids()[i - begin][octant]];
+    for (std::size_t i = begin; i < end; ++i) {
+      CornerIds ids = corners.ids()[i - begin];
+      for (std::size_t k = 0; k < corners_of(tree, blocks[i]).count; ++k) ids[k] = places[ids[k]];
+      visit(i, ids);
+    }
   });
-  return ids;
 }
 
 int rank_of_corner(std::uint64_t code, const SharedWork& work) {
@@ -153,99 +175,130 @@ std::vector<double> evaluate_corners(const SizeOctree& tree, const std::vector<s
   return sizes;
 }
 
-/// Lowers the corners of one leaf; returns whether any of them changed.
-bool relax(const CornerIds& ids, double growth, std::vector<double>& sizes) {
+/// Lowers the corners of one leaf; returns whether any of them changed. `places`: of its corners among `ids`.
+bool relax(const CornerIds& ids, const std::array<std::uint8_t, 8>& places, double growth, std::vector<double>& sizes) {
   static const std::array<double, 4> kDistance{0, 1, std::sqrt(2.0), std::sqrt(3.0)};
   bool changed = false;
   for (std::uint32_t a = 0; a < 8; ++a)
     for (std::uint32_t b = a + 1; b < 8; ++b) {
       const std::uint32_t differ = a ^ b;
       const double step = growth * kDistance[(differ & 1) + (differ >> 1 & 1) + (differ >> 2)];
-      double &at_a = sizes[ids[a]], &at_b = sizes[ids[b]];
+      double &at_a = sizes[ids[places[a]]], &at_b = sizes[ids[places[b]]];
       if (at_a > at_b + step) at_a = at_b + step, changed = true;
       if (at_b > at_a + step) at_b = at_a + step, changed = true;
     }
   return changed;
 }
 
-/// Sweeps to and fro along the Morton curve until nothing changes.
-void enforce_gradation(const SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const std::vector<CornerIds>& ids,
+/// Of a block with leaves that need sizes.
+std::size_t first_ratio(const SizeOctree& tree, const OctreeBlock& block) {
+  const std::uint32_t* const cells = tree.cells.data() + block.first_cell;
+  return *std::find_if(cells, cells + 8, is_sized_leaf) - SizeOctree::kLeafBit;
+}
+
+/// Calls visit(octant) for the leaves of a block that need sizes.
+template <class Visit>
+void for_each_sized_leaf(const SizeOctree& tree, const OctreeBlock& block, const Visit& visit) {
+  for (std::size_t octant = 0; octant < 8; ++octant)
+    if (is_sized_leaf(tree.cells[block.first_cell + octant])) visit(octant);
+}
+
+/// Sweeps to and fro along the Morton curve until nothing changes. What comes out does not depend on their order.
+void enforce_gradation(const SizeOctree& tree, Blocks blocks, const std::vector<std::uint64_t>& codes,
                        std::vector<double>& sizes, const TaskRunner& runner) {
+  std::vector<CornerIds> block_to_ids(blocks.size());
+  for_each_block(tree, blocks, codes, runner, [&](std::size_t i, const CornerIds& ids) { block_to_ids[i] = ids; });
   const double growth_per_unit = tree.gradation * std::ldexp(tree.width, -SizeOctree::kMaxDepth);
+  const auto relax_block = [&](std::size_t i) {
+    bool changed = false;
+    const StoredCorners& stored = corners_of(tree, blocks[i]);
+    for_each_sized_leaf(tree, blocks[i], [&](std::size_t octant) {
+      changed |= relax(block_to_ids[i], stored.places[octant], growth_per_unit * blocks[i].width, sizes);
+    });
+    return changed;
+  };
   bool changed = true;
   while (changed) {
     runner.check_cancelled();
     changed = false;
-    for (std::size_t i = 0; i < leaves.size(); ++i) changed |= relax(ids[i], growth_per_unit * leaves[i].width, sizes);
-    for (std::size_t i = leaves.size(); i-- > 0 && changed;) relax(ids[i], growth_per_unit * leaves[i].width, sizes);
+    for (std::size_t i = 0; i < blocks.size(); ++i) changed |= relax_block(i);
+    for (std::size_t i = blocks.size(); i-- > 0 && changed;) relax_block(i);
   }
 }
 
 /// Leaves as deep as the tree goes may be wider than a size asked for inside them; their corners take the smallest.
-void lower_deepest_leaves(const SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
-                          const std::vector<std::uint64_t>& codes, const TargetField& field,
-                          std::vector<double>& sizes) {
+void lower_deepest_leaves(const SizeOctree& tree, Blocks blocks, const std::vector<std::uint64_t>& codes,
+                          const TargetField& field, std::vector<double>& sizes) {
   const double unit = std::ldexp(tree.width, -SizeOctree::kMaxDepth);
-  for (const OctreeLeaf& leaf : leaves) {
-    if (leaf.width != kDeepest) continue;
-    const Vec3 corner{double(leaf.corner[0]), double(leaf.corner[1]), double(leaf.corner[2])};
-    std::uint32_t winner = SourceTree::kNoSource;
-    const double least = field.lower_bound(tree.origin + unit * (corner + Vec3{0.5, 0.5, 0.5}), 0.87 * unit, winner);
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      const auto at = std::ranges::lower_bound(codes, BlockCorners::corner_code(leaf, octant));
-      double& size = sizes[static_cast<std::size_t>(at - codes.begin())];
-      size = std::min(size, least);
-    }
+  for (const OctreeBlock& block : blocks) {
+    if (block.width != kDeepest) continue;
+    for_each_sized_leaf(tree, block, [&](std::size_t octant) {
+      const Vec3 corner{double(block.corner[0] + (octant & 1)), double(block.corner[1] + (octant >> 1 & 1)),
+                        double(block.corner[2] + (octant >> 2))};
+      std::uint32_t winner = SourceTree::kNoSource;
+      const double least = field.lower_bound(tree.origin + unit * (corner + Vec3{0.5, 0.5, 0.5}), 0.87 * unit, winner);
+      for (std::size_t k = 0; k < 8; ++k) {
+        const auto in_block = static_cast<std::uint32_t>(corner_in_block(octant, k));
+        const auto at = std::ranges::lower_bound(codes, CornersOfSome::corner_code(block, in_block));
+        double& size = sizes[static_cast<std::size_t>(at - codes.begin())];
+        size = std::min(size, least);
+      }
+    });
   }
 }
 
-/// Drops the entries of leaves that hold the global size at all corners; the others keep their order.
-void drop_global_leaves(SizeOctree& tree) {
-  std::vector<std::uint32_t> new_codes(tree.corner_ratios.size(), SizeOctree::kGlobalLeaf);
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < tree.corner_ratios.size(); ++i) {
-    if (std::ranges::all_of(tree.corner_ratios[i], [](float ratio) { return ratio == 1; })) continue;
-    tree.corner_ratios[kept] = tree.corner_ratios[i];
-    new_codes[i] = SizeOctree::kLeafBit + kept++;
+/// Leaves that hold the global size at all corners need no ratios; the others keep their order.
+void drop_global_leaves(SizeOctree& tree, Blocks blocks) {
+  std::vector<float>& ratios = tree.corner_ratios;
+  std::size_t from = 0, kept = 0;
+  for (const OctreeBlock& block : blocks) {
+    const StoredCorners& before = corners_of(tree, block);
+    std::array<float, StoredCorners::kInBlock> in_block;
+    for (std::size_t k = 0; k < before.count; ++k) in_block[before.in_block[k]] = ratios[from + k];
+    from += before.count;
+    for_each_sized_leaf(tree, block, [&](std::size_t octant) {
+      bool is_global = true;
+      for (std::size_t k = 0; k < 8; ++k) is_global = is_global && in_block[corner_in_block(octant, k)] == 1;
+      tree.cells[block.first_cell + octant] =
+          is_global ? SizeOctree::kGlobalLeaf : SizeOctree::kLeafBit + static_cast<std::uint32_t>(kept);
+    });
+    const StoredCorners& stored = corners_of(tree, block);
+    for (std::size_t k = 0; k < stored.count; ++k) ratios[kept++] = in_block[stored.in_block[k]];
   }
-  const bool is_worth_a_copy = kept < new_codes.size() / 4 * 3;
-  tree.corner_ratios.resize(kept);
-  if (is_worth_a_copy) tree.corner_ratios.shrink_to_fit();
-  for (std::uint32_t& code : tree.cells)
-    if (code >= SizeOctree::kLeafBit && code != SizeOctree::kGlobalLeaf) code = new_codes[code - SizeOctree::kLeafBit];
+  const bool is_worth_a_copy = kept < ratios.size() / 4 * 3;
+  ratios.resize(kept);
+  if (is_worth_a_copy) ratios.shrink_to_fit();
 }
 
 /// What is asked for at corners as the tree may have it; nothing where that is the same.
-std::vector<double> lower_corners(const SizeOctree& tree, const std::vector<OctreeLeaf>& leaves,
-                                  const TargetField& field, const CornerSizes& asked, const TaskRunner& runner) {
-  const bool is_deep = std::ranges::any_of(leaves, [](const OctreeLeaf& leaf) { return leaf.width == kDeepest; });
+std::vector<double> lower_corners(const SizeOctree& tree, Blocks blocks, const TargetField& field,
+                                  const CornerSizes& asked, const TaskRunner& runner) {
+  const bool is_deep = std::ranges::any_of(blocks, [](const OctreeBlock& block) { return block.width == kDeepest; });
   if (!is_deep && !field.may_be_steep()) return {};
   std::vector<double> sizes = asked.sizes;
-  lower_deepest_leaves(tree, leaves, asked.codes, field, sizes);
-  if (field.may_be_steep()) enforce_gradation(tree, leaves, corner_ids(leaves, asked.codes, runner), sizes, runner);
+  lower_deepest_leaves(tree, blocks, asked.codes, field, sizes);
+  if (field.may_be_steep()) enforce_gradation(tree, blocks, asked.codes, sizes, runner);
   return sizes;
 }
 
 }  // namespace
 
-CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeLeaf>& leaves, const TargetField& field,
+CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeBlock>& blocks, const TargetField& field,
                                const CornerSizes& known, const SharedWork& work) {
   const TaskRunner& runner = work.runner();
-  CornerSizes asked{corner_codes(leaves, runner), {}};
+  CornerSizes asked{corner_codes(tree, blocks, runner), {}};
   asked.sizes = evaluate_corners(tree, asked.codes, field, known, work);
-  const std::vector<double> lowered = lower_corners(tree, leaves, field, asked, runner);
+  const std::vector<double> lowered = lower_corners(tree, blocks, field, asked, runner);
   const std::vector<double>& sizes = lowered.empty() ? asked.sizes : lowered;
-  tree.corner_ratios.resize(leaves.size());
-  runner.for_blocks(leaves.size(), kLeavesAtOnce, [&](std::size_t begin, std::size_t end) {
-    const BlockCorners corners(std::span<const OctreeLeaf>(leaves).subspan(begin, end - begin));
-    const std::vector<std::uint32_t> places = corners.places_in(asked.codes);
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t octant = 0; octant < 8; ++octant) {
-        const double size = sizes[places[corners.ids()[i - begin][octant]]];
-        tree.corner_ratios[i][octant] = static_cast<float>(std::min(1.0, size / tree.size));
-      }
+  if (!blocks.empty())
+    tree.corner_ratios.resize(first_ratio(tree, blocks.back()) + corners_of(tree, blocks.back()).count);
+  for_each_block(tree, blocks, asked.codes, runner, [&](std::size_t i, const CornerIds& ids) {
+    const StoredCorners& stored = corners_of(tree, blocks[i]);
+    float* const ratios = tree.corner_ratios.data() + first_ratio(tree, blocks[i]);
+    for (std::size_t k = 0; k < stored.count; ++k)
+      ratios[k] = static_cast<float>(std::min(1.0, sizes[ids[k]] / tree.size));
   });
-  drop_global_leaves(tree);
+  drop_global_leaves(tree, blocks);
   return own_corners(std::move(asked), work);
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/lists.hpp"
+#include "core/sizing/block_corners.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/assert.hpp"
 #include "threading/runtime/parallel_sort.hpp"
@@ -183,37 +184,34 @@ OctreeBuilder::PlacedLevels OctreeBuilder::place(const std::vector<JudgedLevel>&
   return placed;
 }
 
-/// Depth first: numbers the blocks, and puts the leaves that need sizes in Morton order.
-SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeLeaf>& leaves) const {
+/// Depth first: numbers the blocks, and says where the ratios of each one's leaves begin.
+SizeOctree OctreeBuilder::pack(const PlacedLevels& levels, std::vector<OctreeBlock>& blocks) const {
   std::vector<std::size_t> next_child(levels.size(), 0);  // depth first, the blocks of a level come in order
   SizeOctree tree;
-  std::size_t cells = 0, sized = 0;
-  for (const std::vector<PlacedCell>& level : levels) {
-    cells += level.size();
-    sized += static_cast<std::size_t>(std::ranges::count(level, CellVerdict::Leaf, &PlacedCell::verdict));
-  }
+  std::size_t cells = 0, ratios = 0;
+  for (const std::vector<PlacedCell>& level : levels) cells += level.size();
   tree.cells.reserve(cells - 1);
-  leaves.reserve(sized);
   const auto emit = [&](const auto& self, std::size_t level) -> std::uint32_t {
-    const auto block = static_cast<std::uint32_t>(tree.cells.size() / 8);
-    tree.cells.resize(tree.cells.size() + 8, SizeOctree::kGlobalLeaf);
-    const std::size_t first = next_child[level];
+    const std::size_t block = tree.cells.size();
+    tree.cells.resize(block + 8, SizeOctree::kGlobalLeaf);
+    const std::span<const PlacedCell> placed = std::span(levels[level]).subspan(next_child[level], 8);
     next_child[level] += 8;
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      const PlacedCell& cell = levels[level][first + octant];
-      std::uint32_t code = SizeOctree::kGlobalLeaf;
-      if (cell.verdict == CellVerdict::Split) {
-        code = self(self, level + 1);
-      } else if (cell.verdict == CellVerdict::Leaf) {
-        code = SizeOctree::kLeafBit + static_cast<std::uint32_t>(leaves.size());
-        const int shift = kMaxDepth - static_cast<int>(level);
-        std::array<std::uint32_t, 3> corner = morton_decode(cell.code);
-        for (std::uint32_t& c : corner) c <<= shift;
-        leaves.push_back({corner, 1u << shift});
-      }
-      tree.cells[8 * std::size_t{block} + octant] = code;
+    for (std::size_t octant = 0; octant < 8; ++octant)
+      if (placed[octant].verdict == CellVerdict::Leaf)
+        tree.cells[block + octant] = SizeOctree::kLeafBit + static_cast<std::uint32_t>(ratios);
+    if (const std::size_t stored = stored_corners(tree.cells.data() + block).count; stored > 0) {
+      const int shift = kMaxDepth - static_cast<int>(level);
+      std::array<std::uint32_t, 3> corner = morton_decode(placed[0].code);
+      for (std::uint32_t& c : corner) c <<= shift;
+      blocks.push_back({static_cast<std::uint32_t>(block), corner, 1u << shift});
+      ratios += stored;
     }
-    return block;
+    for (std::size_t octant = 0; octant < 8; ++octant)
+      if (placed[octant].verdict == CellVerdict::Split) {
+        const std::uint32_t below = self(self, level + 1);
+        tree.cells[block + octant] = below;
+      }
+    return static_cast<std::uint32_t>(block / 8);
   };
   emit(emit, 1);
   tree.origin = frame_.origin;
@@ -232,7 +230,8 @@ std::vector<OctreeCell> OctreeBuilder::own_cells(const std::vector<OctreeCell>& 
   return own;
 }
 
-SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves) {
+SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels,
+                                std::vector<OctreeBlock>& blocks) {
   std::vector<JudgedLevel> judged;
   std::vector<OctreeCell> cells{{0, {}}};
   std::size_t total = 0;
@@ -250,7 +249,7 @@ SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels
   std::vector<Codes> cuts;
   for (const JudgedLevel& level : judged) cuts.push_back(level.cuts);
   balance(cuts);
-  return pack(place(judged, cuts), leaves);
+  return pack(place(judged, cuts), blocks);
 }
 
 }  // namespace tetloom

@@ -12,10 +12,11 @@
 
 namespace tetloom {
 
-/// A leaf that needs sizes at its corners.
-struct OctreeLeaf {
+/// A block of a tree's cells of which some are leaves that need sizes at their corners.
+struct OctreeBlock {
+  std::uint32_t first_cell;             ///< in SizeOctree::cells
   std::array<std::uint32_t, 3> corner;  ///< in cells of SizeOctree::kMaxDepth
-  std::uint32_t width;                  ///< in the same unit
+  std::uint32_t width;                  ///< of one of its cells, in the same unit
 };
 
 /// The cube that all cells are halves of.
@@ -54,10 +55,10 @@ class OctreeBuilder {
   OctreeBuilder(const TargetField& field, const OctreeFrame& frame, const Box3& domain, std::size_t max_cells,
                 const SharedWork& work);
 
-  /// The tree, with corner_ratios still to be filled: one entry per leaf of `leaves`, in the same (Morton) order.
+  /// The tree, but for its corner_ratios. `blocks` become those with leaves that need sizes, in the order of the tree.
   /// `before`: of a build with the same frame and without the field's latest refinements, or none. What the refinements
   /// do not lower is not judged again, and the tree is the same as without `before`. `levels` become those of this one.
-  SizeOctree build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeLeaf>& leaves);
+  SizeOctree build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeBlock>& blocks);
 
  private:
   using Codes = std::vector<std::uint64_t>;
@@ -80,7 +81,7 @@ class OctreeBuilder {
   void append_parents(int level, const Codes& cuts, Codes& coarser) const;
   void balance(std::vector<Codes>& cuts) const;
   PlacedLevels place(const std::vector<JudgedLevel>& levels, const std::vector<Codes>& cuts) const;
-  SizeOctree pack(const PlacedLevels& levels, std::vector<OctreeLeaf>& leaves) const;
+  SizeOctree pack(const PlacedLevels& levels, std::vector<OctreeBlock>& blocks) const;
   Box3 box_of(std::uint64_t code, int level) const;
 
   const TargetField& field_;

@@ -94,13 +94,19 @@ Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion>
   return diagnostic;
 }
 
-// `numbers`: working memory.
-void number_vertices(const VolumeInput& input, Complex& complex, LocalNumbers& numbers) {
+// Whether it has all points and triangles, so that the input's arrays are its own.
+bool is_all_of(const VolumeInput& input, const ComplexArrays& complex) {
+  return complex.to_input_tri.size() == input.tri_to_vert.size() && complex.to_input_vert.size() == input.points.size();
+}
+
+// The sides of triangles in that order, but for regions that are left out, are in `complex`. `numbers`: working memory.
+void number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumbers& numbers) {
   numbers.clear();
   for (const std::uint32_t t : complex.to_input_tri)
     for (const std::uint32_t v : input.tri_to_vert[t]) numbers.add(v);
   numbers.sort();
   complex.to_input_vert.assign(numbers.items().begin(), numbers.items().end());
+  if (is_all_of(input, complex)) return;
   complex.points.reserve(numbers.size());
   complex.tri_to_vert.reserve(complex.to_input_tri.size());
   for (const std::uint32_t v : numbers.items()) complex.points.push_back(input.points[v]);
@@ -143,7 +149,7 @@ std::size_t open_region_pieces(const VolumeInput& input) {
   return std::min(input.tri_to_vert.size() / plan.grain() + 1, KeyRanges(input.points.size()).count());
 }
 
-std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const std::uint32_t> without) {
+Complexes split_complexes(const VolumeInput& input, std::span<const std::uint32_t> without) {
   const std::size_t region_count = region_bound(input);
   std::vector<char> left_out(region_count, 0);
   for (const std::uint32_t region : without) left_out[region] = 1;
@@ -158,14 +164,14 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
       if (id.valid()) bounded[id.value] = 1;
     }
   }
-  std::vector<Complex> complexes;
+  std::vector<std::vector<std::uint32_t>> complex_to_regions;
   std::vector<std::uint32_t> region_to_complex(region_count, 0);
   for (std::uint32_t region = 0; region < region_count; ++region) {
     if (!bounded[region]) continue;
-    if (sets.find(region) == region) complexes.emplace_back();
-    region_to_complex[region] = sets.find(region) == region ? static_cast<std::uint32_t>(complexes.size() - 1)
+    if (sets.find(region) == region) complex_to_regions.emplace_back();
+    region_to_complex[region] = sets.find(region) == region ? static_cast<std::uint32_t>(complex_to_regions.size() - 1)
                                                             : region_to_complex[sets.find(region)];
-    complexes[region_to_complex[region]].regions.push_back(region);
+    complex_to_regions[region_to_complex[region]].push_back(region);
   }
   const auto for_each_triangle = [&](const auto& visit) {
     for (std::uint32_t t = 0; t < input.tri_to_vert.size(); ++t) {
@@ -174,18 +180,30 @@ std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const s
       if (any.valid()) visit(t, sides, region_to_complex[any.value]);
     }
   };
-  std::vector<std::size_t> counts(complexes.size(), 0);
+  std::vector<ComplexArrays> arrays(complex_to_regions.size());
+  std::vector<std::size_t> counts(arrays.size(), 0);
   for_each_triangle([&](std::uint32_t, const FaceSides&, std::uint32_t complex) { ++counts[complex]; });
-  for (std::size_t i = 0; i < complexes.size(); ++i) {
-    complexes[i].to_input_tri.reserve(counts[i]);
-    complexes[i].tri_to_sides.reserve(counts[i]);
-  }
-  for_each_triangle([&](std::uint32_t t, const FaceSides& sides, std::uint32_t complex) {
-    complexes[complex].to_input_tri.push_back(t);
-    complexes[complex].tri_to_sides.push_back(sides);
+  for (std::size_t i = 0; i < arrays.size(); ++i) arrays[i].to_input_tri.reserve(counts[i]);
+  for_each_triangle([&](std::uint32_t t, const FaceSides&, std::uint32_t complex) {
+    arrays[complex].to_input_tri.push_back(t);
   });
   LocalNumbers numbers(input.points.size());
-  for (Complex& complex : complexes) number_vertices(input, complex, numbers);
+  Complexes complexes;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    ComplexArrays& own = arrays[i];
+    number_vertices(input, own, numbers);
+    const bool is_all = is_all_of(input, own);
+    if (!is_all || !without.empty()) {
+      own.tri_to_sides.reserve(own.to_input_tri.size());
+      for (const std::uint32_t t : own.to_input_tri)
+        own.tri_to_sides.push_back({kept(input.tri_to_sides[t].front), kept(input.tri_to_sides[t].back)});
+    }
+    Complex& complex = complexes.list.emplace_back(own.view(std::move(complex_to_regions[i])));
+    if (!is_all) continue;
+    complex.points = input.points, complex.tri_to_vert = input.tri_to_vert;
+    if (without.empty()) complex.tri_to_sides = input.tri_to_sides;
+  }
+  complexes.arrays = std::move(arrays);
   return complexes;
 }
 

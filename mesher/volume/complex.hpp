@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mesher/volume/volume_mesher.hpp"
@@ -11,13 +12,33 @@
 
 namespace tetloom::volume {
 
-/// A part of the surface with numbers of its own. Its points are those of its triangles, in ascending order.
+/// A part of the surface with numbers of its own. Its points are those of its triangles, in ascending order. Refers to
+/// arrays of the input, or to those of a ComplexArrays.
 struct Complex {
   std::vector<std::uint32_t> regions;  ///< ascending
+  std::span<const std::uint32_t> to_input_tri, to_input_vert;
+  std::span<const Vec3> points;
+  std::span<const std::array<std::uint32_t, 3>> tri_to_vert;  ///< into `points`
+  std::span<const FaceSides> tri_to_sides;
+};
+
+/// What a complex refers to where it is not all of the input.
+struct ComplexArrays {
   std::vector<std::uint32_t> to_input_tri, to_input_vert;
   std::vector<Vec3> points;
-  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;  ///< into `points`
+  std::vector<std::array<std::uint32_t, 3>> tri_to_vert;
   std::vector<FaceSides> tri_to_sides;
+
+  /// Pre: the arrays are complete.
+  Complex view(std::vector<std::uint32_t> regions) const {
+    return {std::move(regions), to_input_tri, to_input_vert, points, tri_to_vert, tri_to_sides};
+  }
+};
+
+/// All of a surface, with their arrays.
+struct Complexes {
+  std::vector<ComplexArrays> arrays;  ///< one each; empty where the input's will do
+  std::vector<Complex> list;
 };
 
 /// Regions whose boundary does not close, one diagnostic each (code OpenShell; the faces at the open edges, a point on
@@ -34,7 +55,7 @@ std::size_t open_region_pieces(const VolumeInput& input);
 
 /// The complexes in ascending order of their first region. Triangles that bound no region, or only regions of
 /// `without`, are in none; the sides of the others forget the regions of `without`.
-std::vector<Complex> split_complexes(const VolumeInput& input, std::span<const std::uint32_t> without);
+Complexes split_complexes(const VolumeInput& input, std::span<const std::uint32_t> without);
 
 /// A model face or region with its name where there is a model.
 NamedEntity named_entity(const VolumeInput& input, ModelEntity entity);

@@ -49,7 +49,8 @@ class CopyTest {
       : plan_(plan), original_(original), complex_(complex) {}
 
   std::optional<RigidMotion> run() const {
-    if (original_.tri_to_vert != complex_.tri_to_vert || !have_same_sides() || !have_same_faces()) return std::nullopt;
+    if (!std::ranges::equal(original_.tri_to_vert, complex_.tri_to_vert) || !have_same_sides() || !have_same_faces())
+      return std::nullopt;
     const auto motion = find_motion(original_.points, complex_.points);
     if (!motion || !has_same_sizes(*plan_.input.sizes, *motion, original_.points)) return std::nullopt;
     return !plan_.freedom || have_same_freedom(*plan_.freedom) ? motion : std::nullopt;

@@ -151,7 +151,9 @@ class ComplexFiller {
   }
 
   void try_once(const Attempt& attempt) {
-    WorkerRequest request{attempt.switches, complex_.points, complex_.tri_to_vert};
+    WorkerRequest request{attempt.switches,
+                          {complex_.points.begin(), complex_.points.end()},
+                          {complex_.tri_to_vert.begin(), complex_.tri_to_vert.end()}};
     if (attempt.interior_points) request.points.insert(request.points.end(), interior_.begin(), interior_.end());
     if (attempt.reversed) reverse(request);
     std::optional<WorkerResponse> response = ask(request);

@@ -50,7 +50,7 @@ ModelEntity SurfaceFreedom::entity_of(std::uint32_t vertex) const {
 std::vector<std::array<std::uint32_t, 3>> improve(tets::TetMesh& mesh, const ImprovementInput& input,
                                                   tets::OptimizeReport& report, const TaskRunner& runner) {
   const auto& [complex, tree, freedom, options, is_frozen] = input;
-  std::vector<std::array<std::uint32_t, 3>> triangles = complex.tri_to_vert;
+  std::vector<std::array<std::uint32_t, 3>> triangles(complex.tri_to_vert.begin(), complex.tri_to_vert.end());
   std::vector<std::uint32_t> tri_to_face;
   std::vector<ModelEntity> point_to_entity;
   for (const std::uint32_t t : complex.to_input_tri) tri_to_face.push_back(freedom.input().tri_to_face[t]);

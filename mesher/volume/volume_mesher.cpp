@@ -101,7 +101,7 @@ Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, cons
 
 // What is to be filled.
 struct Work {
-  std::vector<Complex> complexes;
+  volume::Complexes complexes;
   std::vector<volume::FillingProgress> progress;
   std::optional<volume::SurfaceFreedom> freedom;
 };
@@ -116,18 +116,18 @@ void find_work(volume::FillingPlan& plan, const TaskRunner& runner, Work& work, 
   result.errors = std::move(open.diagnostics);
   work.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
-  for (const Complex& complex : work.complexes) whole += work.progress.emplace_back(input, complex).whole();
+  for (const Complex& complex : work.complexes.list) whole += work.progress.emplace_back(input, complex).whole();
   runner.begin_stage(Stage::Volume, whole);
-  if (work.complexes.empty()) return;
+  if (work.complexes.list.empty()) return;
   try {
     plan.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : work.complexes) result.errors.push_back(worker_missing(input, complex, error));
-      return work.complexes.clear();
+      for (const Complex& complex : work.complexes.list) result.errors.push_back(worker_missing(input, complex, error));
+      return work.complexes.list.clear();
     }
   }
-  if (options.improve_surface) plan.freedom = &work.freedom.emplace(input, work.complexes);
+  if (options.improve_surface) plan.freedom = &work.freedom.emplace(input, work.complexes.list);
 }
 
 // From numbers of the complex to those of the input; new points from `first_new` on. Both lists of the complex ascend,
@@ -211,9 +211,9 @@ VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, 
     check(input, options, runner);
     find_work(plan, runner, work, result);
   });
-  join_complexes(input, work.complexes,
-                 volume::fill_on_ranks(plan, work.complexes, work.progress, communicator, runner), communicator, runner,
-                 result);
+  const std::span<const Complex> complexes = work.complexes.list;
+  join_complexes(input, complexes, volume::fill_on_ranks(plan, complexes, work.progress, communicator, runner),
+                 communicator, runner, result);
   return result;
 }
 

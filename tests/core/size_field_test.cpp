@@ -1,9 +1,12 @@
 // The immutable octree of sizes: reading, copies, the flat form, and what it refuses.
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "core/sizing/size_change.hpp"
 #include "core/spatial/morton.hpp"
@@ -14,6 +17,9 @@ namespace tetloom {
 namespace {
 
 constexpr std::uint32_t kLeaf = SizeOctree::kLeafBit, kGlobal = SizeOctree::kGlobalLeaf;
+
+const std::vector<std::array<float, 8>> kSmallTreeRatios{{0.125f, 1, 1, 1, 1, 1, 1, 1},
+                                                        {1, 1, 1, 1, 1, 1, 1, 0.5f}};
 
 /// The cube [0,8]³: octant 0 is cut again, its octant 0 has a corner of size 0.25 at the origin; all else is 2.
 SizeOctree small_tree() {
@@ -27,7 +33,7 @@ SizeOctree small_tree() {
   tree.cells[0] = 1;
   tree.cells[8] = kLeaf + 0;
   tree.cells[9] = kLeaf + 1;
-  tree.corner_ratios = {{0.125f, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1, 1, 0.5f}};
+  set_corner_ratios(tree, kSmallTreeRatios);
   return tree;
 }
 
@@ -51,7 +57,7 @@ TEST_CASE("changes of a refined field are the leaves with other corners, and pie
   const SizeField before = SizeField::from_octree(small_tree());
   CHECK(find_changes(before, before)->empty());
   SizeOctree lowered = small_tree();
-  lowered.corner_ratios[1][7] = 0.25f;
+  lowered.corner_ratios.back() = 0.25f;
   const auto one = find_changes(before, SizeField::from_octree(lowered));
   REQUIRE(one->size() == 1);
   CHECK(norm(one->front().lo - Vec3{2, 0, 0}) == 0);
@@ -59,8 +65,8 @@ TEST_CASE("changes of a refined field are the leaves with other corners, and pie
   SizeOctree cut = small_tree();
   cut.cells.insert(cut.cells.end(), 8, kGlobal);
   cut.cells[7] = 2;
-  cut.cells[16] = kLeaf + 2;
-  cut.corner_ratios.push_back({1, 1, 1, 1, 1, 1, 1, 0.5f});
+  cut.cells[16] = kLeaf + static_cast<std::uint32_t>(cut.corner_ratios.size());
+  cut.corner_ratios.insert(cut.corner_ratios.end(), {1, 1, 1, 1, 1, 1, 1, 0.5f});
   const auto corner = find_changes(before, SizeField::from_octree(cut));
   REQUIRE(corner->size() == 1);
   CHECK(norm(corner->front().lo - Vec3{4, 4, 4}) == 0);
@@ -86,8 +92,8 @@ TEST_CASE("changes are found wherever the octree lies, though corners of its cel
     SizeOctree cut = tree;
     cut.cells.insert(cut.cells.end(), 8, kGlobal);
     cut.cells[7] = 2;
-    cut.cells[16] = kLeaf + 2;
-    cut.corner_ratios.push_back({1, 1, 1, 1, 1, 1, 1, 0.5f});
+    cut.cells[16] = kLeaf + static_cast<std::uint32_t>(cut.corner_ratios.size());
+    cut.corner_ratios.insert(cut.corner_ratios.end(), {1, 1, 1, 1, 1, 1, 1, 0.5f});
     const SizeField before = SizeField::from_octree(tree), after = SizeField::from_octree(cut);
     REQUIRE(find_changes(before, after).has_value());
     CHECK(find_changes(before, after)->size() == 1);
@@ -176,16 +182,38 @@ TEST_CASE("trees that break an invariant are refused") {
                                          broken([](SizeOctree& t) { t.cells[0] = 2; }),           // beyond the end
                                          broken([](SizeOctree& t) { t.cells[1] = 1; }),           // two parents
                                          broken([](SizeOctree& t) { t.cells[0] = kGlobal; }),     // no parent
-                                         broken([](SizeOctree& t) { t.cells[10] = kLeaf + 1; }),  // shared ratios
+                                         broken([](SizeOctree& t) { t.cells[10] = kLeaf + 1; }),  // another beginning
                                          broken([](SizeOctree& t) { t.cells[9] = kGlobal; }),     // unused ratios
-                                         broken([](SizeOctree& t) { t.cells[9] = kLeaf + 2; }),   // missing ratios
-                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = 0; }),
-                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = 1.5f; }),
-                                         broken([](SizeOctree& t) { t.corner_ratios[0][3] = std::nanf(""); })};
+                                         broken([](SizeOctree& t) { t.cells[9] = kLeaf + 2; }),   // another beginning
+                                         broken([](SizeOctree& t) { t.cells[12] = kLeaf; }),      // ratios are missing
+                                         broken([](SizeOctree& t) { t.corner_ratios.pop_back(); }),
+                                         broken([](SizeOctree& t) { t.corner_ratios[3] = 0; }),
+                                         broken([](SizeOctree& t) { t.corner_ratios[3] = 1.5f; }),
+                                         broken([](SizeOctree& t) { t.corner_ratios[3] = std::nanf(""); })};
   for (std::size_t i = 0; i < trees.size(); ++i) {
     INFO("broken tree " << i);
     CHECK(is_refused(trees[i]));
   }
+}
+
+TEST_CASE("leaves of a block have their common corners once, the smaller size of two, and none is without") {
+  SizeOctree tree = small_tree();
+  CHECK(tree.corner_ratios.size() == 12);
+  tree.cells.resize(8);
+  for (std::uint32_t octant = 0; octant < 8; ++octant) tree.cells[octant] = kLeaf + octant;
+  std::vector<std::array<float, 8>> leaf_to_ratios(8);
+  for (std::size_t octant = 0; octant < 8; ++octant)
+    for (std::size_t corner = 0; corner < 8; ++corner)
+      leaf_to_ratios[octant][corner] = static_cast<float>(1 + octant + 8 * corner) / 64;
+  CHECK_THROWS_AS(set_corner_ratios(tree, std::span(leaf_to_ratios).first(7)), Error);
+  set_corner_ratios(tree, leaf_to_ratios);
+  REQUIRE(validate_octree(tree).empty());
+  CHECK(tree.corner_ratios.size() == 27);
+  const SizeField field = SizeField::from_octree(tree);
+  CHECK(field.size_at({0, 0, 0}) == 2 * leaf_to_ratios[0][0]);
+  CHECK(field.size_at({8, 0, 8}) == 2 * leaf_to_ratios[5][5]);
+  CHECK(field.size_at({4, 4, 4}) == 2 * leaf_to_ratios[7][0]);
+  CHECK(field.size_at({4, 0, 0}) == 2 * leaf_to_ratios[1][0]);
 }
 
 TEST_CASE("a tree deeper than the coordinates can tell apart is refused") {

@@ -75,6 +75,7 @@ SizeField graded_field(double width, double at_zero, double at_width) {
   tree.domain = {{0, 0, 0}, {width, width, width}};
   tree.size = std::max(at_zero, at_width);
   tree.gradation = std::abs(at_width - at_zero) / width;
+  std::vector<std::array<float, 8>> leaf_to_ratios;
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     tree.cells.push_back(SizeOctree::kLeafBit + octant);
     std::array<float, 8> ratios{};
@@ -82,8 +83,9 @@ SizeField graded_field(double width, double at_zero, double at_width) {
       const double share = 0.5 * ((octant & 1) + (corner & 1));
       ratios[corner] = static_cast<float>((at_zero + share * (at_width - at_zero)) / tree.size);
     }
-    tree.corner_ratios.push_back(ratios);
+    leaf_to_ratios.push_back(ratios);
   }
+  set_corner_ratios(tree, leaf_to_ratios);
   return SizeField::from_octree(tree);
 }
 

@@ -274,7 +274,7 @@ TEST_CASE("a size field of no size, or of none that is a number, cannot be made"
     CHECK(error_of([&] { SizeField::from_octree(tree); }).code == ErrorCode::InvalidArgument);
     tree.size = 1;
     tree.cells[3] = SizeOctree::kLeafBit;
-    tree.corner_ratios.assign(1, {1, 1, 1, 1, 1, 1, 1, static_cast<float>(size)});
+    tree.corner_ratios = {1, 1, 1, 1, 1, 1, 1, static_cast<float>(size)};
     CHECK(error_of([&] { SizeField::from_octree(tree); }).code == ErrorCode::InvalidArgument);
   }
 }

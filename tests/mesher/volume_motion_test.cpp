@@ -35,14 +35,16 @@ SizeField graded_sizes(double size, double scale) {
   tree.origin = scale * Vec3{-2, -2, -2}, tree.width = scale * 4;
   tree.domain = {tree.origin, -tree.origin};
   tree.size = scale * size, tree.gradation = 0.3;
+  std::vector<std::array<float, 8>> leaf_to_ratios;
   for (std::uint32_t cell = 0; cell < 8; ++cell) {
     tree.cells.push_back(SizeOctree::kLeafBit + cell);
     // The corner at the origin is the one opposite to the octant.
     std::array<float, 8> ratios;
     ratios.fill(1);
     ratios[7 - cell] = 1.0f / 3;
-    tree.corner_ratios.push_back(ratios);
+    leaf_to_ratios.push_back(ratios);
   }
+  set_corner_ratios(tree, leaf_to_ratios);
   return SizeField::from_octree(tree);
 }
 

@@ -133,6 +133,7 @@ inline SizeField growing_sizes(double low, double high) {
   tree.domain = {tree.origin, {1.5, 1.5, 1.5}};
   tree.size = high;
   tree.gradation = (high - low) / 3;
+  std::vector<std::array<float, 8>> leaf_to_ratios;
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     tree.cells.push_back(SizeOctree::kLeafBit + octant);
     std::array<float, 8> ratios;
@@ -140,8 +141,9 @@ inline SizeField growing_sizes(double low, double high) {
       const double x = 0.5 * ((octant & 1) + (corner & 1));
       ratios[corner] = static_cast<float>((low + x * (high - low)) / high);
     }
-    tree.corner_ratios.push_back(ratios);
+    leaf_to_ratios.push_back(ratios);
   }
+  set_corner_ratios(tree, leaf_to_ratios);
   return SizeField::from_octree(tree);
 }
 
