@@ -7,8 +7,8 @@ namespace tetloom {
 /// no such call. For the ends of stages: what is asked for next has to be touched anew.
 void give_back_free_memory() noexcept;
 
-/// The same where several processes share the work: a machine that has many of them has no room for what each might need
-/// again.
+/// The same where several processes share the work: a machine that has many of them has no room for what each might
+/// need again.
 inline void give_back_where_shared(int processes) noexcept {
   if (processes > 1) give_back_free_memory();
 }

@@ -85,8 +85,8 @@ double SizeField::Tree::size_at(const Vec3& x) const {
   }
   const std::uint32_t mask = ~((1u << (kMaxDepth - depth)) - 1);
   const double to_unit = kInverseWidth[depth];
-  const double size = interpolate(leaf, (local.x - (cell[0] & mask)) * to_unit,
-                                  (local.y - (cell[1] & mask)) * to_unit, (local.z - (cell[2] & mask)) * to_unit);
+  const double size = interpolate(leaf, (local.x - (cell[0] & mask)) * to_unit, (local.y - (cell[1] & mask)) * to_unit,
+                                  (local.z - (cell[2] & mask)) * to_unit);
   if (inside == x) return size;
   const double beyond = distance(x, inside);
   return beyond >= 0 ? std::min(octree_.size, size + octree_.gradation * beyond) : size;

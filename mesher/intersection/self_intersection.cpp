@@ -28,10 +28,7 @@ bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) 
 class Searcher {
  public:
   Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const TaskRunner& runner)
-      : search_(search),
-        tree_(tree),
-        runner_(runner),
-        degenerate_(search.tri_to_vert.size()) {
+      : search_(search), tree_(tree), runner_(runner), degenerate_(search.tri_to_vert.size()) {
     runner.for_blocks(degenerate_.size(), kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];

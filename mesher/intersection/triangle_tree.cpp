@@ -41,13 +41,25 @@ std::size_t TriangleTree::pieces(std::size_t triangles) { return (triangles + kB
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
                            const TaskRunner& runner)
     : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {
-  sort_triangles(runner);
+  const std::size_t count = tri_to_vert_.size();
+  std::vector<Box3> boxes(pieces(count));
+  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) boxes[begin / kBlock].add(box_of(static_cast<std::uint32_t>(i)));
+  });
+  Box3 around;
+  for (const Box3& box : boxes) around.add(box);
+  sort_triangles(around, runner);
+  if (!around.empty()) {
+    constexpr double kRounding = 4e-16;
+    origin_ = around.center();
+    for (int axis = 0; axis < 3; ++axis)
+      rounding_ = std::max({rounding_, kRounding * std::abs(around.lo[axis]), kRounding * std::abs(around.hi[axis])});
+    up_ = shortest_axis(around);
+  }
   first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
   nodes_.resize(first_leaf_ + leaf_count());
   runner.for_blocks(leaf_count(), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t leaf = begin; leaf < end; ++leaf) {
-      for (const std::uint32_t triangle : leaf_triangles(leaf)) nodes_[first_leaf_ + leaf].add(box_of(triangle));
-    }
+    for (std::size_t leaf = begin; leaf < end; ++leaf) nodes_[first_leaf_ + leaf] = node_of(leaf_box(leaf));
   });
   // Level by level: the nodes of one are [width, 2 width).
   for (std::size_t width = first_leaf_ / 2; width > 0; width /= 2) {
@@ -58,10 +70,20 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
       }
     });
   }
-  if (leaf_count() > 0 && !nodes_[1].empty()) up_ = shortest_axis(nodes_[1]);
 }
 
-void TriangleTree::sort_triangles(const TaskRunner& runner) {
+TriangleTree::Node TriangleTree::node_of(const Box3& box) const {
+  const auto below = [&](double x) { return std::nextafter(static_cast<float>(x - rounding_), -HUGE_VALF); };
+  Node node;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    node.lo[a] = below(box.lo[axis] - origin_[axis]);
+    node.hi[a] = -below(origin_[axis] - box.hi[axis]);
+  }
+  return node;
+}
+
+void TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) {
   struct Key {
     std::uint64_t code;
     std::uint32_t triangle;
@@ -69,23 +91,17 @@ void TriangleTree::sort_triangles(const TaskRunner& runner) {
       return code != other.code ? code < other.code : triangle < other.triangle;
     }
   };
-  const std::size_t count = tri_to_vert_.size();
-  std::vector<Box3> boxes((count + kBlock - 1) / kBlock);
-  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) boxes[begin / kBlock].add(box_of(static_cast<std::uint32_t>(i)));
-  });
-  Box3 all;
-  for (const Box3& box : boxes) all.add(box);
-  const double extent = std::max({all.hi.x - all.lo.x, all.hi.y - all.lo.y, all.hi.z - all.lo.z, 1e-300});
-  std::vector<Key> keys(count);
-  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+  const double extent =
+      std::max({around.hi.x - around.lo.x, around.hi.y - around.lo.y, around.hi.z - around.lo.z, 1e-300});
+  std::vector<Key> keys(order_.size());
+  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto triangle = static_cast<std::uint32_t>(i);
-      keys[i] = {morton_of(box_of(triangle).center(), all.lo, kMostMorton / extent), triangle};
+      keys[i] = {morton_of(box_of(triangle).center(), around.lo, kMostMorton / extent), triangle};
     }
   });
   parallel_sort(keys, runner);
-  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) order_[i] = keys[i].triangle;
   });
 }
@@ -93,6 +109,12 @@ void TriangleTree::sort_triangles(const TaskRunner& runner) {
 Box3 TriangleTree::box_of(std::uint32_t triangle) const {
   Box3 box;
   for (const std::uint32_t vertex : tri_to_vert_[triangle]) box.add(points_[vertex]);
+  return box;
+}
+
+Box3 TriangleTree::leaf_box(std::size_t leaf) const {
+  Box3 box;
+  for (const std::uint32_t triangle : leaf_triangles(leaf)) box.add(box_of(triangle));
   return box;
 }
 
@@ -109,7 +131,8 @@ bool TriangleTree::any_within(const Vec3& x, double radius) const {
 
 bool TriangleTree::may_meet(const Box3& box) const {
   bool found = false;
-  descend_leaves([&](const Box3& node) { return node.overlaps(box); }, [&](std::size_t) { return !(found = true); });
+  descend_leaves([&](const Box3& node) { return node.overlaps(box); },
+                 [&](std::size_t leaf) { return !(found = leaf_box(leaf).overlaps(box)); });
   return found;
 }
 

@@ -242,7 +242,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
   std::optional<lattice::LatticeCells> cells;
   std::optional<Decomposition> decomposition;
   std::optional<PartSurface> surface;
-  std::optional<tets::TriangleIndex> triangles;
+  std::optional<TrianglesByVertex> triangles;
   run_on_all(communicator, [&] {
     {
       const TraceSpan span(trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
@@ -257,6 +257,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
   run_on_all(communicator, [&] {
     const TraceSpan span(trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
     surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
+    surface->keep(communicator.parts_of_rank(decomposition->part_count()));
   });
   run_on_all(communicator, [&] {
     const TraceSpan span(trace, "index of triangles");

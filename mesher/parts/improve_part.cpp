@@ -54,8 +54,8 @@ class Improvement {
     triangles_ = tets_.triangles;
     for (const FaceCode face : mesh_.faces()) {
       if (!mesh_.is_fixed(face)) continue;
-      const auto* triangle = input_.triangles.find(tets::sorted(complex_verts(face)));
-      if (triangle) triangles_.push_back(triangle->triangle);
+      if (const auto triangle = input_.triangles.find(tets::sorted(complex_verts(face))))
+        triangles_.push_back(*triangle);
     }
     sort_unique(triangles_);
     const Complex& complex = input_.filling.complex;

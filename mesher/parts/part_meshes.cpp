@@ -208,10 +208,10 @@ class TriangleFinder {
       found.first = changed->second->triangle;
       order = changed->second->verts;
     } else {
-      const auto* entry = input_.triangles.find(key);
-      TETLOOM_ASSERT(entry != nullptr);
-      found.first = entry->triangle;
-      order = input_.filling.complex.tri_to_vert[entry->triangle];
+      const auto triangle = input_.triangles.find(key);
+      TETLOOM_ASSERT(triangle.has_value());
+      found.first = *triangle;
+      order = input_.filling.complex.tri_to_vert[*triangle];
     }
     for (std::size_t i = 0; i < 3; ++i)
       found.second[i] =

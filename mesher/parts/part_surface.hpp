@@ -1,16 +1,18 @@
 #pragma once
 // Which points and triangles of the surface each part knows.
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/tets/triangle_verts.hpp"
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/volume/complex.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom::parts {
 
-/// Immutable. All ranks hold the whole surface: it is small beside the volume.
+/// All ranks hold the whole surface: it is small beside the volume.
 class PartSurface {
  public:
   /// A part knows the points within `reach` of their size of its box, those of the triangles at points that it owns,
@@ -22,6 +24,9 @@ class PartSurface {
   /// Into how many pieces the work on most of the surface is cut.
   static std::size_t pieces(const volume::Complex& complex);
 
+  /// Forgets what all other parts know.
+  void keep(std::span<const PartId> parts);
+
   std::span<const std::uint32_t> points_of(PartId part) const { return part_to_points_[part.value]; }  ///< ascending
   std::span<const std::uint32_t> triangles_of(PartId part) const {
     return part_to_triangles_[part.value];
@@ -31,6 +36,21 @@ class PartSurface {
  private:
   std::vector<PartId> point_to_owner_;
   std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
+};
+
+/// Triangles by their lowest vertex: 4 bytes each, and 4 per point. Immutable; refers to the triangles.
+class TrianglesByVertex {
+ public:
+  /// Pre: vertices below `point_count`.
+  TrianglesByVertex(std::span<const tets::TriangleVerts> triangles, std::size_t point_count);
+
+  /// The first of those with these vertices; nothing where there is none.
+  std::optional<std::uint32_t> find(const tets::SortedTriangle& key) const;
+
+ private:
+  std::span<const tets::TriangleVerts> triangles_;
+  std::vector<std::uint32_t> by_vertex_;  // those of a vertex ascend
+  std::vector<std::uint32_t> vert_to_end_;
 };
 
 }  // namespace tetloom::parts

@@ -230,8 +230,7 @@ std::vector<OctreeCell> OctreeBuilder::own_cells(const std::vector<OctreeCell>& 
   return own;
 }
 
-SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels,
-                                std::vector<OctreeBlock>& blocks) {
+SizeOctree OctreeBuilder::build(const OctreeLevels& before, OctreeLevels& levels, std::vector<OctreeBlock>& blocks) {
   std::vector<JudgedLevel> judged;
   std::vector<OctreeCell> cells{{0, {}}};
   std::size_t total = 0;

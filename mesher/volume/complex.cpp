@@ -184,9 +184,8 @@ Complexes split_complexes(const VolumeInput& input, std::span<const std::uint32_
   std::vector<std::size_t> counts(arrays.size(), 0);
   for_each_triangle([&](std::uint32_t, const FaceSides&, std::uint32_t complex) { ++counts[complex]; });
   for (std::size_t i = 0; i < arrays.size(); ++i) arrays[i].to_input_tri.reserve(counts[i]);
-  for_each_triangle([&](std::uint32_t t, const FaceSides&, std::uint32_t complex) {
-    arrays[complex].to_input_tri.push_back(t);
-  });
+  for_each_triangle(
+      [&](std::uint32_t t, const FaceSides&, std::uint32_t complex) { arrays[complex].to_input_tri.push_back(t); });
   LocalNumbers numbers(input.points.size());
   Complexes complexes;
   for (std::size_t i = 0; i < arrays.size(); ++i) {

@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::uint32_t kLeaf = SizeOctree::kLeafBit, kGlobal = SizeOctree::kGlobalLeaf;
 
-const std::vector<std::array<float, 8>> kSmallTreeRatios{{0.125f, 1, 1, 1, 1, 1, 1, 1},
-                                                        {1, 1, 1, 1, 1, 1, 1, 0.5f}};
+const std::vector<std::array<float, 8>> kSmallTreeRatios{{0.125f, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1, 1, 0.5f}};
 
 /// The cube [0,8]³: octant 0 is cut again, its octant 0 has a corner of size 0.25 at the origin; all else is 2.
 SizeOctree small_tree() {
