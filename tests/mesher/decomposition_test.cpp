@@ -201,6 +201,55 @@ TEST_CASE("a part knows the triangles that meet its box, however large they are"
   CHECK(met == complex.tri_to_vert.size());
 }
 
+TEST_CASE("some parts may keep what they have while that of others is given up") {
+  Cells cells(ball(3), growing_sizes(0.05, 0.2));
+  Decomposition decomposition = cells.cut(7);
+  volume::Complex complex;
+  complex.points = cells.surface.points;
+  complex.tri_to_vert = cells.surface.tri_to_vert;
+  PartSurface surface(complex, cells.sizes, decomposition, 2, cells.runner);
+  const std::vector<PartId> kept{PartId(1u), PartId(4u)};
+  const auto corners_of = [&](PartId part) {
+    std::vector<double> corners;
+    for (const std::uint32_t cell : decomposition.cells_of(part)) {
+      const lattice::LatticeCell& one = cells.cells->cells()[cell];
+      corners.insert(corners.end(), {one.box.lo.x, one.box.hi.y, one.box.hi.z, one.lo});
+    }
+    return corners;
+  };
+  const auto list_of = [](std::span<const std::uint32_t> items) {
+    return std::vector<std::uint32_t>(items.begin(), items.end());
+  };
+  std::vector<std::vector<double>> corners;
+  std::vector<std::vector<std::uint32_t>> points, triangles;
+  for (const PartId part : kept) {
+    corners.push_back(corners_of(part));
+    points.push_back(list_of(surface.points_of(part))), triangles.push_back(list_of(surface.triangles_of(part)));
+  }
+  const std::size_t before = cells.cells->cells().size();
+  cells.cells->keep(decomposition.keep_cells_of(kept));
+  surface.keep(kept);
+  CHECK(cells.cells->cells().size() < before / 2);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    CHECK_FALSE(corners[i].empty());
+    CHECK(corners_of(kept[i]) == corners[i]);
+    CHECK(list_of(surface.points_of(kept[i])) == points[i]);
+    CHECK(list_of(surface.triangles_of(kept[i])) == triangles[i]);
+  }
+  CHECK(decomposition.cells_of(PartId(0u)).empty());
+  CHECK(surface.triangles_of(PartId(0u)).empty());
+}
+
+TEST_CASE("triangles are found by their vertices in any order, the first of equal ones") {
+  const std::vector<tets::TriangleVerts> triangles{{4, 2, 3}, {0, 1, 2}, {2, 1, 0}, {1, 4, 0}, {3, 4, 2}};
+  const TrianglesByVertex index(triangles, 6);
+  CHECK(index.find(tets::sorted({1, 2, 0})) == 1u);
+  CHECK(index.find(tets::sorted({2, 3, 4})) == 0u);
+  CHECK(index.find(tets::sorted({4, 1, 0})) == 3u);
+  CHECK_FALSE(index.find(tets::sorted({0, 1, 3})).has_value());
+  CHECK_FALSE(index.find(tets::sorted({5, 4, 3})).has_value());
+}
+
 TEST_CASE("a volume is cut into an even number of parts by its work and its tets, and as asked") {
   CHECK(count_parts({0, 0}, 0) == 1);
   CHECK(count_parts({2e4, 2.3e5}, 0) == 1);

@@ -343,6 +343,37 @@ TEST_CASE("the crossings above a point balance for rays through edges and vertic
   CHECK_FALSE(tree.any_within({5, 5, 5}, 1.73));
 }
 
+TEST_CASE("boxes of the tree are told from each other exactly, also far from the origin") {
+  const Vec3 far{3e7 + 0.1, -1e6, 7e5};
+  Surface surface = sheet(20, [](double x, double y) { return 0.1 * std::sin(7 * x) * std::cos(5 * y); });
+  for (Vec3& p : surface.points) p = p + far;
+  const TriangleTree tree(surface.points, surface.triangles, TaskRunner(2));
+  std::mt19937 random(11);
+  const auto look = [&](const Box3& box) {
+    std::vector<std::uint32_t> met, expected;
+    tree.for_each_in(box, [&](std::uint32_t t) { met.push_back(t); });
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+      if (tree.box_of(t).overlaps(box)) expected.push_back(t);
+    std::ranges::sort(met);
+    CHECK(met == expected);
+    bool any = false;
+    for (std::size_t leaf = 0; leaf < tree.leaf_count(); ++leaf) {
+      Box3 around;
+      for (const std::uint32_t t : tree.leaf_triangles(leaf)) around.add(tree.box_of(t));
+      any = any || around.overlaps(box);
+    }
+    CHECK(tree.may_meet(box) == any);
+  };
+  for (int i = 0; i < 300; ++i) {
+    // Boxes that touch a corner from one side, and boxes one step of the coordinates away from it.
+    const Vec3& corner = surface.points[random() % surface.points.size()];
+    Box3 box{corner - Vec3{1, 1, 1}, corner};
+    look(box);
+    for (int axis = 0; axis < 3; ++axis) box.hi[axis] = std::nextafter(box.hi[axis], -HUGE_VAL);
+    look(box);
+  }
+}
+
 // Through points of triangles on purpose: corners, middles of edges, centres.
 TEST_CASE("what a segment meets is visited, and little else") {
   const Surface surface = sheet(60, [](double x, double y) { return 0.3 * std::sin(7 * x) * std::cos(5 * y); });
