@@ -39,6 +39,24 @@ TriangleIndex::TriangleIndex(std::span<const TriangleVerts> triangles, std::size
   }
 }
 
+TrianglesByVertex::TrianglesByVertex(std::span<const TriangleVerts> triangles, std::size_t point_count)
+    : triangles_(triangles), by_vertex_(triangles.size()), vert_to_end_(point_count + 1, 0) {
+  for (const TriangleVerts& t : triangles) ++vert_to_end_[std::min({t[0], t[1], t[2]}) + 1];
+  for (std::size_t v = 0; v < point_count; ++v) vert_to_end_[v + 1] += vert_to_end_[v];
+  // Each place still holds the begin of its vertex and runs to the end.
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const auto& [a, b, c] = triangles[i];
+    by_vertex_[vert_to_end_[std::min({a, b, c})]++] = i;
+  }
+}
+
+std::optional<std::uint32_t> TrianglesByVertex::find(const SortedTriangle& key) const {
+  const std::uint32_t lowest = key.verts[0];
+  for (std::uint32_t i = lowest == 0 ? 0 : vert_to_end_[lowest - 1]; i < vert_to_end_[lowest]; ++i)
+    if (sorted(triangles_[by_vertex_[i]]).verts == key.verts) return by_vertex_[i];
+  return std::nullopt;
+}
+
 std::vector<FaceCode> find_triangles(const TetMesh& mesh, std::span<const TriangleVerts> triangles,
                                      const TriangleIndex& index, const BlockLoop& loop) {
   std::vector<FaceCode> result(triangles.size());

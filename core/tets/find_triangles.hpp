@@ -2,6 +2,7 @@
 // Which triangles are faces of the mesh.
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,22 @@ class TriangleIndex {
 
  private:
   std::vector<Entry> entries_;  // those of a vertex ascend in `triangle`
+  std::vector<std::uint32_t> vert_to_end_;
+};
+
+/// The same in a quarter of the memory, for few lookups in many triangles: each reads the triangles at a vertex. Refers
+/// to the triangles.
+class TrianglesByVertex {
+ public:
+  /// Pre: vertices below `point_count`.
+  TrianglesByVertex(std::span<const TriangleVerts> triangles, std::size_t point_count);
+
+  /// The first of those with these vertices; nothing where there is none. Pre: vertices below the number of points.
+  std::optional<std::uint32_t> find(const SortedTriangle& key) const;
+
+ private:
+  std::span<const TriangleVerts> triangles_;
+  std::vector<std::uint32_t> by_vertex_;  // those of a vertex ascend
   std::vector<std::uint32_t> vert_to_end_;
 };
 

@@ -51,9 +51,8 @@ class Searcher {
       }
       // Of two leaves with new triangles the first compares them.
       const std::size_t first = search_.tri_is_new.empty() ? leaf : 0;
-      LeafBoxes boxes;
-      std::ranges::transform(tree_.leaf_triangles(leaf), boxes.begin(), [&](auto t) { return tree_.box_of(t); });
-      tree_.for_each_leaf_in(tree_.leaf_box(leaf), first, [&](std::size_t other) {
+      const LeafBoxes boxes = boxes_of(leaf);
+      tree_.for_each_leaf_in(boxes.around, first, [&](std::size_t other) {
         if (other >= leaf || !has_new(other)) compare_leaves(leaf, boxes, other, found);
       });
     }
@@ -63,22 +62,34 @@ class Searcher {
   }
 
  private:
-  using LeafBoxes = std::array<Box3, kLeafSize>;
+  struct LeafBoxes {
+    Box3 around;
+    std::array<Box3, kLeafSize> of_triangles;
+  };
 
+  LeafBoxes boxes_of(std::size_t leaf) const {
+    LeafBoxes boxes;
+    std::ranges::transform(tree_.leaf_triangles(leaf), boxes.of_triangles.begin(), [&](std::uint32_t t) {
+      const Box3 box = tree_.box_of(t);
+      boxes.around.add(box);
+      return box;
+    });
+    return boxes;
+  }
   bool is_new(std::uint32_t triangle) const { return search_.tri_is_new.empty() || search_.tri_is_new[triangle] != 0; }
   bool has_new(std::size_t leaf) const {
     return std::ranges::any_of(tree_.leaf_triangles(leaf), [&](auto t) { return is_new(t); });
   }
 
-  // `boxes`: of the triangles of `leaf`.
+  // `boxes`: of `leaf`.
   void compare_leaves(std::size_t leaf, const LeafBoxes& boxes, std::size_t other,
                       std::vector<TriangleIntersection>& found) const {
     const auto ours = tree_.leaf_triangles(leaf), theirs = tree_.leaf_triangles(other);
     for (std::size_t j = 0; j < theirs.size(); ++j) {
       const Box3 box = tree_.box_of(theirs[j]);
-      if (!box.overlaps(tree_.leaf_box(leaf))) continue;
+      if (!box.overlaps(boxes.around)) continue;
       for (std::size_t i = 0; i < (leaf == other ? j : ours.size()); ++i) {
-        if (box.overlaps(boxes[i])) compare(ours[i], theirs[j], found);
+        if (box.overlaps(boxes.of_triangles[i])) compare(ours[i], theirs[j], found);
       }
     }
   }

@@ -118,7 +118,6 @@ class TriangleTree {
                      return true;
                    });
   }
-  Box3 leaf_box(std::size_t leaf) const;
   Box3 box_of(std::uint32_t triangle) const;
   const std::array<std::uint32_t, 3>& verts_of(std::uint32_t triangle) const { return tri_to_vert_[triangle]; }
   std::array<Vec3, 3> corners_of(std::uint32_t triangle) const {
@@ -177,6 +176,7 @@ class TriangleTree {
       }
     }
   };
+  Box3 leaf_box(std::size_t leaf) const;
   Node node_of(const Box3& box) const;
   Box3 box_at(std::size_t node) const {
     const auto& [lo, hi] = nodes_[node];

@@ -58,7 +58,6 @@ LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runn
 }
 
 void LatticeCells::keep(std::span<const std::uint32_t> cells) {
-  if (cells.size() == cells_.size()) return;
   std::vector<LatticeCell> kept;
   kept.reserve(cells.size());
   for (const std::uint32_t cell : cells) kept.push_back(cells_[cell]);

@@ -239,10 +239,11 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
   lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {},
                                   &input.sizes, input.options.lattice,      input.attempt};
   for (const Vec3& x : input.complex.points) lattice.box.add(x);
+  const bool is_shared = communicator.rank_count() > 1;
   std::optional<lattice::LatticeCells> cells;
   std::optional<Decomposition> decomposition;
   std::optional<PartSurface> surface;
-  std::optional<TrianglesByVertex> triangles;
+  std::optional<tets::TrianglesByVertex> triangles;
   run_on_all(communicator, [&] {
     {
       const TraceSpan span(trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
@@ -251,13 +252,13 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Comm
     const std::size_t parts = count_parts(estimate_volume(*cells), input.options.tets_per_part);
     if (parts <= 1) return;
     decomposition.emplace(*cells, parts, runner, trace);
-    cells->keep(decomposition->keep_cells_of(communicator.parts_of_rank(parts)));
+    if (is_shared) cells->keep(decomposition->keep_cells_of(communicator.parts_of_rank(parts)));
   });
   if (!decomposition) return std::nullopt;
   run_on_all(communicator, [&] {
     const TraceSpan span(trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
     surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
-    surface->keep(communicator.parts_of_rank(decomposition->part_count()));
+    if (is_shared) surface->keep(communicator.parts_of_rank(decomposition->part_count()));
   });
   run_on_all(communicator, [&] {
     const TraceSpan span(trace, "index of triangles");

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/tets/find_triangles.hpp"
 #include "mesher/lattice/lattice_cells.hpp"
 #include "mesher/lattice/lattice_core.hpp"
 #include "mesher/parts/decomposition.hpp"
@@ -146,9 +147,9 @@ struct SharedInput {
   const lattice::LatticeCells& cells;
   const Decomposition& decomposition;
   const PartSurface& surface;
-  const TrianglesByVertex& triangles;  ///< of the complex
-  Box3 box;                            ///< of the surface
-  std::uint32_t only_region = 0;       ///< kNone: there are several
+  const tets::TrianglesByVertex& triangles;  ///< of the complex
+  Box3 box;                                  ///< of the surface
+  std::uint32_t only_region = 0;             ///< kNone: there are several
 
   bool is_graded() const { return cells.level_count() > 1; }
   /// The size that a lattice or the field has at a place that the surface is at.

@@ -179,22 +179,4 @@ void PartSurface::keep(std::span<const PartId> parts) {
   }
 }
 
-TrianglesByVertex::TrianglesByVertex(std::span<const tets::TriangleVerts> triangles, std::size_t point_count)
-    : triangles_(triangles), by_vertex_(triangles.size()), vert_to_end_(point_count + 1, 0) {
-  for (const Verts& t : triangles) ++vert_to_end_[std::min({t[0], t[1], t[2]}) + 1];
-  for (std::size_t v = 0; v < point_count; ++v) vert_to_end_[v + 1] += vert_to_end_[v];
-  // Each place still holds the begin of its vertex and runs to the end.
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const auto& [a, b, c] = triangles[i];
-    by_vertex_[vert_to_end_[std::min({a, b, c})]++] = i;
-  }
-}
-
-std::optional<std::uint32_t> TrianglesByVertex::find(const tets::SortedTriangle& key) const {
-  const std::uint32_t lowest = key.verts[0];
-  for (std::uint32_t i = lowest == 0 ? 0 : vert_to_end_[lowest - 1]; i < vert_to_end_[lowest]; ++i)
-    if (tets::sorted(triangles_[by_vertex_[i]]).verts == key.verts) return by_vertex_[i];
-  return std::nullopt;
-}
-
 }  // namespace tetloom::parts

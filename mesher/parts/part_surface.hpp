@@ -1,11 +1,9 @@
 #pragma once
 // Which points and triangles of the surface each part knows.
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/tets/triangle_verts.hpp"
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/volume/complex.hpp"
 #include "tetloom/tasks.hpp"
@@ -36,21 +34,6 @@ class PartSurface {
  private:
   std::vector<PartId> point_to_owner_;
   std::vector<std::vector<std::uint32_t>> part_to_points_, part_to_triangles_;
-};
-
-/// Triangles by their lowest vertex: 4 bytes each, and 4 per point. Immutable; refers to the triangles.
-class TrianglesByVertex {
- public:
-  /// Pre: vertices below `point_count`.
-  TrianglesByVertex(std::span<const tets::TriangleVerts> triangles, std::size_t point_count);
-
-  /// The first of those with these vertices; nothing where there is none.
-  std::optional<std::uint32_t> find(const tets::SortedTriangle& key) const;
-
- private:
-  std::span<const tets::TriangleVerts> triangles_;
-  std::vector<std::uint32_t> by_vertex_;  // those of a vertex ascend
-  std::vector<std::uint32_t> vert_to_end_;
 };
 
 }  // namespace tetloom::parts

@@ -3,7 +3,6 @@
 #include <optional>
 #include <span>
 
-#include "core/tets/find_triangles.hpp"
 #include "mesher/parts/part_state.hpp"
 
 namespace tetloom::parts {

@@ -94,19 +94,15 @@ Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion>
   return diagnostic;
 }
 
-// Whether it has all points and triangles, so that the input's arrays are its own.
-bool is_all_of(const VolumeInput& input, const ComplexArrays& complex) {
-  return complex.to_input_tri.size() == input.tri_to_vert.size() && complex.to_input_vert.size() == input.points.size();
-}
-
-// The sides of triangles in that order, but for regions that are left out, are in `complex`. `numbers`: working memory.
-void number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumbers& numbers) {
+// Whether the complex has all points and triangles, so that the input's arrays will do; otherwise it gets its own.
+// `numbers`: working memory.
+bool number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumbers& numbers) {
   numbers.clear();
   for (const std::uint32_t t : complex.to_input_tri)
     for (const std::uint32_t v : input.tri_to_vert[t]) numbers.add(v);
   numbers.sort();
   complex.to_input_vert.assign(numbers.items().begin(), numbers.items().end());
-  if (is_all_of(input, complex)) return;
+  if (complex.to_input_tri.size() == input.tri_to_vert.size() && numbers.size() == input.points.size()) return true;
   complex.points.reserve(numbers.size());
   complex.tri_to_vert.reserve(complex.to_input_tri.size());
   for (const std::uint32_t v : numbers.items()) complex.points.push_back(input.points[v]);
@@ -114,6 +110,7 @@ void number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumb
     const auto& [a, b, c] = input.tri_to_vert[t];
     complex.tri_to_vert.push_back({numbers[a], numbers[b], numbers[c]});
   }
+  return false;
 }
 
 }  // namespace
@@ -190,8 +187,7 @@ Complexes split_complexes(const VolumeInput& input, std::span<const std::uint32_
   Complexes complexes;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     ComplexArrays& own = arrays[i];
-    number_vertices(input, own, numbers);
-    const bool is_all = is_all_of(input, own);
+    const bool is_all = number_vertices(input, own, numbers);
     if (!is_all || !without.empty()) {
       own.tri_to_sides.reserve(own.to_input_tri.size());
       for (const std::uint32_t t : own.to_input_tri)

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/predicates/predicates.hpp"
+#include "core/tets/find_triangles.hpp"
 #include "mesher/parts/decomposition.hpp"
 #include "mesher/parts/key_filter.hpp"
 #include "mesher/parts/near_box.hpp"
@@ -242,7 +243,7 @@ TEST_CASE("some parts may keep what they have while that of others is given up")
 
 TEST_CASE("triangles are found by their vertices in any order, the first of equal ones") {
   const std::vector<tets::TriangleVerts> triangles{{4, 2, 3}, {0, 1, 2}, {2, 1, 0}, {1, 4, 0}, {3, 4, 2}};
-  const TrianglesByVertex index(triangles, 6);
+  const tets::TrianglesByVertex index(triangles, 6);
   CHECK(index.find(tets::sorted({1, 2, 0})) == 1u);
   CHECK(index.find(tets::sorted({2, 3, 4})) == 0u);
   CHECK(index.find(tets::sorted({4, 1, 0})) == 3u);
