@@ -18,7 +18,7 @@ ModelDocument read_on_ranks(const std::filesystem::path& path, const ReadOptions
                             const CancelToken& cancel, Communicator& communicator);
 
 /// Starting MPI takes about as long as reading a small model, and it mostly waits: where several ranks were started
-/// together, the first begins to read at once, in a thread of its own, and so do the others where all have to.
+/// together, the first begins to read at once, in a thread of its own.
 class ModelReading {
  public:
   explicit ModelReading(const MeshCommand& command);

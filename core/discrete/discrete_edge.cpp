@@ -16,8 +16,7 @@ double circle_curvature(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-DiscreteEdge::DiscreteEdge(std::shared_ptr<const DiscreteParts> parts, std::uint32_t model_edge)
-    : parts_(std::move(parts)), line_(parts_->polyline(model_edge)) {
+DiscreteEdge::DiscreteEdge(std::shared_ptr<const Polyline> line) : held_(std::move(line)), line_(*held_) {
   box_pieces();
 }
 

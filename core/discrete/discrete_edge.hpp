@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/discrete/discrete_parts.hpp"
+#include "core/discrete/polyline.hpp"
 #include "tetloom/model.hpp"
 
 namespace tetloom::detail {
@@ -13,7 +13,7 @@ namespace tetloom::detail {
 /// curvature at a point of the polyline is that of the circle through it and its two neighbours, linear in between.
 class DiscreteEdge final : public EdgeGeometry {
  public:
-  DiscreteEdge(std::shared_ptr<const DiscreteParts> parts, std::uint32_t model_edge);
+  explicit DiscreteEdge(std::shared_ptr<const Polyline> line);
 
   ParameterRange range() override { return {0, length()}; }
   double period() override { return line_.closed ? length() : 0; }
@@ -33,7 +33,7 @@ class DiscreteEdge final : public EdgeGeometry {
   void box_pieces();
 
   static constexpr std::size_t kPiecesPerBox = 16;
-  std::shared_ptr<const DiscreteParts> parts_;
+  std::shared_ptr<const Polyline> held_;
   const Polyline& line_;
   std::vector<Box3> boxes_;  // of runs of pieces
 };

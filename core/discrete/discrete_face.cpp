@@ -11,8 +11,9 @@ Vec2 encode(std::uint32_t tri, double b1, double b2) { return {2.0 * tri + b1, b
 
 }  // namespace
 
-DiscreteFace::DiscreteFace(std::shared_ptr<const DiscreteParts> parts, ModelFaceId id)
-    : parts_(std::move(parts)), facets_(parts_->face(id.value)), id_(id) {}
+DiscreteFace::DiscreteFace(std::shared_ptr<const FaceFacets> facets,
+                           std::shared_ptr<const std::vector<double>> edge_lengths)
+    : held_(std::move(facets)), facets_(*held_), edge_lengths_(std::move(edge_lengths)) {}
 
 DiscreteFace::Place DiscreteFace::decode(const Vec2& uv) const {
   const double last = static_cast<double>(facets_.tri_to_vert.size() - 1);
@@ -75,28 +76,17 @@ Vec2 DiscreteFace::edge_parameters(const EdgeUse&, double) {
   throw Error(ErrorCode::Internal, "a facetted face has no parameter curves along its edges");
 }
 
-ParameterRange DiscreteFace::edge_range(const EdgeUse& use) {
-  return {0, parts_->polyline(use.edge.value).lengths.back()};
-}
-
-ModelEntity DiscreteFace::classify(std::uint32_t vert) const {
-  if (!facets_.on_rim[vert]) return id_;
-  const std::uint32_t global = facets_.vert_to_global[vert];
-  const std::uint32_t model_vert = parts_->segmentation().vert_to_model_vert[global];
-  if (model_vert != kNone) return ModelVertexId(model_vert);
-  return ModelEdgeId(parts_->model_edge_at(global));
-}
+ParameterRange DiscreteFace::edge_range(const EdgeUse& use) { return {0, (*edge_lengths_)[use.edge.value]}; }
 
 Tessellation DiscreteFace::tessellate(double, double) {
   Tessellation result;
   result.points = facets_.points;
   result.tri_to_vert = facets_.tri_to_vert;
+  result.classification = facets_.vert_to_entity;
+  result.edge_parameter = facets_.vert_to_parameter;
   for (std::uint32_t vert = 0; vert < result.points.size(); ++vert) {
     const std::uint32_t at = facets_.vert_to_corner[vert];
     result.uv.push_back(encode(at / 3, at % 3 == 1 ? 1 : 0, at % 3 == 2 ? 1 : 0));
-    result.classification.push_back(classify(vert));
-    const bool on_edge = result.classification.back().dim == 1;
-    result.edge_parameter.push_back(on_edge ? parts_->parameter_at(facets_.vert_to_global[vert]) : 0);
   }
   return result;
 }

@@ -1,8 +1,9 @@
 #pragma once
 // A model face of a discrete model. Private to core/discrete.
 #include <memory>
+#include <vector>
 
-#include "core/discrete/discrete_parts.hpp"
+#include "core/discrete/face_facets.hpp"
 #include "tetloom/model.hpp"
 
 namespace tetloom::detail {
@@ -10,7 +11,8 @@ namespace tetloom::detail {
 /// (u,v) as tetloom/model.hpp defines them. Values outside of a facet are brought to its border.
 class DiscreteFace final : public FaceGeometry {
  public:
-  DiscreteFace(std::shared_ptr<const DiscreteParts> parts, ModelFaceId id);
+  /// `edge_lengths`: of all edges of the model.
+  DiscreteFace(std::shared_ptr<const FaceFacets> facets, std::shared_ptr<const std::vector<double>> edge_lengths);
 
   Parametrization parametrization() override { return Parametrization::Piecewise; }
   ParameterBox parameter_box() override;
@@ -31,11 +33,10 @@ class DiscreteFace final : public FaceGeometry {
   };
   Place decode(const Vec2& uv) const;
   const Vec3& corner(const Place& place, int i) const { return facets_.points[facets_.tri_to_vert[place.tri][i]]; }
-  ModelEntity classify(std::uint32_t vert) const;
 
-  std::shared_ptr<const DiscreteParts> parts_;
+  std::shared_ptr<const FaceFacets> held_;
   const FaceFacets& facets_;
-  ModelFaceId id_;
+  std::shared_ptr<const std::vector<double>> edge_lengths_;
 };
 
 }  // namespace tetloom::detail

@@ -10,16 +10,10 @@
 
 #include "core/discrete/face_facets.hpp"
 #include "core/discrete/facet_surface.hpp"
+#include "core/discrete/polyline.hpp"
 #include "core/discrete/segmentation.hpp"
 
 namespace tetloom::detail {
-
-/// A model edge: a polyline over its arc length. Closed when its first and last points are the same.
-struct Polyline {
-  std::vector<Vec3> points;
-  std::vector<double> lengths;  ///< from the start, one per point
-  bool closed = false;
-};
 
 /// The facet surface and its segmentation, with what edges and faces need of both.
 class DiscreteParts {
@@ -30,10 +24,10 @@ class DiscreteParts {
   const Segmentation& segmentation() const { return segmentation_; }
   const FaceMembers& members() const { return members_; }
   const Polyline& polyline(std::uint32_t model_edge) const { return polylines_[model_edge]; }
+  const std::vector<double>& edge_lengths() const { return edge_lengths_; }
   const FaceFacets& face(std::uint32_t face) const;
-  /// The model edge that has the point inside of it, or kNone; and the arc length there.
-  std::uint32_t model_edge_at(std::uint32_t vert) const { return vert_to_model_edge_[vert]; }
-  double parameter_at(std::uint32_t vert) const { return vert_to_parameter_[vert]; }
+  /// Collects a face to pack it, and does not keep it.
+  void put_face(MessageWriter& writer, std::uint32_t face) const;
 
  private:
   struct LazyFace {
@@ -46,8 +40,8 @@ class DiscreteParts {
   Segmentation segmentation_;
   FaceMembers members_;
   std::vector<Polyline> polylines_;
-  std::vector<std::uint32_t> vert_to_model_edge_;
-  std::vector<double> vert_to_parameter_;
+  std::vector<double> edge_lengths_;
+  PlacesOnEdges on_edges_;
   std::unique_ptr<LazyFace[]> faces_;
 };
 

@@ -10,6 +10,8 @@
 #include "core/discrete/facet_curvature.hpp"
 #include "core/discrete/facet_surface.hpp"
 #include "core/discrete/segmentation.hpp"
+#include "tetloom/ids.hpp"
+#include "tetloom/storage.hpp"
 
 namespace tetloom::detail {
 
@@ -21,10 +23,10 @@ struct FaceFacets {
 
   std::vector<Vec3> points;
   std::vector<Triangle> tri_to_vert;
-  std::vector<std::uint32_t> vert_to_global;  ///< the point of the surface
   std::vector<std::uint32_t> vert_to_corner;  ///< 3·tri + corner of some facet at the point
-  std::vector<bool> on_rim;
-  PointJets jets;  ///< normals and bending of the points, from the facets of this face alone
+  std::vector<ModelEntity> vert_to_entity;
+  std::vector<double> vert_to_parameter;  ///< on the model edge; 0 of other points
+  PointJets jets;                         ///< normals and bending of the points, from the facets of this face alone
   FacetBvh bvh;
 };
 
@@ -38,8 +40,18 @@ struct FaceMembers {
 
 FaceMembers list_members(const Segmentation& segmentation);
 
+/// For each point of the surface the model edge that has it inside of it, or kNone, and the arc length there.
+struct PlacesOnEdges {
+  std::vector<std::uint32_t> vert_to_model_edge;
+  std::vector<double> vert_to_parameter;
+};
+
 /// Fills `result` for one face. Complexity: O(n log n) in the face's facets.
 void collect_face(const FacetSurface& surface, const Segmentation& segmentation, const FaceMembers& members,
-                  std::uint32_t face, FaceFacets& result);
+                  const PlacesOnEdges& on_edges, std::uint32_t face, FaceFacets& result);
+
+/// All but the tree, which `get_facets` makes anew.
+void put_facets(MessageWriter& writer, const FaceFacets& facets);
+void get_facets(MessageReader& reader, FaceFacets& facets);
 
 }  // namespace tetloom::detail

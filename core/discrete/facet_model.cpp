@@ -23,11 +23,12 @@ Vec3 FacetModel::vertex_point(ModelVertexId id) const {
 }
 
 std::unique_ptr<EdgeGeometry> FacetModel::edge_geometry(ModelEdgeId id) const {
-  return std::make_unique<DiscreteEdge>(parts_, id.value);
+  return std::make_unique<DiscreteEdge>(std::shared_ptr<const Polyline>(parts_, &parts_->polyline(id.value)));
 }
 
 std::unique_ptr<FaceGeometry> FacetModel::face_geometry(ModelFaceId id) const {
-  return std::make_unique<DiscreteFace>(parts_, id);
+  return std::make_unique<DiscreteFace>(std::shared_ptr<const FaceFacets>(parts_, &parts_->face(id.value)),
+                                        std::shared_ptr<const std::vector<double>>(parts_, &parts_->edge_lengths()));
 }
 
 void FacetModel::set_topology(const FacetRegions& regions) {

@@ -35,6 +35,15 @@ std::size_t SizeField::leaf_count() const { return tree_ ? tree_->leaf_count() :
 
 std::size_t SizeField::memory() const { return sizeof(SizeField) + (tree_ ? tree_->memory() : 0); }
 
+SizeField SizeField::kept_by(const KeepBytes& keep) const {
+  SizeField field = *this;
+  if (!tree_) return field;
+  Tree moved = *tree_;
+  moved.move_arrays(keep);
+  field.tree_ = std::make_shared<const Tree>(std::move(moved));
+  return field;
+}
+
 void SizeField::for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const {
   if (box.empty()) return;
   if (tree_) return tree_->for_each_leaf(box, visit);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/base/fixed_array.hpp"
 #include "tetloom/size_field.hpp"
 
 namespace tetloom {
@@ -19,6 +20,7 @@ class SizeField::Tree {
   void for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const;
   std::size_t leaf_count() const;
   std::size_t memory() const;
+  void move_arrays(const KeepBytes& keep);
 
  private:
   static constexpr int kMaxDepth = SizeOctree::kMaxDepth;
@@ -30,13 +32,16 @@ class SizeField::Tree {
     std::uint32_t depth = 0;
   };
 
-  void fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner);
+  void fill_top(std::uint32_t block, std::uint32_t depth, const std::array<std::uint32_t, 3>& corner,
+                std::vector<TopCell>& top) const;
   double interpolate(std::size_t cell, double x, double y, double z) const;
 
-  SizeOctree octree_;
+  SizeOctree frame_;  ///< without its arrays
+  FixedArray<std::uint32_t> cells_;
+  FixedArray<float> corner_ratios_;
   std::uint32_t top_depth_ = 0;  ///< deep enough to save steps, not so deep that the table leaves the cache
   double scale_ = 0;             ///< finest cells per unit of length
-  std::vector<TopCell> top_;
+  FixedArray<TopCell> top_;
 };
 
 }  // namespace tetloom

@@ -258,8 +258,8 @@ std::optional<ModelDocument> rebuild_solids(const ModelDocument& document, const
 // Models for several processes: one reads the file and stores the shapes, each then reads those that it needs.
 
 /// Writes a document to a file from which open_stored_model makes it anew, for processes of this program on machines of
-/// one kind. False, and nothing written, for models of facets. Errors: OutputFailed, and those of questions to the
-/// model. Thread safety: as these; on the threads of `loop`.
+/// one kind. False, and no file left, for models that read_model did not make. Errors: OutputFailed, and those of
+/// questions to the model. Thread safety: as these; on the threads of `loop`.
 bool store_model(const ModelDocument& document, const std::filesystem::path& path,
                  const BlockLoop& loop = serial_loop());
 

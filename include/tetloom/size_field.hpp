@@ -91,6 +91,10 @@ class SizeField {
   /// Bytes that the field holds, whatever the number of its copies.
   std::size_t memory() const;
 
+  /// The same field, whose arrays lie where `keep` puts a copy of their bytes, as long as this or a copy of it holds
+  /// that; those for which it returns null stay. So several processes can have one copy of what all of them look at.
+  SizeField kept_by(const std::function<std::shared_ptr<const std::byte>(std::span<const std::byte>)>& keep) const;
+
   /// Calls `visit` for every leaf that meets `box`, in Morton order, clipped to the box. A uniform field has one leaf,
   /// the box itself. Leaves outside the domain carry the global size.
   void for_each_leaf(const Box3& box, const std::function<void(const SizeLeaf&)>& visit) const;

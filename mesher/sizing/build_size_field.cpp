@@ -19,6 +19,7 @@
 #include "mesher/sizing/target_field.hpp"
 #include "mesher/sizing/wire_faces.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/copy_of_machine.hpp"
 
 namespace tetloom {
 namespace {
@@ -205,7 +206,8 @@ struct SizeFieldBuilder::State {
     }
     facet_model();
     const SizeField sizes =
-        grow_tree({model, options, targets, facets, *tree}, *sources, refinements, max_memory, work, grown);
+        grow_tree({model, options, targets, facets, *tree}, *sources, refinements, max_memory, work, grown)
+            .kept_by(copy_of_machine(work.ranks()));
     SizedModel sized{sizes, estimate_mesh(model, sizes, facets, *tree, work)};
     if (work.rank_count() > 1) forget_facets();
     return sized;

@@ -73,6 +73,18 @@ run_on_ranks 2 env TMPDIR=/nowhere "$tetloom" $coarse
 [ -z "$(bytes_of_ranks model_bytes)" ] || fail "shapes are held that were not stored"
 on_ranks 2 mesh model.step -o surface.stl --imprint --quiet
 "$tetloom" check surface.stl --quiet
+# Models of facets: the first rank reads them, and each holds those of the faces that it needs.
+"$demo_model" filleted-plate plate.step 4
+"$tetloom" mesh plate.step -o facets.stl --curvature 12 --surface-only --quiet
+"$tetloom" mesh facets.stl -o parts.pvtu --parts 5 --curvature 12 --quiet --report report.json
+digest=$(grep '"digest"' report.json)
+TMPDIR=$PWD/temporary on_ranks 3 mesh facets.stl -o parts.pvtu --parts 5 --curvature 12 --quiet --report report.json
+[ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest of a model of facets on 3 ranks"
+[ "$(bytes_of_ranks model_bytes | grep -c .)" = 3 ] || fail "not all ranks tell what they hold of the facets"
+[ -z "$(find temporary -name 'tetloom*')" ] || fail "a file of facets or sizes is left behind"
+run_on_ranks 3 env TMPDIR=/nowhere "$tetloom" mesh facets.stl -o parts.pvtu --parts 5 --curvature 12 --quiet \
+    --report report.json
+[ "$digest" = "$(grep '"digest"' report.json)" ] || fail "another digest where no facets and sizes are stored"
 
 rm -rf parts parts.pvtu
 for output in parts.pvtu whole2.vtu; do

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -83,9 +85,12 @@ Bits answers_of_face(FaceGeometry& face, const std::vector<ModelLoop>& loops, do
     const SurfacePoint found = face.closest_point(face.evaluate(uv) + 0.01 * size * face.normal(uv), {});
     add(bits, found.uv), add(bits, found.point);
   }
+  const bool has_curves = face.parametrization() != Parametrization::Piecewise;
   for (const ModelLoop& loop : loops)
     for (const EdgeUse& use : loop) {
       const ParameterRange range = face.edge_range(use);
+      add(bits, range.lo), add(bits, range.hi);
+      if (!has_curves) continue;
       for (const double share : {0.0, 0.6, 1.0})
         add(bits, face.edge_parameters(use, range.lo + share * (range.hi - range.lo)));
     }
@@ -213,13 +218,45 @@ TEST_CASE("the shapes of edges and faces are all that there is in a stored model
   CHECK(read_model(folder / "box.brep").model->shape_bytes(ModelEntity(2, 0)) == 0);
 }
 
-TEST_CASE("models of facets are not stored, and nothing is left behind") {
-  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const std::vector<std::array<std::uint32_t, 3>> tris{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  ModelDocument document;
-  document.model = make_discrete_model(points, tris, 0.5);
-  CHECK_FALSE(document.model->shape_memory());
+TEST_CASE("stored models of facets answer as those that were stored, to the last bit") {
   const Folder folder;
+  // A drum of 40 sides, whose rims are closed edges, and a smaller one whose pointed roof is one face with its side.
+  std::ofstream obj(folder / "drums.obj");
+  constexpr int kSides = 40;
+  for (const double shift : {0.0, 5.0}) {
+    for (int i = 0; i < kSides; ++i)
+      for (const double z : {0.0, 1.0}) {
+        const double turn = 2 * std::numbers::pi * i / kSides, radius = shift > 0 ? 0.5 : 1;
+        obj << "v " << shift + radius * std::cos(turn) << ' ' << radius * std::sin(turn) << ' ' << z << '\n';
+      }
+    obj << "v " << shift << " 0 0\nv " << shift << " 0 " << 1 + shift / 5 << '\n';
+  }
+  for (const int first : {1, 2 * kSides + 3})
+    for (int i = 0; i < kSides; ++i) {
+      const int low = first + 2 * i, next = first + 2 * ((i + 1) % kSides), center = first + 2 * kSides;
+      obj << "f " << low << ' ' << next << ' ' << next + 1 << "\nf " << low << ' ' << next + 1 << ' ' << low + 1
+          << "\nf " << center << ' ' << next << ' ' << low << "\nf " << center + 1 << ' ' << low + 1 << ' ' << next + 1
+          << '\n';
+    }
+  obj.close();
+  REQUIRE(read_model(folder / "drums.obj").model->topology().region_count() == 2);
+  REQUIRE(read_model(folder / "drums.obj").model->topology().edge_count() == 3);
+  check_stored(folder / "drums.obj");
+  const fs::path shared = fs::path(TETLOOM_SHARED_DIR) / "cad2";
+  if (!fs::exists(shared)) {
+    WARN("skipped: no models in " << shared);
+    return;
+  }
+  check_stored(shared / "netgen__tutorials_part1.stl");
+  check_stored(shared / "common-3d-test-models__data_cow.obj");
+}
+
+TEST_CASE("models that were not read are not stored, and nothing is left behind") {
+  const Folder folder;
+  test::write_sample(test::Sample::Box, folder / "box.brep");
+  ModelDocument document;
+  document.model = put_into_box(read_model(folder / "box.brep").model, 2);
+  fs::remove(folder / "box.brep");
   CHECK_FALSE(store_model(document, folder / "shapes"));
   CHECK(folder.is_empty());
 }

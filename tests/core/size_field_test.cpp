@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory>
 #include <random>
 #include <span>
 #include <vector>
@@ -132,6 +134,43 @@ TEST_CASE("leaves are trilinear between their corners and exact where they are g
   CHECK(field.smallest() == 0.25);
   CHECK(field.largest() == 2);
   CHECK(field.leaf_count() == 15);
+}
+
+TEST_CASE("a field whose arrays are kept elsewhere answers as before, for as long as somebody holds it") {
+  const SizeField field = SizeField::from_octree(small_tree());
+  std::vector<std::weak_ptr<const std::byte>> kept;
+  {
+    SizeField moved = SizeField::uniform(1);
+    {
+      const SizeField first = field.kept_by([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
+        if (kept.size() == 2) return nullptr;  // the last array stays
+        const auto copy = std::make_shared<std::vector<std::byte>>(bytes.begin(), bytes.end());
+        const std::shared_ptr<const std::byte> first_byte(copy, copy->data());
+        kept.push_back(first_byte);
+        return first_byte;
+      });
+      moved = first;
+    }
+    REQUIRE(kept.size() == 2);
+    CHECK(!kept[0].expired());
+    CHECK(!kept[1].expired());
+    CHECK(moved.memory() == field.memory());
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 x = random_point(random, 10);
+      REQUIRE(moved.size_at(x) == field.size_at(x));
+    }
+    CHECK(moved.smallest() == field.smallest());
+  }
+  CHECK(kept[0].expired());
+  CHECK(kept[1].expired());
+  int asked = 0;
+  const SizeField uniform = SizeField::uniform(3).kept_by([&](std::span<const std::byte>) {
+    ++asked;
+    return nullptr;
+  });
+  CHECK(asked == 0);
+  CHECK(uniform.size_at({1, 2, 3}) == 3);
 }
 
 TEST_CASE("outside of its domain a field grows by the gradation up to the global size") {

@@ -1,16 +1,12 @@
-#include <stdlib.h>
-#include <unistd.h>
-#include <array>
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <system_error>
 
 #include "core/base/codec.hpp"
+#include "core/base/temporary_file.hpp"
 #include "tetloom/partition.hpp"
 #include "threading/comm/collectives.hpp"
 
@@ -21,31 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLeastHeld = std::uint64_t{1} << 18;
 constexpr double kShare = 1.5;  // of what each rank would hold if no two held the same
-
-/// A file in the folder for temporary files, which is gone with this object.
-class TemporaryFile {
- public:
-  TemporaryFile() {
-    std::error_code none;
-    std::string path = (fs::temp_directory_path(none) / "tetloom-shapes-XXXXXX").string();
-    if (none) throw Error(ErrorCode::OutputFailed, "the folder for temporary files: " + none.message());
-    const int file = ::mkstemp(path.data());
-    if (file < 0) throw Error(ErrorCode::OutputFailed, "'" + path + "': " + std::strerror(errno));
-    ::close(file);
-    path_ = path;
-  }
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Reads on the first rank, and stores what was read, where that can be done. Reads on the others where not.
 class RankReading {
@@ -71,7 +42,7 @@ class RankReading {
   void read_and_store() {
     document_ = read_();
     try {
-      file_.emplace();
+      file_.emplace("shapes");
       if (store_model(*document_, file_->path(), loop_))
         path_ = file_->path(), bytes_ = fs::file_size(path_);
       else
@@ -122,7 +93,7 @@ class RankReading {
     std::string place;
     run_on_all(ranks_, [&] {
       if (static_cast<std::size_t>(ranks_.rank()) != next_) return;
-      file_.emplace();
+      file_.emplace("shapes");
       const std::span<const char> bytes = MessageReader(sent[0]).get_view<char>();
       std::ofstream stream(file_->path(), std::ios::binary);
       if (!stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())

@@ -11,7 +11,6 @@
 #include "core/base/failure.hpp"
 #include "core/cad/detail/cad_edge.hpp"
 #include "core/cad/detail/occt_guard.hpp"
-#include "core/geometry/model_codec.hpp"
 #include "tetloom/assert.hpp"
 
 namespace tetloom::cad {
@@ -87,13 +86,7 @@ void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter&
   add_shapes(edges.first, encode_one_edge, loop, file);
   add_shapes(faces.first, encode_one_face, loop, file);
 
-  put_topology(skeleton, topology);
-  for (int dim = 0; dim <= 3; ++dim)
-    for (std::uint32_t i = 0; i < topology.count(dim); ++i)
-      put_attributes(skeleton, model.attributes({static_cast<std::uint8_t>(dim), i}));
-  skeleton.put(model.bounding_box());
-  skeleton.put(model.metres_per_unit());
-  for (std::size_t v = 0; v < topology.vertex_count; ++v) skeleton.put(model.vertex_point(ModelVertexId(v)));
+  StoredModel::put_frame(model, skeleton);
   std::vector<int> places(faces.first.size());
   for (const std::uint64_t shape : faces.item_to_shape) ++places[shape];
   for (std::size_t e = 0; e < topology.edge_count(); ++e) {
@@ -111,17 +104,11 @@ void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter&
 }
 
 StoredCadModel::StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageReader& skeleton, std::uint64_t most_bytes)
-    : file_(std::move(file)), held_(most_bytes) {
-  topology_ = get_topology(skeleton);
-  for (int dim = 0; dim <= 3; ++dim)
-    for (std::size_t i = 0; i < topology_.count(dim); ++i) attributes_[dim].push_back(get_attributes(skeleton));
+    : StoredModel(std::move(file), skeleton, most_bytes) {
   const auto get_placed = [](MessageReader& reader) {
     const auto shape = reader.get<std::uint64_t>();
     return Placed{shape, reader.get_array<LocationFactor>()};
   };
-  bounding_box_ = skeleton.get<Box3>();
-  metres_per_unit_ = skeleton.get<double>();
-  for (std::size_t v = 0; v < topology_.vertex_count; ++v) vertices_.push_back(skeleton.get<Vec3>());
   for (std::size_t e = 0; e < topology_.edge_count(); ++e) edges_.push_back(get_placed(skeleton));
   for (std::size_t f = 0; f < topology_.face_count(); ++f) {
     faces_.push_back(get_placed(skeleton));
@@ -140,17 +127,12 @@ StoredCadModel::StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageRea
   volumes_ = get_measures(topology_.region_count());
 }
 
-Vec3 StoredCadModel::vertex_point(ModelVertexId id) const {
-  TETLOOM_ASSERT(id.value < vertices_.size());
-  return vertices_[id.value];
-}
-
 std::unique_ptr<EdgeGeometry> StoredCadModel::edge_geometry(ModelEdgeId id) const {
   TETLOOM_ASSERT(id.value < edges_.size());
   const NamedEntity who = named(id);
-  const auto edge = held_.get<TopoDS_Edge>(id.value, [&] {
+  const auto edge = held().get<TopoDS_Edge>(id.value, [&] {
     return translate_failures(who, ErrorCode::EdgeFailed, "reading its shape", [&] {
-      const Bytes bytes = file_->read(edges_[id.value].shape);
+      const Bytes bytes = file().read(edges_[id.value].shape);
       auto decoded = std::make_shared<const TopoDS_Edge>(decode_edge(bytes, edges_[id.value].place));
       return HeldShapes::Shape{std::move(decoded), bytes.size()};
     });
@@ -161,10 +143,10 @@ std::unique_ptr<EdgeGeometry> StoredCadModel::edge_geometry(ModelEdgeId id) cons
 std::unique_ptr<FaceGeometry> StoredCadModel::face_geometry(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < faces_.size());
   const NamedEntity who = named(id);
-  const auto face = held_.get<CadFace>(edges_.size() + id.value, [&] {
+  const auto face = held().get<CadFace>(edges_.size() + id.value, [&] {
     return translate_failures(who, ErrorCode::FaceFailed, "reading its shape", [&] {
       const Placed& placed = faces_[id.value];
-      const Bytes bytes = file_->read(placed.shape);
+      const Bytes bytes = file().read(placed.shape);
       auto shape = std::make_shared<const FaceShape>(
           decode_face(bytes, edges_of(topology_, id), placed.place, is_repeated_[id.value] != 0));
       return HeldShapes::Shape{std::make_shared<const CadFace>(std::move(shape), topology_, id, who), bytes.size()};
@@ -192,11 +174,7 @@ std::uint64_t StoredCadModel::shape_bytes(ModelEntity entity) const {
   if (entity.dim != 1 && entity.dim != 2) return 0;
   const std::vector<Placed>& placed = entity.dim == 1 ? edges_ : faces_;
   TETLOOM_ASSERT(entity.index < placed.size());
-  return file_->bytes_of(placed[entity.index].shape);
-}
-
-std::optional<ShapeMemory> StoredCadModel::shape_memory() const {
-  return ShapeMemory{held_.peak_bytes(), file_->total_bytes()};
+  return file().bytes_of(placed[entity.index].shape);
 }
 
 }  // namespace tetloom::cad

@@ -7,8 +7,8 @@
 #include "core/cad/detail/cad_face.hpp"
 #include "core/cad/detail/cad_model.hpp"
 #include "core/cad/detail/shape_bytes.hpp"
-#include "core/geometry/held_shapes.hpp"
 #include "core/geometry/shape_file.hpp"
+#include "core/geometry/stored_model.hpp"
 #include "tetloom/storage.hpp"
 
 namespace tetloom::cad {
@@ -16,21 +16,18 @@ namespace tetloom::cad {
 /// Writes the shapes of a model to `file`, and what is known of it without them to `skeleton`. Errors: OutputFailed.
 void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton);
 
-/// The model that store_shapes wrote, for one process of several: it has names, topology, vertices and measures of all
-/// entities, and reads the shapes of edges and faces when it is asked for them. All answers are those of the model that
-/// was stored, to the last bit.
-class StoredCadModel final : public GeometricModel {
+/// The model that store_shapes wrote: it has the measures of all entities, and reads the shapes of edges and faces when
+/// it is asked for them. All answers are those of the model that was stored, to the last bit.
+class StoredCadModel final : public StoredModel {
  public:
   /// Keeps shapes of `most_bytes` at most. Errors: Internal (another skeleton).
   StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageReader& skeleton, std::uint64_t most_bytes);
 
-  Vec3 vertex_point(ModelVertexId id) const override;
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
   std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override;
   double area(ModelFaceId id) const override;
   FacePlace place(ModelFaceId id) const override;
   double volume(ModelRegionId id) const override;
-  std::optional<ShapeMemory> shape_memory() const override;
   std::uint64_t shape_bytes(ModelEntity entity) const override;
 
  private:
@@ -49,9 +46,6 @@ class StoredCadModel final : public GeometricModel {
     double get() const { return failure ? throw Error(*failure) : value; }
   };
 
-  std::shared_ptr<const ShapeFile> file_;
-  mutable HeldShapes held_;
-  std::vector<Vec3> vertices_;
   std::vector<Placed> edges_, faces_;
   std::vector<std::uint8_t> is_repeated_;  // per face
   std::vector<FacePlace> places_;
