@@ -19,10 +19,12 @@
 #include "mesher/second_order/make_second_order.hpp"
 #include "mesher/sizing/model_facets.hpp"
 #include "mesher/surface/drop_faces.hpp"
+#include "mesher/surface_input.hpp"
 #include "mesher/tets/quality_goals.hpp"
 #include "mesher/volume/angle_causes.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/copy_of_machine.hpp"
 #include "threading/comm/shared_work.hpp"
 
 namespace tetloom {
@@ -127,12 +129,10 @@ class MeshRun {
 
   std::vector<Diagnostic> fill_volume() {
     Stopwatch watch;
-    const Mesh& mesh = result_.mesh;
-    std::vector<FaceSides> sides(mesh.tri_to_vert.size());
-    for (std::size_t t = 0; t < sides.size(); ++t) sides[t] = model_.topology().face_to_sides[mesh.tri_to_entity[t]];
-    VolumeParts volume = fill({mesh.points, mesh.tri_to_vert, sides, mesh.tri_to_entity, &model_, &result_.sizes,
-                               mesh.point_to_entity, mesh.edge_to_vert},
-                              options_.goals);
+    VolumeParts volume = [&] {
+      const SurfaceInput surface(result_.mesh, model_.topology(), copy_of_machine(work_.ranks()));
+      return fill(surface.input(model_, result_.sizes), options_.goals);
+    }();
     note(volume);
     std::vector<Diagnostic> errors = std::move(volume.errors);
     if (errors.empty()) use_.take(std::move(volume), result_.mesh, work_);

@@ -40,7 +40,7 @@ std::size_t TriangleTree::pieces(std::size_t triangles) { return (triangles + kB
 
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
                            const TaskRunner& runner)
-    : points_(points), tri_to_vert_(tri_to_vert), order_(tri_to_vert.size()) {
+    : points_(points), tri_to_vert_(tri_to_vert) {
   const std::size_t count = tri_to_vert_.size();
   std::vector<Box3> boxes(pieces(count));
   runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
@@ -48,7 +48,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
   });
   Box3 around;
   for (const Box3& box : boxes) around.add(box);
-  sort_triangles(around, runner);
+  order_ = FixedArray(sort_triangles(around, runner));
   if (!around.empty()) {
     constexpr double kRounding = 4e-16;
     origin_ = around.center();
@@ -57,19 +57,25 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
     up_ = shortest_axis(around);
   }
   first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
-  nodes_.resize(first_leaf_ + leaf_count());
+  std::vector<Node> nodes(first_leaf_ + leaf_count());
   runner.for_blocks(leaf_count(), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t leaf = begin; leaf < end; ++leaf) nodes_[first_leaf_ + leaf] = node_of(leaf_box(leaf));
+    for (std::size_t leaf = begin; leaf < end; ++leaf) nodes[first_leaf_ + leaf] = node_of(leaf_box(leaf));
   });
   // Level by level: the nodes of one are [width, 2 width).
   for (std::size_t width = first_leaf_ / 2; width > 0; width /= 2) {
     runner.for_blocks(width, kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = width + begin; node < width + end; ++node) {
         for (const std::size_t child : {2 * node, 2 * node + 1})
-          if (child < nodes_.size()) nodes_[node].add(nodes_[child]);
+          if (child < nodes.size()) nodes[node].add(nodes[child]);
       }
     });
   }
+  nodes_ = FixedArray(std::move(nodes));
+}
+
+void TriangleTree::move_arrays(const KeepBytes& keep) {
+  order_.move_to(keep);
+  nodes_.move_to(keep);
 }
 
 TriangleTree::Node TriangleTree::node_of(const Box3& box) const {
@@ -83,7 +89,7 @@ TriangleTree::Node TriangleTree::node_of(const Box3& box) const {
   return node;
 }
 
-void TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) {
+std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) const {
   struct Key {
     std::uint64_t code;
     std::uint32_t triangle;
@@ -93,7 +99,7 @@ void TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) 
   };
   const double extent =
       std::max({around.hi.x - around.lo.x, around.hi.y - around.lo.y, around.hi.z - around.lo.z, 1e-300});
-  std::vector<Key> keys(order_.size());
+  std::vector<Key> keys(tri_to_vert_.size());
   runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto triangle = static_cast<std::uint32_t>(i);
@@ -101,9 +107,11 @@ void TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) 
     }
   });
   parallel_sort(keys, runner);
+  std::vector<std::uint32_t> order(keys.size());
   runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) order_[i] = keys[i].triangle;
+    for (std::size_t i = begin; i < end; ++i) order[i] = keys[i].triangle;
   });
+  return order;
 }
 
 Box3 TriangleTree::box_of(std::uint32_t triangle) const {

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/fixed_array.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
 
@@ -55,6 +56,9 @@ class TriangleTree {
                const TaskRunner& runner);
   /// Into how many pieces the work of making a tree of so many triangles is cut.
   static std::size_t pieces(std::size_t triangles);
+
+  /// The arrays of the tree, not those of the triangles, are where `keep` keeps them from now on.
+  void move_arrays(const KeepBytes& keep);
 
   /// Calls visit(triangle) for every triangle whose box overlaps `box` (closed), in the tree's own order.
   template <class Visit>
@@ -107,7 +111,7 @@ class TriangleTree {
   /// for the last.
   std::size_t leaf_count() const { return (order_.size() + kLeafSize - 1) / kLeafSize; }
   std::span<const std::uint32_t> leaf_triangles(std::size_t leaf) const {
-    return std::span(order_).subspan(leaf * kLeafSize, std::min(kLeafSize, order_.size() - leaf * kLeafSize));
+    return order_.span().subspan(leaf * kLeafSize, std::min(kLeafSize, order_.size() - leaf * kLeafSize));
   }
   /// Calls visit(leaf) for the leaves from `first` on whose boxes overlap `box`, or nearly, ascending.
   template <class Visit>
@@ -182,13 +186,13 @@ class TriangleTree {
     const auto& [lo, hi] = nodes_[node];
     return {origin_ + Vec3{lo[0], lo[1], lo[2]}, origin_ + Vec3{hi[0], hi[1], hi[2]}};
   }
-  void sort_triangles(const Box3& around, const TaskRunner& runner);
+  std::vector<std::uint32_t> sort_triangles(const Box3& around, const TaskRunner& runner) const;
   int crossing_above(std::uint32_t triangle, const Vec3& x) const;
 
   std::span<const Vec3> points_;
   std::span<const std::array<std::uint32_t, 3>> tri_to_vert_;
-  std::vector<std::uint32_t> order_;  // triangles in Morton order
-  std::vector<Node> nodes_;           // heap order, root at 1; the last level ends with the last leaf
+  FixedArray<std::uint32_t> order_;  // triangles in Morton order
+  FixedArray<Node> nodes_;           // heap order, root at 1; the last level ends with the last leaf
   Vec3 origin_;
   double rounding_ = 0;  // of what is seen from there
   std::size_t first_leaf_ = 1;

@@ -17,6 +17,7 @@
 #include "mesher/volume/worker_protocol.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/comm/collectives.hpp"
+#include "threading/comm/copy_of_machine.hpp"
 
 namespace tetloom::volume {
 
@@ -74,6 +75,8 @@ class ComplexFiller {
     }
     return std::move(result_);
   }
+
+  void move_tree(const KeepBytes& keep) { tree_.move_arrays(keep); }
 
   VolumeParts run_in_parts(Communicator& communicator) {
     fill_in_parts(communicator);
@@ -286,6 +289,7 @@ VolumeParts fill_complex_in_parts(const FillingPlan& plan, const Complex& comple
                                   Communicator& communicator, const TaskRunner& runner) {
   std::optional<ComplexFiller> filler;
   run_on_all(communicator, [&] { filler.emplace(plan, complex, progress, runner); });
+  filler->move_tree(copy_of_machine(communicator));
   return filler->run_in_parts(communicator);
 }
 
