@@ -19,12 +19,14 @@ void note_ranks(Communicator& communicator, std::uint64_t tets, const GeometricM
         writer.put(shapes.has_value());
         writer.put(shapes.value_or(ShapeMemory{}).most_held_bytes);
         writer.put(tets);
+        writer.put(communicator.sent_bytes());
       },
       [&](MessageReader& reader) {
         nlohmann::ordered_json rank{{"peak_bytes", reader.get<std::uint64_t>()}, {"model_bytes", nullptr}};
         const bool is_stored = reader.get<bool>();
         if (const auto held = reader.get<std::uint64_t>(); is_stored) rank["model_bytes"] = held;
         rank["tets"] = reader.get<std::uint64_t>();
+        rank["sent_bytes"] = reader.get<std::uint64_t>();
         ranks.push_back(std::move(rank));
       });
   report.extra["ranks"] = std::move(ranks);

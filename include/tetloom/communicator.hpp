@@ -47,6 +47,9 @@ class Communicator {
   virtual int rank_count() const = 0;
   /// How many ranks share this rank's machine and its cores, itself included.
   virtual int ranks_on_machine() const { return 1; }
+  /// Bytes that this rank has given to others so far, in messages and in what it had gathered; those that it gave to
+  /// all count once.
+  virtual std::uint64_t sent_bytes() const { return 0; }
 
   /// Opens a run of messages: from here to `close`, what arrives for a part of this rank goes to `receiver`. All ranks
   /// open together. A message that was sent by another rank before this one opened is kept and delivered.

@@ -49,6 +49,10 @@ bytes_of_ranks() {
 first=$(bytes_of_ranks peak_bytes | head -n 1) least=$(bytes_of_ranks peak_bytes | sort -n | head -n 1)
 tets=$(bytes_of_ranks tets | head -n 1)
 [ $((first - least)) -lt $((50 * tets)) ] || fail "the first rank has $((first - least)) bytes more than another"
+for sent in $(bytes_of_ranks sent_bytes); do
+    [ "$sent" -gt 1000 ] || fail "a rank has sent $sent bytes"
+done
+[ "$(bytes_of_ranks sent_bytes | grep -c .)" = 3 ] || fail "not all ranks tell what they have sent"
 # Each rank holds shapes of the model, and the file that they come from is gone.
 [ "$(bytes_of_ranks model_bytes | grep -c .)" = 3 ] || fail "not all ranks tell what they hold of the model"
 mkdir temporary

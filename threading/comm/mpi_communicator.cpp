@@ -82,6 +82,7 @@ class MpiCommunicator : public Communicator {
   int rank() const override { return rank_; }
   int rank_count() const override { return rank_count_; }
   int ranks_on_machine() const override { return ranks_on_machine_; }
+  std::uint64_t sent_bytes() const override { return sent_bytes_.load(std::memory_order_relaxed); }
   std::optional<int> mpi_handle() const override { return static_cast<int>(MPI_Comm_c2f(comm_)); }
 
   void open(Receiver receiver) override;
@@ -117,6 +118,7 @@ class MpiCommunicator : public Communicator {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0, rank_count_ = 1, ranks_on_machine_ = 1;
   std::size_t largest_piece_;
+  std::atomic<std::uint64_t> sent_bytes_{0};  // added to by any thread, a figure alone
   Receiver receiver_;
   std::uint64_t epoch_ = 0;
   std::thread progress_;
@@ -182,6 +184,7 @@ void MpiCommunicator::open(Receiver receiver) {
 
 void MpiCommunicator::send(Message&& message, int destination_rank) {
   if (destination_rank == rank_) return receiver_(std::move(message));
+  sent_bytes_.fetch_add(message.bytes.size(), std::memory_order_relaxed);
   {
     const std::lock_guard lock(mutex_);
     outgoing_[static_cast<std::size_t>(destination_rank)].push_back(std::move(message));
@@ -230,6 +233,7 @@ void MpiCommunicator::max(std::span<double> values) {
 std::vector<Bytes> MpiCommunicator::all_gather(Bytes bytes) {
   std::vector<std::uint64_t> sizes(outgoing_.size());
   std::uint64_t size = bytes.size();
+  if (rank_count_ > 1) sent_bytes_.fetch_add(size, std::memory_order_relaxed);
   MPI_Request request;
   check_mpi(MPI_Iallgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_, &request), "MPI_Iallgather");
   wait_for(request, "MPI_Iallgather");

@@ -21,6 +21,7 @@ class SharedWork::MeetingRanks final : public Communicator, public std::enable_s
   int rank() const override { return given_.rank(); }
   int rank_count() const override { return given_.rank_count(); }
   int ranks_on_machine() const override { return given_.ranks_on_machine(); }
+  std::uint64_t sent_bytes() const override { return given_.sent_bytes(); }
   std::optional<int> mpi_handle() const override { return given_.mpi_handle(); }
 
   void open(Receiver receiver) override {
