@@ -14,7 +14,7 @@
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/sanitized.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
@@ -93,7 +93,7 @@ void check_field_like_one_process(const Mesh& mesh, const adapt::MetricField& me
     CAPTURE(ranks);
     options.threads = ranks == 3 ? 2 : 1;
     std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       results[static_cast<std::size_t>(communicator.rank())] = adapt_mesh_on_ranks(mesh, metric, options, communicator);
     });
     for (const AdaptResult& result : results) check_same(alone, result);
@@ -269,7 +269,7 @@ TEST_CASE("what ranks adapt is dealt to parts of equal size, the same on any num
       std::size_t count = 0;
       double imbalance = 1;
       std::vector<std::vector<std::uint32_t>> tets(static_cast<std::size_t>(ranks));
-      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      on_simulated_ranks(ranks, [&](Communicator& communicator) {
         AdaptInPartsResult result = adapt_mesh_in_parts(cube, metric, options, communicator);
         if (!result.mesh) throw Error(ErrorCode::Internal, "no parts");
         const TaskRunner runner(1);
@@ -314,7 +314,7 @@ TEST_CASE("a call for parts that is cancelled while they are dealt has no mesh",
   const Mesh cube = test::make_unit_cube(3);
   const auto metric = test::uniform_metric(cube, 0.2);
   std::vector<AdaptInPartsResult> results(2);
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     const auto rank = static_cast<std::size_t>(communicator.rank());
     Host host;
     if (rank == 1) host.progress = [](const ProgressEvent& event) { return event.stage != Stage::Partition; };
@@ -366,7 +366,7 @@ TEST_CASE("bodies that touch are one mesh again in parts", "[adapt][ranks]") {
       Mesh gathered;
       std::size_t edges = 0;
       bool fits = false;
-      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      on_simulated_ranks(ranks, [&](Communicator& communicator) {
         AdaptInPartsResult result = adapt_mesh_in_parts(mesh, sizes, in_parts(700), communicator);
         if (!result.mesh) throw Error(ErrorCode::Internal, "no parts");
         const bool valid = validate_parts(*result.mesh, TaskRunner(1)).valid();

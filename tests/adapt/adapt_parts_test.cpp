@@ -16,7 +16,7 @@
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
@@ -70,7 +70,7 @@ AdaptReport check_like_whole(const Mesh& mesh, std::size_t parts, const std::fun
   for (const int ranks : rank_counts) {
     CAPTURE(ranks);
     std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       PartitionedMesh dealt = in_parts(mesh, parts, communicator);
       PerPart<MetricField> fields = metric_of(dealt, metric);
       results[static_cast<std::size_t>(communicator.rank())] =
@@ -190,7 +190,7 @@ TEST_CASE("parts are adapted from and to where they lie, also by a function", "[
   std::vector<std::string> digests;
   for (const int ranks : {1, 3}) {
     Mesh gathered;
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       AdaptInPartsResult result =
           adapt_mesh_in_parts(in_parts(cube, 4, communicator), layered_coarsely, options_for(1500));
       if (!result.mesh) throw Error(ErrorCode::Internal, result.run.errors.at(0).message);
@@ -208,7 +208,7 @@ namespace {
 Diagnostic told_to_all(
     const Mesh& given, const std::function<void(PerPart<MetricField>&, AdaptOptions&)>& change = [](auto&, auto&) {}) {
   std::vector<AdaptResult> results(2);
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     PartitionedMesh mesh = in_parts(given, 3, communicator);
     PerPart<MetricField> metric = metric_of(mesh, layered_coarsely);
     AdaptOptions options = options_for(1000);
@@ -271,7 +271,7 @@ TEST_CASE("meshes in parts that cannot be adapted are refused with a place", "[a
 TEST_CASE("what one rank's metric throws ends the adaptation of parts on all", "[adapt][parts]") {
   for (const int failing : {0, 2}) {
     std::vector<AdaptResult> results(3);
-    test::on_simulated_ranks(3, [&](Communicator& communicator) {
+    on_simulated_ranks(3, [&](Communicator& communicator) {
       const bool fails = communicator.rank() == failing;
       std::atomic<int> asked{0};
       const auto metric = [&](const Vec3& x) {
@@ -316,7 +316,7 @@ SolutionMetric of_heat(double complexity, double gradation = 0) {
 std::vector<AdaptResult> adapt_to_solution(const Mesh& mesh, std::size_t parts, const SolutionMetric& metric,
                                            const AdaptOptions& options, int ranks) {
   std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
-  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
     results[static_cast<std::size_t>(communicator.rank())] =
         adapt_mesh_on_ranks(in_parts(mesh, parts, communicator), metric, options);
   });
@@ -405,7 +405,7 @@ TEST_CASE("solutions that make no metric are told alike by all ranks", "[adapt][
   loaded.cell_fields[0].values[5] = NAN;
   AdaptOptions carried = options_for(800);
   carried.transfer = {"load"};
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     results[static_cast<std::size_t>(communicator.rank())] =
         adapt_mesh_on_ranks(in_parts(loaded, 4, communicator), of_heat(100), carried);
   });
@@ -415,7 +415,7 @@ TEST_CASE("solutions that make no metric are told alike by all ranks", "[adapt][
     CHECK(result.errors[0].point);
     CHECK(result.errors[0].elements.empty());
   }
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     const int rank = communicator.rank();
     results[static_cast<std::size_t>(rank)] =
         adapt_mesh_on_ranks(in_parts(cube, 4, communicator), of_heat(100 + rank), {});

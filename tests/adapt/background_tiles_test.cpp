@@ -11,7 +11,7 @@
 #include "adapt/parts/rounds.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 
 using namespace tetloom;
@@ -52,7 +52,7 @@ struct Spread {
 /// Calls body(spread, work) on all of some ranks.
 void on_ranks(const Mesh& mesh, const MetricField& metric, int ranks,
               const std::function<void(Spread&, const SharedWork&)>& body) {
-  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
     const SharedWork work(1, Host(), &communicator);
     work.together([&] {
       Spread spread(mesh, metric, work);

@@ -7,7 +7,7 @@
 
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/parts/gather_mesh.hpp"
@@ -96,7 +96,7 @@ TEST_CASE("the slices of parts are those of the mesh that they make up", "[adapt
   for (const int ranks : {1, 2, 5}) {
     CAPTURE(ranks);
     std::vector<std::size_t> wrong(static_cast<std::size_t>(ranks), 1);
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       const SharedWork work(1, {}, &communicator);
       work.together([&] {
         const Mesh whole = copy_to_all(scattered(mesh, 3, work), work);
@@ -119,7 +119,7 @@ TEST_CASE("slices are gathered into the mesh that they were cut from", "[adapt][
   MetricField metric;
   for (std::size_t v = 0; v < mesh.points.size(); ++v) metric.logs.push_back(random.tensor());
   std::vector<MeshWithMetric> gathered(3);
-  test::on_simulated_ranks(3, [&](Communicator& communicator) {
+  on_simulated_ranks(3, [&](Communicator& communicator) {
     const SharedWork work(1, {}, &communicator);
     work.together([&] {
       const MeshSlice slice = slice_of(mesh, metric, {"wave"}, work.rank(), 3);

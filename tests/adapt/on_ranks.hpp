@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/support/mixed_mesh.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
 
 namespace tetloom::test {

@@ -8,7 +8,7 @@
 #include "mesher/sizing/source_tree.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
 #include "tests/support/sanitized.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 
 namespace tetloom {
@@ -297,7 +297,7 @@ TEST_CASE("ranks that remember shares of the field have that of one process, rou
   const std::vector<Vec3> alone = build_rounds(TaskRunner(1));
   for (const int ranks : test::kSanitized ? std::vector{3} : std::vector{2, 3, 5}) {
     std::vector<std::vector<Vec3>> found(static_cast<std::size_t>(ranks));
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       const SharedWork work(1, {}, &communicator);
       work.together([&] { found[static_cast<std::size_t>(communicator.rank())] = build_rounds(work); });
     });

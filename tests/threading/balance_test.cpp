@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/spatial/hilbert.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/balance/partitioners.hpp"
 
@@ -44,7 +44,7 @@ void partition(Method method, std::span<const ItemBlock> blocks, std::uint32_t p
 std::vector<std::uint32_t> targets_of(const Cloud& cloud, Method method, std::uint32_t parts, int ranks = 1,
                                       std::size_t blocks = 1, int threads = 1) {
   std::vector<std::uint32_t> targets(cloud.points.size());
-  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
     std::vector<Cloud> own(blocks);
     std::vector<std::vector<std::size_t>> index(blocks);
     for (std::size_t i = communicator.rank(); i < cloud.points.size(); i += ranks) {
@@ -187,7 +187,7 @@ TEST_CASE("bad weights and places are refused on every rank") {
   for (const Method method : kMethods) {
     for (const double bad : {0.0, -1.0, nan, infinity}) {
       std::array<bool, 2> refused{};
-      test::on_simulated_ranks(2, [&](Communicator& communicator) {
+      on_simulated_ranks(2, [&](Communicator& communicator) {
         Cloud cloud = make_cloud(100, true, 12);
         if (communicator.rank() == 1) cloud.weights[50] = bad;
         std::vector<std::uint32_t> targets(100);

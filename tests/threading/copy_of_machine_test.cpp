@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace tetloom;
@@ -39,7 +39,7 @@ std::vector<std::uint32_t> numbers(std::size_t count) {
 /// What each of three ranks has of an array that all of them had.
 std::vector<std::shared_ptr<const std::byte>> keep_on_ranks(std::span<const std::uint32_t> values) {
   std::vector<std::shared_ptr<const std::byte>> kept(3);
-  test::on_simulated_ranks(3, [&](Communicator& ranks) {
+  on_simulated_ranks(3, [&](Communicator& ranks) {
     kept[static_cast<std::size_t>(ranks.rank())] = copy_of_machine(ranks)(std::as_bytes(values));
   });
   return kept;
@@ -61,7 +61,7 @@ TEST_CASE("ranks of a machine map one file, which has no name any more") {
 
 TEST_CASE("a fixed array is its bytes wherever these are kept") {
   const std::vector<std::uint32_t> values = numbers(kLeastKept);
-  test::on_simulated_ranks(2, [&](Communicator& ranks) {
+  on_simulated_ranks(2, [&](Communicator& ranks) {
     FixedArray<std::uint32_t> array(values);
     const std::uint32_t* const own = array.data();
     array.move_to(copy_of_machine(ranks));
@@ -75,7 +75,7 @@ TEST_CASE("few bytes, a rank alone and a machine without a folder for files keep
   const std::vector<std::uint32_t> many = numbers(kLeastKept), few = numbers(10);
   for (const auto& bytes : keep_on_ranks(few)) CHECK(!bytes);
   for (const auto& bytes : keep_on_ranks({})) CHECK(!bytes);
-  test::on_simulated_ranks(1, [&](Communicator& ranks) {
+  on_simulated_ranks(1, [&](Communicator& ranks) {
     if (copy_of_machine(ranks)(std::as_bytes(std::span(many)))) throw std::runtime_error("one rank has a file");
   });
   const TemporaryFilesIn nowhere("/no/such/folder");

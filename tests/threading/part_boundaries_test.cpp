@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/tet_lattice.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
@@ -36,7 +36,7 @@ Graph graph_of(const test::TetLattice& lattice) {
 std::vector<std::uint32_t> bisect(const test::TetLattice& lattice, std::uint32_t parts) {
   std::vector<std::uint32_t> targets(lattice.centroids.size());
   const std::vector<ItemBlock> blocks{{lattice.centroids, {}, targets, lattice.neighbours}};
-  test::on_simulated_ranks(
+  on_simulated_ranks(
       1, [&](Communicator& communicator) { partition_rcb(blocks, parts, communicator, TaskRunner(2)); });
   return targets;
 }

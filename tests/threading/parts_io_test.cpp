@@ -15,7 +15,7 @@
 #include "tests/core/file_size_limit.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tetloom/check.hpp"
@@ -151,7 +151,7 @@ TEST_CASE("a file with one mesh of tets is read by slices, a part for each rank"
       bool fits = false;
       Mesh gathered;
       std::uint64_t points = 0;
-      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      on_simulated_ranks(ranks, [&](Communicator& communicator) {
         const TaskRunner runner(1);
         std::optional<SlicedMesh> sliced = read_slices(folder / name, communicator, runner);
         if (!sliced) throw Error(ErrorCode::Internal, "no slices");
@@ -183,7 +183,7 @@ TEST_CASE("a file that cannot be read by slices is left to others on all ranks, 
   for (const char* name : {"lost.meshb", "mixed.vtu", "box.su2", "missing.vtu"}) {
     CAPTURE(name);
     std::array<int, 3> outcomes{};  // by rank: 1 nothing, 2 unreadable
-    test::on_simulated_ranks(3, [&](Communicator& communicator) {
+    on_simulated_ranks(3, [&](Communicator& communicator) {
       int& outcome = outcomes[static_cast<std::size_t>(communicator.rank())];
       try {
         outcome = read_slices(folder / name, communicator, TaskRunner(1)) ? 3 : 1;

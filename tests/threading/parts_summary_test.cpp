@@ -7,7 +7,7 @@
 #include "core/part/convert.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tests/threading/part_cases.hpp"
 #include "threading/parts/gather_mesh.hpp"
 
@@ -21,7 +21,7 @@ constexpr double kSize = 0.8;
 std::vector<PartsSummary> summaries(const Mesh& mesh, int ranks, std::size_t parts, test::Dealing dealing) {
   std::vector<PartsSummary> all(static_cast<std::size_t>(ranks));
   const SizeField sizes = SizeField::uniform(kSize);
-  test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
     const TaskRunner runner(ranks == 1 ? 3 : 1);
     PartitionedMesh dealt = distribute_mesh(mesh, communicator);
     migrate(dealt, test::deal(dealt, parts, dealing, 7), parts, runner);
@@ -128,7 +128,7 @@ TEST_CASE("all ranks have the gathered mesh, where it is copied to all", "[parts
       CAPTURE(seed, ranks);
       std::vector<Mesh> copies(static_cast<std::size_t>(ranks));
       Mesh gathered;
-      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      on_simulated_ranks(ranks, [&](Communicator& communicator) {
         const SharedWork work(1, {}, &communicator);
         work.together([&] {
           PartitionedMesh dealt = distribute_mesh(mesh, work.ranks());
@@ -152,7 +152,7 @@ TEST_CASE("all ranks have the gathered mesh, where it is copied to all", "[parts
 TEST_CASE("a summary that is cancelled on one rank is cancelled on all", "[parts]") {
   const Mesh mesh = test::make_tet_box(4, 4, 4, 3);
   std::vector<ErrorCode> codes(2, ErrorCode::Internal);
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     const auto rank = static_cast<std::size_t>(communicator.rank());
     PartitionedMesh dealt = distribute_mesh(mesh, communicator);
     migrate(dealt, test::deal(dealt, 4, test::Dealing::Slabs, 1), 4, TaskRunner(1));

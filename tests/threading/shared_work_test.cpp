@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "tests/support/simulated_ranks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "tests/threading/communicators.hpp"
 
 using namespace tetloom;
@@ -93,7 +93,7 @@ TEST_CASE("each item is made on one rank, and all ranks have what was made of it
 TEST_CASE("loops are shared by any number of ranks") {
   for (const int ranks : {1, 2, 3, 20}) {
     std::atomic<int> made{0};
-    test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    on_simulated_ranks(ranks, [&](Communicator& communicator) {
       const SharedWork work(1, {}, &communicator);
       std::vector<std::vector<std::uint32_t>> lists;
       work.together([&] {
@@ -147,7 +147,7 @@ TEST_CASE("ranks tell each other what they have of their own") {
   const TaskRunner runner(1);
   check_own(runner, 0, 1);
   for (const int ranks : {1, 2, 3, 20}) {
-    test::on_simulated_ranks(ranks, [&](Communicator& simulated) {
+    on_simulated_ranks(ranks, [&](Communicator& simulated) {
       const SharedWork shared(1, {}, &simulated);
       shared.together([&] { check_own(shared, simulated.rank(), ranks); });
     });
@@ -242,7 +242,7 @@ TEST_CASE("whatever a rank throws, wherever, is the same Error on all of them") 
       }
   };
   check(*make_communicator());
-  for (const int ranks : {1, 2, 5}) test::on_simulated_ranks(ranks, check);
+  for (const int ranks : {1, 2, 5}) on_simulated_ranks(ranks, check);
 }
 
 TEST_CASE("a rank that throws between schedules, or in one, ends the others' schedules") {

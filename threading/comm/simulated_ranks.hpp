@@ -1,5 +1,5 @@
 #pragma once
-// Ranks as threads of this process, for tests of collective calls.
+// Ranks as threads of this process: for tests of collective calls, and to predict what many ranks would take.
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -12,7 +12,7 @@
 
 #include "tetloom/communicator.hpp"
 
-namespace tetloom::test {
+namespace tetloom {
 
 /// Where threads wait for each other asleep: std::barrier tries for a while first, and takes the cores from those that
 /// are still at work.
@@ -126,4 +126,4 @@ inline void on_simulated_ranks(int ranks, const std::function<void(Communicator&
     if (error) std::rethrow_exception(error);
 }
 
-}  // namespace tetloom::test
+}  // namespace tetloom
