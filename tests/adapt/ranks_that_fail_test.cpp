@@ -16,7 +16,7 @@ namespace {
 /// Ranks that are given what `change` makes another on the second of them are refused, all of them.
 void check_differs(const std::function<void(Mesh&, AdaptOptions&)>& change) {
   std::vector<AdaptResult> results(2);
-  test::on_simulated_ranks(2, [&](Communicator& communicator) {
+  on_simulated_ranks(2, [&](Communicator& communicator) {
     Mesh cube = test::make_unit_cube(4);
     cube.cell_fields = {{"load", 1, std::vector<double>(cube.tet_to_vert.size(), 1)}};
     AdaptOptions options;
@@ -41,7 +41,7 @@ TEST_CASE("what one rank cannot do fails on all of them alike", "[adapt][ranks]"
     for (const int last : {1, 500, 1500}) {
       CAPTURE(failing, last);
       std::vector<AdaptResult> results(3);
-      test::on_simulated_ranks(3, [&](Communicator& communicator) {
+      on_simulated_ranks(3, [&](Communicator& communicator) {
         std::atomic<int> asked{0};
         const auto metric = [&, fails = communicator.rank() == failing](const Vec3&) {
           if (fails && ++asked >= last) throw std::bad_alloc();
@@ -67,7 +67,7 @@ TEST_CASE("whatever a rank's metric throws is an error of the run, the same on a
     for (int failing = 0; failing < ranks; ++failing) {
       CAPTURE(ranks, failing);
       std::vector<AdaptResult> results(static_cast<std::size_t>(ranks));
-      test::on_simulated_ranks(ranks, [&](Communicator& communicator) {
+      on_simulated_ranks(ranks, [&](Communicator& communicator) {
         const int rank = communicator.rank();
         std::atomic<int> asked{0};
         const auto metric = [&](const Vec3& x) {
