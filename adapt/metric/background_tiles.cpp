@@ -11,17 +11,6 @@
 
 namespace tetloom::adapt {
 
-namespace {
-
-Bvh tree_over(const std::vector<TileBox>& all, const TaskRunner& runner) {
-  std::vector<Box3> boxes;
-  boxes.reserve(all.size());
-  for (const TileBox& one : all) boxes.push_back(one.box);
-  return build_bvh(boxes, runner);
-}
-
-}  // namespace
-
 std::vector<std::uint32_t> marked(std::span<const std::uint8_t> marks) {
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < marks.size(); ++i)
@@ -33,10 +22,31 @@ BackgroundTiles::BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int ra
     : index_(std::move(index)),
       first_own_(index_.first_tiles[static_cast<std::size_t>(rank)]),
       last_own_(index_.first_tiles[static_cast<std::size_t>(rank) + 1]),
-      tets_(tree_over(index_.tets, runner)),
-      faces_(tree_over(index_.faces, runner)),
+      tets_(std::exchange(index_.tets, {}), runner),
+      faces_(std::exchange(index_.faces, {}), runner),
       held_(index_.first_tiles.back()) {
   for (std::uint32_t i = 0; i < own.size(); ++i) held_[first_own_ + i] = std::make_unique<Held>(std::move(own[i]));
+}
+
+BackgroundTiles::Boxes::Boxes(std::vector<TileBox>&& given, const TaskRunner& runner) {
+  std::vector<Box3> boxes;
+  boxes.reserve(given.size());
+  for (const TileBox& one : given) boxes.push_back(one.box);
+  Bvh bvh = build_bvh(boxes, runner);
+  all = FixedArray(std::move(given));
+  nodes = FixedArray(std::move(bvh.nodes));
+  order = FixedArray(std::move(bvh.order));
+}
+
+void BackgroundTiles::Boxes::move_arrays(const KeepBytes& keep) {
+  all.move_to(keep);
+  nodes.move_to(keep);
+  order.move_to(keep);
+}
+
+void BackgroundTiles::move_boxes(const KeepBytes& keep) {
+  tets_.move_arrays(keep);
+  faces_.move_arrays(keep);
 }
 
 void BackgroundTiles::look_in_box(const TileBox& box, const Vec3& x, NearestOnBoundary& nearest,
@@ -65,10 +75,10 @@ NearestOnBoundary BackgroundTiles::nearest(const Vec3& x) const {
   std::vector<std::uint32_t> unknown;
   const auto distance_to = [&](const TileBox& box) { return squared_distance_to_box(x, box.box); };
   visit_nearest_first(
-      faces_, x, [&] { return reach2; },
+      faces_.tree(), x, [&] { return reach2; },
       [&](std::uint32_t position) {
         const std::uint32_t item = faces_.order[position];
-        const TileBox& box = index_.faces[item];
+        const TileBox& box = faces_.all[item];
         if (distance_to(box) > reach2) return;
         if (held_[box.tile] == nullptr) return unknown.push_back(item);
         look_in_box(box, x, nearest, number);
@@ -76,7 +86,7 @@ NearestOnBoundary BackgroundTiles::nearest(const Vec3& x) const {
       });
   const TileBox* missing = nullptr;
   for (const std::uint32_t item : unknown) {
-    const TileBox& box = index_.faces[item];
+    const TileBox& box = faces_.all[item];
     if (distance_to(box) > reach2) continue;
     if (missing == nullptr || distance_to(box) < distance_to(*missing)) missing = &box;
   }
@@ -97,8 +107,9 @@ void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> 
 std::vector<std::uint32_t> BackgroundTiles::with_ring(std::span<const std::uint32_t> tiles) const {
   std::vector<std::uint8_t> marks(tile_count(), 0);
   for (const std::uint32_t tile : tiles) {
-    auto at = std::ranges::lower_bound(index_.tets, tile, {}, &TileBox::tile);
-    for (; at != index_.tets.end() && at->tile == tile; ++at) mark_tiles(at->box, marks);
+    const std::span<const TileBox> boxes = tets_.all.span();
+    auto at = std::ranges::lower_bound(boxes, tile, {}, &TileBox::tile);
+    for (; at != boxes.end() && at->tile == tile; ++at) mark_tiles(at->box, marks);
   }
   return marked(marks);
 }

@@ -11,6 +11,7 @@
 
 #include "adapt/metric/background_place.hpp"
 #include "adapt/metric/tile.hpp"
+#include "core/base/fixed_array.hpp"
 #include "core/spatial/bvh.hpp"
 #include "tetloom/metric.hpp"
 #include "threading/comm/shared_work.hpp"
@@ -43,6 +44,9 @@ class BackgroundTiles {
   };
   /// `own`: the bytes of the tiles at home here.
   BackgroundTiles(std::vector<Bytes>&& own, Index&& index, int rank, const TaskRunner& runner);
+
+  /// The boxes of all tiles, which all ranks have, are where `keep` keeps them from now on.
+  void move_boxes(const KeepBytes& keep);
 
   // What BackgroundSearch asks for. All throw MissingTile.
 
@@ -86,8 +90,8 @@ class BackgroundTiles {
   }
   /// Sets `marks` to 1, one of each tile, for the tiles that have something in the box.
   void mark_tiles(const Box3& box, std::span<std::uint8_t> marks) const {
-    for_each_near(tets_, box, [&](std::uint32_t item) {
-      const TileBox& one = index_.tets[item];
+    for_each_near(tets_.tree(), box, [&](std::uint32_t item) {
+      const TileBox& one = tets_.all[item];
       if (marks[one.tile] == 0 && one.box.overlaps(box)) marks[one.tile] = 1;
     });
   }
@@ -132,9 +136,20 @@ class BackgroundTiles {
   void fetch_some(std::span<const std::uint32_t> tiles, const SharedWork& work);
   bool fetch_missing(const SharedWork& work);
 
-  Index index_;
+  /// Boxes of all tiles, with a tree over them.
+  struct Boxes {
+    Boxes(std::vector<TileBox>&& given, const TaskRunner& runner);
+    BvhView tree() const { return {nodes.span(), order.span()}; }
+    void move_arrays(const KeepBytes& keep);
+
+    FixedArray<TileBox> all;
+    FixedArray<BvhNode> nodes;
+    FixedArray<std::uint32_t> order;
+  };
+
+  Index index_;  // without its boxes
   std::uint32_t first_own_, last_own_;
-  Bvh tets_, faces_;                         // over the boxes of the index
+  Boxes tets_, faces_;
   std::vector<std::unique_ptr<Held>> held_;  // by tile
   mutable std::mutex mutex_;                 // around what follows
   mutable std::vector<std::uint32_t> missing_;

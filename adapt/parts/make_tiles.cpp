@@ -13,6 +13,7 @@
 #include "core/base/grain.hpp"
 #include "core/base/local_numbers.hpp"
 #include "core/spatial/hilbert.hpp"
+#include "threading/comm/copy_of_machine.hpp"
 #include "threading/runtime/parallel_sort.hpp"
 
 namespace tetloom::adapt {
@@ -83,7 +84,9 @@ class TileMaker {
     name_hints();
     for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk) make_chunk(chunk);
     share_tiles();
-    return std::make_unique<BackgroundTiles>(std::move(own_), std::move(index_), work_.rank(), runner_);
+    auto tiles = std::make_unique<BackgroundTiles>(std::move(own_), std::move(index_), work_.rank(), runner_);
+    tiles->move_boxes(copy_of_machine(work_.ranks()));
+    return tiles;
   }
 
  private:

@@ -26,6 +26,16 @@ struct Bvh {
   std::vector<std::uint32_t> order;  ///< item indices, so that every node's items are contiguous
 };
 
+/// The same wherever it lies.
+struct BvhView {
+  BvhView(const Bvh& bvh) : nodes(bvh.nodes), order(bvh.order) {}
+  BvhView(std::span<const BvhNode> given_nodes, std::span<const std::uint32_t> given_order)
+      : nodes(given_nodes), order(given_order) {}
+
+  std::span<const BvhNode> nodes;
+  std::span<const std::uint32_t> order;
+};
+
 /// Of stacks that walk a tree: halving 2^32 items takes 32 levels, and each leaves one node waiting.
 constexpr std::size_t kBvhDepth = 64;
 
@@ -36,7 +46,7 @@ Bvh build_bvh(std::span<const Box3> boxes, const BlockLoop& loop);
 /// Goes through the leaves below nodes whose boxes `enter` lets through, in the order of the tree, until `test` is true
 /// of one of their positions in Bvh::order; whether it was.
 template <class Enter, class Test>
-bool any_entered(const Bvh& bvh, const Enter& enter, const Test& test) {
+bool any_entered(BvhView bvh, const Enter& enter, const Test& test) {
   if (bvh.nodes.empty()) return false;
   std::array<std::uint32_t, kBvhDepth> stack{0};
   for (std::size_t count = 1; count > 0;) {
@@ -57,7 +67,7 @@ bool any_entered(const Bvh& bvh, const Enter& enter, const Test& test) {
 /// Visits items whose leaf overlaps `box`, in the order of the tree, until `test` is true of one; whether it was.
 /// O(log n + leaves met).
 template <class Test>
-bool any_near(const Bvh& bvh, const Box3& box, const Test& test) {
+bool any_near(BvhView bvh, const Box3& box, const Test& test) {
   return any_entered(
       bvh, [&](const Box3& node) { return node.overlaps(box); },
       [&](std::uint32_t position) { return test(bvh.order[position]); });
@@ -65,7 +75,7 @@ bool any_near(const Bvh& bvh, const Box3& box, const Test& test) {
 
 /// Visits every item whose leaf overlaps `box`, in the order of the tree. O(log n + leaves met).
 template <class Visit>
-void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
+void for_each_near(BvhView bvh, const Box3& box, const Visit& visit) {
   any_near(bvh, box, [&](std::uint32_t item) {
     visit(item);
     return false;
@@ -75,7 +85,7 @@ void for_each_near(const Bvh& bvh, const Box3& box, const Visit& visit) {
 /// Calls visit(position in Bvh::order) for the items of leaves that are not farther from `x` than reach2(), squared,
 /// which may become smaller meanwhile; of two children the nearer one first.
 template <class Reach, class Visit>
-void visit_nearest_first(const Bvh& bvh, const Vec3& x, const Reach& reach2, const Visit& visit) {
+void visit_nearest_first(BvhView bvh, const Vec3& x, const Reach& reach2, const Visit& visit) {
   struct Entry {
     std::uint32_t node;
     double distance2;
