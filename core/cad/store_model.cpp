@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/codec.hpp"
-#include "core/cad/detail/stored_model.hpp"
+#include "core/cad/detail/stored_cad_model.hpp"
 #include "core/discrete/stored_facet_model.hpp"
 #include "core/geometry/shape_file.hpp"
 #include "tetloom/model.hpp"

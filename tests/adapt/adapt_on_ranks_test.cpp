@@ -14,11 +14,11 @@
 #include "tests/support/analytic_model.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/sanitized.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 using adapt::Tensor;

@@ -16,11 +16,11 @@
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
 #include "tests/support/sanitized.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

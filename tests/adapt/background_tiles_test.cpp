@@ -11,8 +11,8 @@
 #include "adapt/parts/rounds.hpp"
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/adapt/touching_blocks.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::adapt;

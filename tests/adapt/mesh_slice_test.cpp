@@ -7,9 +7,9 @@
 
 #include "tests/adapt/random_tensors.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/partition.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "threading/parts/gather_mesh.hpp"
 
 using namespace tetloom;

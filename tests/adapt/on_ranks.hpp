@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "tests/support/mixed_mesh.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/adapt.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 namespace tetloom::test {
 

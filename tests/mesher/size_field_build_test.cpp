@@ -8,8 +8,8 @@
 #include "mesher/sizing/source_tree.hpp"
 #include "tests/mesher/size_field_fixture.hpp"
 #include "tests/support/sanitized.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 namespace tetloom {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/spatial/hilbert.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tetloom/tasks.hpp"
 #include "threading/balance/partitioners.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 

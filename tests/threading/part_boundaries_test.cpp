@@ -5,7 +5,6 @@
 #include <thread>
 #include <vector>
 
-#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/tet_lattice.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
@@ -13,6 +12,7 @@
 #include "threading/balance/part_boundaries.hpp"
 #include "threading/balance/partition_figures.hpp"
 #include "threading/balance/partitioners.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 
@@ -36,8 +36,7 @@ Graph graph_of(const test::TetLattice& lattice) {
 std::vector<std::uint32_t> bisect(const test::TetLattice& lattice, std::uint32_t parts) {
   std::vector<std::uint32_t> targets(lattice.centroids.size());
   const std::vector<ItemBlock> blocks{{lattice.centroids, {}, targets, lattice.neighbours}};
-  on_simulated_ranks(
-      1, [&](Communicator& communicator) { partition_rcb(blocks, parts, communicator, TaskRunner(2)); });
+  on_simulated_ranks(1, [&](Communicator& communicator) { partition_rcb(blocks, parts, communicator, TaskRunner(2)); });
   return targets;
 }
 

@@ -15,11 +15,11 @@
 #include "tests/core/file_size_limit.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/threading/communicators.hpp"
 #include "tetloom/check.hpp"
 #include "tetloom/io.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 using tetloom::test::error_of;

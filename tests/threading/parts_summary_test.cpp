@@ -7,8 +7,8 @@
 #include "core/part/convert.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mixed_mesh.hpp"
-#include "threading/comm/simulated_ranks.hpp"
 #include "tests/threading/part_cases.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 #include "threading/parts/gather_mesh.hpp"
 
 using namespace tetloom;

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "threading/comm/simulated_ranks.hpp"
 #include "tests/threading/communicators.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 

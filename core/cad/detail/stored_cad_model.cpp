@@ -1,4 +1,4 @@
-#include "core/cad/detail/stored_model.hpp"
+#include "core/cad/detail/stored_cad_model.hpp"
 
 #include <algorithm>
 #include <functional>
