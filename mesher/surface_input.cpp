@@ -13,9 +13,12 @@ std::vector<FaceSides> sides_of(const Mesh& mesh, const ModelTopology& topology)
 
 template <class T>
 SurfaceInput::Lent<T>::Lent(std::vector<T>& from, const KeepBytes& keep)
-    : home(from), kept(keep(std::as_bytes(std::span<const T>(from)))), values(from) {
+    : home(from), kept(keep(std::as_bytes(std::span<const T>(from)))), values(from) {}
+
+template <class T>
+void SurfaceInput::Lent<T>::leave_home() {
   if (!kept) return;
-  values = {reinterpret_cast<const T*>(kept.get()), from.size()};
+  values = {reinterpret_cast<const T*>(kept.get()), home.size()};
   home = std::vector<T>();
 }
 
@@ -32,7 +35,15 @@ SurfaceInput::SurfaceInput(Mesh& mesh, const ModelTopology& topology, const Keep
       point_to_entity_(mesh.point_to_entity, keep),
       edge_to_vert_(mesh.edge_to_vert, keep),
       tri_to_vert_(mesh.tri_to_vert, keep),
-      tri_to_entity_(mesh.tri_to_entity, keep) {}
+      tri_to_entity_(mesh.tri_to_entity, keep) {
+  // Not before all are kept: what is thrown meanwhile finds the mesh as it was.
+  sides_.leave_home();
+  points_.leave_home();
+  point_to_entity_.leave_home();
+  edge_to_vert_.leave_home();
+  tri_to_vert_.leave_home();
+  tri_to_entity_.leave_home();
+}
 
 SurfaceInput::~SurfaceInput() {
   try {

@@ -14,6 +14,7 @@ namespace tetloom {
 /// has them again then: without any elements where there is no memory for them.
 class SurfaceInput {
  public:
+  /// Where `keep` throws, the mesh is as it was.
   SurfaceInput(Mesh& mesh, const ModelTopology& topology, const KeepBytes& keep);
   ~SurfaceInput();
   SurfaceInput(const SurfaceInput&) = delete;
@@ -27,6 +28,7 @@ class SurfaceInput {
   template <class T>
   struct Lent {
     Lent(std::vector<T>& from, const KeepBytes& keep);
+    void leave_home();
     void give_back();
 
     std::vector<T>& home;

@@ -42,7 +42,8 @@ std::unique_ptr<TemporaryFile> write_copy(std::span<const std::byte> bytes) {
   try {
     auto file = std::make_unique<TemporaryFile>("arrays");
     std::ofstream stream(file->path(), std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())).flush();
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.close();  // where some file systems say that they are full
     return stream ? std::move(file) : nullptr;
   } catch (const Error&) {
     return nullptr;
