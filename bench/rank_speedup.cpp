@@ -3,8 +3,6 @@
 // for it is reckoned.
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -29,9 +27,8 @@ struct Options {
   SessionOptions session;
 };
 
-/// A size and a number of ranks, before `made` is known.
+/// One line of the table.
 struct Case {
-  double size = 0;
   int ranks = 1;
   bool adapts = false;
   std::uint64_t tets = 0;
@@ -84,7 +81,7 @@ class Bench {
   void measure(double size, bool adapts) {
     double first = 0;
     for (const int ranks : options_.ranks) {
-      Case one{size, ranks, adapts, 0, {}};
+      Case one{ranks, adapts, 0, {}};
       one.phases = measure_ranks(ranks, [&](Communicator& communicator, const std::function<void()>& start) {
         const std::uint64_t tets = adapts ? adapt_on(size, communicator, start) : mesh_on(size, communicator, start);
         if (communicator.rank() == 0) one.tets = tets;

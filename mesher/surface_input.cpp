@@ -29,15 +29,14 @@ void SurfaceInput::Lent<T>::give_back() {
 
 SurfaceInput::SurfaceInput(Mesh& mesh, const ModelTopology& topology, const KeepBytes& keep)
     : mesh_(mesh),
-      tri_to_sides_(sides_of(mesh, topology)),
-      sides_(tri_to_sides_, keep),
+      sides_(sides_of(mesh, topology)),
       points_(mesh.points, keep),
       point_to_entity_(mesh.point_to_entity, keep),
       edge_to_vert_(mesh.edge_to_vert, keep),
       tri_to_vert_(mesh.tri_to_vert, keep),
       tri_to_entity_(mesh.tri_to_entity, keep) {
   // Not before all are kept: what is thrown meanwhile finds the mesh as it was.
-  sides_.leave_home();
+  sides_.move_to(keep);
   points_.leave_home();
   point_to_entity_.leave_home();
   edge_to_vert_.leave_home();
@@ -58,7 +57,7 @@ SurfaceInput::~SurfaceInput() {
 }
 
 VolumeInput SurfaceInput::input(const GeometricModel& model, const SizeField& sizes) const {
-  return {points_.values, tri_to_vert_.values,     sides_.values,       tri_to_entity_.values, &model,
+  return {points_.values, tri_to_vert_.values,     sides_.span(),       tri_to_entity_.values, &model,
           &sizes,         point_to_entity_.values, edge_to_vert_.values};
 }
 

@@ -37,8 +37,7 @@ class SurfaceInput {
   };
 
   Mesh& mesh_;
-  std::vector<FaceSides> tri_to_sides_;
-  Lent<FaceSides> sides_;
+  FixedArray<FaceSides> sides_;
   Lent<Vec3> points_;
   Lent<ModelEntity> point_to_entity_;
   Lent<std::array<std::uint32_t, 2>> edge_to_vert_;

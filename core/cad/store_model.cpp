@@ -22,7 +22,7 @@ bool store_any(const GeometricModel& model, const BlockLoop& loop, ShapeFileWrit
     return true;
   }
   skeleton.put(StoredKind::Facets);
-  return detail::store_facets(model, file, skeleton);
+  return detail::store_facets(model, loop, file, skeleton);
 }
 
 }  // namespace

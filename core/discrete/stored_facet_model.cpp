@@ -9,7 +9,7 @@
 
 namespace tetloom::detail {
 
-bool store_facets(const GeometricModel& model, ShapeFileWriter& file, MessageWriter& skeleton) {
+bool store_facets(const GeometricModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton) {
   const auto* facets = dynamic_cast<const FacetModel*>(&model);
   if (!facets) return false;
   const DiscreteParts& parts = facets->parts();
@@ -27,9 +27,7 @@ bool store_facets(const GeometricModel& model, ShapeFileWriter& file, MessageWri
     parts.put_face(shape, face);
     file.add(shape.take());
   }
-  StoredModel::put_frame(model, skeleton);
-  for (std::size_t f = 0; f < topology.face_count(); ++f) skeleton.put(model.area(ModelFaceId(f)));
-  for (std::size_t r = 0; r < topology.region_count(); ++r) skeleton.put(model.volume(ModelRegionId(r)));
+  StoredModel::put_frame(model, loop, skeleton);
   skeleton.put_array<double>(parts.edge_lengths());
   return true;
 }
@@ -37,8 +35,6 @@ bool store_facets(const GeometricModel& model, ShapeFileWriter& file, MessageWri
 StoredFacetModel::StoredFacetModel(std::shared_ptr<const ShapeFile> file, MessageReader& skeleton,
                                    std::uint64_t most_bytes)
     : StoredModel(std::move(file), skeleton, most_bytes) {
-  for (std::size_t f = 0; f < topology_.face_count(); ++f) areas_.push_back(skeleton.get<double>());
-  for (std::size_t r = 0; r < topology_.region_count(); ++r) volumes_.push_back(skeleton.get<double>());
   edge_lengths_ = std::make_shared<const std::vector<double>>(skeleton.get_array<double>());
 }
 
@@ -66,16 +62,6 @@ std::unique_ptr<FaceGeometry> StoredFacetModel::face_geometry(ModelFaceId id) co
     return HeldShapes::Shape{std::move(read), bytes.size()};
   });
   return std::make_unique<DiscreteFace>(std::move(facets), edge_lengths_);
-}
-
-double StoredFacetModel::area(ModelFaceId id) const {
-  TETLOOM_ASSERT(id.value < areas_.size());
-  return areas_[id.value];
-}
-
-double StoredFacetModel::volume(ModelRegionId id) const {
-  TETLOOM_ASSERT(id.value < volumes_.size());
-  return volumes_[id.value];
 }
 
 std::uint64_t StoredFacetModel::shape_bytes(ModelEntity entity) const {

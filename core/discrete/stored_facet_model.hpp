@@ -12,7 +12,7 @@ namespace tetloom::detail {
 
 /// Writes the edges and faces of a model of facets to `file`, and what is known of it without them to `skeleton`.
 /// False, and nothing written, for other models. Errors: OutputFailed.
-bool store_facets(const GeometricModel& model, ShapeFileWriter& file, MessageWriter& skeleton);
+bool store_facets(const GeometricModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton);
 
 /// The model that store_facets wrote: it reads polylines and facets of faces when it is asked for them. All answers are
 /// those of the model that was stored, to the last bit. The tree of a face is made anew with it, in O(n log n).
@@ -23,12 +23,9 @@ class StoredFacetModel final : public StoredModel {
 
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
   std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override;
-  double area(ModelFaceId id) const override;
-  double volume(ModelRegionId id) const override;
   std::uint64_t shape_bytes(ModelEntity entity) const override;
 
  private:
-  std::vector<double> areas_, volumes_;
   std::shared_ptr<const std::vector<double>> edge_lengths_;
 };
 

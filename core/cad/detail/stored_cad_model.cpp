@@ -7,8 +7,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/base/codec.hpp"
-#include "core/base/failure.hpp"
 #include "core/cad/detail/cad_edge.hpp"
 #include "core/cad/detail/occt_guard.hpp"
 #include "tetloom/assert.hpp"
@@ -56,19 +54,6 @@ void put_placed(MessageWriter& writer, std::uint64_t shape, const TopLoc_Locatio
   writer.put_array(std::span<const LocationFactor>(factors_of(place)));
 }
 
-template <class Measured>
-void put_measures(MessageWriter& writer, std::size_t count, const BlockLoop& loop, const Measured& measure) {
-  std::vector<double> values(count);
-  std::vector<std::optional<Diagnostic>> failures(count);
-  loop.for_blocks(count, 1,
-                  [&](std::size_t i, std::size_t) { failures[i] = failure_of([&] { values[i] = measure(i); }); });
-  for (std::size_t i = 0; i < count; ++i) {
-    writer.put(values[i]);
-    writer.put(failures[i].has_value());
-    if (failures[i]) put_diagnostic(writer, *failures[i]);
-  }
-}
-
 }  // namespace
 
 void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton) {
@@ -86,7 +71,7 @@ void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter&
   add_shapes(edges.first, encode_one_edge, loop, file);
   add_shapes(faces.first, encode_one_face, loop, file);
 
-  StoredModel::put_frame(model, skeleton);
+  StoredModel::put_frame(model, loop, skeleton);
   std::vector<int> places(faces.first.size());
   for (const std::uint64_t shape : faces.item_to_shape) ++places[shape];
   for (std::size_t e = 0; e < topology.edge_count(); ++e) {
@@ -99,8 +84,6 @@ void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter&
     skeleton.put(static_cast<std::uint8_t>(places[shape] > 1));
     skeleton.put(model.place(ModelFaceId(f)));
   }
-  put_measures(skeleton, topology.face_count(), loop, [&](std::size_t f) { return model.area(ModelFaceId(f)); });
-  put_measures(skeleton, topology.region_count(), loop, [&](std::size_t r) { return model.volume(ModelRegionId(r)); });
 }
 
 StoredCadModel::StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageReader& skeleton, std::uint64_t most_bytes)
@@ -115,16 +98,6 @@ StoredCadModel::StoredCadModel(std::shared_ptr<const ShapeFile> file, MessageRea
     is_repeated_.push_back(skeleton.get<std::uint8_t>());
     places_.push_back(skeleton.get<FacePlace>());
   }
-  const auto get_measures = [&](std::size_t count) {
-    std::vector<Measure> measures(count);
-    for (Measure& measure : measures) {
-      measure.value = skeleton.get<double>();
-      if (skeleton.get<bool>()) measure.failure = get_diagnostic(skeleton);
-    }
-    return measures;
-  };
-  areas_ = get_measures(topology_.face_count());
-  volumes_ = get_measures(topology_.region_count());
 }
 
 std::unique_ptr<EdgeGeometry> StoredCadModel::edge_geometry(ModelEdgeId id) const {
@@ -155,19 +128,9 @@ std::unique_ptr<FaceGeometry> StoredCadModel::face_geometry(ModelFaceId id) cons
   return face->another();
 }
 
-double StoredCadModel::area(ModelFaceId id) const {
-  TETLOOM_ASSERT(id.value < areas_.size());
-  return areas_[id.value].get();
-}
-
 FacePlace StoredCadModel::place(ModelFaceId id) const {
   TETLOOM_ASSERT(id.value < places_.size());
   return places_[id.value];
-}
-
-double StoredCadModel::volume(ModelRegionId id) const {
-  TETLOOM_ASSERT(id.value < volumes_.size());
-  return volumes_[id.value].get();
 }
 
 std::uint64_t StoredCadModel::shape_bytes(ModelEntity entity) const {

@@ -16,8 +16,8 @@ namespace tetloom::cad {
 /// Writes the shapes of a model to `file`, and what is known of it without them to `skeleton`. Errors: OutputFailed.
 void store_shapes(const CadModel& model, const BlockLoop& loop, ShapeFileWriter& file, MessageWriter& skeleton);
 
-/// The model that store_shapes wrote: it has the measures of all entities, and reads the shapes of edges and faces when
-/// it is asked for them. All answers are those of the model that was stored, to the last bit.
+/// The model that store_shapes wrote: it reads the shapes of edges and faces when it is asked for them. All answers are
+/// those of the model that was stored, to the last bit.
 class StoredCadModel final : public StoredModel {
  public:
   /// Keeps shapes of `most_bytes` at most. Errors: Internal (another skeleton).
@@ -25,9 +25,7 @@ class StoredCadModel final : public StoredModel {
 
   std::unique_ptr<EdgeGeometry> edge_geometry(ModelEdgeId id) const override;
   std::unique_ptr<FaceGeometry> face_geometry(ModelFaceId id) const override;
-  double area(ModelFaceId id) const override;
   FacePlace place(ModelFaceId id) const override;
-  double volume(ModelRegionId id) const override;
   std::uint64_t shape_bytes(ModelEntity entity) const override;
 
  private:
@@ -38,18 +36,10 @@ class StoredCadModel final : public StoredModel {
     std::uint64_t shape = 0;
     LocationFactors place;
   };
-  /// A value, or why there is none.
-  struct Measure {
-    double value = 0;
-    std::optional<Diagnostic> failure;
-
-    double get() const { return failure ? throw Error(*failure) : value; }
-  };
 
   std::vector<Placed> edges_, faces_;
   std::vector<std::uint8_t> is_repeated_;  // per face
   std::vector<FacePlace> places_;
-  std::vector<Measure> areas_, volumes_;
 };
 
 }  // namespace tetloom::cad
