@@ -344,13 +344,13 @@ BENCHMARK(optimize_ball)->ArgName("levels")->Arg(4)->Arg(6)->Unit(benchmark::kMi
 
 void fill_ball(benchmark::State& state) {
   const Ball ball(static_cast<int>(state.range(0)));
-  const auto fill = [&](const auto& communicator) {
+  const auto fill = [](const VolumeInput& input) {
     std::size_t tets = 0;
-    for (const PartMesh& part : fill_volume(ball.input(), {}, *communicator, kSerial).parts) tets += part.cell_count();
+    for (const PartMesh& part : fill_volume(input, {}, kSerial).parts) tets += part.cell_count();
     return tets;
   };
   run_step(
-      state, [] { return make_thread_communicator(); }, fill);
+      state, [&] { return ball.input(); }, fill);
 }
 BENCHMARK(fill_ball)->ArgName("levels")->Arg(4)->Arg(6)->Unit(benchmark::kMillisecond);
 

@@ -74,6 +74,10 @@ double volume_below(const std::array<Vec3, 6>& nodes) {
   return sum / 6;
 }
 
+double volume_below(const std::array<Vec3, 3>& corners) {
+  return dot(corners[0], cross(corners[1], corners[2])) / 6;
+}
+
 // The same of a quadrilateral with mid nodes, of degree 5 along each side.
 double volume_below(const std::array<Vec3, 8>& nodes) {
   constexpr std::array<std::array<double, 2>, 3> kPoints{
@@ -114,10 +118,17 @@ std::vector<double> volumes_of(const MeshedModel& meshed) {
   const Box3 box = box_of(meshed.surface.points);
   const Vec3 middle = box.center();
   const MidNodes mids(meshed.surface);
+  const auto volume_of = [&]<std::size_t N>(const std::array<std::uint32_t, N>& verts) {
+    if constexpr (N == 3) {
+      const auto at = [&](std::size_t i) { return meshed.surface.points[verts[i]] - middle; };
+      if (mids.empty()) return volume_below(std::array{at(0), at(1), at(2)});
+    }
+    return volume_below(nodes_of(meshed.surface, mids, verts, middle));
+  };
   for_each_surface_kind(meshed.surface, [&](const auto& elements, const auto& faces) {
     for (std::size_t e = 0; e < elements.size(); ++e) {
       const FaceSides& sides = topology.face_to_sides[faces[e]];
-      const double volume = volume_below(nodes_of(meshed.surface, mids, elements[e], middle));
+      const double volume = volume_of(elements[e]);
       add(sides.back, volume);
       add(sides.front, -volume);
     }

@@ -136,7 +136,7 @@ void SurfaceFitter::settle_features(Candidate& candidate) {
 void SurfaceFitter::find_crossings(Candidate& candidate) {
   const Mesh& mesh = candidate.surface.mesh;
   runner_.begin_stage(Stage::Intersections, mesh.tri_to_vert.size());
-  candidate.tree.emplace(mesh.points, mesh.tri_to_vert, runner_);
+  candidate.tree.emplace(mesh.points, mesh.tri_to_vert, work_);
   candidate.tri_is_new = embedded_.find_new(mesh, runner_);
   std::vector<std::uint32_t> groups(mesh.tri_to_vert.size());
   runner_.for_blocks(groups.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
@@ -146,7 +146,7 @@ void SurfaceFitter::find_crossings(Candidate& candidate) {
   search.tri_is_new = candidate.tri_is_new;
   search.tells_progress = true;
   candidate.all_hits = find_self_intersections(search, *candidate.tree, work_);
-  const std::vector<TriangleIntersection> pinched = find_pinched_edges(mesh);
+  const std::vector<TriangleIntersection> pinched = find_pinched_edges(mesh, work_);
   candidate.all_hits.insert(candidate.all_hits.end(), pinched.begin(), pinched.end());
   candidate.solid_hits = those_of_solids(candidate.all_hits, mesh);
 }

@@ -149,7 +149,7 @@ class MeshRun {
                                 options_.lattice,
                                 options_.tets_per_part,
                                 options_.trace};
-    return tetloom::fill_volume(input, options, work_.ranks(), runner_);
+    return tetloom::fill_volume(input, options, work_);
   }
 
   // Where the surface has to stay, the inside gets the rounds that the surface would have had.

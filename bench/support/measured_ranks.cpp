@@ -9,6 +9,9 @@
 
 #include "threading/comm/simulated_ranks.hpp"
 
+// Ranks of one process share a heap: each would give back what the others are about to touch.
+extern "C" int malloc_trim(std::size_t) noexcept { return 0; }
+
 namespace tetloom::bench {
 namespace {
 

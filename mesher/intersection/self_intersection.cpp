@@ -19,7 +19,7 @@ namespace tetloom {
 namespace {
 
 constexpr std::size_t kLeafSize = intersection::TriangleTree::kLeafSize;
-constexpr std::size_t kLeavesPerBlock = 256, kTrianglesPerBlock = 1 << 14;
+constexpr std::size_t kLeavesPerBlock = 256, kTrianglesPerBlock = 1 << 12;
 
 bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) {
   return std::pair(a.first, a.second) < std::pair(b.first, b.second);
@@ -27,9 +27,9 @@ bool comes_before(const TriangleIntersection& a, const TriangleIntersection& b) 
 
 class Searcher {
  public:
-  Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const TaskRunner& runner)
-      : search_(search), tree_(tree), runner_(runner), degenerate_(search.tri_to_vert.size()) {
-    runner.for_blocks(degenerate_.size(), kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
+  Searcher(const IntersectionSearch& search, const intersection::TriangleTree& tree, const SharedWork& work)
+      : search_(search), tree_(tree), runner_(work.runner()), degenerate_(search.tri_to_vert.size()) {
+    work.fill<char>(degenerate_, kTrianglesPerBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto& [a, b, c] = search_.tri_to_vert[i];
         degenerate_[i] = intersection::is_degenerate(search_.points[a], search_.points[b], search_.points[c]);
@@ -227,7 +227,7 @@ std::vector<TriangleIntersection> find_self_intersections(const IntersectionSear
 std::vector<TriangleIntersection> find_self_intersections(const IntersectionSearch& search,
                                                           const intersection::TriangleTree& tree,
                                                           const SharedWork& work) {
-  const Searcher searcher(search, tree, work.runner());
+  const Searcher searcher(search, tree, work);
   const std::vector<double> blocks((searcher.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock, 1.0);
   const auto block_to_found = work.make_lists<TriangleIntersection>(blocks, [&](std::size_t block) {
     const std::size_t begin = block * kLeavesPerBlock;

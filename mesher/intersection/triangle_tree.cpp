@@ -8,13 +8,14 @@
 #include "core/spatial/distances.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/runtime/parallel_sort.hpp"
+#include "threading/comm/sort_on_ranks.hpp"
 
 namespace tetloom::intersection {
 
 namespace {
 
-constexpr std::size_t kBlock = 1 << 14;
+constexpr std::size_t kBlock = 1 << 12, kNodes = 1 << 14;
+constexpr std::size_t kFew = 1 << 14;  // triangles that take no longer than the messages
 
 // Sign of orient2d in the (x,y) plane, with x moved by (e, e^2) for an infinitesimal e; 0 only where u and v coincide
 // in that plane.
@@ -39,16 +40,20 @@ int shortest_axis(const Box3& box) {
 std::size_t TriangleTree::pieces(std::size_t triangles) { return (triangles + kBlock - 1) / kBlock; }
 
 TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
-                           const TaskRunner& runner)
+                           const SharedWork& ranks)
     : points_(points), tri_to_vert_(tri_to_vert) {
+  const TaskRunner& runner = ranks.runner();
   const std::size_t count = tri_to_vert_.size();
+  const SharedWork alone(runner), &work = count > kFew ? ranks : alone;
   std::vector<Box3> boxes(pieces(count));
-  runner.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) boxes[begin / kBlock].add(box_of(static_cast<std::uint32_t>(i)));
+  work.fill<Box3>(boxes, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t piece = begin; piece < end; ++piece)
+      for (std::size_t i = piece * kBlock; i < std::min(count, (piece + 1) * kBlock); ++i)
+        boxes[piece].add(box_of(static_cast<std::uint32_t>(i)));
   });
   Box3 around;
   for (const Box3& box : boxes) around.add(box);
-  order_ = FixedArray(sort_triangles(around, runner));
+  order_ = FixedArray(sort_triangles(around, work));
   if (!around.empty()) {
     constexpr double kRounding = 4e-16;
     origin_ = around.center();
@@ -58,12 +63,12 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
   }
   first_leaf_ = std::bit_ceil(std::max<std::size_t>(leaf_count(), 1));
   std::vector<Node> nodes(first_leaf_ + leaf_count());
-  runner.for_blocks(leaf_count(), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
+  work.fill<Node>(std::span(nodes).subspan(first_leaf_), kBlock / kLeafSize, [&](std::size_t begin, std::size_t end) {
     for (std::size_t leaf = begin; leaf < end; ++leaf) nodes[first_leaf_ + leaf] = node_of(leaf_box(leaf));
   });
   // Level by level: the nodes of one are [width, 2 width).
   for (std::size_t width = first_leaf_ / 2; width > 0; width /= 2) {
-    runner.for_blocks(width, kBlock, [&](std::size_t begin, std::size_t end) {
+    runner.for_blocks(width, kNodes, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = width + begin; node < width + end; ++node) {
         for (const std::size_t child : {2 * node, 2 * node + 1})
           if (child < nodes.size()) nodes[node].add(nodes[child]);
@@ -89,7 +94,7 @@ TriangleTree::Node TriangleTree::node_of(const Box3& box) const {
   return node;
 }
 
-std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, const TaskRunner& runner) const {
+std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, const SharedWork& work) const {
   struct Key {
     std::uint64_t code;
     std::uint32_t triangle;
@@ -99,18 +104,35 @@ std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, cons
   };
   const double extent =
       std::max({around.hi.x - around.lo.x, around.hi.y - around.lo.y, around.hi.z - around.lo.z, 1e-300});
-  std::vector<Key> keys(tri_to_vert_.size());
-  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto triangle = static_cast<std::uint32_t>(i);
-      keys[i] = {morton_of(box_of(triangle).center(), around.lo, kMostMorton / extent), triangle};
-    }
+  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
+  const std::size_t first = tri_to_vert_.size() * rank / ranks, last = tri_to_vert_.size() * (rank + 1) / ranks;
+  std::vector<Key> keys;
+  work.each([&] {
+    keys.resize(last - first);
+    work.runner().for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto triangle = static_cast<std::uint32_t>(first + i);
+        keys[i] = {morton_of(box_of(triangle).center(), around.lo, kMostMorton / extent), triangle};
+      }
+    });
   });
-  parallel_sort(keys, runner);
-  std::vector<std::uint32_t> order(keys.size());
-  runner.for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) order[i] = keys[i].triangle;
+  keys = sort_on_ranks(std::move(keys), work);
+  const auto order_of = [&](std::vector<std::uint32_t>& order) {
+    order.resize(keys.size());
+    work.runner().for_blocks(keys.size(), kNodes, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) order[i] = keys[i].triangle;
+    });
+  };
+  std::vector<std::uint32_t> order;
+  if (ranks == 1) {
+    order_of(order);
+    return order;
+  }
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    order_of(order);
+    writer.put_array<std::uint32_t>(order);
   });
+  work.each([&] { order = joined_lists<std::uint32_t>(given); });
   return order;
 }
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/base/fixed_array.hpp"
-#include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::intersection {
 
@@ -51,9 +51,10 @@ class SegmentBoxTest {
 /// Triangles in a tree of boxes. Immutable; refers to the points that it was made over.
 class TriangleTree {
  public:
-  /// Pre: the indices are valid and the coordinates finite. Errors: Cancelled.
+  /// Pre: the indices are valid and the coordinates finite. Ranks share the work, and have the same tree afterwards.
+  /// Errors: Cancelled.
   TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> tri_to_vert,
-               const TaskRunner& runner);
+               const SharedWork& work);
   /// Into how many pieces the work of making a tree of so many triangles is cut.
   static std::size_t pieces(std::size_t triangles);
 
@@ -186,7 +187,7 @@ class TriangleTree {
     const auto& [lo, hi] = nodes_[node];
     return {origin_ + Vec3{lo[0], lo[1], lo[2]}, origin_ + Vec3{hi[0], hi[1], hi[2]}};
   }
-  std::vector<std::uint32_t> sort_triangles(const Box3& around, const TaskRunner& runner) const;
+  std::vector<std::uint32_t> sort_triangles(const Box3& around, const SharedWork& work) const;
   int crossing_above(std::uint32_t triangle, const Vec3& x) const;
 
   std::span<const Vec3> points_;

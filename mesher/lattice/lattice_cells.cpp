@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/lists.hpp"
 #include "mesher/lattice/point_grid.hpp"
 #include "tetloom/error.hpp"
 #include "tetloom/tasks.hpp"
@@ -30,7 +31,7 @@ Levels levels_of(const LatticeRequest& request) {
 
 }  // namespace
 
-LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runner)
+LatticeCells::LatticeCells(const LatticeRequest& request, const SharedWork& work)
     : request_(request), levels_(levels_of(request)) {
   for (int level = 0; level < levels_.count(); ++level)
     lattices_.emplace_back(request.kind, request.box.lo, levels_.size(level), level + kMostLevels * request.attempt,
@@ -42,7 +43,7 @@ LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runn
   for (std::size_t before = 0; before != nodes.size() && nodes.size() < kSubtrees;) {
     before = nodes.size();
     std::vector<std::vector<Node>> node_to_next(nodes.size());
-    runner.for_each(nodes.size(), [&](std::size_t i) {
+    work.runner().for_each(nodes.size(), [&](std::size_t i) {
       const auto branch = [&](const Node& child) { node_to_next[i].push_back(child); };
       visit(
           nodes[i], [&](const LatticeCell&) { node_to_next[i].push_back(nodes[i]); }, branch);
@@ -50,9 +51,12 @@ LatticeCells::LatticeCells(const LatticeRequest& request, const TaskRunner& runn
     nodes.clear();
     for (const auto& next : node_to_next) nodes.insert(nodes.end(), next.begin(), next.end());
   }
-  std::vector<std::vector<LatticeCell>> node_to_cells(nodes.size());
-  runner.for_each(nodes.size(), [&](std::size_t i) { collect(nodes[i], node_to_cells[i]); });
-  for (const auto& cells : node_to_cells) cells_.insert(cells_.end(), cells.begin(), cells.end());
+  const std::vector<double> subtrees(nodes.size(), 1.0);
+  cells_ = joined(work.make_lists<LatticeCell>(subtrees, [&](std::size_t i) {
+    std::vector<LatticeCell> cells;
+    collect(nodes[i], cells);
+    return cells;
+  }));
   if (static_cast<double>(cells_.size()) * 64 > kMostPoints)
     throw Error(ErrorCode::OutOfMemory, "the size field asks for more than a thousand million points");
 }

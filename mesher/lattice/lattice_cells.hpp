@@ -7,6 +7,7 @@
 #include "mesher/lattice/cell_sites.hpp"
 #include "mesher/lattice/lattice_points.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::lattice {
 
@@ -20,9 +21,9 @@ struct LatticeCell {
 /// Any thread may ask it. Refers to the request.
 class LatticeCells {
  public:
-  /// Pre: the box of the request is not empty. Errors: Cancelled; OutOfMemory when the field asks for more points than
-  /// 32-bit ids can name.
-  LatticeCells(const LatticeRequest& request, const TaskRunner& runner);
+  /// Pre: the box of the request is not empty. Ranks share the work, and have the same cells afterwards. Errors:
+  /// Cancelled; OutOfMemory when the field asks for more points than 32-bit ids can name.
+  LatticeCells(const LatticeRequest& request, const SharedWork& work);
   /// At least so many are collected side by side, where there are so many.
   static constexpr std::size_t kSubtrees = 256;
 

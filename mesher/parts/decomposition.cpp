@@ -14,9 +14,9 @@ namespace tetloom::parts {
 namespace {
 
 // What it takes, measured over all steps, in microseconds: per size^3 of the core, per size^3 where sizes vary, and per
-// size^2 of surface. A cell that meets the surface is taken to hold its own width squared of that, and its whole
+// size^2 of surface. A cell that meets the surface is taken to hold its own width squared of that, and half of its
 // volume.
-constexpr double kCoreWork = 1.5, kVaryingWork = 30, kSurfaceWork = 6;
+constexpr double kCoreWork = 2.8, kVaryingWork = 31, kSurfaceWork = 8.4, kInsideOfMet = 0.5;
 // Small parts cost more at their boundaries than they give and have poorer tets there; large ones leave cores idle.
 constexpr double kWorkPerPart = 4e5, kTetsPerPart = 2.5e5;
 constexpr double kLeastOfTwo = 0.6;  // parts of the size above, from which on there are two
@@ -32,7 +32,8 @@ double volume_in_sizes(const lattice::LatticeCell& cell) {
 double work_of(const lattice::LatticeCell& cell) {
   const double cubes = volume_in_sizes(cell);
   const double area = cell.meets_surface ? std::cbrt(cubes) * std::cbrt(cubes) : 0;
-  return cubes * (cell.hi > kVaries * cell.lo ? kVaryingWork : kCoreWork) + area * kSurfaceWork;
+  const double inside = cell.meets_surface ? kInsideOfMet : 1;
+  return inside * cubes * (cell.hi > kVaries * cell.lo ? kVaryingWork : kCoreWork) + area * kSurfaceWork;
 }
 
 double volume_of(const Box3& box) {
@@ -105,7 +106,7 @@ std::array<std::vector<Piece>, 2> cut_at(std::span<const Piece> pieces, int axis
 VolumeEstimate estimate_volume(const lattice::LatticeCells& cells) {
   VolumeEstimate estimate;
   for (const lattice::LatticeCell& cell : cells.cells()) {
-    estimate.tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? 0.5 : 1);
+    estimate.tets += kTetsPerCube * volume_in_sizes(cell) * (cell.meets_surface ? kInsideOfMet : 1);
     estimate.work += work_of(cell);
   }
   return estimate;
@@ -121,7 +122,7 @@ std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part) {
   return static_cast<std::size_t>(std::clamp(2 * std::round(parts / 2), 2.0, kMost));
 }
 
-Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,
+Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const SharedWork& work,
                              Trace* trace) {
   std::optional<TraceSpan> span(std::in_place, trace, "boxes");
   std::vector<Piece> pieces;
@@ -129,31 +130,38 @@ Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t par
   for (std::uint32_t i = 0; i < cells.cells().size(); ++i)
     pieces.push_back({cells.cells()[i].box, work_of(cells.cells()[i]), i});
   const Vec3 far{HUGE_VAL, HUGE_VAL, HUGE_VAL};
-  bisect(std::move(pieces), {-1 * far, far}, part_count);
-  span.emplace(trace, "neighbours", runner.threads(), cells.cells().size() / kCellsPerTask + 1);
-  find_neighbors(cells, runner);
+  nodes_.resize(2 * part_count - 1), boxes_.resize(part_count), work_.resize(part_count);
+  part_to_cells_.resize(part_count);
+  work.each([&] {
+    const std::vector<PartId> own = work.ranks().parts_of_rank(part_count);
+    bisect(std::move(pieces), {-1 * far, far}, {0, 0, static_cast<std::uint32_t>(part_count)}, own);
+  });
+  if (work.rank_count() > 1) share_cuts(work);
+  span.emplace(trace, "neighbours", work.runner().threads(), cells.cells().size() / kCellsPerTask + 1);
+  find_neighbors(cells, work);
 }
 
-std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
+// Nodes lie as they are come to, depth first, so a branch of n parts has 2 n - 1 of them. A rank cuts only what holds
+// parts of its own, which are consecutive.
+void Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, const Branch& branch,
+                           std::span<const PartId> own) {
+  const auto& [index, first_part, part_count] = branch;
+  if (own.empty() || own.back().value < first_part || own.front().value >= first_part + part_count) return;
   if (part_count == 1) {
-    nodes_[index].low = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back(box);
-    double work = 0;
-    std::vector<std::uint32_t>& cells = part_to_cells_.emplace_back();
+    nodes_[index] = {kLeaf, 0, first_part, 0};
+    boxes_[first_part] = box;
+    std::vector<std::uint32_t>& cells = part_to_cells_[first_part];
     for (const Piece& piece : pieces) {
-      work += piece.work;
+      work_[first_part] += piece.work;
       cells.push_back(piece.cell);
     }
-    work_.push_back(work);
     std::sort(cells.begin(), cells.end());
-    return index;
+    return;
   }
   Box3 around;
   for (const Piece& piece : pieces) around.add(piece.box);
   const int axis = pieces.empty() ? 0 : longest_axis(around);
-  const std::size_t low_count = part_count / 2;
+  const std::uint32_t low_count = part_count / 2;
   const double share = static_cast<double>(low_count) / static_cast<double>(part_count);
   // Where nothing is to be cut, the box still has two sides.
   const double at = std::clamp(find_cut<Piece>(pieces, axis, share).value_or(0), box.lo[axis], box.hi[axis]);
@@ -161,11 +169,39 @@ std::uint32_t Decomposition::bisect(std::vector<Piece> pieces, const Box3& box, 
   pieces = {};
   std::array<Box3, 2> boxes{box, box};
   boxes[0].hi[axis] = at, boxes[1].lo[axis] = at;
-  nodes_[index].axis = axis, nodes_[index].at = at;
-  const std::uint32_t low = bisect(std::move(sides[0]), boxes[0], low_count);
-  const std::uint32_t high = bisect(std::move(sides[1]), boxes[1], part_count - low_count);
-  nodes_[index].low = low, nodes_[index].high = high;
-  return index;
+  nodes_[index] = {axis, at, index + 1, index + 2 * low_count};
+  bisect(std::move(sides[0]), boxes[0], {nodes_[index].low, first_part, low_count}, own);
+  bisect(std::move(sides[1]), boxes[1], {nodes_[index].high, first_part + low_count, part_count - low_count}, own);
+}
+
+// Of nodes, boxes and work each rank has made those that it has parts of.
+void Decomposition::share_cuts(const SharedWork& work) {
+  struct OfPart {
+    std::uint32_t part;
+    Box3 box;
+    double work;
+  };
+  struct OfNode {
+    std::uint32_t index;
+    Node node;
+  };
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    std::vector<OfPart> parts;
+    std::vector<OfNode> nodes;
+    for (const PartId part : work.ranks().parts_of_rank(part_count()))
+      parts.push_back({part.value, boxes_[part.value], work_[part.value]});
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+      if (nodes_[i].axis != kNotCut) nodes.push_back({i, nodes_[i]});
+    writer.put_array<OfPart>(parts);
+    writer.put_array<OfNode>(nodes);
+  });
+  work.each([&] {
+    for (const Bytes& bytes : given) {
+      MessageReader reader(bytes);
+      for (const OfPart& one : reader.get_view<OfPart>()) boxes_[one.part] = one.box, work_[one.part] = one.work;
+      for (const OfNode& one : reader.get_view<OfNode>()) nodes_[one.index] = one.node;
+    }
+  });
 }
 
 std::vector<std::uint32_t> Decomposition::keep_cells_of(std::span<const PartId> parts) {
@@ -191,14 +227,16 @@ PartId Decomposition::owner_of(const Vec3& x) const {
   return PartId(nodes_[index].low);
 }
 
-void Decomposition::find_neighbors(const lattice::LatticeCells& cells, const TaskRunner& runner) {
-  using Pair = std::pair<PartId, PartId>;
+void Decomposition::find_neighbors(const lattice::LatticeCells& cells, const SharedWork& work) {
+  using Pair = std::array<PartId, 2>;
   const std::size_t count = cells.cells().size();
-  std::vector<std::vector<Pair>> block_to_pairs((count + kCellsPerTask - 1) / kCellsPerTask);
-  runner.for_blocks(count, kCellsPerTask, [&](std::size_t begin, std::size_t end) {
-    std::vector<Pair>& pairs = block_to_pairs[begin / kCellsPerTask];
+  const std::vector<double> blocks((count + kCellsPerTask - 1) / kCellsPerTask, 1.0);
+  const auto block_to_pairs = work.make_lists<Pair>(blocks, [&](std::size_t block) {
+    std::vector<Pair> pairs;
     std::vector<PartId> near;
-    for (const lattice::LatticeCell& cell : std::span(cells.cells()).subspan(begin, end - begin)) {
+    const std::size_t begin = block * kCellsPerTask;
+    for (const lattice::LatticeCell& cell :
+         std::span(cells.cells()).subspan(begin, std::min(kCellsPerTask, count - begin))) {
       const double reach = kNeighborhood * cells.coarsest_of(cell).size();
       const Vec3 margin{reach, reach, reach};
       near.clear();
@@ -206,15 +244,16 @@ void Decomposition::find_neighbors(const lattice::LatticeCells& cells, const Tas
       if (near.size() < 2) continue;
       for_each_in(cell.box, [&](PartId part) {
         for (const PartId other : near)
-          if (other != part) pairs.emplace_back(part, other), pairs.emplace_back(other, part);
+          if (other != part) pairs.push_back({part, other}), pairs.push_back({other, part});
       });
     }
     sort_unique(pairs);
+    return pairs;
   });
   part_to_neighbors_.resize(boxes_.size());
   for (const std::vector<Pair>& pairs : block_to_pairs)
     for (const auto& [part, other] : pairs) part_to_neighbors_[part.value].push_back(other);
-  runner.for_each(boxes_.size(), [&](std::size_t part) {
+  work.runner().for_each(boxes_.size(), [&](std::size_t part) {
     std::vector<PartId>& list = part_to_neighbors_[part];
     sort_unique(list);
   });

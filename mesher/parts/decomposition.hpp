@@ -16,6 +16,7 @@
 #include "tetloom/communicator.hpp"
 #include "tetloom/tasks.hpp"
 #include "tetloom/vec.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::parts {
 
@@ -31,11 +32,11 @@ VolumeEstimate estimate_volume(const lattice::LatticeCells& cells);
 /// no more than 2.5e5 tets. At least 1.
 std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part);
 
-/// Immutable; the same on all ranks. All of space belongs to some part: outer boxes are infinite.
+/// Immutable; but for the cells of parts, the same on all ranks. All of space belongs to some part: outer boxes are infinite.
 class Decomposition {
  public:
-  /// Pre: part_count > 0. `trace` may be null.
-  Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const TaskRunner& runner,
+  /// Pre: part_count > 0. `trace` may be null. Ranks share the work, and all know all.
+  Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const SharedWork& work,
                 Trace* trace = nullptr);
 
   std::size_t part_count() const { return boxes_.size(); }
@@ -43,7 +44,7 @@ class Decomposition {
   PartId owner_of(const Vec3& x) const;
   /// Estimated, in microseconds.
   double work(PartId part) const { return work_[part.value]; }
-  /// Indices of the cells that reach into the part's box, ascending.
+  /// Indices of the cells that reach into the part's box, ascending. Of the parts of this rank.
   std::span<const std::uint32_t> cells_of(PartId part) const { return part_to_cells_[part.value]; }
   /// Leaves the cells of all other parts out. Those that stay, of which it returns the indices, ascending, get the
   /// numbers from 0 on.
@@ -60,8 +61,9 @@ class Decomposition {
   static constexpr double kNeighborhood = 8;
 
  private:
+  static constexpr int kLeaf = -1, kNotCut = -2;  // the latter where a rank has no part
   struct Node {
-    int axis = -1;  // -1: a leaf
+    int axis = kNotCut;  // kLeaf: none
     double at = 0;
     std::uint32_t low = 0, high = 0;  // children; low: the part of a leaf
   };
@@ -71,8 +73,14 @@ class Decomposition {
     std::uint32_t cell;
   };
 
-  std::uint32_t bisect(std::vector<Piece> pieces, const Box3& box, std::size_t part_count);
-  void find_neighbors(const lattice::LatticeCells& cells, const TaskRunner& runner);
+  /// A node and what lies below it.
+  struct Branch {
+    std::uint32_t node = 0, first_part = 0, part_count = 0;
+  };
+
+  void bisect(std::vector<Piece> pieces, const Box3& box, const Branch& branch, std::span<const PartId> own);
+  void share_cuts(const SharedWork& work);
+  void find_neighbors(const lattice::LatticeCells& cells, const SharedWork& work);
   template <class Visit>
   void descend(std::uint32_t index, const Box3& box, Visit&& visit) const {
     const Node& node = nodes_[index];

@@ -233,41 +233,28 @@ std::uint32_t only_region_of(const volume::Complex& complex) {
 
 }  // namespace
 
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Communicator& communicator,
-                                         const TaskRunner& runner) {
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const SharedWork& work) {
   Trace* const trace = input.options.trace;
+  const TaskRunner& runner = work.runner();
   lattice::LatticeRequest lattice{&input.tree,  input.complex.tri_to_sides, {},
                                   &input.sizes, input.options.lattice,      input.attempt};
   for (const Vec3& x : input.complex.points) lattice.box.add(x);
-  const bool is_shared = communicator.rank_count() > 1;
-  std::optional<lattice::LatticeCells> cells;
-  std::optional<Decomposition> decomposition;
-  std::optional<PartSurface> surface;
-  std::optional<tets::TrianglesByVertex> triangles;
-  run_on_all(communicator, [&] {
-    {
-      const TraceSpan span(trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
-      cells.emplace(lattice, runner);
-    }
-    const std::size_t parts = count_parts(estimate_volume(*cells), input.options.tets_per_part);
-    if (parts <= 1) return;
-    decomposition.emplace(*cells, parts, runner, trace);
-    if (is_shared) cells->keep(decomposition->keep_cells_of(communicator.parts_of_rank(parts)));
-  });
-  if (!decomposition) return std::nullopt;
-  run_on_all(communicator, [&] {
-    const TraceSpan span(trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
-    surface.emplace(input.complex, input.sizes, *decomposition, kShellReach, runner);
-    if (is_shared) surface->keep(communicator.parts_of_rank(decomposition->part_count()));
-  });
-  run_on_all(communicator, [&] {
-    const TraceSpan span(trace, "index of triangles");
-    triangles.emplace(input.complex.tri_to_vert, input.complex.points.size());
-  });
-  give_back_where_shared(communicator.rank_count());
+  std::optional<TraceSpan> span(std::in_place, trace, "cells", runner.threads(), lattice::LatticeCells::kSubtrees);
+  lattice::LatticeCells cells(lattice, work);
+  const std::size_t parts = count_parts(estimate_volume(cells), input.options.tets_per_part);
+  span.reset();
+  if (parts <= 1) return std::nullopt;
+  Decomposition decomposition(cells, parts, work, trace);
+  if (work.rank_count() > 1) cells.keep(decomposition.keep_cells_of(work.ranks().parts_of_rank(parts)));
+  span.emplace(trace, "surface of parts", runner.threads(), PartSurface::pieces(input.complex));
+  const PartSurface surface(input.complex, input.sizes, decomposition, kShellReach, work);
+  span.emplace(trace, "index of triangles");
+  const tets::TrianglesByVertex triangles(input.complex.tri_to_vert, input.complex.points.size());
+  span.reset();
+  give_back_where_shared(work.rank_count());
   const SharedInput shared{
-      input, *cells, *decomposition, *surface, *triangles, lattice.box, only_region_of(input.complex)};
-  return Filler(shared, communicator, runner, trace).run();
+      input, cells, decomposition, surface, triangles, lattice.box, only_region_of(input.complex)};
+  return Filler(shared, work.ranks(), runner, trace).run();
 }
 
 }  // namespace tetloom::parts

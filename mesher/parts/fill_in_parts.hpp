@@ -15,7 +15,7 @@
 #include "mesher/parts/part_state.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "mesher/volume/volume_parts.hpp"
-#include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::parts {
 
@@ -27,9 +27,8 @@ struct FilledParts {
 };
 
 /// The result depends on the input alone. Nothing when the complex is too small for two parts. Errors: Cancelled,
-/// OutOfMemory. A collective call of the ranks that share the parts; all give the same input, and know all but the
+/// OutOfMemory. The ranks that share the parts call it, in `together`; all give the same input, and know all but the
 /// parts of the others then.
-std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, Communicator& communicator,
-                                         const TaskRunner& runner);
+std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, const SharedWork& work);
 
 }  // namespace tetloom::parts

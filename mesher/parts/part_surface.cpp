@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <compare>
+#include <functional>
 #include <utility>
 
 #include "core/base/lists.hpp"
@@ -14,8 +15,19 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
-// What concerns which part: blocks of items find their pairs side by side, then each part picks its own from the
-// blocks.
+struct Range {
+  std::size_t first = 0, last = 0;
+  std::size_t size() const { return last - first; }
+};
+
+// This rank's of `count` items.
+Range share_of(std::size_t count, const SharedWork& work) {
+  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
+  return {count * rank / ranks, count * (rank + 1) / ranks};
+}
+
+// What concerns which part: each rank finds the pairs of its share of the items, in blocks side by side; then each part
+// picks its own from the blocks of all ranks.
 class Pairs {
  public:
   struct Pair {
@@ -24,38 +36,64 @@ class Pairs {
     friend auto operator<=>(const Pair&, const Pair&) = default;
   };
 
-  Pairs(std::size_t part_count, const TaskRunner& runner) : part_count_(part_count), runner_(runner) {}
+  Pairs(std::size_t part_count, const SharedWork& work) : part_count_(part_count), work_(work) {}
 
-  /// Adds the pairs that find(item, pairs) appends, for all items below `count`.
+  /// Adds the pairs that find(item, pairs) appends, for this rank's share of `items`. Not a collective call.
   template <class Find>
-  void collect(std::size_t count, const Find& find) {
+  void collect(const Range& items, const Find& find) {
     const std::size_t before = block_to_pairs_.size();
-    block_to_pairs_.resize(before + (count + kBlock - 1) / kBlock);
-    runner_.for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    block_to_pairs_.resize(before + (items.size() + kBlock - 1) / kBlock);
+    work_.runner().for_blocks(items.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       std::vector<Pair>& pairs = block_to_pairs_[before + begin / kBlock];
-      for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(i), pairs);
+      for (std::size_t i = begin; i < end; ++i) find(static_cast<std::uint32_t>(items.first + i), pairs);
       sort_unique(pairs);
     });
   }
 
-  /// The items of each part, ascending, and none is left.
+  /// The items of each part of this rank, ascending, and none is left. A collective call.
   std::vector<std::vector<std::uint32_t>> deal() {
+    if (work_.rank_count() > 1) send();
     std::vector<std::vector<std::uint32_t>> part_to_items(part_count_);
-    runner_.for_each(part_count_, [&](std::size_t p) {
-      std::vector<std::uint32_t>& items = part_to_items[p];
-      for (const auto& pairs : block_to_pairs_) {
-        auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{PartId(p), 0});
-        for (; at != pairs.end() && at->part == PartId(p); ++at) items.push_back(at->item);
-      }
-      if (!std::is_sorted(items.begin(), items.end())) sort_unique(items);
+    const std::vector<PartId> parts = work_.ranks().parts_of_rank(part_count_);
+    work_.each([&] {
+      work_.runner().for_each(parts.size(), [&](std::size_t p) {
+        std::vector<std::uint32_t>& items = part_to_items[parts[p].value];
+        for (const auto& pairs : block_to_pairs_) {
+          auto at = std::lower_bound(pairs.begin(), pairs.end(), Pair{parts[p], 0});
+          for (; at != pairs.end() && at->part == parts[p]; ++at) items.push_back(at->item);
+        }
+        if (!std::is_sorted(items.begin(), items.end(), std::less_equal())) sort_unique(items);
+      });
     });
     block_to_pairs_.clear();
     return part_to_items;
   }
 
  private:
+  // Parts of a rank are consecutive.
+  void send() {
+    const std::vector<Bytes> sent = work_.exchange([&](std::span<MessageWriter> to) {
+      for (std::vector<Pair>& pairs : block_to_pairs_) {
+        for (auto begin = pairs.cbegin(); begin != pairs.cend();) {
+          const int rank = work_.ranks().rank_of(begin->part, part_count_);
+          const auto end = std::find_if(begin, pairs.cend(), [&](const Pair& pair) {
+            return work_.ranks().rank_of(pair.part, part_count_) != rank;
+          });
+          to[static_cast<std::size_t>(rank)].put_array<Pair>({begin, end});
+          begin = end;
+        }
+        pairs = {};
+      }
+    });
+    work_.each([&] {
+      block_to_pairs_.clear();
+      for (const Bytes& bytes : sent)
+        for (MessageReader reader(bytes); !reader.at_end();) block_to_pairs_.push_back(reader.get_array<Pair>());
+    });
+  }
+
   std::size_t part_count_;
-  const TaskRunner& runner_;
+  const SharedWork& work_;
   std::vector<std::vector<Pair>> block_to_pairs_;
 };
 
@@ -66,30 +104,56 @@ using Verts = std::array<std::uint32_t, 3>;
 class SurfaceDealer {
  public:
   SurfaceDealer(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
-                double reach, const TaskRunner& runner)
-      : complex_(complex), decomposition_(decomposition), all_(decomposition.part_count(), runner) {
-    margins_.resize(complex.points.size());
-    runner.for_blocks(margins_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) margins_[i] = reach * sizes.size_at(complex.points[i]);
-    });
+                double reach, const SharedWork& work)
+      : complex_(complex),
+        decomposition_(decomposition),
+        work_(work),
+        own_points_(share_of(complex.points.size(), work)),
+        own_triangles_(share_of(complex.tri_to_vert.size(), work)),
+        all_(decomposition.part_count(), work) {
+    work.each([&] { look_at_points(sizes, reach); });
   }
 
-  std::vector<PartId> owners;                                 ///< of points
-  std::vector<std::vector<std::uint32_t>> points, triangles;  ///< of parts
+  std::vector<std::vector<std::uint32_t>> points, triangles;  ///< of the parts of this rank
 
   void run() {
-    owners.resize(complex_.points.size()), is_deep_.resize(complex_.points.size());
-    all_.collect(complex_.points.size(), [&](std::uint32_t point, PairList& pairs) { add_near(point, pairs); });
-    all_.collect(complex_.tri_to_vert.size(), [&](std::uint32_t triangle, PairList& pairs) {
-      add_points_of(complex_.tri_to_vert[triangle], pairs);
+    work_.each([&] {
+      all_.collect(own_points_, [&](std::uint32_t point, PairList& pairs) { add_near(point, pairs); });
+      all_.collect(own_triangles_, [&](std::uint32_t triangle, PairList& pairs) {
+        add_points_of(complex_.tri_to_vert[triangle], pairs);
+      });
     });
     points = all_.deal();
-    all_.collect(complex_.tri_to_vert.size(),
-                 [&](std::uint32_t triangle, PairList& pairs) { add_triangle(triangle, pairs); });
+    work_.each([&] {
+      all_.collect(own_triangles_, [&](std::uint32_t triangle, PairList& pairs) { add_triangle(triangle, pairs); });
+    });
     triangles = all_.deal();
+    work_.each([&] {
+      work_.runner().for_each(points.size(), [&](std::size_t part) { drop_unknown(points[part], triangles[part]); });
+    });
   }
 
  private:
+  // Of the points of this rank's share and of its triangles.
+  void look_at_points(const SizeField& sizes, double reach) {
+    const std::size_t count = complex_.points.size();
+    std::vector<char> is_asked(count, work_.rank_count() == 1);
+    if (work_.rank_count() > 1) {
+      std::fill_n(is_asked.begin() + static_cast<std::ptrdiff_t>(own_points_.first), own_points_.size(), 1);
+      for (std::size_t t = own_triangles_.first; t < own_triangles_.last; ++t)
+        for (const std::uint32_t v : complex_.tri_to_vert[t]) is_asked[v] = 1;
+    }
+    margins_.resize(count), owners_.resize(count), is_deep_.resize(count);
+    work_.runner().for_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!is_asked[i]) continue;
+        const Vec3& x = complex_.points[i];
+        margins_[i] = reach * sizes.size_at(x), owners_[i] = decomposition_.owner_of(x);
+        is_deep_[i] = depth_inside(x, decomposition_.box(owners_[i])) > margins_[i] * (1 + 1e-9);
+      }
+    });
+  }
+
   template <class Visit>
   void for_each_near(std::uint32_t point, const Visit& visit) const {
     const Vec3& x = complex_.points[point];
@@ -112,12 +176,8 @@ class SurfaceDealer {
     decomposition_.for_each_in(box, visit);
   }
 
-  void add_near(std::uint32_t point, PairList& pairs) {
-    const Vec3& x = complex_.points[point];
-    const PartId owner = decomposition_.owner_of(x);
-    owners[point] = owner;
-    is_deep_[point] = depth_inside(x, decomposition_.box(owner)) > margins_[point] * (1 + 1e-9);
-    if (is_deep_[point]) return pairs.push_back({owner, point});
+  void add_near(std::uint32_t point, PairList& pairs) const {
+    if (is_deep_[point]) return pairs.push_back({owners_[point], point});
     for_each_near(point, [&](PartId part) { pairs.push_back({part, point}); });
   }
 
@@ -128,33 +188,34 @@ class SurfaceDealer {
       });
     for (const std::uint32_t v : verts)
       for (const std::uint32_t other : verts)
-        if (owners[other] != owners[v]) pairs.push_back({owners[v], other});
+        if (owners_[other] != owners_[v]) pairs.push_back({owners_[v], other});
   }
 
+  // Those that may know all of its points; which of them do is known where their points are.
   void add_triangle(std::uint32_t triangle, PairList& pairs) const {
     const Verts& verts = complex_.tri_to_vert[triangle];
     const auto& [a, b, c] = verts;
     if (is_large(verts)) for_each_met(verts, [&](PartId part) { pairs.push_back({part, triangle}); });
-    if (is_deep_[a] && owners[b] == owners[a] && owners[c] == owners[a]) return pairs.push_back({owners[a], triangle});
-    const auto add = [&](PartId part) {
-      const std::vector<std::uint32_t>& known = points[part.value];
-      if (std::ranges::all_of(verts, [&](std::uint32_t v) { return std::ranges::binary_search(known, v); }))
-        pairs.push_back({part, triangle});
-    };
-    bool added_b = false, added_c = false;
-    for_each_near(a, [&](PartId part) {
-      add(part);
-      added_b |= part == owners[verts[1]], added_c |= part == owners[verts[2]];
+    for (const std::uint32_t v : verts) pairs.push_back({owners_[v], triangle});  // b's may be far from a
+    if (is_deep_[a] && owners_[b] == owners_[a] && owners_[c] == owners_[a]) return;
+    for_each_near(a, [&](PartId part) { pairs.push_back({part, triangle}); });
+  }
+
+  void drop_unknown(std::span<const std::uint32_t> known, std::vector<std::uint32_t>& of_part) const {
+    std::erase_if(of_part, [&](std::uint32_t triangle) {
+      return !std::ranges::all_of(complex_.tri_to_vert[triangle],
+                                  [&](std::uint32_t v) { return std::ranges::binary_search(known, v); });
     });
-    if (!added_b) add(owners[b]);  // where that of the first is farther away
-    if (!added_c) add(owners[c]);
   }
 
   const volume::Complex& complex_;
   const Decomposition& decomposition_;
+  const SharedWork& work_;
+  const Range own_points_, own_triangles_;
   Pairs all_;
   std::vector<double> margins_;  // of points: how far from a part's box it knows them
-  std::vector<char> is_deep_;    // no part but its own is within reach
+  std::vector<PartId> owners_;
+  std::vector<char> is_deep_;  // no part but its own is within reach
 };
 
 }  // namespace
@@ -164,19 +225,11 @@ std::size_t PartSurface::pieces(const volume::Complex& complex) {
 }
 
 PartSurface::PartSurface(const volume::Complex& complex, const SizeField& sizes, const Decomposition& decomposition,
-                         double reach, const TaskRunner& runner) {
-  SurfaceDealer dealer(complex, sizes, decomposition, reach, runner);
+                         double reach, const SharedWork& work)
+    : points_(complex.points), decomposition_(&decomposition) {
+  SurfaceDealer dealer(complex, sizes, decomposition, reach, work);
   dealer.run();
-  point_to_owner_ = std::move(dealer.owners);
   part_to_points_ = std::move(dealer.points), part_to_triangles_ = std::move(dealer.triangles);
-}
-
-void PartSurface::keep(std::span<const PartId> parts) {
-  for (auto* lists : {&part_to_points_, &part_to_triangles_}) {
-    std::vector<std::vector<std::uint32_t>> kept(lists->size());
-    for (const PartId part : parts) kept[part.value] = std::move((*lists)[part.value]);
-    *lists = std::move(kept);
-  }
 }
 
 }  // namespace tetloom::parts

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <optional>
 
+#include "core/base/lists.hpp"
+
 namespace tetloom {
 namespace {
 
@@ -377,14 +379,20 @@ std::vector<Misfit> find_misfits(const Mesh& surface, const ModelTopology& topol
                                  std::span<const std::uint8_t> face_has_layers) {
   const MisfitSearch search(surface, topology, sizes, tree, face_has_layers);
   constexpr std::size_t kLeaf = intersection::TriangleTree::kLeafSize;
-  std::vector<double> fitting(surface.tri_to_vert.size());  // leaf by leaf
-  work.fill<double>(fitting, 256 * kLeaf, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t first = begin; first < end; first += kLeaf)
-      search.put_fitting_sizes(first / kLeaf, tri_is_new, floor, &fitting[first]);
-  });
-  std::vector<Misfit> misfits;
-  for (std::size_t i = 0; i < fitting.size(); ++i)
-    if (fitting[i] < HUGE_VAL) misfits.push_back({tree.leaf_triangles(i / kLeaf)[i % kLeaf], fitting[i]});
+  constexpr std::size_t kLeavesPerBlock = 256;
+  const std::vector<double> blocks((tree.leaf_count() + kLeavesPerBlock - 1) / kLeavesPerBlock, 1.0);
+  std::vector<Misfit> misfits = joined(work.make_lists<Misfit>(blocks, [&](std::size_t block) {
+    std::vector<Misfit> found;
+    std::array<double, kLeaf> fitting;
+    const std::size_t end = std::min(tree.leaf_count(), (block + 1) * kLeavesPerBlock);
+    for (std::size_t leaf = block * kLeavesPerBlock; leaf < end; ++leaf) {
+      search.put_fitting_sizes(leaf, tri_is_new, floor, fitting.data());
+      const auto triangles = tree.leaf_triangles(leaf);
+      for (std::size_t i = 0; i < triangles.size(); ++i)
+        if (fitting[i] < HUGE_VAL) found.push_back({triangles[i], fitting[i]});
+    }
+    return found;
+  }));
   std::ranges::sort(misfits, {}, &Misfit::triangle);
   return misfits;
 }

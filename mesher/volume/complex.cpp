@@ -9,6 +9,7 @@
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/failure.hpp"
 #include "core/base/filing.hpp"
+#include "core/base/lists.hpp"
 #include "core/base/local_numbers.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
@@ -78,6 +79,45 @@ std::vector<EdgeUseOfRegion> find_open(std::span<const EdgeUseOfRegion> uses, st
   return open;
 }
 
+// Of what for_each_in(i, visit) names for each i below `count`.
+template <class ForEachIn>
+std::vector<EdgeUseOfRegion> find_open_of(const VolumeInput& input, std::size_t count, const TaskRunner& runner,
+                                          const ForEachIn& for_each_in) {
+  const KeyRanges ranges(input.points.size());
+  std::vector<std::vector<EdgeUseOfRegion>> range_to_open(ranges.count());
+  for_each_filed_range<EdgeUseOfRegion>(
+      count, ranges, runner,
+      [&](std::size_t begin, std::size_t end, const auto& file) {
+        for (std::size_t i = begin; i < end; ++i)
+          for_each_in(i, [&](const EdgeUseOfRegion& use) { file(ranges.of(use.low), use); });
+      },
+      [&](std::size_t range, std::span<const EdgeUseOfRegion> uses) {
+        range_to_open[range] = find_open(uses, ranges.first(range), ranges.last(range));
+      });
+  return joined(range_to_open);
+}
+
+// Each rank reads its share of the triangles, and looks at the edges whose low vertices are its own.
+std::vector<EdgeUseOfRegion> find_open_on_ranks(const VolumeInput& input, const SharedWork& work) {
+  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
+  const std::size_t count = input.tri_to_vert.size();
+  const std::vector<Bytes> sent = work.exchange([&](std::span<MessageWriter> to) {
+    std::vector<std::vector<EdgeUseOfRegion>> rank_to_uses(ranks);
+    for (std::size_t t = count * rank / ranks; t < count * (rank + 1) / ranks; ++t)
+      for_each_use(input, static_cast<std::uint32_t>(t), [&](const EdgeUseOfRegion& use) {
+        rank_to_uses[use.low * ranks / input.points.size()].push_back(use);
+      });
+    for (std::size_t r = 0; r < ranks; ++r) to[r].put_array<EdgeUseOfRegion>(rank_to_uses[r]);
+  });
+  std::vector<EdgeUseOfRegion> own;
+  work.each([&] {
+    const auto uses = joined_lists<EdgeUseOfRegion>(sent);
+    own = find_open_of(input, uses.size(), work.runner(),
+                       [&](std::size_t i, const auto& visit) { visit(uses[i]); });
+  });
+  return gather_lists<EdgeUseOfRegion>(work.ranks(), own);
+}
+
 Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion> open) {
   Diagnostic diagnostic;
   diagnostic.code = ErrorCode::OpenShell;
@@ -94,15 +134,27 @@ Diagnostic open_shell(const VolumeInput& input, std::span<const EdgeUseOfRegion>
   return diagnostic;
 }
 
+bool has_all_points(const VolumeInput& input) {
+  std::vector<char> is_used(input.points.size(), 0);
+  for (const auto& verts : input.tri_to_vert)
+    for (const std::uint32_t v : verts) is_used[v] = 1;
+  return std::ranges::count(is_used, 0) == 0;
+}
+
 // Whether the complex has all points and triangles, so that the input's arrays will do; otherwise it gets its own.
 // `numbers`: working memory.
 bool number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumbers& numbers) {
+  if (complex.to_input_tri.size() == input.tri_to_vert.size() && has_all_points(input)) {
+    complex.to_input_vert.resize(input.points.size());
+    std::iota(complex.to_input_vert.begin(), complex.to_input_vert.end(), std::uint32_t{0});
+    return true;
+  }
+  numbers.set_item_count(input.points.size());
   numbers.clear();
   for (const std::uint32_t t : complex.to_input_tri)
     for (const std::uint32_t v : input.tri_to_vert[t]) numbers.add(v);
   numbers.sort();
   complex.to_input_vert.assign(numbers.items().begin(), numbers.items().end());
-  if (complex.to_input_tri.size() == input.tri_to_vert.size() && numbers.size() == input.points.size()) return true;
   complex.points.reserve(numbers.size());
   complex.tri_to_vert.reserve(complex.to_input_tri.size());
   for (const std::uint32_t v : numbers.items()) complex.points.push_back(input.points[v]);
@@ -115,21 +167,13 @@ bool number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumb
 
 }  // namespace
 
-OpenRegions find_open_regions(const VolumeInput& input, const TaskRunner& runner) {
-  const KeyRanges ranges(input.points.size());
-  std::vector<std::vector<EdgeUseOfRegion>> range_to_open(ranges.count());
-  for_each_filed_range<EdgeUseOfRegion>(
-      input.tri_to_vert.size(), ranges, runner,
-      [&](std::size_t begin, std::size_t end, const auto& file) {
-        for (std::size_t t = begin; t < end; ++t)
-          for_each_use(input, static_cast<std::uint32_t>(t),
-                       [&](const EdgeUseOfRegion& use) { file(ranges.of(use.low), use); });
-      },
-      [&](std::size_t range, std::span<const EdgeUseOfRegion> uses) {
-        range_to_open[range] = find_open(uses, ranges.first(range), ranges.last(range));
-      });
-  std::vector<EdgeUseOfRegion> open;
-  for (const auto& of_range : range_to_open) open.insert(open.end(), of_range.begin(), of_range.end());
+OpenRegions find_open_regions(const VolumeInput& input, const SharedWork& work) {
+  std::vector<EdgeUseOfRegion> open = work.rank_count() == 1
+                                          ? find_open_of(input, input.tri_to_vert.size(), work.runner(),
+                                                         [&](std::size_t t, const auto& visit) {
+                                                           for_each_use(input, static_cast<std::uint32_t>(t), visit);
+                                                         })
+                                          : find_open_on_ranks(input, work);
   std::sort(open.begin(), open.end(), comes_before);
   OpenRegions result;
   for (std::size_t begin = 0, end = 0; begin < open.size(); begin = end) {
@@ -183,7 +227,7 @@ Complexes split_complexes(const VolumeInput& input, std::span<const std::uint32_
   for (std::size_t i = 0; i < arrays.size(); ++i) arrays[i].to_input_tri.reserve(counts[i]);
   for_each_triangle(
       [&](std::uint32_t t, const FaceSides&, std::uint32_t complex) { arrays[complex].to_input_tri.push_back(t); });
-  LocalNumbers numbers(input.points.size());
+  LocalNumbers numbers;
   Complexes complexes;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     ComplexArrays& own = arrays[i];

@@ -8,7 +8,7 @@
 
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/model.hpp"
-#include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::volume {
 
@@ -49,7 +49,7 @@ struct OpenRegions {
   std::vector<std::uint32_t> regions;
   std::vector<Diagnostic> diagnostics;
 };
-OpenRegions find_open_regions(const VolumeInput& input, const TaskRunner& runner);
+OpenRegions find_open_regions(const VolumeInput& input, const SharedWork& work);
 /// How many pieces that is done in, about.
 std::size_t open_region_pieces(const VolumeInput& input);
 

@@ -16,7 +16,6 @@
 #include "mesher/volume/worker_process.hpp"
 #include "mesher/volume/worker_protocol.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/collectives.hpp"
 #include "threading/comm/copy_of_machine.hpp"
 
 namespace tetloom::volume {
@@ -50,13 +49,14 @@ struct Failure {
 
 class ComplexFiller {
  public:
-  ComplexFiller(const FillingPlan& plan, const Complex& complex, FillingProgress& progress, const TaskRunner& runner)
+  ComplexFiller(const FillingPlan& plan, const Complex& complex, FillingProgress& progress, const SharedWork& work)
       : plan_(plan),
         input_(plan.input),
         complex_(complex),
         progress_(progress),
-        runner_(runner),
-        tree_(complex.points, complex.tri_to_vert, runner) {}
+        work_(work),
+        runner_(work.runner()),
+        tree_(complex.points, complex.tri_to_vert, work) {}
 
   VolumeParts run(bool may_be_parted) {
     if (!plan_.options.worker_only) fill_by_own_means(may_be_parted);
@@ -78,8 +78,8 @@ class ComplexFiller {
 
   void move_tree(const KeepBytes& keep) { tree_.move_arrays(keep); }
 
-  VolumeParts run_in_parts(Communicator& communicator) {
-    fill_in_parts(communicator);
+  VolumeParts run_in_parts() {
+    fill_in_parts();
     return std::move(result_);
   }
 
@@ -88,7 +88,7 @@ class ComplexFiller {
 
   // Where a triangle could not be recovered among the points of a lattice, it may be among those of a shifted one.
   void fill_by_own_means(bool may_be_parted) {
-    if (may_be_parted && fill_in_parts(*make_thread_communicator())) return;
+    if (may_be_parted && fill_in_parts()) return;
     for (int attempt = 0; attempt < kOwnAttempts; ++attempt) {
       FillingInput input = filling_input();
       input.attempt = attempt;
@@ -106,8 +106,8 @@ class ComplexFiller {
   }
 
   // False when there is one part only, or where the parts' tets do not fit together.
-  bool fill_in_parts(Communicator& communicator) {
-    auto filled = parts::fill_in_parts(filling_input(), communicator, runner_);
+  bool fill_in_parts() {
+    auto filled = parts::fill_in_parts(filling_input(), work_);
     if (!filled) return false;
     if (filled->fault.any()) {
       result_.figures.parts.given_up = 1;
@@ -264,6 +264,7 @@ class ComplexFiller {
   const VolumeInput& input_;
   const Complex& complex_;
   FillingProgress& progress_;
+  const SharedWork& work_;
   const TaskRunner& runner_;
   intersection::TriangleTree tree_;
   VolumeParts result_;
@@ -280,17 +281,17 @@ VolumeParts fill_complex(const FillingPlan& plan, const Complex& complex, Fillin
                          const TaskRunner& runner) {
   std::optional<TraceSpan> span(std::in_place, plan.options.trace, "tree of triangles", runner.threads(),
                                 intersection::TriangleTree::pieces(complex.tri_to_vert.size()));
-  ComplexFiller filler(plan, complex, progress, runner);
+  const SharedWork alone(runner);
+  ComplexFiller filler(plan, complex, progress, alone);
   span.reset();
   return filler.run(may_be_parted);
 }
 
 VolumeParts fill_complex_in_parts(const FillingPlan& plan, const Complex& complex, FillingProgress& progress,
-                                  Communicator& communicator, const TaskRunner& runner) {
-  std::optional<ComplexFiller> filler;
-  run_on_all(communicator, [&] { filler.emplace(plan, complex, progress, runner); });
-  filler->move_tree(copy_of_machine(communicator));
-  return filler->run_in_parts(communicator);
+                                  const SharedWork& work) {
+  ComplexFiller filler(plan, complex, progress, work);
+  filler.move_tree(copy_of_machine(work.ranks()));
+  return filler.run_in_parts();
 }
 
 }  // namespace tetloom::volume

@@ -6,7 +6,7 @@
 #include "mesher/volume/complex.hpp"
 #include "mesher/volume/complex_filling.hpp"
 #include "mesher/volume/volume_mesher.hpp"
-#include "tetloom/tasks.hpp"
+#include "threading/comm/shared_work.hpp"
 
 namespace tetloom::volume {
 
@@ -25,8 +25,8 @@ VolumeParts fill_complex(const FillingPlan& plan, const Complex& complex, Fillin
                          const TaskRunner& runner);
 
 /// The same in parts, by all ranks, where it is large enough and the parts fit together; else there are figures alone,
-/// and it is to be filled in one part. A collective call.
+/// and it is to be filled in one part. All ranks call it, in `together`.
 VolumeParts fill_complex_in_parts(const FillingPlan& plan, const Complex& complex, FillingProgress& progress,
-                                  Communicator& communicator, const TaskRunner& runner);
+                                  const SharedWork& work);
 
 }  // namespace tetloom::volume

@@ -58,13 +58,14 @@ void share_results(Communicator& communicator, std::span<const std::size_t> own,
 class RankFiller {
  public:
   RankFiller(const FillingPlan& plan, std::span<const Complex> complexes, std::span<FillingProgress> progress,
-             Communicator& communicator, const TaskRunner& runner)
+             const SharedWork& work)
       : plan_(plan),
         complexes_(complexes),
         progress_(progress),
-        communicator_(communicator),
-        runner_(runner),
-        is_alone_(communicator.rank_count() == 1),
+        work_(work),
+        communicator_(work.ranks()),
+        runner_(work.runner()),
+        is_alone_(work.rank_count() == 1),
         filled_(complexes.size()) {}
 
   std::vector<VolumeParts> run() {
@@ -86,7 +87,7 @@ class RankFiller {
     std::vector<std::size_t> left, own;
     for (const std::size_t i : numbers) {
       if (!is_alone_ && !plan_.options.worker_only)
-        filled_[i] = fill_complex_in_parts(plan_, complexes_[i], progress_[i], communicator_, runner_);
+        filled_[i] = fill_complex_in_parts(plan_, complexes_[i], progress_[i], work_);
       if (filled_[i].part_count == 0) left.push_back(i);
     }
     const std::vector<int> owner = deal_to_ranks(left, progress_, communicator_.rank_count());
@@ -132,6 +133,7 @@ class RankFiller {
   const FillingPlan& plan_;
   std::span<const Complex> complexes_;
   std::span<FillingProgress> progress_;
+  const SharedWork& work_;
   Communicator& communicator_;
   const TaskRunner& runner_;
   const bool is_alone_;
@@ -141,9 +143,8 @@ class RankFiller {
 }  // namespace
 
 std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
-                                       std::span<FillingProgress> progress, Communicator& communicator,
-                                       const TaskRunner& runner) {
-  return RankFiller(plan, complexes, progress, communicator, runner).run();
+                                       std::span<FillingProgress> progress, const SharedWork& work) {
+  return RankFiller(plan, complexes, progress, work).run();
 }
 
 std::vector<PartMesh> send_home(std::vector<NumberedPart>&& parts, std::size_t part_count, Communicator& communicator) {

@@ -15,7 +15,6 @@
 #include "mesher/volume/fill_on_ranks.hpp"
 #include "mesher/volume/worker_process.hpp"
 #include "tetloom/tasks.hpp"
-#include "threading/comm/collectives.hpp"
 
 namespace tetloom {
 
@@ -23,7 +22,7 @@ namespace {
 
 using volume::Complex;
 
-constexpr std::size_t kTrianglesPerTask = 1 << 14;
+constexpr std::size_t kTrianglesPerTask = 1 << 12;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, "volume input: " + why); }
 
@@ -51,16 +50,20 @@ bool is_sound(const Vec3& p) {
 
 // `count` where all are good.
 template <class IsGood>
-std::size_t find_first_bad(std::size_t count, const TaskRunner& runner, const IsGood& is_good) {
+std::size_t find_first_bad(std::size_t count, const SharedWork& work, const IsGood& is_good) {
   std::vector<std::size_t> block_to_bad((count + kTrianglesPerTask - 1) / kTrianglesPerTask, count);
-  runner.for_blocks(count, kTrianglesPerTask, [&](std::size_t begin, std::size_t end) {
-    while (begin < end && is_good(begin)) ++begin;
-    if (begin < end) block_to_bad[begin / kTrianglesPerTask] = begin;
+  work.fill<std::size_t>(block_to_bad, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t block = first; block < last; ++block) {
+      std::size_t t = block * kTrianglesPerTask;
+      const std::size_t end = std::min(count, t + kTrianglesPerTask);
+      while (t < end && is_good(t)) ++t;
+      if (t < end) block_to_bad[block] = t;
+    }
   });
   return block_to_bad.empty() ? count : std::ranges::min(block_to_bad);
 }
 
-void check_input(const VolumeInput& input, const TaskRunner& runner) {
+void check_input(const VolumeInput& input, const SharedWork& work) {
   if (!input.sizes) refuse("there is no size field");
   const std::size_t count = input.tri_to_vert.size();
   if (input.tri_to_sides.size() != count || input.tri_to_face.size() != count) refuse("its arrays differ in length");
@@ -74,12 +77,12 @@ void check_input(const VolumeInput& input, const TaskRunner& runner) {
     const auto& verts = input.tri_to_vert[t];
     return std::ranges::all_of(verts, [&](std::uint32_t vertex) { return vertex < input.points.size(); });
   };
-  if (find_first_bad(count, runner, exist) < count) refuse("a triangle refers to a point that does not exist");
+  if (find_first_bad(count, work, exist) < count) refuse("a triangle refers to a point that does not exist");
   const auto are_sound = [&](std::size_t t) {
     const auto& verts = input.tri_to_vert[t];
     return std::ranges::all_of(verts, [&](std::uint32_t vertex) { return is_sound(input.points[vertex]); });
   };
-  if (const std::size_t bad = find_first_bad(count, runner, are_sound); bad < count)
+  if (const std::size_t bad = find_first_bad(count, work, are_sound); bad < count)
     refuse_coordinate(input, static_cast<std::uint32_t>(bad));
   // One point far from the first is enough; else all are looked at.
   Box3 box;
@@ -100,34 +103,36 @@ Diagnostic worker_missing(const VolumeInput& input, const Complex& complex, cons
 }
 
 // What is to be filled.
-struct Work {
+struct Filling {
   volume::Complexes complexes;
   std::vector<volume::FillingProgress> progress;
   std::optional<volume::SurfaceFreedom> freedom;
 };
 
-void find_work(volume::FillingPlan& plan, const TaskRunner& runner, Work& work, VolumeParts& result) {
+void plan_filling(volume::FillingPlan& plan, const SharedWork& work, Filling& filling, VolumeParts& result) {
   const VolumeInput& input = plan.input;
   const VolumeOptions& options = plan.options;
+  const TaskRunner& runner = work.runner();
   std::optional<TraceSpan> span(std::in_place, options.trace, "shells", runner.threads(),
                                 volume::open_region_pieces(input));
-  volume::OpenRegions open = volume::find_open_regions(input, runner);
+  volume::OpenRegions open = volume::find_open_regions(input, work);
   span.emplace(options.trace, "plan");
   result.errors = std::move(open.diagnostics);
-  work.complexes = volume::split_complexes(input, open.regions);
+  filling.complexes = volume::split_complexes(input, open.regions);
   std::uint64_t whole = 0;
-  for (const Complex& complex : work.complexes.list) whole += work.progress.emplace_back(input, complex).whole();
+  for (const Complex& complex : filling.complexes.list) whole += filling.progress.emplace_back(input, complex).whole();
   runner.begin_stage(Stage::Volume, whole);
-  if (work.complexes.list.empty()) return;
+  if (filling.complexes.list.empty()) return;
   try {
     plan.worker = volume::find_worker(options.worker);
   } catch (const Error& error) {
     if (options.worker_only || !options.worker.empty()) {
-      for (const Complex& complex : work.complexes.list) result.errors.push_back(worker_missing(input, complex, error));
-      return work.complexes.list.clear();
+      for (const Complex& complex : filling.complexes.list)
+        result.errors.push_back(worker_missing(input, complex, error));
+      return filling.complexes.list.clear();
     }
   }
-  if (options.improve_surface) plan.freedom = &work.freedom.emplace(input, work.complexes.list);
+  if (options.improve_surface) plan.freedom = &filling.freedom.emplace(input, filling.complexes.list);
 }
 
 // From numbers of the complex to those of the input; new points from `first_new` on. Both lists of the complex ascend,
@@ -145,12 +150,13 @@ void to_numbers_of_input(const Complex& complex, std::uint64_t first_new, std::s
 
 // The complexes one after the other, on the ranks that host their parts.
 void join_complexes(const VolumeInput& input, std::span<const Complex> complexes, std::vector<VolumeParts>&& filled,
-                    Communicator& communicator, const TaskRunner& runner, VolumeParts& result) {
+                    const SharedWork& work, VolumeParts& result) {
+  Communicator& communicator = work.ranks();
   std::vector<volume::NumberedPart> parts;
   result.first_new = input.points.size() + first_number();
   for (std::size_t i = 0; i < complexes.size(); ++i) {
     VolumeParts& of = filled[i];
-    to_numbers_of_input(complexes[i], result.first_new + result.new_points, of.parts, runner.uninterruptible());
+    to_numbers_of_input(complexes[i], result.first_new + result.new_points, of.parts, work.runner().uninterruptible());
     result.new_points += of.new_points;
     // One part lies where it was made.
     const auto own = of.part_count > 1 ? communicator.parts_of_rank(of.part_count) : std::vector{PartId(0)};
@@ -164,11 +170,12 @@ void join_complexes(const VolumeInput& input, std::span<const Complex> complexes
   if (result.part_count > 0) result.parts = volume::send_home(std::move(parts), result.part_count, communicator);
 }
 
-void check(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
+void check(const VolumeInput& input, const VolumeOptions& options, const SharedWork& work) {
   {
     const std::size_t pieces = input.tri_to_vert.size() / kTrianglesPerTask + 1;
-    const TraceSpan span(options.trace, "check", runner.threads(), pieces);
-    check_input(input, runner.uninterruptible());  // so soon that nobody is asked
+    const TraceSpan span(options.trace, "check", work.runner().threads(), pieces);
+    const TaskRunner quiet = work.runner().uninterruptible();  // so soon that nobody is asked
+    check_input(input, work.rank_count() > 1 ? work : SharedWork(quiet));
   }
   const TraceSpan span(options.trace, "estimate");
   check_goals(options.goals);
@@ -202,18 +209,16 @@ void FillingFigures::add(const FillingFigures& other) {
     seconds.*member += other.seconds.*member;
 }
 
-VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, Communicator& communicator,
-                        const TaskRunner& runner) {
+VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, const SharedWork& work) {
   VolumeParts result;
-  volume::FillingPlan plan{input, options, {}};
-  Work work;
-  run_on_all(communicator, [&] {
-    check(input, options, runner);
-    find_work(plan, runner, work, result);
+  work.together([&] {
+    volume::FillingPlan plan{input, options, {}};
+    Filling filling;
+    check(input, options, work);
+    plan_filling(plan, work, filling, result);
+    const std::span<const Complex> complexes = filling.complexes.list;
+    join_complexes(input, complexes, volume::fill_on_ranks(plan, complexes, filling.progress, work), work, result);
   });
-  const std::span<const Complex> complexes = work.complexes.list;
-  join_complexes(input, complexes, volume::fill_on_ranks(plan, complexes, work.progress, communicator, runner),
-                 communicator, runner, result);
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/intersection/pinched_edges.hpp"
+#include "tetloom/tasks.hpp"
 #include "tests/support/strip_mesh.hpp"
 
 using namespace tetloom;
@@ -10,11 +11,11 @@ using namespace tetloom::test_models;
 
 TEST_CASE("faces that meet in an edge of no model edge are found") {
   Mesh mesh = make_strip(true);
-  CHECK(find_pinched_edges(mesh).empty());
+  CHECK(find_pinched_edges(mesh, TaskRunner(1)).empty());
   // Without its piece, the edge from 4 to 5 is between two faces.
   mesh.edge_to_vert.erase(mesh.edge_to_vert.begin());
   mesh.edge_to_entity.erase(mesh.edge_to_entity.begin());
-  const std::vector<TriangleIntersection> found = find_pinched_edges(mesh);
+  const std::vector<TriangleIntersection> found = find_pinched_edges(mesh, TaskRunner(1));
   REQUIRE(found.size() == 1);
   CHECK(mesh.tri_to_entity[found[0].first] != mesh.tri_to_entity[found[0].second]);
   CHECK(distance(found[0].point, {0.5, 1, 0}) < 1e-12);
@@ -25,5 +26,5 @@ TEST_CASE("faces that meet in an edge of no model edge are found") {
     mesh.tri_to_vert.push_back({a, c, b});
     mesh.tri_to_entity.push_back(mesh.tri_to_entity[t]);
   }
-  CHECK(find_pinched_edges(mesh).size() >= 3);
+  CHECK(find_pinched_edges(mesh, TaskRunner(1)).size() >= 3);
 }

@@ -172,7 +172,7 @@ struct VolumeMesh {
 /// The volume filled by this process and put together, with what has become of the surface.
 inline VolumeMesh fill_volume(const VolumeInput& input, const VolumeOptions& options, const TaskRunner& runner) {
   const auto communicator = make_thread_communicator();
-  VolumeParts parts = tetloom::fill_volume(input, options, *communicator, runner);
+  VolumeParts parts = tetloom::fill_volume(input, options, runner);
   VolumeMesh result;
   result.errors = std::move(parts.errors), result.warnings = std::move(parts.warnings);
   result.figures = std::move(parts.figures);

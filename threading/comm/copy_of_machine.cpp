@@ -37,17 +37,22 @@ std::vector<std::string> gather_texts(Communicator& ranks, const std::string& ow
   return all;
 }
 
-// Null where there is no room.
-std::unique_ptr<TemporaryFile> write_copy(std::span<const std::byte> bytes) {
+// Null where there is no such folder.
+std::unique_ptr<TemporaryFile> make_file() {
   try {
-    auto file = std::make_unique<TemporaryFile>("arrays");
-    std::ofstream stream(file->path(), std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    stream.close();  // where some file systems say that they are full
-    return stream ? std::move(file) : nullptr;
+    return std::make_unique<TemporaryFile>("arrays");
   } catch (const Error&) {
     return nullptr;
   }
+}
+
+// Puts bytes at a place of the file; false where there is no room.
+bool write_at(const std::string& path, std::size_t place, std::span<const std::byte> bytes) {
+  std::ofstream stream(path, std::ios::binary | std::ios::in);  // which leaves what is there
+  stream.seekp(static_cast<std::streamoff>(place));
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();  // where some file systems say that they are full
+  return static_cast<bool>(stream);
 }
 
 class CopyOfMachine {
@@ -55,29 +60,36 @@ class CopyOfMachine {
   explicit CopyOfMachine(Communicator& ranks) : ranks_(ranks) {
     if (ranks.rank_count() == 1) return;
     const std::vector<std::string> machines = gather_texts(ranks, machine_name());
-    const std::string& own = machines[static_cast<std::size_t>(ranks.rank())];
-    writer_ = static_cast<std::size_t>(std::ranges::find(machines, own) - machines.begin());
-    is_alone_ = std::ranges::count(machines, own) == 1;
+    for (std::size_t rank = 0; rank < machines.size(); ++rank)
+      if (machines[rank] == machines[static_cast<std::size_t>(ranks.rank())]) on_machine_.push_back(rank);
   }
 
   std::shared_ptr<const std::byte> keep(std::span<const std::byte> bytes) const {
     if (ranks_.rank_count() == 1 || bytes.size() < kLeastKept) return nullptr;
+    const auto rank = static_cast<std::size_t>(ranks_.rank());
     std::unique_ptr<TemporaryFile> file;
     run_on_all(ranks_, [&] {
-      if (!is_alone_ && static_cast<std::size_t>(ranks_.rank()) == writer_) file = write_copy(bytes);
+      if (on_machine_.size() > 1 && rank == on_machine_.front()) file = make_file();
     });
-    const std::string path = gather_texts(ranks_, file ? file->path().string() : "")[writer_];
+    const std::string path = gather_texts(ranks_, file ? file->path().string() : "")[on_machine_.front()];
+    const std::vector<Bytes> are_written = all_gather(ranks_, [&](MessageWriter& writer) {
+      const auto place = static_cast<std::size_t>(std::ranges::find(on_machine_, rank) - on_machine_.begin());
+      const std::size_t begin = bytes.size() * place / on_machine_.size(),
+                        end = bytes.size() * (place + 1) / on_machine_.size();
+      writer.put(static_cast<std::uint8_t>(!path.empty() && write_at(path, begin, bytes.subspan(begin, end - begin))));
+    });
+    const bool is_whole = std::ranges::all_of(
+        on_machine_, [&](std::size_t one) { return MessageReader(are_written[one]).get<std::uint8_t>() != 0; });
     std::shared_ptr<const std::byte> mapped;
     run_on_all(ranks_, [&] {
-      if (!path.empty()) mapped = map_file(path, bytes.size());
+      if (is_whole) mapped = map_file(path, bytes.size());
     });
     return mapped;
   }
 
  private:
   Communicator& ranks_;
-  std::size_t writer_ = 0;  // the first rank on this machine
-  bool is_alone_ = true;    // on it
+  std::vector<std::size_t> on_machine_;  // the ranks of this rank's machine, ascending
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace tetloom {
 
 /// Where several ranks share a machine, one copy of the bytes that all of them have: in a file in the folder for
-/// temporary files, which the first rank of the machine writes and all ranks there map. Its name is gone before the
+/// temporary files, of which each rank of the machine writes a piece, and which all of them map. Its name is gone before the
 /// call returns. What fills less than kLeastKept bytes, and all that a rank has alone on its machine or for which there
 /// is no room in that folder, is not kept: the ranks of that machine go on with what they have.
 ///
