@@ -179,6 +179,10 @@ class CavityMesh {
   /// Computes `to_quality` and `vert_to_tet`, when all else is there.
   void start();
 
+  /// All that it has, for another rank that goes on with it as this one would.
+  void put(MessageWriter& writer) const;
+  static CavityMesh get(MessageReader& reader);
+
  private:
   void note_metric(const VertexMetric& metric) {
     surely_positive_ = std::max(surely_positive_, surely_positive_quality(metric));

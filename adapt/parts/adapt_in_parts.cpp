@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "adapt/parts/cut_parts.hpp"
 #include "adapt/parts/join_parts.hpp"
+#include "adapt/parts/lent_parts.hpp"
 #include "adapt/parts/needed_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/split_sides.hpp"
@@ -27,43 +29,47 @@ void finish(PartOfWhole& part) {
 }
 
 // Adapts the parts that have not been `done`. One that lacks a tile is as it was before.
-void adapt_parts(std::span<PartOfWhole> parts, std::uint32_t first, std::span<const double> part_work,
-                 const RoundWork& round, std::span<std::uint8_t> done, const TaskRunner& runner) {
+void adapt_parts(std::span<const PartAtWork> parts, const RoundWork& round, std::span<std::uint8_t> done,
+                 const TaskRunner& runner) {
+  std::vector<double> part_work;
+  for (const PartAtWork& one : parts) part_work.push_back(one.work);
   runner.for_each_largest_first(part_work, [&](std::size_t p) {
     if (done[p] != 0) return;
+    PartOfWhole& part = *parts[p].part;
     CavityMesh before;
-    if (round.tiles != nullptr) before = parts[p].mesh;
-    if (finds(round.tiles, [&] { round.adapt(first + p, parts[p].mesh); })) {
+    if (round.tiles != nullptr) before = part.mesh;
+    if (finds(round.tiles, [&] { round.adapt(parts[p].number, part.mesh); })) {
       before = CavityMesh();
-      finish(parts[p]);
+      finish(part);
       done[p] = 1;
     } else {
-      parts[p].mesh = std::move(before);
+      part.mesh = std::move(before);
     }
   });
 }
 
 // How a rank goes through its parts, and the tiles that they need: some at a time, which need half of what the rank is
-// home to, about. All ranks do so equally often.
+// home to, about. All ranks do so equally often, and have about as much to do each time.
 class Batches {
  public:
-  Batches(std::span<const PartOfWhole> parts, BackgroundTiles* tiles, const SharedWork& work)
-      : tiles_(tiles), work_(work), part_count_(parts.size()) {
+  Batches(std::span<const PartAtWork> parts, BackgroundTiles* tiles, const SharedWork& work)
+      : parts_(parts), tiles_(tiles), work_(work), begins_{0, parts.size()} {
     if (tiles == nullptr) return;
     work.each([&] {
-      for (const PartOfWhole& part : parts) needed_.push_back(needed_tiles({&part, 1}, *tiles, work.runner()));
+      for (const PartAtWork& one : parts) needed_.push_back(needed_tiles({one.part, 1}, *tiles, work.runner()));
     });
     std::array<double, 1> most{static_cast<double>(wanted())};
     work.max(most);
-    count_ = static_cast<std::size_t>(most[0]);
+    cut(static_cast<std::size_t>(most[0]));
   }
 
-  std::size_t count() const { return count_; }
-  std::size_t begin(std::size_t batch) const { return part_count_ * batch / count_; }
-  std::size_t size(std::size_t batch) const { return begin(batch + 1) - begin(batch); }
+  std::size_t count() const { return begins_.size() - 1; }
+  std::span<const PartAtWork> parts(std::size_t batch) const {
+    return parts_.subspan(begins_[batch], begins_[batch + 1] - begins_[batch]);
+  }
   /// Has the tiles of a batch at hand, and no others. In together.
   void fetch(std::size_t batch) const {
-    if (tiles_ != nullptr) tiles_->fetch_only(tiles_of(begin(batch), begin(batch + 1)), work_);
+    if (tiles_ != nullptr) tiles_->fetch_only(tiles_of(begins_[batch], begins_[batch + 1]), work_);
   }
 
  private:
@@ -76,17 +82,36 @@ class Batches {
 
   // Each leaves something to do for all threads.
   std::size_t wanted() const {
-    const auto most = part_count_ / static_cast<std::size_t>(work_.runner().threads());
+    const auto most = parts_.size() / static_cast<std::size_t>(work_.runner().threads());
     const double share = static_cast<double>(tiles_->tile_count()) / work_.rank_count();
-    const double needed = static_cast<double>(tiles_of(0, part_count_).size());
+    const double needed = static_cast<double>(tiles_of(0, parts_.size()).size());
     constexpr double kOfShare = 0.5;
     return std::clamp<std::size_t>(static_cast<std::size_t>(needed / share / kOfShare + 0.5), 1,
                                    std::max<std::size_t>(1, most));
   }
 
+  // So that batches are alike in work, for the ranks wait for each other, and in tiles, for these take memory.
+  void cut(std::size_t count) {
+    double work = 0, tiles = 0;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      work += parts_[p].work, tiles += static_cast<double>(needed_[p].size());
+    begins_.assign(count + 1, parts_.size());
+    begins_[0] = 0;
+    double before = 0;
+    for (std::size_t p = 0, batch = 1; p < parts_.size(); ++p) {
+      const double share = 0.5 * parts_[p].work / std::max(work, 1e-300) +
+                           0.5 * static_cast<double>(needed_[p].size()) / std::max(tiles, 1.0);
+      // A part goes where its middle is.
+      while (batch < count && (before + 0.5 * share) * static_cast<double>(count) >= static_cast<double>(batch))
+        begins_[batch++] = p;
+      before += share;
+    }
+  }
+
+  std::span<const PartAtWork> parts_;
   BackgroundTiles* tiles_;
   const SharedWork& work_;
-  std::size_t part_count_, count_ = 1;
+  std::vector<std::size_t> begins_;                 // of each batch, and the end
   std::vector<std::vector<std::uint32_t>> needed_;  // by each part
 };
 
@@ -108,18 +133,22 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
   });
   std::size_t split = 0;
   if (part_count > 1 && std::isfinite(round.sides.longest)) split = split_sides(moved, links, parts, round, work);
-  const Batches batches(parts, round.tiles, work);
+  std::optional<LentParts> lent;
+  std::vector<PartAtWork> at_work;
+  if (work.rank_count() > 1) {
+    at_work = lent.emplace(parts, first, part_count, work).lend();
+  } else {
+    for (std::uint32_t p = 0; p < parts.size(); ++p) at_work.push_back({&parts[p], first + p, own_work[p]});
+  }
+  const Batches batches(at_work, round.tiles, work);
   for (std::size_t batch = 0; batch < batches.count(); ++batch) {
     batches.fetch(batch);
-    const std::size_t begin = batches.begin(batch), size = batches.size(batch);
-    const std::span<const double> of_batch = std::span(own_work).subspan(begin, size);
-    std::vector<std::uint8_t> done(size, 0);
-    until_found(round.tiles, work, [&] {
-      adapt_parts(std::span(parts).subspan(begin, size), first + static_cast<std::uint32_t>(begin), of_batch, round,
-                  done, work.runner());
-    });
+    const std::span<const PartAtWork> of_batch = batches.parts(batch);
+    std::vector<std::uint8_t> done(of_batch.size(), 0);
+    until_found(round.tiles, work, [&] { adapt_parts(of_batch, round, done, work.runner()); });
   }
   if (round.tiles != nullptr) round.tiles->drop_fetched();
+  if (lent) lent->give_back();
   share = join_parts(moved, parts, links, work);
   return split;
 }

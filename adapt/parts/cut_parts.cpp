@@ -215,6 +215,19 @@ class PartCutter {
 
 }  // namespace
 
+void put_part(const PartOfWhole& part, MessageWriter& writer) {
+  part.mesh.put(writer);
+  writer.put_array<std::uint32_t>(part.to_whole.span());
+}
+
+PartOfWhole get_part_of_whole(const Bytes& bytes) {
+  MessageReader reader(bytes);
+  PartOfWhole part;
+  part.mesh = CavityMesh::get(reader);
+  part.to_whole.append(reader.get_view<std::uint32_t>());
+  return part;
+}
+
 std::vector<PartOfWhole> cut_parts(RoundShare& share, std::uint32_t first, std::uint32_t count,
                                    const TaskRunner& runner) {
   return PartCutter(share, first, count, runner).run();

@@ -14,6 +14,10 @@ struct PartOfWhole {
   GrowingArray<std::uint32_t> to_whole;  ///< vertex of the share, of those that were there before
 };
 
+/// All that a part has, exactly, as it is.
+void put_part(const PartOfWhole& part, MessageWriter& writer);
+PartOfWhole get_part_of_whole(const Bytes& bytes);
+
 /// The parts `first`, `first` + 1 …, `count` of them, which are all that `share` has. Its mesh is given back array by
 /// array as it goes over to them: what both need at once is a half more than the mesh alone.
 std::vector<PartOfWhole> cut_parts(RoundShare& share, std::uint32_t first, std::uint32_t count,

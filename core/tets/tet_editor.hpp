@@ -49,6 +49,10 @@ class TetEditor {
   /// The dead tets, which are in the list, have been dropped by `compact`.
   void forget_dead() { first_dead_ = {}; }
 
+  /// The beginning of the list, for an editor that goes on with the same mesh.
+  FaceCode first_dead() const { return first_dead_; }
+  void set_first_dead(FaceCode face) { first_dead_ = face; }
+
  private:
   std::uint32_t take(TetMesh& mesh, GrowingArray<float>* to_quality);
 

@@ -1,0 +1,143 @@
+#include "adapt/parts/lent_parts.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace tetloom::adapt {
+
+namespace {
+
+// Microseconds, fitted to 500 parts of 8 rounds. Most is done where edges are too long or too short, or tets are poor.
+constexpr double kPerTet = 0.02, kPerActiveTet = 0.1, kPerPoorTet = 30, kPerLongEdge = 3, kPerShortEdge = 1.6;
+constexpr double kWayOfTet = 0.2;
+constexpr double kPoor = 0.3;  // cubed mean ratio
+constexpr double kLong = 1.4142135623730951, kShort = 0.73;
+constexpr std::uint32_t kOneOf = 8;   // tets is looked at
+constexpr double kWorthwhile = 0.97;  // of what the rank of most work has, that two ranks have at most afterwards
+
+double work_of_tet(const CavityMesh& part, std::uint32_t tet) {
+  if (part.mesh.is_dead(tet)) return 0;
+  double work = kPerTet;
+  if (part.to_quality[tet] < kPoor) work += kPerPoorTet;
+  if (!part.is_active(tet)) return work;
+  work += kPerActiveTet;
+  const std::uint32_t* verts = part.verts(tet);
+  for (int i = 1; i < 4; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const double length = part.length_of(verts[i], verts[j]);
+      if (length > kLong) work += kPerLongEdge;
+      if (length < kShort) work += kPerShortEdge;
+    }
+  }
+  return work;
+}
+
+}  // namespace
+
+PartLoad load_of(const CavityMesh& part) {
+  PartLoad load;
+  const auto count = static_cast<std::uint32_t>(part.mesh.size());
+  for (std::uint32_t tet = 0; tet < count; tet += kOneOf) load.work += kOneOf * work_of_tet(part, tet);
+  load.way = kWayOfTet * count;
+  return load;
+}
+
+std::vector<int> lend_parts(std::span<const PartLoad> loads, int ranks) {
+  std::vector<int> to_rank;
+  std::vector<std::vector<std::uint32_t>> own(static_cast<std::size_t>(ranks));
+  std::vector<double> sums(own.size(), 0);
+  for (std::uint32_t p = 0; p < loads.size(); ++p) {
+    const int rank = to_rank.emplace_back(rank_of_part(p, loads.size(), ranks));
+    own[static_cast<std::size_t>(rank)].push_back(p), sums[static_cast<std::size_t>(rank)] += loads[p].work;
+  }
+  std::set<std::pair<double, std::size_t>> by_work;
+  for (std::size_t r = 0; r < sums.size(); ++r) by_work.emplace(sums[r], r);
+  while (by_work.size() > 1) {
+    const auto [least, to] = *by_work.begin();
+    const auto [most, from] = *by_work.rbegin();
+    std::size_t best = own[from].size();
+    double reached = kWorthwhile * most;
+    for (std::size_t i = 0; i < own[from].size(); ++i) {
+      const PartLoad& load = loads[own[from][i]];
+      const double larger = std::max(most - load.work + load.way, least + load.work + load.way);
+      if (larger < reached) reached = larger, best = i;
+    }
+    if (best == own[from].size()) break;
+    const std::uint32_t part = own[from][best];
+    own[from].erase(own[from].begin() + static_cast<std::ptrdiff_t>(best));
+    to_rank[part] = static_cast<int>(to);
+    by_work.erase({least, to}), by_work.erase({most, from});
+    by_work.emplace(least + loads[part].work + loads[part].way, to);
+    by_work.emplace(most - loads[part].work + loads[part].way, from);
+  }
+  return to_rank;
+}
+
+LentParts::LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_t part_count, const SharedWork& work)
+    : own_(own), first_(first), work_(work), lent_(static_cast<std::size_t>(work.rank_count())) {
+  const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+    std::vector<PartLoad> loads(own.size());
+    work.runner().for_each(own.size(), [&](std::size_t p) { loads[p] = load_of(own[p].mesh); });
+    writer.put_array<PartLoad>(loads);
+  });
+  work.each([&] {
+    loads_ = joined_lists<PartLoad>(given);
+    to_rank_ = lend_parts(loads_, work.rank_count());
+    for (std::uint32_t p = 0; p < part_count; ++p) {
+      const int home = rank_of_part(p, part_count, work.rank_count());
+      if (to_rank_[p] != home) lent_[static_cast<std::size_t>(home)].push_back(p);
+      if (to_rank_[p] != home && to_rank_[p] == self()) borrowed_.push_back({p, {}});
+    }
+  });
+}
+
+std::size_t LentParts::rounds() const {
+  std::size_t most = 0;
+  for (const auto& parts : lent_) most = std::max(most, parts.size());
+  return most;
+}
+
+std::vector<PartAtWork> LentParts::lend() {
+  const auto& away = lent_[static_cast<std::size_t>(self())];
+  for (std::size_t i = 0; i < rounds(); ++i) {
+    const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
+      if (i >= away.size()) return;
+      PartOfWhole& part = own_[away[i] - first_];
+      put_part(part, to[static_cast<std::size_t>(to_rank_[away[i]])]);
+      part = PartOfWhole();
+    });
+    work_.each([&] {
+      for (Borrowed& one : borrowed_) {
+        const auto home = static_cast<std::size_t>(rank_of_part(one.number, loads_.size(), work_.rank_count()));
+        if (i < lent_[home].size() && lent_[home][i] == one.number) one.part = get_part_of_whole(given[home]);
+      }
+    });
+  }
+  std::vector<PartAtWork> here;
+  for (std::uint32_t p = 0; p < own_.size(); ++p)
+    if (to_rank_[first_ + p] == self()) here.push_back({&own_[p], first_ + p, loads_[first_ + p].work});
+  for (Borrowed& one : borrowed_) here.push_back({&one.part, one.number, loads_[one.number].work});
+  std::ranges::sort(here, {}, &PartAtWork::number);
+  return here;
+}
+
+void LentParts::give_back() {
+  const auto& away = lent_[static_cast<std::size_t>(self())];
+  for (std::size_t i = 0; i < rounds(); ++i) {
+    const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
+      for (Borrowed& one : borrowed_) {
+        const auto home = static_cast<std::size_t>(rank_of_part(one.number, loads_.size(), work_.rank_count()));
+        if (i >= lent_[home].size() || lent_[home][i] != one.number) continue;
+        put_part(one.part, to[home]);
+        one.part = PartOfWhole();
+      }
+    });
+    work_.each([&] {
+      if (i < away.size())
+        own_[away[i] - first_] = get_part_of_whole(given[static_cast<std::size_t>(to_rank_[away[i]])]);
+    });
+  }
+}
+
+}  // namespace tetloom::adapt
