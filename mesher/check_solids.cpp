@@ -74,9 +74,7 @@ double volume_below(const std::array<Vec3, 6>& nodes) {
   return sum / 6;
 }
 
-double volume_below(const std::array<Vec3, 3>& corners) {
-  return dot(corners[0], cross(corners[1], corners[2])) / 6;
-}
+double volume_below(const std::array<Vec3, 3>& corners) { return dot(corners[0], cross(corners[1], corners[2])) / 6; }
 
 // The same of a quadrilateral with mid nodes, of degree 5 along each side.
 double volume_below(const std::array<Vec3, 8>& nodes) {

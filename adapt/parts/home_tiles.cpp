@@ -105,7 +105,7 @@ class HomeTiles {
 
   Bytes make_tile(std::size_t begin) const {
     const std::size_t count = std::min<std::size_t>(kTileTets, to_vert_.size() - begin);
-    const std::vector<std::uint32_t> verts = verts_of(begin, count);
+    const auto [verts, to_vert] = number_verts(begin, count);
     std::vector<Vec3> points;
     std::vector<Tensor> logs, implied;
     std::vector<double> fields;
@@ -119,15 +119,10 @@ class HomeTiles {
       for (const Tensor& log : logs) sizes.push_back(log.xx);
       logs.clear();
     }
-    std::vector<std::array<std::uint16_t, 4>> to_vert(count);
     std::vector<std::uint16_t> boundary;
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) {
-        const auto at = std::ranges::lower_bound(verts, to_vert_[begin + i][j]);
-        to_vert[i][j] = static_cast<std::uint16_t>(at - verts.begin());
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < 4; ++j)
         if (!links_[begin + i][j].valid()) boundary.push_back(static_cast<std::uint16_t>(i * 4 + j));
-      }
-    }
     const std::vector<std::uint32_t> linked = tiles_behind(begin, count);
     const auto links = short_links(begin, count, linked);
     const auto of_tets = [&](const auto& all, std::size_t each) {
@@ -145,21 +140,28 @@ class HomeTiles {
   // Ascending.
   std::vector<std::uint32_t> tiles_behind(std::size_t begin, std::size_t count) const {
     std::vector<std::uint32_t> tiles;
-    for (std::size_t i = begin; i < begin + count; ++i)
-      for (const BackgroundFace face : links_[i])
-        if (face.valid()) tiles.push_back(tile_of(face.tet()));
-    sort_unique(tiles);
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      for (const BackgroundFace face : links_[i]) {
+        if (!face.valid()) continue;
+        const std::uint32_t tile = tile_of(face.tet());
+        if (!tiles.empty() && tile == tiles.back()) continue;  // most lie in the same
+        if (!has(tiles, tile)) tiles.push_back(tile);
+      }
+    }
+    std::ranges::sort(tiles);
     return tiles;
   }
 
   std::vector<std::array<FaceCode, 4>> short_links(std::size_t begin, std::size_t count,
                                                    std::span<const std::uint32_t> linked) const {
     std::vector<std::array<FaceCode, 4>> links(count);
+    std::size_t at = 0;  // most are as the one before
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t j = 0; j < 4; ++j) {
         const BackgroundFace face = links_[begin + i][j];
         if (!face.valid()) continue;
-        const auto at = std::ranges::lower_bound(linked, tile_of(face.tet())) - linked.begin();
+        const std::uint32_t tile = tile_of(face.tet());
+        if (linked[at] != tile) at = static_cast<std::size_t>(std::ranges::lower_bound(linked, tile) - linked.begin());
         const auto place = static_cast<std::uint32_t>((face.tet() - range_.first) % kTileTets);
         links[i][j] = FaceCode(static_cast<std::uint32_t>(at) * kTileTets + place, face.side());
       }
@@ -167,13 +169,41 @@ class HomeTiles {
     return links;
   }
 
-  // Ascending.
-  std::vector<std::uint32_t> verts_of(std::size_t begin, std::size_t count) const {
-    std::vector<std::uint32_t> verts;
-    for (std::size_t i = begin; i < begin + count; ++i)
-      verts.insert(verts.end(), to_vert_[i].begin(), to_vert_[i].end());
-    sort_unique(verts);
-    return verts;
+  // The vertices of a tile, and its tets by their places among these.
+  struct TileVerts {
+    std::vector<std::uint32_t> verts;  // ascending
+    std::vector<std::array<std::uint16_t, 4>> to_vert;
+  };
+
+  // Those of a tile have few different ones: they are found in a table of about twice as many places.
+  TileVerts number_verts(std::size_t begin, std::size_t count) const {
+    constexpr std::uint32_t kPlaces = 8 * kTileTets;  // more than tets have corners
+    struct Place {
+      std::uint32_t vert = kNone;
+      std::uint16_t number = 0;
+    };
+    std::vector<Place> table(kPlaces);
+    const auto place_of = [&](std::uint32_t vert) -> Place& {
+      std::uint32_t at = vert * 2654435761u >> 20;  // of 2^12 places (Knuth 1998, 6.4)
+      while (table[at].vert != kNone && table[at].vert != vert) at = (at + 1) % kPlaces;
+      return table[at];
+    };
+    TileVerts result;
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      for (const std::uint32_t vert : to_vert_[i]) {
+        Place& place = place_of(vert);
+        if (place.vert == vert) continue;
+        place.vert = vert;
+        result.verts.push_back(vert);
+      }
+    }
+    std::ranges::sort(result.verts);
+    for (std::size_t k = 0; k < result.verts.size(); ++k)
+      place_of(result.verts[k]).number = static_cast<std::uint16_t>(k);
+    result.to_vert.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < 4; ++j) result.to_vert[i][j] = place_of(to_vert_[begin + i][j]).number;
+    return result;
   }
 
   const NameRange range_;

@@ -32,7 +32,8 @@ VolumeEstimate estimate_volume(const lattice::LatticeCells& cells);
 /// no more than 2.5e5 tets. At least 1.
 std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part);
 
-/// Immutable; but for the cells of parts, the same on all ranks. All of space belongs to some part: outer boxes are infinite.
+/// Immutable; but for the cells of parts, the same on all ranks. All of space belongs to some part: outer boxes are
+/// infinite.
 class Decomposition {
  public:
   /// Pre: part_count > 0. `trace` may be null. Ranks share the work, and all know all.

@@ -252,8 +252,7 @@ std::optional<FilledParts> fill_in_parts(const volume::FillingInput& input, cons
   const tets::TrianglesByVertex triangles(input.complex.tri_to_vert, input.complex.points.size());
   span.reset();
   give_back_where_shared(work.rank_count());
-  const SharedInput shared{
-      input, cells, decomposition, surface, triangles, lattice.box, only_region_of(input.complex)};
+  const SharedInput shared{input, cells, decomposition, surface, triangles, lattice.box, only_region_of(input.complex)};
   return Filler(shared, work.ranks(), runner, trace).run();
 }
 

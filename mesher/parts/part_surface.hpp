@@ -26,7 +26,7 @@ class PartSurface {
   std::span<const std::uint32_t> points_of(PartId part) const { return part_to_points_[part.value]; }  ///< ascending
   std::span<const std::uint32_t> triangles_of(PartId part) const {
     return part_to_triangles_[part.value];
-  }  ///< ascending
+  }                                                                                                ///< ascending
   PartId owner_of(std::uint32_t point) const { return decomposition_->owner_of(points_[point]); }  ///< any rank's
 
  private:

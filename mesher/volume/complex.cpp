@@ -112,8 +112,7 @@ std::vector<EdgeUseOfRegion> find_open_on_ranks(const VolumeInput& input, const 
   std::vector<EdgeUseOfRegion> own;
   work.each([&] {
     const auto uses = joined_lists<EdgeUseOfRegion>(sent);
-    own = find_open_of(input, uses.size(), work.runner(),
-                       [&](std::size_t i, const auto& visit) { visit(uses[i]); });
+    own = find_open_of(input, uses.size(), work.runner(), [&](std::size_t i, const auto& visit) { visit(uses[i]); });
   });
   return gather_lists<EdgeUseOfRegion>(work.ranks(), own);
 }

@@ -8,8 +8,8 @@ namespace tetloom::volume {
 
 /// On several ranks, large complexes are filled in parts, one complex after the other, by all of them; those that are
 /// filled in one part are dealt to the ranks. A single rank fills the complexes side by side. All ranks know errors,
-/// warnings, figures and numbers of all complexes in the end, and have the parts that they made. All ranks call it, in `together`, and
-/// give the same.
+/// warnings, figures and numbers of all complexes in the end, and have the parts that they made. All ranks call it, in
+/// `together`, and give the same.
 std::vector<VolumeParts> fill_on_ranks(const FillingPlan& plan, std::span<const Complex> complexes,
                                        std::span<FillingProgress> progress, const SharedWork& work);
 

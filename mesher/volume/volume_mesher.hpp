@@ -56,9 +56,10 @@ MeshEstimate estimate_filling(const VolumeInput& input);
 /// it, but for which rank has which part. Guaranteed for the result, checked after the fact: all tetrahedra have
 /// positive volume in exact arithmetic, each lies in the region that all triangles around it name, and every side of a
 /// triangle that names a region has its tetrahedron. Pre: indices valid, spans of equal length. Coordinates must be
-/// finite and no larger than 1e45, the surface no smaller than 1e-40. All ranks call it and give the same; errors are the same on all of them. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory
-/// (also when the estimate does not fit) are thrown. In the result: OpenShell for a region whose boundary does not
-/// close, SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: one call for each
+/// finite and no larger than 1e45, the surface no smaller than 1e-40. All ranks call it and give the same; errors are
+/// the same on all of them. Errors: InvalidArgument (broken pre-conditions), Cancelled, OutOfMemory (also when the
+/// estimate does not fit) are thrown. In the result: OpenShell for a region whose boundary does not close,
+/// SelfIntersection, VolumeFailed and WorkerFailed for what cannot be filled. Thread safety: one call for each
 /// communicator.
 VolumeParts fill_volume(const VolumeInput& input, const VolumeOptions& options, const SharedWork& work);
 

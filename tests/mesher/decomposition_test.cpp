@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <random>
+#include <stdexcept>
 
 #include "core/predicates/predicates.hpp"
 #include "core/tets/find_triangles.hpp"
@@ -15,6 +17,7 @@
 #include "mesher/volume/volume_mesher.hpp"
 #include "tests/mesher/volume_surfaces.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 namespace tetloom::parts {
 namespace {
@@ -202,13 +205,9 @@ TEST_CASE("a part knows the triangles that meet its box, however large they are"
   CHECK(met == complex.tri_to_vert.size());
 }
 
-TEST_CASE("some parts may keep what they have while that of others is given up") {
+TEST_CASE("cells of some parts may be kept while those of others are given up") {
   Cells cells(ball(3), growing_sizes(0.05, 0.2));
   Decomposition decomposition = cells.cut(7);
-  volume::Complex complex;
-  complex.points = cells.surface.points;
-  complex.tri_to_vert = cells.surface.tri_to_vert;
-  PartSurface surface(complex, cells.sizes, decomposition, 2, cells.runner);
   const std::vector<PartId> kept{PartId(1u), PartId(4u)};
   const auto corners_of = [&](PartId part) {
     std::vector<double> corners;
@@ -218,27 +217,81 @@ TEST_CASE("some parts may keep what they have while that of others is given up")
     }
     return corners;
   };
-  const auto list_of = [](std::span<const std::uint32_t> items) {
-    return std::vector<std::uint32_t>(items.begin(), items.end());
-  };
   std::vector<std::vector<double>> corners;
-  std::vector<std::vector<std::uint32_t>> points, triangles;
-  for (const PartId part : kept) {
-    corners.push_back(corners_of(part));
-    points.push_back(list_of(surface.points_of(part))), triangles.push_back(list_of(surface.triangles_of(part)));
-  }
+  for (const PartId part : kept) corners.push_back(corners_of(part));
   const std::size_t before = cells.cells->cells().size();
   cells.cells->keep(decomposition.keep_cells_of(kept));
-  surface.keep(kept);
   CHECK(cells.cells->cells().size() < before / 2);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     CHECK_FALSE(corners[i].empty());
     CHECK(corners_of(kept[i]) == corners[i]);
-    CHECK(list_of(surface.points_of(kept[i])) == points[i]);
-    CHECK(list_of(surface.triangles_of(kept[i])) == triangles[i]);
   }
   CHECK(decomposition.cells_of(PartId(0u)).empty());
-  CHECK(surface.triangles_of(PartId(0u)).empty());
+}
+
+template <class T>
+std::vector<T> list_of(std::span<const T> items) {
+  return {items.begin(), items.end()};
+}
+
+TEST_CASE("ranks cut space as one process does, and know the same of the surface", "[ranks]") {
+  const int ranks = GENERATE(2, 3, 12);
+  constexpr std::size_t kParts = 9;
+  const Cells cells(ball(5), growing_sizes(0.05, 0.2));  // more triangles than a rank takes alone
+  const Decomposition whole = cells.cut(kParts);
+  volume::Complex complex;
+  complex.points = cells.surface.points;
+  complex.tri_to_vert = cells.surface.tri_to_vert;
+  const PartSurface known(complex, cells.sizes, whole, 2, cells.runner);
+  std::vector<int> parts_seen(static_cast<std::size_t>(ranks), 0);
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    const SharedWork work(1, {}, &communicator);
+    bool are_alike = true;
+    work.together([&] {
+      const lattice::LatticeCells own(cells.request, work);
+      are_alike &= own.cells().size() == cells.cells->cells().size();
+      const Decomposition cut(own, kParts, work);
+      const PartSurface surface(complex, cells.sizes, cut, 2, work);
+      for (std::uint32_t p = 0; p < kParts; ++p) {
+        const PartId part(p);
+        are_alike &= cut.work(part) == whole.work(part) && cut.box(part).lo == whole.box(part).lo &&
+                     cut.box(part).hi == whole.box(part).hi &&
+                     list_of(cut.neighbors(part)) == list_of(whole.neighbors(part));
+      }
+      for (std::uint32_t v = 0; v < complex.points.size(); ++v) are_alike &= surface.owner_of(v) == known.owner_of(v);
+      for (const PartId part : communicator.parts_of_rank(kParts)) {
+        ++parts_seen[static_cast<std::size_t>(communicator.rank())];
+        are_alike &= list_of(cut.cells_of(part)) == list_of(whole.cells_of(part)) &&
+                     list_of(surface.points_of(part)) == list_of(known.points_of(part)) &&
+                     list_of(surface.triangles_of(part)) == list_of(known.triangles_of(part));
+      }
+    });
+    if (!are_alike) throw std::logic_error("a rank has something else");
+  });
+  CHECK(std::accumulate(parts_seen.begin(), parts_seen.end(), 0) == kParts);
+}
+
+TEST_CASE("ranks find the open regions that one process finds", "[ranks]") {
+  Surface surface = ball(4);
+  surface.tri_to_vert.erase(surface.tri_to_vert.begin() + 17);
+  surface.tri_to_sides.erase(surface.tri_to_sides.begin() + 17);
+  const SizeField sizes = SizeField::uniform(0.1);
+  const std::vector<std::uint32_t> faces(surface.tri_to_vert.size(), 0);
+  VolumeInput input = surface.input(sizes);
+  input.tri_to_face = faces;
+  const volume::OpenRegions alone = volume::find_open_regions(input, TaskRunner(1));
+  REQUIRE(alone.regions.size() == 1);
+  std::vector<volume::OpenRegions> found(5);
+  on_simulated_ranks(5, [&](Communicator& communicator) {
+    const SharedWork work(1, {}, &communicator);
+    work.together([&] { found[static_cast<std::size_t>(work.rank())] = volume::find_open_regions(input, work); });
+  });
+  for (const volume::OpenRegions& one : found) {
+    CHECK(one.regions == alone.regions);
+    REQUIRE(one.diagnostics.size() == 1);
+    CHECK(one.diagnostics[0].message == alone.diagnostics[0].message);
+    CHECK(one.diagnostics[0].elements == alone.diagnostics[0].elements);
+  }
 }
 
 TEST_CASE("triangles are found by their vertices in any order, the first of equal ones") {

@@ -1,8 +1,10 @@
 // Self-intersection of surfaces: neighbours by case, an oracle over all pairs in integer arithmetic, whole surfaces.
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/predicates/predicates.hpp"
@@ -11,6 +13,7 @@
 #include "mesher/intersection/triangle_pair.hpp"
 #include "mesher/intersection/triangle_tree.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/simulated_ranks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::intersection;
@@ -372,6 +375,29 @@ TEST_CASE("boxes of the tree are told from each other exactly, also far from the
     for (int axis = 0; axis < 3; ++axis) box.hi[axis] = std::nextafter(box.hi[axis], -HUGE_VAL);
     look(box);
   }
+}
+
+TEST_CASE("ranks make the tree that one process makes", "[ranks]") {
+  const int ranks = GENERATE(2, 5);
+  const Surface surface = sheet(100, [](double x, double y) { return 0.1 * std::sin(7 * x) * std::cos(5 * y); });
+  const TriangleTree alone(surface.points, surface.triangles, TaskRunner(1));
+  std::atomic<int> alike = 0;
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    const SharedWork work(1, {}, &communicator);
+    std::optional<TriangleTree> tree;
+    work.together([&] { tree.emplace(surface.points, surface.triangles, work); });
+    bool are_equal = tree->leaf_count() == alone.leaf_count();
+    for (std::size_t leaf = 0; are_equal && leaf < alone.leaf_count(); ++leaf)
+      are_equal = std::ranges::equal(tree->leaf_triangles(leaf), alone.leaf_triangles(leaf));
+    const auto met_by = [](const TriangleTree& one) {
+      std::vector<std::uint32_t> met;
+      one.for_each_in({{0.3, 0.3, -1}, {0.5, 0.6, 0.05}}, [&](std::uint32_t t) { met.push_back(t); });
+      one.for_each_above({0.4, 0.7, -1}, [&](std::uint32_t t, bool up) { met.push_back(t * 2 + (up ? 1 : 0)); });
+      return met;
+    };
+    alike += are_equal && met_by(*tree) == met_by(alone) && met_by(alone).size() > 100 ? 1 : 0;
+  });
+  CHECK(alike == ranks);
 }
 
 // Through points of triangles on purpose: corners, middles of edges, centres.

@@ -8,8 +8,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/base/lists.hpp"
 #include "tests/threading/communicators.hpp"
 #include "threading/comm/simulated_ranks.hpp"
+#include "threading/comm/sort_on_ranks.hpp"
 
 using namespace tetloom;
 
@@ -152,6 +154,34 @@ TEST_CASE("ranks tell each other what they have of their own") {
       shared.together([&] { check_own(shared, simulated.rank(), ranks); });
     });
   }
+}
+
+TEST_CASE("ranks sort what they have together", "[ranks]") {
+  const int ranks = GENERATE(1, 2, 7);
+  const int kind = GENERATE(0, 1, 2);  // many everywhere, most on one rank, fewer than ranks
+  constexpr std::uint64_t kMany = 20000;
+  const auto count_of = [&](int rank) -> std::uint64_t {
+    return kind == 0 ? kMany : kind == 1 ? (rank == 1 ? kMany : 3) : (rank % 3 == 0 ? 1 : 0);
+  };
+  std::vector<std::vector<std::uint64_t>> pieces(static_cast<std::size_t>(ranks));
+  std::vector<std::uint64_t> expected;
+  const auto value_of = [](int rank, std::uint64_t i) {
+    return (i * 0x9e3779b97f4a7c15u ^ static_cast<std::uint64_t>(rank) << 7) * 64 + static_cast<std::uint64_t>(rank);
+  };
+  for (int rank = 0; rank < ranks; ++rank)
+    for (std::uint64_t i = 0; i < count_of(rank); ++i) expected.push_back(value_of(rank, i));
+  std::ranges::sort(expected);
+  REQUIRE(std::ranges::adjacent_find(expected) == expected.end());
+  on_simulated_ranks(ranks, [&](Communicator& communicator) {
+    const SharedWork work(1, {}, &communicator);
+    std::vector<std::uint64_t> own;
+    for (std::uint64_t i = 0; i < count_of(work.rank()); ++i) own.push_back(value_of(work.rank(), i));
+    work.together([&] { pieces[static_cast<std::size_t>(work.rank())] = sort_on_ranks(own, work); });
+  });
+  CHECK(joined(pieces) == expected);
+  if (kind != 0) return;
+  const auto least = std::ranges::min_element(pieces, {}, &std::vector<std::uint64_t>::size);
+  CHECK(least->size() > kMany / 2);
 }
 
 TEST_CASE("what fails on one rank fails on all, with entities and place, wherever it happens") {
