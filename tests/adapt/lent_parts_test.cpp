@@ -31,13 +31,13 @@ std::vector<double> work_of_ranks(std::span<const PartLoad> loads, std::span<con
 
 TEST_CASE("parts go from ranks that have much to do to those that have little") {
   constexpr int kRanks = 4;
-  std::vector<PartLoad> loads(40);
-  for (std::size_t p = 0; p < loads.size(); ++p) loads[p] = {p < 10 ? 100.0 : 10.0, 1};
+  std::vector<PartLoad> loads(80);
+  for (std::size_t p = 0; p < loads.size(); ++p) loads[p] = {p < 20 ? 50.0 : 5.0, 0.5};
   const std::vector<int> to_rank = lend_parts(loads, kRanks);
   const std::vector<double> sums = work_of_ranks(loads, to_rank, kRanks);
   CHECK(std::ranges::max(sums) < 1.2 * std::accumulate(sums.begin(), sums.end(), 0.0) / kRanks);
   // Those that have little keep all of their own.
-  for (std::uint32_t p = 10; p < 40; ++p) CHECK(to_rank[p] == rank_of_part(p, 40, kRanks));
+  for (std::uint32_t p = 20; p < 80; ++p) CHECK(to_rank[p] == rank_of_part(p, 80, kRanks));
 }
 
 TEST_CASE("parts stay where they are when there is nothing to gain") {
