@@ -5,10 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <utility>
 
+#include "core/base/free_memory.hpp"
 #include "core/base/lists.hpp"
 #include "core/sizing/block_corners.hpp"
 #include "core/spatial/morton.hpp"
@@ -65,10 +65,15 @@ class CornersOfSome {
       for (std::size_t k = 0; k < stored.count; ++k)
         ids_[i][k] = numbers.number(corner_code(blocks[i], stored.in_block[k]));
     }
-    order_.resize(numbers.codes().size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::ranges::sort(order_, {}, [&](std::uint32_t n) { return numbers.codes()[n]; });
-    for (const std::uint32_t n : order_) codes_.push_back(numbers.codes()[n]);
+    struct Numbered {
+      std::uint64_t code;
+      std::uint32_t number;
+    };
+    std::vector<Numbered> sorted;
+    for (const std::uint64_t code : numbers.codes())
+      sorted.push_back({code, static_cast<std::uint32_t>(sorted.size())});
+    std::ranges::sort(sorted, {}, &Numbered::code);
+    for (const Numbered& one : sorted) codes_.push_back(one.code), order_.push_back(one.number);
   }
 
   const std::vector<std::uint64_t>& codes() const { return codes_; }  ///< ascending
@@ -97,18 +102,16 @@ class CornersOfSome {
   std::vector<std::uint32_t> order_;  // of `codes_`, as `ids_` knows them
 };
 
-/// Every corner of the blocks' leaves, once, by its Morton code.
-std::vector<std::uint64_t> corner_codes(const SizeOctree& tree, Blocks blocks, const TaskRunner& runner) {
+/// Every corner of the leaves of `blocks`, by its Morton code: the codes from bounds[r] on, below bounds[r + 1], ascend
+/// in list r.
+std::vector<std::vector<std::uint64_t>> codes_in_ranges(const SizeOctree& tree, Blocks blocks,
+                                                        const std::vector<std::uint64_t>& bounds,
+                                                        const TaskRunner& runner) {
   std::vector<std::vector<std::uint64_t>> lists((blocks.size() + kBlocksAtOnce - 1) / kBlocksAtOnce);
   runner.for_blocks(blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
     lists[begin / kBlocksAtOnce] = CornersOfSome(tree, blocks.subspan(begin, end - begin)).codes();
   });
   // Lists ascend and nearly follow each other: range by range takes half the memory of sorting them all at once.
-  constexpr std::size_t kRanges = 64;
-  std::vector<std::uint64_t> bounds{0, ~std::uint64_t{0}};
-  for (std::size_t r = 1; r < kRanges && !lists.empty(); ++r)
-    bounds.push_back(lists[r * lists.size() / kRanges].front());
-  sort_unique(bounds);
   std::vector<std::vector<std::uint64_t>> ranges(bounds.size() - 1);
   runner.for_each(ranges.size(), [&](std::size_t r) {
     std::vector<std::uint64_t>& range = ranges[r];
@@ -119,8 +122,68 @@ std::vector<std::uint64_t> corner_codes(const SizeOctree& tree, Blocks blocks, c
     sort_unique(range);
     range.shrink_to_fit();
   });
-  lists = {};
-  return joined(ranges);
+  return ranges;
+}
+
+/// The lists of all ranks, one after the other; some of each at a time, so that messages are small beside them.
+std::vector<std::uint64_t> gather_in_turns(std::span<const std::uint64_t> own, const SharedWork& work) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 16;
+  std::vector<std::size_t> firsts{0};
+  std::size_t most = 0;
+  for (const Bytes& bytes : work.all_gather([&](MessageWriter& writer) { writer.put(std::uint64_t{own.size()}); })) {
+    const auto count = MessageReader(bytes).get<std::uint64_t>();
+    firsts.push_back(firsts.back() + count), most = std::max<std::size_t>(most, count);
+  }
+  std::vector<std::uint64_t> all;
+  work.each([&] { all.resize(firsts.back()); });
+  const std::size_t turn = std::max<std::size_t>(1024, kAtOnce / static_cast<std::size_t>(work.rank_count()));
+  for (std::size_t begin = 0; begin < most; begin += turn) {
+    const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
+      const std::size_t from = std::min(begin, own.size());
+      writer.put_array(own.subspan(from, std::min(turn, own.size() - from)));
+    });
+    for (std::size_t r = 0; r < given.size(); ++r)
+      std::ranges::copy(MessageReader(given[r]).get_view<std::uint64_t>(),
+                        all.begin() + static_cast<std::ptrdiff_t>(firsts[r] + begin));
+  }
+  return all;
+}
+
+/// Every corner of the blocks' leaves, once, by its Morton code. Each rank looks at some of the blocks, which lie along
+/// the curve, and joins what all have found in some of the ranges.
+std::vector<std::uint64_t> corner_codes(const SizeOctree& tree, Blocks blocks, const SharedWork& work) {
+  constexpr std::size_t kRanges = 64;
+  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
+  std::vector<std::uint64_t> bounds{0, ~std::uint64_t{0}};
+  const std::size_t wanted = std::max(kRanges, ranks);
+  for (std::size_t r = 1; r < wanted && !blocks.empty(); ++r)
+    bounds.push_back(CornersOfSome::corner_code(blocks[r * blocks.size() / wanted], 0));
+  sort_unique(bounds);
+  const std::size_t first = blocks.size() * rank / ranks, last = blocks.size() * (rank + 1) / ranks;
+  if (ranks == 1) return joined(codes_in_ranges(tree, blocks, bounds, work.runner()));
+  const auto owner_of = [&](std::size_t range) { return range * ranks / (bounds.size() - 1); };
+  std::vector<Bytes> found = work.exchange([&](std::span<MessageWriter> to) {
+    const auto own = codes_in_ranges(tree, blocks.subspan(first, last - first), bounds, work.runner());
+    for (std::size_t r = 0; r < own.size(); ++r) to[owner_of(r)].put_array<std::uint64_t>(own[r]);
+  });
+  std::vector<std::uint64_t> own;
+  work.each([&] {
+    std::vector<MessageReader> readers(found.begin(), found.end());
+    std::vector<std::uint64_t> range;
+    for (std::size_t r = 0; r + 1 < bounds.size(); ++r) {
+      if (owner_of(r) != rank) continue;
+      range.clear();
+      for (MessageReader& reader : readers) {
+        const auto some = reader.get_view<std::uint64_t>();
+        range.insert(range.end(), some.begin(), some.end());
+      }
+      sort_unique(range);
+      own.insert(own.end(), range.begin(), range.end());
+    }
+    found = {};
+    give_back_free_memory();
+  });
+  return gather_in_turns(own, work);
 }
 
 /// Calls visit(i, ids) for the blocks, side by side: `ids` are the places of block i's corners in `codes`.
@@ -270,6 +333,32 @@ void drop_global_leaves(SizeOctree& tree, Blocks blocks) {
   if (is_worth_a_copy) ratios.shrink_to_fit();
 }
 
+/// Blocks have their ratios in their own order, one after the other.
+void put_ratios(SizeOctree& tree, Blocks blocks, const std::vector<std::uint64_t>& codes,
+                const std::vector<double>& sizes, const SharedWork& work) {
+  constexpr std::size_t kRatiosAtOnce = std::size_t{1} << 12;
+  if (blocks.empty()) return;
+  tree.corner_ratios.resize(first_ratio(tree, blocks.back()) + corners_of(tree, blocks.back()).count);
+  const auto first_of = [&](const OctreeBlock& block) { return first_ratio(tree, block); };
+  work.fill<float>(tree.corner_ratios, kRatiosAtOnce, [&](std::size_t begin, std::size_t end) {
+    // From the block that has the first of them.
+    const auto after = std::ranges::upper_bound(blocks, begin, {}, first_of);
+    const auto stop = std::lower_bound(
+        after, blocks.end(), end, [&](const OctreeBlock& block, std::size_t ratio) { return first_of(block) < ratio; });
+    const Blocks some(after - 1, stop);
+    const CornersOfSome corners(tree, some);
+    const std::vector<std::uint32_t> places = corners.places_in(codes);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const std::size_t first = first_of(some[i]), count = corners_of(tree, some[i]).count;
+      for (std::size_t k = 0; k < count; ++k) {
+        if (first + k < begin || first + k >= end) continue;
+        const double size = sizes[places[corners.ids()[i][k]]];
+        tree.corner_ratios[first + k] = static_cast<float>(std::min(1.0, size / tree.size));
+      }
+    }
+  });
+}
+
 /// What is asked for at corners as the tree may have it; nothing where that is the same.
 std::vector<double> lower_corners(const SizeOctree& tree, Blocks blocks, const TargetField& field,
                                   const CornerSizes& asked, const TaskRunner& runner) {
@@ -286,18 +375,10 @@ std::vector<double> lower_corners(const SizeOctree& tree, Blocks blocks, const T
 CornerSizes fill_corner_ratios(SizeOctree& tree, const std::vector<OctreeBlock>& blocks, const TargetField& field,
                                const CornerSizes& known, const SharedWork& work) {
   const TaskRunner& runner = work.runner();
-  CornerSizes asked{corner_codes(tree, blocks, runner), {}};
+  CornerSizes asked{corner_codes(tree, blocks, work), {}};
   asked.sizes = evaluate_corners(tree, asked.codes, field, known, work);
   const std::vector<double> lowered = lower_corners(tree, blocks, field, asked, runner);
-  const std::vector<double>& sizes = lowered.empty() ? asked.sizes : lowered;
-  if (!blocks.empty())
-    tree.corner_ratios.resize(first_ratio(tree, blocks.back()) + corners_of(tree, blocks.back()).count);
-  for_each_block(tree, blocks, asked.codes, runner, [&](std::size_t i, const CornerIds& ids) {
-    const StoredCorners& stored = corners_of(tree, blocks[i]);
-    float* const ratios = tree.corner_ratios.data() + first_ratio(tree, blocks[i]);
-    for (std::size_t k = 0; k < stored.count; ++k)
-      ratios[k] = static_cast<float>(std::min(1.0, sizes[ids[k]] / tree.size));
-  });
+  put_ratios(tree, blocks, asked.codes, lowered.empty() ? asked.sizes : lowered, work);
   drop_global_leaves(tree, blocks);
   return own_corners(std::move(asked), work);
 }

@@ -104,8 +104,12 @@ MeshEstimate estimate_mesh(const GeometricModel& model, const SizeField& sizes, 
                            const FacetTree& tree, const SharedWork& work) {
   if (sizes.is_uniform()) return estimate_uniform(model, sizes.largest());
   std::vector<double> triangles(facets.size());
-  work.runner().for_each(
-      facets.size(), [&](std::size_t f) { triangles[f] = triangles_of(facets[f], sizes, model.area(ModelFaceId(f))); });
+  std::vector<double> amounts;
+  for (const Tessellation& face : facets) amounts.push_back(static_cast<double>(face.tri_to_vert.size()));
+  work.for_each(amounts,
+                {[&](std::size_t f) { triangles[f] = triangles_of(facets[f], sizes, model.area(ModelFaceId(f))); },
+                 [&](std::size_t f, MessageWriter& writer) { writer.put(triangles[f]); },
+                 [&](std::size_t f, MessageReader& reader) { triangles[f] = reader.get<double>(); }});
   double triangle_count = 0;
   for (const double count : triangles) triangle_count += count;
   if (model.topology().region_count() == 0) return with_bytes(triangle_count, 0);

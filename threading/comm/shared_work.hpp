@@ -129,10 +129,11 @@ void SharedWork::fill(std::span<T> values, std::size_t grain, const std::functio
 template <class T>
 void SharedWork::fill_blocks(std::span<T> values, std::span<const std::size_t> begins, std::span<const int> owners,
                              const std::function<void(std::size_t, std::size_t)>& body) const {
-  constexpr std::size_t kValuesOfRound = (std::size_t{8} << 20) / sizeof(T);
+  constexpr std::size_t kLeastOfRound = std::size_t{1} << 19, kOfRank = std::size_t{1} << 14;  // bytes
+  const std::size_t of_round = std::max(kLeastOfRound, kOfRank * static_cast<std::size_t>(rank_count())) / sizeof(T);
   const auto begin_of = [&](std::size_t block) { return block < begins.size() ? begins[block] : values.size(); };
   for (std::size_t first = 0, last = 0; first < begins.size(); first = last) {
-    while (last < begins.size() && (last == first || begin_of(last + 1) - begins[first] <= kValuesOfRound)) ++last;
+    while (last < begins.size() && (last == first || begin_of(last + 1) - begins[first] <= of_round)) ++last;
     std::vector<double> work;
     for (std::size_t block = first; block < last; ++block)
       work.push_back(static_cast<double>(begin_of(block + 1) - begins[block]));
