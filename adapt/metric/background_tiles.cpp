@@ -123,7 +123,6 @@ void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const Share
     for (const std::uint32_t tile : tiles)
       if (!held_[tile]) lacking.push_back(tile);
     tiles = {};
-    give_back_free_memory();
   });
   fetch(std::move(lacking), work);
 }

@@ -1,6 +1,7 @@
 #include "adapt/parts/lent_parts.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,7 +15,7 @@ constexpr double kWayOfTet = 0.2;
 constexpr double kPoor = 0.3;  // cubed mean ratio
 constexpr double kLong = 1.4142135623730951, kShort = 0.73;
 constexpr std::uint32_t kOneOf = 8;   // tets is looked at
-constexpr double kWorthwhile = 0.97;  // of what the rank of most work has, that two ranks have at most afterwards
+constexpr double kEvenEnough = 1.03;  // the most work of a rank beside the mean
 
 double work_of_tet(const CavityMesh& part, std::uint32_t tet) {
   if (part.mesh.is_dead(tet)) return 0;
@@ -51,13 +52,15 @@ std::vector<int> lend_parts(std::span<const PartLoad> loads, int ranks) {
     const int rank = to_rank.emplace_back(rank_of_part(p, loads.size(), ranks));
     own[static_cast<std::size_t>(rank)].push_back(p), sums[static_cast<std::size_t>(rank)] += loads[p].work;
   }
+  const double mean = std::accumulate(sums.begin(), sums.end(), 0.0) / ranks;
   std::set<std::pair<double, std::size_t>> by_work;
   for (std::size_t r = 0; r < sums.size(); ++r) by_work.emplace(sums[r], r);
   while (by_work.size() > 1) {
     const auto [least, to] = *by_work.begin();
     const auto [most, from] = *by_work.rbegin();
+    if (most <= kEvenEnough * mean) break;
     std::size_t best = own[from].size();
-    double reached = kWorthwhile * most;
+    double reached = most;
     for (std::size_t i = 0; i < own[from].size(); ++i) {
       const PartLoad& load = loads[own[from][i]];
       const double larger = std::max(most - load.work + load.way, least + load.work + load.way);

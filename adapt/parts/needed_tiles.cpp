@@ -8,33 +8,33 @@ namespace tetloom::adapt {
 
 namespace {
 
-constexpr std::size_t kGroup = 8;  // tets that follow each other, whose box is found at once
-constexpr double kBeside = 0.05;   // of a group's box
-constexpr double kTogether = 3;    // boxes of groups are joined up to so many times the diagonal of one
+constexpr double kBeside = 0.1;  // of a tet's box
+constexpr double kTogether = 4;  // boxes of tets are joined up to so many times the diagonal of one
 
-// Around some tets, with what lies beside them.
-Box3 box_of_tets(const CavityMesh& part, std::size_t begin, std::size_t end) {
+// Around a tet, with what lies beside it.
+Box3 box_of_tet(const CavityMesh& part, std::size_t tet) {
   Box3 box;
-  for (std::size_t i = begin * 4; i < end * 4; ++i) box.add(part.point(part.mesh.to_vert[i]));
+  for (std::size_t i = 0; i < 4; ++i) box.add(part.point(part.mesh.to_vert[tet * 4 + i]));
   const Vec3 beside = kBeside * (box.hi - box.lo);
-  return {box.lo - beside, box.hi + beside};
+  box.add(box.lo - beside), box.add(box.hi + beside);
+  return box;
 }
 
 // Tets that follow each other are mostly neighbours, and asked for together.
 void mark_tiles(const CavityMesh& part, std::size_t begin, std::size_t end, const BackgroundTiles& tiles,
                 std::span<std::uint8_t> marks) {
-  Box3 all;
-  for (std::size_t first = begin; first < end; first += kGroup) {
-    const Box3 box = box_of_tets(part, first, std::min(end, first + kGroup));
+  Box3 all = box_of_tet(part, begin);
+  for (std::size_t tet = begin + 1; tet < end; ++tet) {
+    const Box3 box = box_of_tet(part, tet);
     Box3 joined = all;
     joined.add(box);
-    if (!all.empty() && joined.diagonal() > kTogether * box.diagonal()) {
+    if (joined.diagonal() > kTogether * box.diagonal()) {
       tiles.mark_tiles(all, marks);
       joined = box;
     }
     all = joined;
   }
-  if (!all.empty()) tiles.mark_tiles(all, marks);
+  tiles.mark_tiles(all, marks);
 }
 
 }  // namespace
