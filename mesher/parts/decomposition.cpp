@@ -122,6 +122,13 @@ std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part) {
   return static_cast<std::size_t>(std::clamp(2 * std::round(parts / 2), 2.0, kMost));
 }
 
+bool is_one_part(double tets, std::size_t triangles, double tets_per_part) {
+  constexpr double kSafety = 2.5;  // of estimates
+  if (tets_per_part > 0) return kSafety * tets < 1.5 * tets_per_part;
+  const double work = kVaryingWork / kTetsPerCube * tets + kSurfaceWork * static_cast<double>(triangles);
+  return kSafety * std::max(work / kWorkPerPart, tets / kTetsPerPart) < kLeastOfTwo;
+}
+
 Decomposition::Decomposition(const lattice::LatticeCells& cells, std::size_t part_count, const SharedWork& work,
                              Trace* trace) {
   std::optional<TraceSpan> span(std::in_place, trace, "boxes");

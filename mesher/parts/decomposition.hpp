@@ -32,6 +32,10 @@ VolumeEstimate estimate_volume(const lattice::LatticeCells& cells);
 /// no more than 2.5e5 tets. At least 1.
 std::size_t count_parts(const VolumeEstimate& volume, double tets_per_part);
 
+/// Whether one part is all that there will be, whatever the sizes inside, by a rough estimate of the tets alone: for a
+/// complex that is not worth looking at by all ranks. No does not say that there will be several.
+bool is_one_part(double tets, std::size_t triangles, double tets_per_part);
+
 /// Immutable; but for the cells of parts, the same on all ranks. All of space belongs to some part: outer boxes are
 /// infinite.
 class Decomposition {

@@ -5,6 +5,7 @@
 
 #include "core/base/codec.hpp"
 #include "core/base/lists.hpp"
+#include "mesher/parts/decomposition.hpp"
 #include "mesher/volume/copied_filling.hpp"
 #include "mesher/volume/filling_messages.hpp"
 #include "mesher/volume/volume_mesher.hpp"
@@ -86,7 +87,7 @@ class RankFiller {
   void fill(const std::vector<std::size_t>& numbers) {
     std::vector<std::size_t> left, own;
     for (const std::size_t i : numbers) {
-      if (!is_alone_ && !plan_.options.worker_only)
+      if (!is_alone_ && !plan_.options.worker_only && !is_one_part(i))
         filled_[i] = fill_complex_in_parts(plan_, complexes_[i], progress_[i], work_);
       if (filled_[i].part_count == 0) left.push_back(i);
     }
@@ -100,6 +101,11 @@ class RankFiller {
     run_on_all(communicator_,
                [&] { runner_.for_each_largest_first(work, [&](std::size_t k) { fill_alone(own[k]); }); });
     share_results(communicator_, own, filled_);
+  }
+
+  bool is_one_part(std::size_t i) const {
+    return parts::is_one_part(static_cast<double>(progress_[i].whole()), complexes_[i].tri_to_vert.size(),
+                              plan_.options.tets_per_part);
   }
 
   void fill_alone(std::size_t i) {

@@ -304,6 +304,21 @@ TEST_CASE("triangles are found by their vertices in any order, the first of equa
   CHECK_FALSE(index.find(tets::sorted({5, 4, 3})).has_value());
 }
 
+TEST_CASE("what is said to be one part is no more by what is known later") {
+  for (const double tets : {10.0, 1e3, 1e4, 1e5, 1e6})
+    for (const std::size_t triangles : {4u, 1000u, 20000u, 100000u})
+      for (const double per_part : {0.0, 1000.0, 1e5, HUGE_VAL}) {
+        if (!is_one_part(tets, triangles, per_part)) continue;
+        // Twice as many, where sizes vary everywhere.
+        const double work = 2 * (31 / 9.5 * tets + 8.4 * static_cast<double>(triangles));
+        CHECK(count_parts({2 * tets, work}, per_part) == 1);
+      }
+  CHECK(is_one_part(1e3, 500, 0));
+  CHECK_FALSE(is_one_part(1e6, 500, 0));
+  CHECK_FALSE(is_one_part(100, 100000, 0));
+  CHECK(is_one_part(1e9, 1000, HUGE_VAL));
+}
+
 TEST_CASE("a volume is cut into an even number of parts by its work and its tets, and as asked") {
   CHECK(count_parts({0, 0}, 0) == 1);
   CHECK(count_parts({2e4, 2.3e5}, 0) == 1);
