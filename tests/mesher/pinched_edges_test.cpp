@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/intersection/pinched_edges.hpp"
-#include "tetloom/tasks.hpp"
 #include "tests/support/strip_mesh.hpp"
+#include "tetloom/tasks.hpp"
 
 using namespace tetloom;
 using namespace tetloom::intersection;
