@@ -97,6 +97,12 @@ std::vector<EdgeUseOfRegion> find_open_of(const VolumeInput& input, std::size_t 
   return joined(range_to_open);
 }
 
+std::vector<EdgeUseOfRegion> find_open_alone(const VolumeInput& input, const TaskRunner& runner) {
+  return find_open_of(input, input.tri_to_vert.size(), runner, [&](std::size_t t, const auto& visit) {
+    for_each_use(input, static_cast<std::uint32_t>(t), visit);
+  });
+}
+
 // Each rank reads its share of the triangles, and looks at the edges whose low vertices are its own.
 std::vector<EdgeUseOfRegion> find_open_on_ranks(const VolumeInput& input, const SharedWork& work) {
   const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
@@ -167,12 +173,8 @@ bool number_vertices(const VolumeInput& input, ComplexArrays& complex, LocalNumb
 }  // namespace
 
 OpenRegions find_open_regions(const VolumeInput& input, const SharedWork& work) {
-  std::vector<EdgeUseOfRegion> open = work.rank_count() == 1
-                                          ? find_open_of(input, input.tri_to_vert.size(), work.runner(),
-                                                         [&](std::size_t t, const auto& visit) {
-                                                           for_each_use(input, static_cast<std::uint32_t>(t), visit);
-                                                         })
-                                          : find_open_on_ranks(input, work);
+  std::vector<EdgeUseOfRegion> open =
+      work.rank_count() > 1 ? find_open_on_ranks(input, work) : find_open_alone(input, work.runner());
   std::sort(open.begin(), open.end(), comes_before);
   OpenRegions result;
   for (std::size_t begin = 0, end = 0; begin < open.size(); begin = end) {
