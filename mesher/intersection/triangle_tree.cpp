@@ -8,6 +8,7 @@
 #include "core/spatial/distances.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/own_share.hpp"
 #include "threading/comm/sort_on_ranks.hpp"
 
 namespace tetloom::intersection {
@@ -104,14 +105,13 @@ std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, cons
   };
   const double extent =
       std::max({around.hi.x - around.lo.x, around.hi.y - around.lo.y, around.hi.z - around.lo.z, 1e-300});
-  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
-  const std::size_t first = tri_to_vert_.size() * rank / ranks, last = tri_to_vert_.size() * (rank + 1) / ranks;
+  const ItemRange own = own_share(tri_to_vert_.size(), work);
   std::vector<Key> keys;
   work.each([&] {
-    keys.resize(last - first);
+    keys.resize(own.size());
     work.runner().for_blocks(keys.size(), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const auto triangle = static_cast<std::uint32_t>(first + i);
+        const auto triangle = static_cast<std::uint32_t>(own.first + i);
         keys[i] = {morton_of(box_of(triangle).center(), around.lo, kMostMorton / extent), triangle};
       }
     });
@@ -124,7 +124,7 @@ std::vector<std::uint32_t> TriangleTree::sort_triangles(const Box3& around, cons
     });
   };
   std::vector<std::uint32_t> order;
-  if (ranks == 1) {
+  if (work.rank_count() == 1) {
     order_of(order);
     return order;
   }

@@ -8,23 +8,13 @@
 
 #include "core/base/lists.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/own_share.hpp"
 
 namespace tetloom::parts {
 
 namespace {
 
 constexpr std::size_t kBlock = 4096;
-
-struct Range {
-  std::size_t first = 0, last = 0;
-  std::size_t size() const { return last - first; }
-};
-
-// This rank's of `count` items.
-Range share_of(std::size_t count, const SharedWork& work) {
-  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
-  return {count * rank / ranks, count * (rank + 1) / ranks};
-}
 
 // What concerns which part: each rank finds the pairs of its share of the items, in blocks side by side; then each part
 // picks its own from the blocks of all ranks.
@@ -40,7 +30,7 @@ class Pairs {
 
   /// Adds the pairs that find(item, pairs) appends, for this rank's share of `items`. Not a collective call.
   template <class Find>
-  void collect(const Range& items, const Find& find) {
+  void collect(const ItemRange& items, const Find& find) {
     const std::size_t before = block_to_pairs_.size();
     block_to_pairs_.resize(before + (items.size() + kBlock - 1) / kBlock);
     work_.runner().for_blocks(items.size(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -108,8 +98,8 @@ class SurfaceDealer {
       : complex_(complex),
         decomposition_(decomposition),
         work_(work),
-        own_points_(share_of(complex.points.size(), work)),
-        own_triangles_(share_of(complex.tri_to_vert.size(), work)),
+        own_points_(own_share(complex.points.size(), work)),
+        own_triangles_(own_share(complex.tri_to_vert.size(), work)),
         all_(decomposition.part_count(), work) {
     work.each([&] { look_at_points(sizes, reach); });
   }
@@ -211,7 +201,7 @@ class SurfaceDealer {
   const volume::Complex& complex_;
   const Decomposition& decomposition_;
   const SharedWork& work_;
-  const Range own_points_, own_triangles_;
+  const ItemRange own_points_, own_triangles_;
   Pairs all_;
   std::vector<double> margins_;  // of points: how far from a part's box it knows them
   std::vector<PartId> owners_;

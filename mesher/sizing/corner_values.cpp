@@ -13,6 +13,7 @@
 #include "core/sizing/block_corners.hpp"
 #include "core/spatial/morton.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/own_share.hpp"
 
 namespace tetloom {
 namespace {
@@ -159,11 +160,11 @@ std::vector<std::uint64_t> corner_codes(const SizeOctree& tree, Blocks blocks, c
   for (std::size_t r = 1; r < wanted && !blocks.empty(); ++r)
     bounds.push_back(CornersOfSome::corner_code(blocks[r * blocks.size() / wanted], 0));
   sort_unique(bounds);
-  const std::size_t first = blocks.size() * rank / ranks, last = blocks.size() * (rank + 1) / ranks;
+  const ItemRange share = own_share(blocks.size(), work);
   if (ranks == 1) return joined(codes_in_ranges(tree, blocks, bounds, work.runner()));
   const auto owner_of = [&](std::size_t range) { return range * ranks / (bounds.size() - 1); };
   std::vector<Bytes> found = work.exchange([&](std::span<MessageWriter> to) {
-    const auto own = codes_in_ranges(tree, blocks.subspan(first, last - first), bounds, work.runner());
+    const auto own = codes_in_ranges(tree, blocks.subspan(share.first, share.size()), bounds, work.runner());
     for (std::size_t r = 0; r < own.size(); ++r) to[owner_of(r)].put_array<std::uint64_t>(own[r]);
   });
   std::vector<std::uint64_t> own;

@@ -13,6 +13,7 @@
 #include "core/base/local_numbers.hpp"
 #include "mesher/volume/volume_mesher.hpp"
 #include "tetloom/tasks.hpp"
+#include "threading/comm/own_share.hpp"
 
 namespace tetloom::volume {
 
@@ -105,11 +106,11 @@ std::vector<EdgeUseOfRegion> find_open_alone(const VolumeInput& input, const Tas
 
 // Each rank reads its share of the triangles, and looks at the edges whose low vertices are its own.
 std::vector<EdgeUseOfRegion> find_open_on_ranks(const VolumeInput& input, const SharedWork& work) {
-  const auto rank = static_cast<std::size_t>(work.rank()), ranks = static_cast<std::size_t>(work.rank_count());
-  const std::size_t count = input.tri_to_vert.size();
+  const auto ranks = static_cast<std::size_t>(work.rank_count());
+  const ItemRange share = own_share(input.tri_to_vert.size(), work);
   const std::vector<Bytes> sent = work.exchange([&](std::span<MessageWriter> to) {
     std::vector<std::vector<EdgeUseOfRegion>> rank_to_uses(ranks);
-    for (std::size_t t = count * rank / ranks; t < count * (rank + 1) / ranks; ++t)
+    for (std::size_t t = share.first; t < share.last; ++t)
       for_each_use(input, static_cast<std::uint32_t>(t), [&](const EdgeUseOfRegion& use) {
         rank_to_uses[use.low * ranks / input.points.size()].push_back(use);
       });
