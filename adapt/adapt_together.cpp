@@ -221,8 +221,7 @@ class Start {
     work_.each([&] { check_load(load_of(slice.tet_count(), slice.mesh)); });
     give_back_where_shared(work_.rank_count());
     if (touches_itself(slice)) split_together(slice);
-    adapter_.emplace(share_of(std::move(slice), static_cast<bool>(call_.function), options_, work_), call_.function,
-                     options_, work_);
+    adapter_.emplace(share_of(std::move(slice), call_.function, options_, work_), call_.function, options_, work_);
   }
 
   void limit(MeshSlice& slice) {

@@ -107,9 +107,9 @@ void Adapter::run(AdaptReport& report) {
 }
 
 void Adapter::follow_stages() {
-  double ratio = 2;
+  double ratio = kFirstRatio;
   for (std::size_t stage = 0; stage < kEnd.most_stages; ++stage, ratio *= 2) {
-    if (refinement() <= ratio) break;
+    if ((stage == 0 ? first_stage_.refinement : refinement()) <= ratio) break;
     round(ratio, {follow, kPasses.longest_of_stage});
   }
 }

@@ -11,6 +11,7 @@
 #include "adapt/parts/mesh_slice.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/share_in_parts.hpp"
+#include "adapt/parts/start_metric.hpp"
 #include "adapt/parts/umbrellas.hpp"
 #include "adapt/transfer/field_transfer.hpp"
 #include "tetloom/adapt.hpp"
@@ -33,11 +34,13 @@ struct AdapterShare {
   ShareLinks links;
   TouchingVerts touching;
   std::unique_ptr<BackgroundTiles> tiles;
+  FirstStage first_stage;
   FieldsBefore fields_before;
 };
 
-/// In SharedWork::together. `has_function`: the metric of the slice is not looked up. Errors: those of Adapter.
-AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work);
+/// In SharedWork::together. `function`: as of Adapter. Errors: those of Adapter.
+AdapterShare share_of(MeshSlice&& slice, const MetricFunction& function, const AdaptOptions& options,
+                      const SharedWork& work);
 
 /// Leads a mesh to a metric in stages, each of a few rounds (docs/decisions/0006), until it fits or gets no better.
 /// With ranks, all of them construct it and call it in SharedWork::together.
@@ -111,7 +114,8 @@ class Adapter {
   std::optional<FieldCarrier> carrier_;
   CarriedFields carried_;            // for this rank's share, after the last round
   PassCounts counts_, last_counts_;  // of this rank: of all rounds, of the last one
-  double ratio_ = 0;                 // of the last round
+  FirstStage first_stage_;
+  double ratio_;  // of the stage that vertices have the metric of
   std::size_t rounds_ = 0, most_parts_ = 0, last_parts_ = 0;
   AdaptSeconds seconds_;
 };

@@ -67,13 +67,14 @@ ShareCells cells_of(const MeshSlice& slice, const WholeMesh& mesh, const TetView
 
 }  // namespace
 
-AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& options, const SharedWork& work) {
+AdapterShare share_of(MeshSlice&& slice, const MetricFunction& function, const AdaptOptions& options,
+                      const SharedWork& work) {
   AdapterShare share;
   share.mesh = make_slice_mesh(slice, work);
   if (options.model) require_fit(share.mesh, slice, *options.model, work);
   share.source = take_names(slice.mesh);
   drop_elements(slice);
-  if (has_function) slice.metric = MetricField();
+  if (function) slice.metric = MetricField();
   SliceVerts verts;
   work.each([&] {
     verts.implied = implied_metric({share.mesh.points.span(), tets_of(share.mesh, work.runner())}, work.runner());
@@ -93,6 +94,8 @@ AdapterShare share_of(MeshSlice&& slice, bool has_function, const AdaptOptions& 
   const ShareVerts own = verts_of_share(slice, verts, share.mesh, share.links, share.touching, options.transfer);
   slice = MeshSlice(), verts = SliceVerts();
   give_back_free_memory();
+  const auto itself = [](std::uint32_t v) { return v; };
+  share.first_stage = set_start_metric(share.mesh, {own.logs, own.implied, itself}, function, work);
   share.tiles = make_tiles(share.mesh, share.links, faces, own, cells, work);
   share.mesh.to_neighbor.release();
   return share;
@@ -111,7 +114,9 @@ Adapter::Adapter(AdapterShare&& share, const MetricFunction& function, const Ada
       links_(std::move(share.links)),
       fields_before_(std::move(share.fields_before)),
       tiles_(std::move(share.tiles)),
-      background_(std::in_place, *tiles_) {}
+      background_(std::in_place, *tiles_),
+      first_stage_(share.first_stage),
+      ratio_(first_stage_.ratio) {}
 
 Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const AdaptOptions& options,
                  const SharedWork& work)
@@ -126,6 +131,13 @@ Adapter::Adapter(AdapterInput&& input, const MetricFunction& function, const Ada
                          [](std::uint32_t tet) { return tet == kNone ? kNoTet : BackgroundTet{tet}; });
   touching_ = separate_umbrellas(whole_, runner_);
   keep_background(given, std::move(input.metric));
+  const auto given_of = [&](std::uint32_t v) {
+    if (whole_.to_hint[v] == kNoTet) return kNone;
+    if (v < given) return v;
+    return static_cast<std::uint32_t>(touching_.verts[whole_.to_entity[v].unpack().index - touching_.first]);
+  };
+  first_stage_ = set_start_metric(whole_, {background_->metric().logs, implied_, given_of}, function_, work_);
+  ratio_ = first_stage_.ratio;
   links_ = take_share(whole_);
 }
 

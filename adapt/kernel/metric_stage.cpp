@@ -27,6 +27,19 @@ Tensor implied_by(const Vec3& e1, const Vec3& e2, const Vec3& e3) {
 
 }  // namespace
 
+Tensor limited(const Tensor& asked, const Tensor& implied, double ratio) {
+  if (!std::isfinite(ratio)) return asked;
+  const Tensor half = 0.5 * implied;
+  const double most = ratio * ratio;
+  const Tensor ratios = between(exp(-1 * half), asked);
+  if (trace(ratios) <= most) return asked;
+  return between(exp(half), map_eigenvalues(ratios, [&](double value) { return std::min(value, most); }));
+}
+
+double refinement_of(const Tensor& asked, const Tensor& implied) {
+  return std::sqrt(eigen(between(exp(-0.5 * implied), asked)).values[2]);
+}
+
 Tensor MetricStage::asked_at(const Vec3& x, const BackgroundPlace& place) const {
   return function_ ? function_(x) : exp(background_.log_metric_at(place));
 }
@@ -40,18 +53,13 @@ Tensor MetricStage::at(const Vec3& x, BackgroundTet& hint) const {
   const BackgroundPlace place = background_.locate(x, hint);
   hint = place.tet;
   const Tensor asked = asked_at(x, place);
-  if (!std::isfinite(ratio_)) return asked;
-  const Tensor half = 0.5 * implied_log_at(place);
-  const double most = ratio_ * ratio_;
-  const Tensor ratios = between(exp(-1 * half), asked);
-  if (trace(ratios) <= most) return asked;
-  return between(exp(half), map_eigenvalues(ratios, [&](double value) { return std::min(value, most); }));
+  return std::isfinite(ratio_) ? limited(asked, implied_log_at(place), ratio_) : asked;
 }
 
 double MetricStage::refinement_at(const Vec3& x, BackgroundTet& hint) const {
   const BackgroundPlace place = background_.locate(x, hint);
   hint = place.tet;
-  return std::sqrt(eigen(between(exp(-0.5 * implied_log_at(place)), asked_at(x, place))).values[2]);
+  return refinement_of(asked_at(x, place), implied_log_at(place));
 }
 
 void ImpliedMetric::add(const TetView& some, const BlockLoop& loop) {

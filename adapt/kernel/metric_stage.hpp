@@ -13,6 +13,11 @@ namespace tetloom::adapt {
 
 using MetricFunction = std::function<Tensor(const Vec3&)>;
 
+/// `asked`, with sizes of at least 1 / `ratio` of those of the metric that has the logarithm `implied`.
+Tensor limited(const Tensor& asked, const Tensor& implied, double ratio);
+/// By how much the sizes asked for are smaller than those of that metric, in the worst direction.
+double refinement_of(const Tensor& asked, const Tensor& implied);
+
 /// The metric asked for, limited to sizes that the mesh at hand can follow: in every direction at least 1 / `ratio` of
 /// those of the mesh that adaptation starts from. So a mesh is led to a metric in steps in each of which it stays near
 /// a unit mesh, where qualities and lengths mean what they say (as the metrics of Omega_h and of Park & Darmofal 2008

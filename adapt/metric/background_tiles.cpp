@@ -8,6 +8,7 @@
 #include "core/base/free_memory.hpp"
 #include "core/base/lists.hpp"
 #include "core/spatial/distances.hpp"
+#include "threading/runtime/pausable.hpp"
 
 namespace tetloom::adapt {
 
@@ -90,8 +91,19 @@ NearestOnBoundary BackgroundTiles::nearest(const Vec3& x) const {
     if (distance_to(box) > reach2) continue;
     if (missing == nullptr || distance_to(box) < distance_to(*missing)) missing = &box;
   }
-  if (missing != nullptr) throw MissingTile{missing->tile};
-  return nearest;
+  if (missing == nullptr) return nearest;
+  wait_for(missing->tile);
+  return this->nearest(x);
+}
+
+// Is at hand afterwards, unless this throws.
+void BackgroundTiles::wait_for(std::uint32_t tile) const {
+  if (!Pausable::is_here()) throw MissingTile{tile};
+  {
+    const std::scoped_lock lock(mutex_);
+    missing_.push_back(tile);
+  }
+  Pausable::pause();
 }
 
 void BackgroundTiles::fields_at(const BackgroundPlace& place, std::span<double> values) const {
@@ -127,16 +139,18 @@ void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const Share
   fetch(std::move(lacking), work);
 }
 
-// Some at a time, as messages are beside the tiles for a while. Each rank begins with those of the next one, so that
-// they do not all ask the same. `tiles`: ascending, of ranks that are not this one.
+// Some at a time, as messages are beside the tiles for a while: not much beside those at home. Each rank begins with
+// those of the next one, so that they do not all ask the same. `tiles`: ascending, of ranks that are not this one.
 void BackgroundTiles::fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work) {
-  constexpr std::size_t kAtOnce = 64;
+  constexpr std::size_t kLeastAtOnce = 64, kOfOwn = 32;
+  const std::size_t at_once =
+      std::max(kLeastAtOnce, tile_count() / static_cast<std::size_t>(work.rank_count()) / kOfOwn);
   std::ranges::rotate(tiles, std::ranges::lower_bound(tiles, last_own_));
   std::array<double, 1> most{static_cast<double>(tiles.size())};
   work.max(most);
-  for (std::size_t first = 0; first < static_cast<std::size_t>(most[0]); first += kAtOnce) {
+  for (std::size_t first = 0; first < static_cast<std::size_t>(most[0]); first += at_once) {
     const std::size_t begin = std::min(first, tiles.size());
-    fetch_some(std::span(tiles).subspan(begin, std::min(kAtOnce, tiles.size() - begin)), work);
+    fetch_some(std::span(tiles).subspan(begin, std::min(at_once, tiles.size() - begin)), work);
   }
 }
 
@@ -162,7 +176,8 @@ void BackgroundTiles::fetch_some(std::span<const std::uint32_t> tiles, const Sha
   work.each([&] {
     for (std::size_t r = 0; r < given.size(); ++r) {
       MessageReader reader(given[r]);
-      for (const std::uint32_t tile : wanted[r]) held_[tile] = std::make_unique<Held>(reader.get_array<std::byte>());
+      for (const std::uint32_t tile : wanted[r])
+        held_[tile] = std::make_unique<Held>(Bytes(reader.get_view<std::byte>()));
       given[r] = Bytes();
     }
   });

@@ -48,7 +48,8 @@ class BackgroundTiles {
   /// The boxes of all tiles, which all ranks have, are where `keep` keeps them from now on.
   void move_boxes(const KeepBytes& keep);
 
-  // What BackgroundSearch asks for. All throw MissingTile.
+  // What BackgroundSearch asks for. Where a tile is missing, Pausable work waits for it, and else MissingTile is
+  // thrown.
 
   std::size_t tet_count() const { return index_.tet_count; }
   std::array<Vec3, 4> corners(BackgroundTet tet) const { return tile_with(tet).corners(place_in_tile(tet)); }
@@ -109,8 +110,8 @@ class BackgroundTiles {
 
   /// Calls `look_up`, and says whether it found all tiles. Any thread, several at once.
   bool finds(const std::function<void()>& look_up) const;
-  /// Calls `attempt` on all ranks, each with SharedWork::each, and again with what was missing fetched, as long as
-  /// `finds` said on any rank that something is missing. In SharedWork::together.
+  /// Calls `attempt` on all ranks, each with SharedWork::each, and again with what was missing fetched, as long as on
+  /// any rank something was missing, as `finds` said or Pausable work waits for. In SharedWork::together.
   void until_found(const SharedWork& work, const std::function<void()>& attempt);
 
  private:
@@ -124,11 +125,11 @@ class BackgroundTiles {
     return static_cast<std::uint32_t>((tet - index_.first_name) % kTileTets);
   }
   const Tile& tile_with(BackgroundTet tet) const {
-    const Held* held = held_[tile_of(tet)].get();
-    if (held == nullptr) [[unlikely]]
-      throw MissingTile{tile_of(tet)};
-    return held->tile;
+    const std::uint32_t tile = tile_of(tet);
+    while (held_[tile] == nullptr) [[unlikely]] wait_for(tile);
+    return held_[tile]->tile;
   }
+  void wait_for(std::uint32_t tile) const;
   bool is_own(std::uint32_t tile) const { return tile >= first_own_ && tile < last_own_; }
   void look_in_box(const TileBox& box, const Vec3& x, NearestOnBoundary& nearest, std::uint64_t& number) const;
   std::vector<std::uint32_t> with_ring(std::span<const std::uint32_t> tiles) const;

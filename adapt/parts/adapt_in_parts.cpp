@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "adapt/parts/cut_parts.hpp"
@@ -9,6 +10,7 @@
 #include "adapt/parts/needed_tiles.hpp"
 #include "adapt/parts/rounds.hpp"
 #include "adapt/parts/split_sides.hpp"
+#include "threading/runtime/pausable.hpp"
 
 namespace tetloom::adapt {
 
@@ -28,25 +30,44 @@ void finish(PartOfWhole& part) {
   part.mesh.to_quality.release(), part.mesh.vert_to_tet.release();
 }
 
-// Adapts the parts that have not been `done`. One that lacks a tile is as it was before.
-void adapt_parts(std::span<const PartAtWork> parts, const RoundWork& round, std::span<std::uint8_t> done,
-                 const TaskRunner& runner) {
-  std::vector<double> part_work;
-  for (const PartAtWork& one : parts) part_work.push_back(one.work);
-  runner.for_each_largest_first(part_work, [&](std::size_t p) {
-    if (done[p] != 0) return;
-    PartOfWhole& part = *parts[p].part;
-    CavityMesh before;
-    if (round.tiles != nullptr) before = part.mesh;
-    if (finds(round.tiles, [&] { round.adapt(parts[p].number, part.mesh); })) {
-      before = CavityMesh();
-      finish(part);
-      done[p] = 1;
+// Some of a rank's parts, which it adapts as far as the tiles at hand go.
+class PartsUnderWay {
+ public:
+  PartsUnderWay(std::span<const PartAtWork> parts, const RoundWork& round, const TaskRunner& runner)
+      : parts_(parts), round_(round), runner_(runner), under_way_(parts.size()), done_(parts.size(), 0) {
+    for (const PartAtWork& one : parts) work_.push_back(one.work);
+  }
+
+  /// Lets all that have not ended begin or go on.
+  void go_on() {
+    runner_.for_each_largest_first(work_, [&](std::size_t p) {
+      if (done_[p] == 0) done_[p] = goes_to_end(p) ? 1 : 0;
+    });
+  }
+
+ private:
+  // A part waits where it lacks a tile.
+  bool goes_to_end(std::size_t p) {
+    PartOfWhole& part = *parts_[p].part;
+    const auto adapt = [this, &part, number = parts_[p].number] { round_.adapt(number, part.mesh); };
+    if (round_.tiles == nullptr) {
+      adapt();
     } else {
-      part.mesh = std::move(before);
+      if (!under_way_[p]) under_way_[p] = std::make_unique<Pausable>(adapt);
+      if (!under_way_[p]->resume()) return false;
+      under_way_[p].reset();
     }
-  });
-}
+    finish(part);
+    return true;
+  }
+
+  std::span<const PartAtWork> parts_;
+  const RoundWork& round_;
+  const TaskRunner& runner_;
+  std::vector<double> work_;
+  std::vector<std::unique_ptr<Pausable>> under_way_;
+  std::vector<std::uint8_t> done_;
+};
 
 // How a rank goes through its parts, and the tiles that they need: some at a time, which need half of what the rank is
 // home to, about. All ranks do so equally often, and have about as much to do each time.
@@ -143,9 +164,8 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
   const Batches batches(at_work, round.tiles, work);
   for (std::size_t batch = 0; batch < batches.count(); ++batch) {
     batches.fetch(batch);
-    const std::span<const PartAtWork> of_batch = batches.parts(batch);
-    std::vector<std::uint8_t> done(of_batch.size(), 0);
-    until_found(round.tiles, work, [&] { adapt_parts(of_batch, round, done, work.runner()); });
+    PartsUnderWay under_way(batches.parts(batch), round, work.runner());
+    until_found(round.tiles, work, [&] { under_way.go_on(); });
   }
   if (round.tiles != nullptr) round.tiles->drop_fetched();
   if (lent) lent->give_back();

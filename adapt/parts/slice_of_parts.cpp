@@ -105,10 +105,7 @@ class PartSlicer {
 
   void find_ghosts() {
     const PartId self(static_cast<std::size_t>(work_.rank()));
-    ghosted_ = std::move(make_ghosts(mesh_, 1, work_.runner()).at(self));
-    mesh_.parts.at(self) = Part();
-    for (CellBlock& block : part().cells) block.to_neighbor.release();
-    part().vert_to_place.release();
+    ghosted_ = std::move(add_ghosts(std::move(mesh_), 1, work_.runner()).at(self));
     give_back_free_memory();
   }
 

@@ -1,25 +1,18 @@
 #include "bench/support/measured_ranks.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <stdexcept>
 
 #include "threading/comm/simulated_ranks.hpp"
+#include "threading/runtime/pausable.hpp"
 
 // Ranks of one process share a heap: each would give back what the others are about to touch.
 extern "C" int malloc_trim(std::size_t) noexcept { return 0; }
 
 namespace tetloom::bench {
 namespace {
-
-double thread_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 class MeasuredRank final : public Communicator {
  public:
@@ -28,7 +21,7 @@ class MeasuredRank final : public Communicator {
   void start() {
     phases_.clear();
     sent_ = 0;
-    since_ = thread_seconds();
+    since_ = Pausable::processor_seconds();
   }
   std::vector<RankPhase> take() {
     end_phase(0, false);
@@ -59,7 +52,7 @@ class MeasuredRank final : public Communicator {
   std::vector<Bytes> all_gather(Bytes bytes) override {
     end_phase(rank_count() > 1 ? bytes.size() : 0, true);
     std::vector<Bytes> all = given_.all_gather(std::move(bytes));
-    since_ = thread_seconds();
+    since_ = Pausable::processor_seconds();
     return all;
   }
 
@@ -68,11 +61,11 @@ class MeasuredRank final : public Communicator {
   void measured(const Call& call) {
     end_phase(sent_.exchange(0), false);
     call();
-    since_ = thread_seconds();
+    since_ = Pausable::processor_seconds();
   }
   void end_phase(std::uint64_t bytes, bool is_gathered) {
-    phases_.push_back({thread_seconds() - since_, bytes, is_gathered});
-    since_ = thread_seconds();
+    phases_.push_back({Pausable::processor_seconds() - since_, bytes, is_gathered});
+    since_ = Pausable::processor_seconds();
   }
 
   Communicator& given_;

@@ -171,6 +171,12 @@ FaceKey key_of_verts(std::span<const std::uint32_t> verts) {
   return key;
 }
 
+void disconnect_cells(PartMesh& part) {
+  for (CellBlock& block : part.cells) block.to_neighbor.release();
+  part.vert_to_place.release();
+  part.further_places.release();
+}
+
 void connect_cells(PartMesh& part) {
   check_limits(part);
   match_faces(part);

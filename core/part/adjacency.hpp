@@ -63,6 +63,8 @@ FaceKey key_of_verts(std::span<const std::uint32_t> verts);
 /// the neighbour arrays themselves). Where three or more cells share a face, two are linked and the others stay open.
 /// Errors: OutOfMemory; InputUnsuitable beyond CellPlace's limits.
 void connect_cells(PartMesh& part);
+/// Gives back the memory of what connect_cells has made.
+void disconnect_cells(PartMesh& part);
 
 /// Calls visit(CellPlace) with the corner of every cell at `vert`, each once; in an order that depends on the mesh
 /// only. The scratch keeps its memory between calls.

@@ -37,6 +37,7 @@ class GrowingArray {
  public:
   GrowingArray() = default;
   GrowingArray(std::initializer_list<T> values) { append(std::span<const T>(values.begin(), values.size())); }
+  explicit GrowingArray(std::size_t count, const T& value = T{}) { resize(count, value); }
   explicit GrowingArray(std::span<const T> values) { append(values); }
   GrowingArray(const GrowingArray& other) { append(other.span()); }
   GrowingArray(GrowingArray&& other) noexcept
@@ -132,7 +133,7 @@ class GrowingArray {
 
 // Values packed into bytes, for messages and files.
 
-using Bytes = std::vector<std::byte>;
+using Bytes = GrowingArray<std::byte>;
 
 /// Puts trivially copyable values and arrays into a buffer, each at a multiple of 8 bytes.
 class MessageWriter {
@@ -168,8 +169,9 @@ class MessageWriter {
   template <class T>
   std::span<T> make_room(std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);
-    const std::size_t before = bytes_.size();
-    bytes_.resize(before + (count * sizeof(T) + 7) / 8 * 8);
+    const std::size_t before = bytes_.size(), used = before + count * sizeof(T);
+    bytes_.resize_for_overwrite((used + 7) / 8 * 8);
+    std::fill(bytes_.begin() + used, bytes_.end(), std::byte{});
     return {reinterpret_cast<T*>(bytes_.data() + before), count};
   }
   Bytes bytes_;
@@ -180,6 +182,7 @@ class MessageWriter {
 class MessageReader {
  public:
   explicit MessageReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit MessageReader(const Bytes& bytes) : bytes_(bytes.span()) {}
   bool at_end() const { return bytes_.empty(); }
 
   template <class T>

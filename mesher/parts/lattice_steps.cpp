@@ -94,7 +94,7 @@ void take_sites(PartTask& task, std::vector<LevelPoints>& levels, std::vector<st
       const auto near = reader.get_view<char>();
       levels[l].near_surface.insert(levels[l].near_surface.end(), near.begin(), near.end());
     }
-    Bytes().swap(message.bytes);
+    message.bytes.release();
   }
 }
 

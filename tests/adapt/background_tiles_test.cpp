@@ -46,7 +46,7 @@ struct Spread {
   Spread(const Mesh& mesh, const MetricField& metric, const SharedWork& work)
       : whole(tets_of(mesh), metric, work.runner()),
         implied(implied_metric(whole.mesh())),
-        made(share_of(slice_of(mesh, metric, {}, work.rank(), work.rank_count()), false, {}, work)) {}
+        made(share_of(slice_of(mesh, metric, {}, work.rank(), work.rank_count()), {}, {}, work)) {}
 };
 
 /// Calls body(spread, work) on all of some ranks.

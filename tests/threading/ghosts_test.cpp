@@ -146,6 +146,24 @@ TEST_CASE("ghosts carry the fields of their cells and vertices") {
   CHECK_THROWS_AS(make_ghosts(mesh, 0, runner), Error);
 }
 
+TEST_CASE("a mesh that is given up gets the same ghosts, unconnected") {
+  const auto communicator = make_communicator();
+  const TaskRunner runner(2);
+  PartitionedMesh mesh = make_parts(3, 4, *communicator, runner);
+  const PerPart<GhostedPart> copied = make_ghosts(mesh, 2, runner);
+  const std::vector<PartId> parts(mesh.local().begin(), mesh.local().end());
+  const PerPart<GhostedPart> moved = add_ghosts(std::move(mesh), 2, runner);
+  for (const PartId part : parts) {
+    CHECK(ghosts_of(moved.at(part)) == ghosts_of(copied.at(part)));
+    CHECK(moved.at(part).own_cells == copied.at(part).own_cells);
+    CHECK(moved.at(part).mesh.points == copied.at(part).mesh.points);
+    for (std::size_t kind = 0; kind < kCellKinds; ++kind) {
+      CHECK(moved.at(part).mesh.cells[kind].to_vert == copied.at(part).mesh.cells[kind].to_vert);
+      CHECK(moved.at(part).mesh.cells[kind].to_neighbor.empty());
+    }
+  }
+}
+
 TEST_CASE("new global ids count the vertices of all parts without gaps") {
   const auto communicator = make_communicator();
   const TaskRunner runner(2);

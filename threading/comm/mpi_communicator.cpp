@@ -241,7 +241,7 @@ std::vector<Bytes> MpiCommunicator::all_gather(Bytes bytes) {
   run_on_all(*this, [&] {
     gathered.resize(sizes.size());
     for (std::size_t from = 0; from < sizes.size(); ++from)
-      if (from != static_cast<std::size_t>(rank_)) gathered[from].resize(sizes[from]);
+      if (from != static_cast<std::size_t>(rank_)) gathered[from].resize_for_overwrite(sizes[from]);
   });
   gathered[static_cast<std::size_t>(rank_)] = std::move(bytes);
   for (std::size_t from = 0; from < sizes.size(); ++from)
@@ -375,7 +375,8 @@ bool MpiCommunicator::receive_frame() {
   if (partial_[source].incomplete()) {
     receive_piece(status.MPI_SOURCE, handle, static_cast<std::size_t>(size));
   } else {
-    Bytes frame(static_cast<std::size_t>(size));
+    Bytes frame;
+    frame.resize_for_overwrite(static_cast<std::size_t>(size));
     check_mpi(MPI_Mrecv(frame.data(), size, MPI_BYTE, &handle, MPI_STATUS_IGNORE), "MPI_Mrecv");
     take_frame(status.MPI_SOURCE, frame);
   }
@@ -404,11 +405,11 @@ void MpiCommunicator::take_frame(int source, const Bytes& frame) {
   } else if (head.kind == detail::RankFrameKind::Large) {
     detail::PartialMessage& partial = partial_[static_cast<std::size_t>(source)];
     partial = {detail::get_address(reader), head.epoch, 0};
-    partial.message.bytes.resize(reader.get<std::uint64_t>());
+    partial.message.bytes.resize_for_overwrite(reader.get<std::uint64_t>());
   } else {
     while (!reader.at_end()) {
       Message message = detail::get_address(reader);
-      message.bytes = reader.get_array<std::byte>();
+      message.bytes = Bytes(reader.get_view<std::byte>());
       hand_over(head.epoch, std::move(message));
     }
   }

@@ -1,6 +1,7 @@
 #include "threading/parts/ghosts.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "core/base/lists.hpp"
@@ -109,11 +110,11 @@ class GhostGiver {
   std::vector<Wish> cells_;
 };
 
-GhostedPart receive_ghosts(PartTask& task, const Part& part, const PartitionedMesh& mesh) {
+GhostedPart receive_ghosts(PartTask& task, Part&& part, const PartitionedMesh& mesh) {
   GhostedPart ghosted;
   ghosted.own_vertices = part.mesh.vertex_count();
   for (std::size_t kind = 0; kind < kCellKinds; ++kind) ghosted.own_cells[kind] = part.mesh.cells[kind].size();
-  ghosted.mesh = detail::extend_part(part, task.inbox(), mesh, [&](const detail::AddedPacket& packet) {
+  ghosted.mesh = detail::extend_part(std::move(part), task.inbox(), mesh, [&](const detail::AddedPacket& packet) {
     const auto cells = packet.rest.get_view<std::uint32_t>();
     const auto owners = packet.rest.get_view<Copy>();
     // New vertices have numbers in the order in which they are met.
@@ -125,13 +126,12 @@ GhostedPart receive_ghosts(PartTask& task, const Part& part, const PartitionedMe
       for (std::size_t i = 0; i < packet.cells[kind]; ++i)
         ghosted.ghost_cells[kind].push_back({packet.sender, cells[at++]});
   });
-  connect_cells(ghosted.mesh);
   return ghosted;
 }
 
-}  // namespace
-
-PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const TaskRunner& runner, Trace* trace) {
+// `take`: a part, once nothing more of it is sent.
+PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const std::function<Part(PartId)>& take,
+                                 const TaskRunner& runner, Trace* trace) {
   if (layers < 1) throw Error(ErrorCode::InvalidArgument, "there is at least one layer of ghosts");
   PerPart<GhostGiver> givers(mesh.part_count(), mesh.local());
   const Links neighbors = links_of_neighbors(mesh);
@@ -152,11 +152,30 @@ PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const 
        directed_links(*mesh.communicator, receivers),
        {}},
       {"ghosts: receive",
-       [&](PartTask& task) { ghosted[task] = receive_ghosts(task, mesh.parts[task], mesh); },
+       [&](PartTask& task) { ghosted[task] = receive_ghosts(task, take(task.part()), mesh); },
        {},
        {}}};
   schedule.run(exchange);
   return ghosted;
+}
+
+}  // namespace
+
+PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const TaskRunner& runner, Trace* trace) {
+  PerPart<GhostedPart> ghosted = make_ghosts(
+      mesh, layers, [&](PartId part) { return Part(mesh.parts.at(part)); }, runner, trace);
+  const auto local = mesh.local();
+  runner.for_each(local.size(), [&](std::size_t i) { connect_cells(ghosted.at(local[i]).mesh); });
+  return ghosted;
+}
+
+PerPart<GhostedPart> add_ghosts(PartitionedMesh&& mesh, int layers, const TaskRunner& runner, Trace* trace) {
+  const auto take = [&](PartId id) {
+    Part part = std::exchange(mesh.parts.at(id), Part());
+    disconnect_cells(part.mesh);
+    return part;
+  };
+  return make_ghosts(mesh, layers, take, runner, trace);
 }
 
 namespace {

@@ -27,6 +27,9 @@ struct GhostedPart {
 PerPart<GhostedPart> make_ghosts(const PartitionedMesh& mesh, int layers, const TaskRunner& runner,
                                  Trace* trace = nullptr);
 
+/// The same of a mesh that is given up, without a copy of it. Nothing is connected afterwards.
+PerPart<GhostedPart> add_ghosts(PartitionedMesh&& mesh, int layers, const TaskRunner& runner, Trace* trace = nullptr);
+
 /// Brings the values of vertex field `field` (an index into mesh.vertex_fields) from the owners' parts to all copies.
 /// For fields that each part computed for the vertices that it owns. A collective call.
 void update_copies(PartitionedMesh& mesh, std::size_t field, const TaskRunner& runner, Trace* trace = nullptr);

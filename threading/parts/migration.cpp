@@ -20,13 +20,6 @@ struct Packing {
   bool disconnected = false;  // the neighbours of the part were dropped
 };
 
-// What the receivers compute anew takes memory that the packets need.
-void drop_adjacency(PartMesh& part) {
-  for (CellBlock& block : part.cells) block.to_neighbor.release();
-  part.vert_to_place.release();
-  part.further_places.release();
-}
-
 void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t part_count, const TaskRunner& runner,
                Packing& packing) {
   if (destinations.size() != part.mesh.cell_count())
@@ -35,7 +28,7 @@ void pack_part(PartId self, Part& part, Destinations& destinations, std::size_t 
   const detail::CellPacker packer(part);
   destinations = Destinations();
   packing.disconnected = true;
-  drop_adjacency(part.mesh);
+  disconnect_cells(part.mesh);  // what the receivers compute anew takes memory that the packets need
   const std::vector<PartId>& receivers = cells.receivers;
   packing.packets.resize(receivers.size());
   const std::size_t lanes = 4 * static_cast<std::size_t>(runner.threads());

@@ -76,7 +76,7 @@ struct AddedPacket {
 /// `part` with the cells of the packets that `messages` begin with added behind its own, whose numbers stay. Vertices
 /// and boundary elements that it has on its part boundary, or gets from several senders, are there once. Nothing is
 /// connected yet. `visit` sees each packet once it is in; then its message is freed.
-PartMesh extend_part(const Part& part, std::span<Message> messages, const PartitionedMesh& mesh,
+PartMesh extend_part(Part&& part, std::span<Message> messages, const PartitionedMesh& mesh,
                      const std::function<void(const AddedPacket&)>& visit);
 
 }  // namespace tetloom::detail

@@ -59,7 +59,7 @@ class PartBuilder {
   }
 
   // A part that packets are added to.
-  explicit PartBuilder(const Part& part) : merge_(Merge::Everything), part_(part.mesh) {
+  explicit PartBuilder(Part&& part) : merge_(Merge::Everything), part_(std::move(part.mesh)) {
     for (const std::uint32_t v : part.boundary.vertices.entities) shared_.emplace(part_.vert_to_global[v], v);
     for (std::size_t kind = 0; kind < 3; ++kind) {
       const std::size_t n = kBoundaryVertexCount[kind];
@@ -227,9 +227,9 @@ PartMesh unpack_part(std::span<Message> packets, const PartitionedMesh& mesh) {
   return part;
 }
 
-PartMesh extend_part(const Part& part, std::span<Message> messages, const PartitionedMesh& mesh,
+PartMesh extend_part(Part&& part, std::span<Message> messages, const PartitionedMesh& mesh,
                      const std::function<void(const AddedPacket&)>& visit) {
-  PartBuilder builder(part);
+  PartBuilder builder(std::move(part));
   for (Message& message : messages) {
     MessageReader reader(message.bytes);
     const PacketView packet = view_packet(reader, mesh);
