@@ -69,8 +69,8 @@ class PartsUnderWay {
   std::vector<std::uint8_t> done_;
 };
 
-// How a rank goes through its parts, and the tiles that they need: some at a time, which need half of what the rank is
-// home to, about. All ranks do so equally often, and have about as much to do each time.
+// How a rank goes through its parts, and the tiles that they need: some at a time, which need three quarters of what
+// the rank is home to, about. All ranks do so equally often, and have about as much to do each time.
 class Batches {
  public:
   Batches(std::span<const PartAtWork> parts, BackgroundTiles* tiles, const SharedWork& work)
@@ -106,7 +106,7 @@ class Batches {
     const auto most = parts_.size() / static_cast<std::size_t>(work_.runner().threads());
     const double share = static_cast<double>(tiles_->tile_count()) / work_.rank_count();
     const double needed = static_cast<double>(tiles_of(0, parts_.size()).size());
-    constexpr double kOfShare = 0.5;
+    constexpr double kOfShare = 0.75;
     return std::clamp<std::size_t>(static_cast<std::size_t>(needed / share / kOfShare + 0.5), 1,
                                    std::max<std::size_t>(1, most));
   }

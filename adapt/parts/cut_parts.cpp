@@ -220,8 +220,7 @@ void put_part(const PartOfWhole& part, MessageWriter& writer) {
   writer.put_array<std::uint32_t>(part.to_whole.span());
 }
 
-PartOfWhole get_part_of_whole(const Bytes& bytes) {
-  MessageReader reader(bytes);
+PartOfWhole get_part_of_whole(MessageReader& reader) {
   PartOfWhole part;
   part.mesh = CavityMesh::get(reader);
   part.to_whole.append(reader.get_view<std::uint32_t>());

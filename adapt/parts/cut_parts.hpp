@@ -16,7 +16,7 @@ struct PartOfWhole {
 
 /// All that a part has, exactly, as it is.
 void put_part(const PartOfWhole& part, MessageWriter& writer);
-PartOfWhole get_part_of_whole(const Bytes& bytes);
+PartOfWhole get_part_of_whole(MessageReader& reader);
 
 /// The parts `first`, `first` + 1 …, `count` of them, which are all that `share` has. Its mesh is given back array by
 /// array as it goes over to them: what both need at once is a half more than the mesh alone.

@@ -78,7 +78,7 @@ std::vector<int> lend_parts(std::span<const PartLoad> loads, int ranks) {
 }
 
 LentParts::LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_t part_count, const SharedWork& work)
-    : own_(own), first_(first), work_(work), lent_(static_cast<std::size_t>(work.rank_count())) {
+    : own_(own), first_(first), work_(work) {
   const std::vector<Bytes> given = work.all_gather([&](MessageWriter& writer) {
     std::vector<PartLoad> loads(own.size());
     work.runner().for_each(own.size(), [&](std::size_t p) { loads[p] = load_of(own[p].mesh); });
@@ -88,59 +88,50 @@ LentParts::LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_
     loads_ = joined_lists<PartLoad>(given);
     to_rank_ = lend_parts(loads_, work.rank_count());
     for (std::uint32_t p = 0; p < part_count; ++p) {
-      const int home = rank_of_part(p, part_count, work.rank_count());
-      if (to_rank_[p] != home) lent_[static_cast<std::size_t>(home)].push_back(p);
-      if (to_rank_[p] != home && to_rank_[p] == self()) borrowed_.push_back({p, {}});
+      const auto at = static_cast<std::size_t>(to_rank_[p]), self = static_cast<std::size_t>(work.rank());
+      if (home_of(p) == self && at != self) lent_.push_back(p);
+      if (home_of(p) != self && at == self) borrowed_.push_back({p, {}});
     }
   });
 }
 
-std::size_t LentParts::rounds() const {
-  std::size_t most = 0;
-  for (const auto& parts : lent_) most = std::max(most, parts.size());
-  return most;
-}
-
+// What is sent takes the room of what it was. Parts of one rank follow each other by number, there and back.
 std::vector<PartAtWork> LentParts::lend() {
-  const auto& away = lent_[static_cast<std::size_t>(self())];
-  for (std::size_t i = 0; i < rounds(); ++i) {
-    const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
-      if (i >= away.size()) return;
-      PartOfWhole& part = own_[away[i] - first_];
-      put_part(part, to[static_cast<std::size_t>(to_rank_[away[i]])]);
-      part = PartOfWhole();
-    });
-    work_.each([&] {
-      for (Borrowed& one : borrowed_) {
-        const auto home = static_cast<std::size_t>(rank_of_part(one.number, loads_.size(), work_.rank_count()));
-        if (i < lent_[home].size() && lent_[home][i] == one.number) one.part = get_part_of_whole(given[home]);
-      }
-    });
-  }
+  std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
+    for (const std::uint32_t number : lent_) {
+      put_part(own_[number - first_], to[static_cast<std::size_t>(to_rank_[number])]);
+      own_[number - first_] = PartOfWhole();
+    }
+  });
+  work_.each([&] {
+    for (std::size_t i = 0, next = 0; i < borrowed_.size(); i = next) {
+      Bytes& bytes = given[home_of(borrowed_[i].number)];
+      MessageReader reader(bytes);
+      for (next = i; next < borrowed_.size() && home_of(borrowed_[next].number) == home_of(borrowed_[i].number); ++next)
+        borrowed_[next].part = get_part_of_whole(reader);
+      bytes = Bytes();
+    }
+  });
   std::vector<PartAtWork> here;
   for (std::uint32_t p = 0; p < own_.size(); ++p)
-    if (to_rank_[first_ + p] == self()) here.push_back({&own_[p], first_ + p, loads_[first_ + p].work});
+    if (to_rank_[first_ + p] == work_.rank()) here.push_back({&own_[p], first_ + p, loads_[first_ + p].work});
   for (Borrowed& one : borrowed_) here.push_back({&one.part, one.number, loads_[one.number].work});
   std::ranges::sort(here, {}, &PartAtWork::number);
   return here;
 }
 
 void LentParts::give_back() {
-  const auto& away = lent_[static_cast<std::size_t>(self())];
-  for (std::size_t i = 0; i < rounds(); ++i) {
-    const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
-      for (Borrowed& one : borrowed_) {
-        const auto home = static_cast<std::size_t>(rank_of_part(one.number, loads_.size(), work_.rank_count()));
-        if (i >= lent_[home].size() || lent_[home][i] != one.number) continue;
-        put_part(one.part, to[home]);
-        one.part = PartOfWhole();
-      }
-    });
-    work_.each([&] {
-      if (i < away.size())
-        own_[away[i] - first_] = get_part_of_whole(given[static_cast<std::size_t>(to_rank_[away[i]])]);
-    });
-  }
+  const std::vector<Bytes> given = work_.exchange([&](std::span<MessageWriter> to) {
+    for (Borrowed& one : borrowed_) {
+      put_part(one.part, to[home_of(one.number)]);
+      one.part = PartOfWhole();
+    }
+  });
+  work_.each([&] {
+    std::vector<MessageReader> readers(given.begin(), given.end());
+    for (const std::uint32_t number : lent_)
+      own_[number - first_] = get_part_of_whole(readers[static_cast<std::size_t>(to_rank_[number])]);
+  });
 }
 
 }  // namespace tetloom::adapt

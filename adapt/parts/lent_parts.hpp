@@ -35,7 +35,7 @@ class LentParts {
   /// `own`: the parts of this rank, of which `first` is the number of the first one; of `part_count` in all.
   LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_t part_count, const SharedWork& work);
 
-  /// Sends what is lent, one part of each rank at a time; returns the parts that are here then, ascending in number.
+  /// Sends what is lent; returns the parts that are here then, ascending in number.
   std::vector<PartAtWork> lend();
   /// Sends them back.
   void give_back();
@@ -45,16 +45,17 @@ class LentParts {
     std::uint32_t number;
     PartOfWhole part;
   };
-  std::size_t rounds() const;
-  int self() const { return work_.rank(); }
+  std::size_t home_of(std::uint32_t part) const {
+    return static_cast<std::size_t>(rank_of_part(part, loads_.size(), work_.rank_count()));
+  }
 
   std::span<PartOfWhole> own_;
   std::uint32_t first_;
   const SharedWork& work_;
-  std::vector<PartLoad> loads_;                   // of all parts
-  std::vector<int> to_rank_;                      // of all parts: where they are adapted
-  std::vector<std::vector<std::uint32_t>> lent_;  // by each rank, ascending
-  std::vector<Borrowed> borrowed_;
+  std::vector<PartLoad> loads_;      // of all parts
+  std::vector<int> to_rank_;         // of all parts: where they are adapted
+  std::vector<std::uint32_t> lent_;  // of this rank's own, ascending
+  std::vector<Borrowed> borrowed_;   // ascending
 };
 
 }  // namespace tetloom::adapt
