@@ -139,13 +139,13 @@ void BackgroundTiles::fetch_only(std::vector<std::uint32_t>&& tiles, const Share
   fetch(std::move(lacking), work);
 }
 
-// Some at a time, as messages are beside the tiles for a while: not much beside those at home. Each rank begins with
-// those of the next one, so that they do not all ask the same. `tiles`: ascending, of ranks that are not this one.
+// Some at a time, as messages are beside the tiles for a while: not much beside those at home. In an order that asks
+// all ranks about equally at any time. `tiles`: of ranks that are not this one.
 void BackgroundTiles::fetch(std::vector<std::uint32_t>&& tiles, const SharedWork& work) {
   constexpr std::size_t kLeastAtOnce = 64, kOfOwn = 32;
   const std::size_t at_once =
       std::max(kLeastAtOnce, tile_count() / static_cast<std::size_t>(work.rank_count()) / kOfOwn);
-  std::ranges::rotate(tiles, std::ranges::lower_bound(tiles, last_own_));
+  std::ranges::sort(tiles, {}, [](std::uint32_t tile) { return tile * 2654435761u; });  // (Knuth 1998, 6.4)
   std::array<double, 1> most{static_cast<double>(tiles.size())};
   work.max(most);
   for (std::size_t first = 0; first < static_cast<std::size_t>(most[0]); first += at_once) {

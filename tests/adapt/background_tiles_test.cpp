@@ -177,29 +177,51 @@ TEST_CASE("the tiles where a part lies have all places in it", "[tiles]") {
   for (const std::size_t count : at_hand) CHECK(count > 1);
 }
 
-TEST_CASE("a part that lacks a tile is done again from where it was", "[tiles]") {
+/// Adapts two parts on two ranks; `adapt` is given a tet of a tile that is not at hand.
+void in_two_parts(Spread& spread, const SharedWork& work,
+                  const std::function<void(CavityMesh& part, BackgroundTet elsewhere)>& adapt) {
+  const std::vector<float> even(spread.share.size(), 1);
+  const auto last = static_cast<std::uint32_t>(spread.tiles->tile_count() - 1);
+  const BackgroundTet elsewhere = spread.tiles->name_of(work.rank() == 0 ? last : 0, 0);
+  RoundWork round;
+  round.tiles = spread.tiles.get();
+  round.adapt = [&](std::size_t, CavityMesh& part) {
+    spread.tiles->drop_fetched();
+    adapt(part, elsewhere);
+  };
+  adapt_in_parts(spread.share, spread.links, deal_tets(spread.share, spread.links, even, 2, 0, work), round, work);
+}
+
+TEST_CASE("a part that lacks a tile waits for it where it is", "[tiles]") {
   const Mesh mesh = make_u(4);
-  std::vector<std::size_t> calls(2, 0), same(2, 0);
+  std::vector<std::size_t> calls(2, 0), wrong(2, 1);
   on_ranks(mesh, random_metric(mesh), 2, [&](Spread& spread, const SharedWork& work) {
     const auto rank = static_cast<std::size_t>(work.rank());
-    const std::vector<float> even(spread.share.size(), 1);
-    const auto last = static_cast<std::uint32_t>(spread.tiles->tile_count() - 1);
-    const BackgroundTet elsewhere = spread.tiles->name_of(rank == 0 ? last : 0, 0);
-    GrowingArray<Vec3> before;
-    RoundWork round;
-    round.tiles = spread.tiles.get();
-    round.adapt = [&](std::size_t, CavityMesh& part) {
-      if (calls[rank]++ == 0) {
-        before = part.mesh.points;
-        spread.tiles->drop_fetched();
-      }
-      same[rank] += part.mesh.points == before;
-      for (Vec3& x : part.mesh.points) x += Vec3{1, 0, 0};
+    in_two_parts(spread, work, [&](CavityMesh& part, BackgroundTet elsewhere) {
+      ++calls[rank];
+      for (Vec3& x : part.mesh.points) x.x += 2;
       static_cast<void>(spread.tiles->number(elsewhere));
-    };
-    adapt_in_parts(spread.share, spread.links, deal_tets(spread.share, spread.links, even, 2, 0, work), round, work);
-    for (const Vec3& x : spread.share.points) same[rank] += x.x < 0.5;  // moved once
+      for (Vec3& x : part.mesh.points) x.y += 2;
+    });
+    wrong[rank] = 0;
+    for (const Vec3& x : spread.share.points) wrong[rank] += x.x < 2 || x.x > 3 || x.y < 2 || x.y > 3;
   });
-  CHECK(calls == std::vector<std::size_t>(2, 2));
-  CHECK(same == std::vector<std::size_t>(2, 2));
+  CHECK(calls == std::vector<std::size_t>(2, 1));
+  CHECK(wrong == std::vector<std::size_t>(2, 0));
+}
+
+TEST_CASE("a part that waits is left where another fails", "[tiles]") {
+  const Mesh mesh = make_u(4);
+  bool went_on = false;
+  const auto run = [&] {
+    on_ranks(mesh, random_metric(mesh), 2, [&](Spread& spread, const SharedWork& work) {
+      in_two_parts(spread, work, [&](CavityMesh&, BackgroundTet elsewhere) {
+        if (work.rank() == 0) throw Error(ErrorCode::InvalidArgument, "not this part");
+        static_cast<void>(spread.tiles->number(elsewhere));
+        went_on = true;
+      });
+    });
+  };
+  CHECK_THROWS_WITH(run(), "not this part");
+  CHECK_FALSE(went_on);
 }
