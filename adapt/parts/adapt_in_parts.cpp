@@ -157,7 +157,7 @@ std::size_t adapt_in_parts(WholeMesh& share, ShareLinks& links, Dealing&& dealin
   std::optional<LentParts> lent;
   std::vector<PartAtWork> at_work;
   if (work.rank_count() > 1) {
-    at_work = lent.emplace(parts, first, part_count, work).lend();
+    at_work = lent.emplace(parts, first, part_count, round.sides.longest, work).lend();
   } else {
     for (std::uint32_t p = 0; p < parts.size(); ++p) at_work.push_back({&parts[p], first + p, own_work[p]});
   }

@@ -15,8 +15,8 @@ struct PartLoad {
   double way = 0;   ///< to bring it to another rank and back, for each of the two
 };
 
-/// Reads one tet in a few. Pre: the part is started.
-PartLoad load_of(const CavityMesh& part);
+/// Where edges longer than `longest` are split. Reads one tet in a few. Pre: the part is started.
+PartLoad load_of(const CavityMesh& part, double longest);
 
 /// The rank that adapts each part. Parts stay where they are, in blocks as rank_of_part says, but that the rank of most
 /// work gives one to that of least as long as this helps. The same on all ranks.
@@ -32,8 +32,10 @@ struct PartAtWork {
 /// Lends parts for a round. All functions in together.
 class LentParts {
  public:
-  /// `own`: the parts of this rank, of which `first` is the number of the first one; of `part_count` in all.
-  LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_t part_count, const SharedWork& work);
+  /// `own`: the parts of this rank, of which `first` is the number of the first one; of `part_count` in all. `longest`:
+  /// as of load_of.
+  LentParts(std::span<PartOfWhole> own, std::uint32_t first, std::size_t part_count, double longest,
+            const SharedWork& work);
 
   /// Sends what is lent; returns the parts that are here then, ascending in number.
   std::vector<PartAtWork> lend();

@@ -101,7 +101,7 @@ TEST_CASE("a part has more to do where its edges do not fit") {
     in_one_round(mesh, metric_from_function([&](const Vec3&) { return isotropic(size); }, mesh.points), {}, 2,
                  [&](CavityMesh& part, Passes&) {
                    for (std::uint8_t& state : part.to_state) state = kHasChanged;
-                   sum += load_of(part).work;
+                   sum += load_of(part, 1.4).work;
                  });
     return sum;
   };
