@@ -9,7 +9,7 @@ namespace tetloom::adapt {
 
 namespace {
 
-// Microseconds, fitted to 508 parts of five rounds, in each of which they are off by .14 to .27 of the work.
+// Microseconds, fitted to 508 parts of two meshes: by kind of round off by .14 to .27 of what they take.
 constexpr double kPerTet = 0.02, kPerActiveTet = 0.2, kPerMovableTet = 0.67, kPerLongEdge = 3.35, kPerShortEdge = 5.7;
 constexpr double kWayOfTet = 0.2;
 constexpr double kMovable = 0.78;  // cubed mean ratio: vertices of tets below move
